@@ -1,0 +1,1 @@
+"""Flexible linkages: moving natural frequencies, by two independent engines."""

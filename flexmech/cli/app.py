@@ -1,0 +1,53 @@
+"""The application: its commands and its version."""
+
+from __future__ import annotations
+
+from importlib.metadata import PackageNotFoundError, version
+from typing import Annotated
+
+import typer
+
+from flexmech.cli import check, frequencies, new, schema
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    name="flexmech",
+    help="Moving natural frequencies of flexible linkages, by two independent engines.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+)
+
+
+def _show_version(wanted: bool) -> None:
+    if not wanted:
+        return
+    try:
+        number = version("flexmech")
+    except PackageNotFoundError:
+        number = "(not installed, running from a source folder)"
+    typer.echo(f"flexmech {number}")
+    raise typer.Exit
+
+
+@app.callback()
+def options(
+    show_version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_show_version, is_eager=True, help="Show the version and exit."
+        ),
+    ] = False,
+) -> None:
+    """Options of flexmech itself, before any command."""
+
+
+app.command("frequencies", help=frequencies.HELP)(frequencies.frequencies)
+app.command("check", help=check.HELP)(check.check)
+app.command("new", help=new.HELP)(new.new)
+app.command("schema", help=schema.HELP)(schema.schema)
+
+
+def main() -> None:
+    """Entry point of the console script ``flexmech``; exits with 0, 1, 2 or 130."""
+    app(prog_name="flexmech")

@@ -1,0 +1,32 @@
+"""``flexmech new``: a commented model file to start from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from flexmech.cli.arguments import LinkageKind
+from flexmech.cli.failures import reports_failures
+from flexmech.cli.files import write_whole
+from flexmech.errors import InputError
+
+__all__ = ["HELP", "new"]
+
+HELP = "Write a commented model file to start from."
+
+
+@reports_failures
+def new(
+    kind: Annotated[LinkageKind, typer.Argument(help="Kind of linkage.")],
+    file: Annotated[Path, typer.Argument(help="Model file to write.", metavar="FILE")],
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that exists.")] = False,
+) -> None:
+    """Write the template of a kind of linkage, but never over a file without ``--force``."""
+    from flexmech.modelfile import template
+
+    if file.exists() and not file.is_dir() and not force:
+        raise InputError(f"{file}: exists already; choose another name, or --force to replace it")
+    write_whole(file, template(kind.value))
+    typer.echo(f"wrote {file}; next: flexmech check {file}")

@@ -1,0 +1,227 @@
+"""What an engine is, and all that two finite-element engines have in common."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from typing import ClassVar, Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexmech.errors import InputError
+from flexmech.linear_system.component_modes import ComponentModes, component_modes
+from flexmech.linear_system.link_frames import LinkFrames, RotationTerms
+from flexmech.linear_system.link_model import LinkModel
+from flexmech.linear_system.system import LinearSystem, condense
+from flexmech.linkages import RigidMotion
+from flexmech.mechanism import Mechanism
+
+__all__ = ["PRESTRESS_LEVELS", "Engine", "Prestress"]
+
+FloatArray = NDArray[np.float64]
+Prestress = Literal["none", "axial", "equilibrium"]
+PRESTRESS_LEVELS: tuple[Prestress, ...] = ("none", "axial", "equilibrium")
+# Working memory of a batch; keeps what is alive at a time independent of the map's size.
+BATCH_BYTES = 32_000_000
+
+
+class Engine(ABC):
+    """Turns a mechanism and crank positions into a :class:`LinearSystem`.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    elements : int
+        Finite elements a link.
+    element : str, optional
+        Kind of beam element; one of ``element_kinds``, the first by default.
+    component_modes : bool
+        Reduce each link to component modes (Craig-Bampton). Off: all coordinates.
+
+    Raises
+    ------
+    InputError
+        If the element is unknown or there is no element.
+    """
+
+    name: ClassVar[str]
+    element_kinds: ClassVar[tuple[str, ...]]
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        elements: int = 8,
+        element: str | None = None,
+        component_modes: bool = True,
+    ) -> None:
+        if elements < 1:
+            raise InputError(f"elements must be 1 or more a link, got {elements}")
+        element = element or self.element_kinds[0]
+        if element not in self.element_kinds:
+            raise InputError(
+                f"the {self.name} engine has no element {element!r}; "
+                f"it has {', '.join(self.element_kinds)}"
+            )
+        self.mechanism = mechanism
+        self.elements = elements
+        self.element = element
+        self.component_modes = component_modes
+        self._reductions: dict[tuple[int, float, bool], ComponentModes] = {}
+
+    @property
+    @abstractmethod
+    def links(self) -> tuple[LinkModel, ...]:
+        """Unreduced link models in the topology's order."""
+
+    @property
+    @abstractmethod
+    def convergence_order(self) -> int:
+        """Order of the frequencies' error in the element length."""
+
+    @abstractmethod
+    def tangents(self, motion: RigidMotion, prestress: Prestress) -> list[FloatArray]:
+        """Tangent stiffness of each link in its frame under the motion's inertia forces.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        prestress : {"none", "axial", "equilibrium"}
+
+        Returns
+        -------
+        list of ndarray, shape (n, n) or (B, n, n)
+
+        Raises
+        ------
+        ComputationError
+            If the equilibrium does not converge or is unstable; names the crank angle.
+        """
+
+    def with_elements(self, elements: int) -> Self:
+        """The same engine on another mesh."""
+        return type(self)(self.mechanism, elements, self.element, self.component_modes)
+
+    def unreduced(self) -> Self:
+        """The same engine without component modes."""
+        return type(self)(self.mechanism, self.elements, self.element, component_modes=False)
+
+    @property
+    def batch_size(self) -> int:
+        """Positions to hold in memory at a time."""
+        coordinates = sum(link.size**2 for link in self.links)
+        return max(16, BATCH_BYTES // (8 * 4 * coordinates))
+
+    def linear_system(
+        self,
+        crank_angle: ArrayLike,
+        crank_speed: ArrayLike = 0.0,
+        *,
+        prestress: Prestress = "equilibrium",
+        rotation_terms: bool | RotationTerms = True,
+        modes: int = 6,
+        fastest: float | None = None,
+    ) -> LinearSystem:
+        """Linear system at crank angles and speeds.
+
+        Parameters
+        ----------
+        crank_angle, crank_speed : array_like
+            In rad and rad/s; broadcast against each other and flattened to a batch of B.
+        prestress : {"none", "axial", "equilibrium"}
+        rotation_terms : bool or RotationTerms
+            Terms of the turning frames; at crank speed zero they vanish.
+        modes : int
+            Number of natural frequencies that the reduction must get right.
+        fastest : float, optional
+            Greatest crank speed of the whole map, by which the reduction is chosen; the
+            greatest of ``crank_speed`` by default.
+
+        Returns
+        -------
+        LinearSystem
+            Batch of B positions.
+
+        Raises
+        ------
+        InputError
+            Where the linkage cannot be assembled or locks.
+        ComputationError
+            If the equilibrium does not converge.
+        """
+        if prestress not in PRESTRESS_LEVELS:
+            raise InputError(
+                f"prestress must be one of {', '.join(PRESTRESS_LEVELS)}, got {prestress!r}"
+            )
+        angle, speed = np.broadcast_arrays(
+            np.asarray(crank_angle, dtype=float), np.asarray(crank_speed, dtype=float)
+        )
+        motion = self.mechanism.linkage.motion(angle.ravel(), speed.ravel())
+        terms = (
+            rotation_terms
+            if isinstance(rotation_terms, RotationTerms)
+            else RotationTerms.all_or_none(rotation_terms)
+        )
+        if not motion.crank_speed.any():
+            terms = RotationTerms.all_or_none(False)
+        tangents = self.tangents(motion, prestress)
+        if not self.component_modes:
+            return _unreduced_system(self.mechanism, self.links, motion, tangents, terms)
+        greatest = float(np.max(np.abs(motion.angular_velocity), initial=0.0))
+        if not terms.any:
+            greatest = 0.0
+        elif fastest is not None:
+            greatest = abs(fastest)
+        reduction = self._reduction(modes, greatest, any(t.ndim == 3 for t in tangents))
+        return _reduced_system(self.mechanism, reduction, motion, tangents, terms)
+
+    def _reduction(self, modes: int, fastest: float, loaded: bool) -> ComponentModes:
+        key = (modes, fastest, loaded)
+        if key not in self._reductions:
+            self._reductions[key] = component_modes(
+                self.mechanism.linkage.topology,
+                self.links,
+                modes,
+                fastest,
+                couples_axially=loaded,
+            )
+        return self._reductions[key]
+
+
+def _unreduced_system(
+    mechanism: Mechanism,
+    links: Sequence[LinkModel],
+    motion: RigidMotion,
+    tangents: Sequence[FloatArray],
+    terms: RotationTerms,
+) -> LinearSystem:
+    frames = LinkFrames(mechanism.linkage.topology, links)
+    matrices = frames.assemble(motion, tangents, terms)
+    return LinearSystem(
+        motion, matrices.mass, matrices.damping, matrices.stiffness, terms, frames
+    )
+
+
+def _reduced_system(
+    mechanism: Mechanism,
+    reduction: ComponentModes,
+    motion: RigidMotion,
+    tangents: Sequence[FloatArray],
+    terms: RotationTerms,
+) -> LinearSystem:
+    frames = LinkFrames(mechanism.linkage.topology, reduction.models)
+    projected = [
+        link.basis.T @ (tangent @ link.basis)
+        for link, tangent in zip(reduction.links, tangents, strict=True)
+    ]
+    matrices = frames.assemble(motion, projected, terms)
+    condensed = np.zeros(frames.size, dtype=bool)
+    for target, link in zip(frames.targets, reduction.links, strict=True):
+        condensed[target[link.condensed]] = True
+    expansion = None
+    if condensed.any():
+        matrices, expansion = condense(matrices, condensed)
+    return LinearSystem(
+        motion, matrices.mass, matrices.damping, matrices.stiffness, terms, frames, expansion
+    )

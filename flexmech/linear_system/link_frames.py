@@ -1,0 +1,294 @@
+"""Link frames: how the links' own coordinates hang together while the frames turn.
+
+Each link's displacement is written in the frame of its rigid motion. A pin keeps the
+displacement of its joint in the leader's frame; the follower's end is
+``R(theta_follower)^T R(theta_leader)`` times it. With ``q = N(t) z``::
+
+    M_r = N'MN
+    C_r = N'(2 M Ndot + 2 omega S N) + N'DN
+    K_r = N'(M Nddot + 2 omega S Ndot + (K - omega^2 M_t + alpha S) N) + N'D Ndot
+
+These are Turcic and Midha's M_d, M_dd, M_vel, M_d,vel and M_acc (Kumar & Chandrakar,
+eq. 1.57). The same code serves every engine: only the link matrices differ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system.link_model import LinkModel
+from flexmech.linkages import RigidMotion, Topology
+
+__all__ = ["LinkFrames", "RotationTerms", "SystemMatrices", "TurningPair"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class RotationTerms:
+    """Which inertial terms of the turning frames count.
+
+    Parameters
+    ----------
+    coriolis : bool
+        Velocity-proportional terms: ``2 M_d`` and ``2 M_vel``.
+    centripetal : bool
+        Terms in squares and products of angular velocities: ``M_acc``, ``M_dd``,
+        ``2 M_d,vel``.
+    tangential : bool
+        Terms in angular accelerations of ``M_acc`` and ``M_dd``.
+    """
+
+    coriolis: bool = True
+    centripetal: bool = True
+    tangential: bool = True
+
+    @classmethod
+    def all_or_none(cls, wanted: bool) -> RotationTerms:
+        """All terms, or the frozen inertial form."""
+        return cls(wanted, wanted, wanted)
+
+    @property
+    def any(self) -> bool:
+        """Whether one term at least counts."""
+        return self.coriolis or self.centripetal or self.tangential
+
+
+@dataclass(frozen=True)
+class SystemMatrices:
+    """Mass, damping and stiffness over a batch; each of shape (B, n, n)."""
+
+    mass: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+
+
+@dataclass(frozen=True)
+class TurningPair:
+    """A follower's end displacement, turned from the leader's frame; arrays (B, 2, 2)."""
+
+    pair: IntArray
+    turn: FloatArray
+    rate: FloatArray
+    centripetal: FloatArray
+    tangential: FloatArray
+
+
+class LinkFrames:
+    """The map from independent coordinates z to the coordinates of all links.
+
+    Parameters
+    ----------
+    topology : Topology
+    links : sequence of LinkModel
+        In the topology's order; full or reduced.
+
+    Attributes
+    ----------
+    targets : list of ndarray of int, shape (n_link,)
+        For each link coordinate the coordinate of z that it takes; -1 where held.
+    size : int
+        Number of independent coordinates.
+    """
+
+    def __init__(self, topology: Topology, links: Sequence[LinkModel]) -> None:
+        self.topology = topology
+        self.links = tuple(links)
+        self.targets = [np.full(link.size, -2, dtype=np.intp) for link in self.links]
+        self._followers: list[list[tuple[IntArray, int]]] = [[] for _ in self.links]
+        self._hold()
+        pairs = self._mark_followers()
+        self.size = self._number()
+        for link, pair, leader, leader_pair in pairs:
+            self.targets[link][pair] = self.targets[leader][leader_pair]
+            held = self.targets[leader][leader_pair] < 0
+            if not held.all():
+                self._followers[link].append((pair, leader))
+
+    def _hold(self) -> None:
+        for clamp in self.topology.clamps:
+            link = self.topology.index(clamp.held.link)
+            model, end = self.links[link], clamp.held.end
+            self.targets[link][model.end_displacement(end)] = -1
+            self.targets[link][model.end_rotation_of(end)] = -1
+        for pivot in self.topology.pivots:
+            link = self.topology.index(pivot.held.link)
+            self.targets[link][self.links[link].end_displacement(pivot.held.end)] = -1
+
+    def _mark_followers(self) -> list[tuple[int, IntArray, int, IntArray]]:
+        pairs = []
+        for pin in self.topology.pins:
+            root = self.topology.leader_of(pin.leader)
+            link, leader = self.topology.index(pin.follower.link), self.topology.index(root.link)
+            pair = self.links[link].end_displacement(pin.follower.end)
+            self.targets[link][pair] = -1
+            pairs.append((link, pair, leader, self.links[leader].end_displacement(root.end)))
+        return pairs
+
+    def _number(self) -> int:
+        count = 0
+        for target in self.targets:
+            free = target == -2
+            target[free] = np.arange(count, count + free.sum())
+            count += int(free.sum())
+        return count
+
+    def turning_pairs(self, motion: RigidMotion, link: int) -> list[TurningPair]:
+        """Rotation of a link's following ends and its time derivatives over a batch."""
+        pairs = []
+        for pair, leader in self._followers[link]:
+            angle = motion.angle[:, leader] - motion.angle[:, link]
+            speed = motion.angular_velocity[:, leader] - motion.angular_velocity[:, link]
+            change = motion.angular_acceleration[:, leader] - motion.angular_acceleration[:, link]
+            cosine, sine = np.cos(angle), np.sin(angle)
+            turn = np.stack([cosine, -sine, sine, cosine], axis=-1).reshape(-1, 2, 2)
+            quarter = np.stack([-sine, -cosine, cosine, -sine], axis=-1).reshape(-1, 2, 2)
+            pairs.append(
+                TurningPair(
+                    pair=pair,
+                    turn=turn,
+                    rate=speed[:, None, None] * quarter,
+                    centripetal=-(speed[:, None, None] ** 2) * turn,
+                    tangential=change[:, None, None] * quarter,
+                )
+            )
+        return pairs
+
+    def assemble(
+        self,
+        motion: RigidMotion,
+        stiffness: Sequence[FloatArray],
+        terms: RotationTerms,
+    ) -> SystemMatrices:
+        """Matrices of the whole linkage in the independent coordinates.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        stiffness : sequence of ndarray, shape (n, n) or (B, n, n)
+            Tangent stiffness of each link in its frame, at the prestress wanted.
+        terms : RotationTerms
+
+        Returns
+        -------
+        SystemMatrices
+        """
+        batch = len(motion.crank_angle)
+        mass, damping, total = (np.zeros((batch, self.size, self.size)) for _ in range(3))
+        for number, link in enumerate(self.links):
+            pairs = self.turning_pairs(motion, number)
+            speed = motion.angular_velocity[:, number, None, None]
+            change = motion.angular_acceleration[:, number, None, None]
+            tangent = stiffness[number]
+            if terms.centripetal:
+                tangent = tangent - speed**2 * link.translational_mass
+            if terms.tangential:
+                tangent = tangent + change * link.gyroscopic
+            self._add(mass, number, turn_both(link.mass, pairs, batch), pairs)
+            link_stiffness = turn_both(tangent, pairs, batch)
+            link_damping = turn_both(link.damping, pairs, batch) if link.damping.any() else None
+            if terms.coriolis:
+                rate = turn_both(2 * speed * link.gyroscopic, pairs, batch)
+                rate += turn_left(2 * times_rate(link.ends.mass, pairs, "rate"), pairs)
+                link_damping = rate if link_damping is None else link_damping + rate
+                if link.damping.any():
+                    link_stiffness += turn_left(times_rate(link.ends.damping, pairs, "rate"), pairs)
+            if terms.centripetal and pairs:
+                link_stiffness += turn_left(
+                    times_rate(link.ends.mass, pairs, "centripetal")
+                    + 2 * speed * times_rate(link.ends.gyroscopic, pairs, "rate"),
+                    pairs,
+                )
+            if terms.tangential and pairs:
+                link_stiffness += turn_left(times_rate(link.ends.mass, pairs, "tangential"), pairs)
+            self._add(total, number, link_stiffness, pairs)
+            if link_damping is not None:
+                self._add(damping, number, link_damping, pairs)
+        return SystemMatrices(mass, damping, total)
+
+    def _add(
+        self, total: FloatArray, link: int, matrix: FloatArray, pairs: list[TurningPair]
+    ) -> None:
+        target = self.targets[link]
+        free = np.flatnonzero(target >= 0)
+        where = target[free]
+        total[:, where[:, None], where] += matrix[:, free[:, None], free]
+
+    def link_coordinates(self, motion: RigidMotion, vectors: NDArray[np.generic]) -> list[
+        NDArray[np.generic]
+    ]:
+        """Coordinates of each link from independent ones.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        vectors : ndarray, shape (B, size, m)
+
+        Returns
+        -------
+        list of ndarray, shape (B, n_link, m)
+        """
+        result = []
+        for number, link in enumerate(self.links):
+            target = self.targets[number]
+            free = target >= 0
+            q = np.zeros((len(vectors), link.size, vectors.shape[2]), dtype=vectors.dtype)
+            q[:, free] = vectors[:, target[free]]
+            for turning in self.turning_pairs(motion, number):
+                q[:, turning.pair] = turning.turn @ q[:, turning.pair]
+            result.append(q)
+        return result
+
+    def gather(self, motion: RigidMotion, loads: Sequence[FloatArray]) -> FloatArray:
+        """Generalized force in the independent coordinates, ``N' f``; shape (B, size).
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        loads : sequence of ndarray, shape (B, n_link)
+            Forces on each link in its frame.
+        """
+        total = np.zeros((len(motion.crank_angle), self.size))
+        for number, load in enumerate(loads):
+            turned = np.array(load, dtype=float)
+            for turning in self.turning_pairs(motion, number):
+                pair = turning.pair
+                turned[:, pair] = np.einsum("bij,bi->bj", turning.turn, turned[:, pair])
+            target = self.targets[number]
+            free = np.flatnonzero(target >= 0)
+            total[:, target[free]] += turned[:, free]
+        return total
+
+
+def turn_both(matrix: FloatArray, pairs: list[TurningPair], batch: int) -> FloatArray:
+    """``Q' X Q`` for a link matrix; shape (B, n, n). Only the following ends turn."""
+    size = matrix.shape[-1]
+    result = np.array(np.broadcast_to(matrix, (batch, size, size)))
+    for turning in pairs:
+        result[:, :, turning.pair] = result[:, :, turning.pair] @ turning.turn
+    return turn_left(result, pairs)
+
+
+def turn_left(matrix: FloatArray, pairs: list[TurningPair]) -> FloatArray:
+    """``Q' X``, in place, for ``X`` of shape (B, n, n)."""
+    for turning in pairs:
+        matrix[:, turning.pair] = np.swapaxes(turning.turn, 1, 2) @ matrix[:, turning.pair]
+    return matrix
+
+
+def times_rate(matrix: FloatArray, pairs: list[TurningPair], which: str) -> FloatArray:
+    """``X`` times a time derivative of Q, which only has the following ends' columns."""
+    size = matrix.shape[-1]
+    batch = len(pairs[0].turn) if pairs else 1
+    result = np.zeros((batch, size, size))
+    for turning in pairs:
+        result[:, :, turning.pair] = matrix[..., turning.pair] @ getattr(turning, which)
+    return result

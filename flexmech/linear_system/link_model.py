@@ -1,0 +1,197 @@
+"""One elastic link in its own frame: matrices of small displacements about the rigid motion."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linkages import RigidMotion
+from flexmech.linkages.motion import direction, normal
+
+__all__ = ["EndMatrices", "LinkModel", "RigidFields", "inertia_loads"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class RigidFields:
+    """Coordinates of the accelerations that a rigid link can have, each of shape (n,).
+
+    Parameters
+    ----------
+    along, across : ndarray
+        Unit acceleration along the link frame's x and y.
+    centripetal : ndarray
+        Field ``x`` along the link (multiplied by ``-omega**2``).
+    tangential : ndarray
+        Field ``x`` across the link with its rotation (multiplied by ``alpha``).
+    """
+
+    along: FloatArray
+    across: FloatArray
+    centripetal: FloatArray
+    tangential: FloatArray
+
+
+@dataclass(frozen=True)
+class EndMatrices:
+    """Forces ``X E`` from displacing a link's joined ends alone; each (n, n).
+
+    Only the columns of the ends matter. In nodal coordinates these are the link's own
+    matrices. In component modes an end's coordinate carries a static shape with it, but
+    the frame that turns with the leader holds the end alone: the reduction must not change
+    the frame, because frozen eigenvalues depend on it.
+    """
+
+    mass: FloatArray
+    gyroscopic: FloatArray
+    damping: FloatArray
+
+
+@dataclass(frozen=True)
+class LinkModel:
+    """Matrices of one link in the coordinates q of its link frame.
+
+    The displacement in the frame is ``u(x) = N(x) q``; ``J`` turns by a quarter.
+
+    Parameters
+    ----------
+    name : str
+    mass : ndarray, shape (n, n)
+        Consistent mass, rotary inertia included where the element has it.
+    gyroscopic : ndarray, shape (n, n)
+        ``S``, the integral of ``rho N^T J N`` (skew); the Coriolis matrix is ``2 omega S``
+        and the tangential one ``alpha S``.
+    translational_mass : ndarray, shape (n, n)
+        ``M_t``, the integral of ``rho N^T N``; the centripetal matrix is ``-omega^2 M_t``.
+    stiffness : ndarray, shape (n, n)
+        Elastic stiffness of the unloaded, straight link.
+    damping : ndarray, shape (n, n)
+        Kelvin-Voigt damping, ``tau`` times the elastic stiffness.
+    is_axial : ndarray of bool, shape (n,)
+        Whether a coordinate moves the link along its axis.
+    start, end : ndarray of int, shape (2,) or (0,)
+        Coordinates that are the displacement of the two ends; empty where a reduction has
+        removed an end that is not joined.
+    start_rotation, end_rotation : ndarray of int, shape (0,) or (1,)
+        Coordinate that a clamp at that end holds besides the displacement.
+    shape : ndarray, shape (n_stations, 2, n)
+        Displacement at evenly spaced stations from start to end.
+    fields : RigidFields
+        Rigid accelerations in these coordinates (of the unreduced link only).
+    reduced_ends : EndMatrices, optional
+        Of a reduced link; see :attr:`ends`.
+    """
+
+    name: str
+    mass: FloatArray
+    gyroscopic: FloatArray
+    translational_mass: FloatArray
+    stiffness: FloatArray
+    damping: FloatArray
+    is_axial: NDArray[np.bool_]
+    start: IntArray
+    end: IntArray
+    start_rotation: IntArray
+    end_rotation: IntArray
+    shape: FloatArray
+    fields: RigidFields
+    reduced_ends: EndMatrices | None = None
+
+    @property
+    def ends(self) -> EndMatrices:
+        """Forces from displacing the joined ends alone."""
+        return self.reduced_ends or EndMatrices(self.mass, self.gyroscopic, self.damping)
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates n."""
+        return len(self.mass)
+
+    def end_displacement(self, end: str) -> IntArray:
+        """Coordinates of the displacement at ``"start"`` or ``"end"``."""
+        return self.start if end == "start" else self.end
+
+    def end_rotation_of(self, end: str) -> IntArray:
+        """Coordinate of the rotation at ``"start"`` or ``"end"``."""
+        return self.start_rotation if end == "start" else self.end_rotation
+
+    def projected(self, basis: FloatArray, kept: dict[str, IntArray]) -> LinkModel:
+        """The link with ``q = basis @ p``.
+
+        Parameters
+        ----------
+        basis : ndarray, shape (n, m)
+        kept : dict
+            New positions of ``start`` and ``end``.
+        """
+
+        def project(matrix: FloatArray) -> FloatArray:
+            return basis.T @ matrix @ basis
+
+        none = np.zeros(0, dtype=np.intp)
+        unit = np.zeros_like(basis)
+        for end, place in kept.items():
+            if len(place):
+                unit[self.end_displacement(end), place] = 1.0
+        ends = EndMatrices(
+            mass=basis.T @ self.mass @ unit,
+            gyroscopic=basis.T @ self.gyroscopic @ unit,
+            damping=basis.T @ self.damping @ unit,
+        )
+        axial = np.abs(basis[self.is_axial]).sum(axis=0) > np.abs(basis[~self.is_axial]).sum(axis=0)
+        return replace(
+            self,
+            mass=project(self.mass),
+            gyroscopic=project(self.gyroscopic),
+            translational_mass=project(self.translational_mass),
+            stiffness=project(self.stiffness),
+            damping=project(self.damping),
+            is_axial=axial,
+            start=kept["start"],
+            end=kept["end"],
+            start_rotation=none,
+            end_rotation=none,
+            shape=self.shape @ basis,
+            reduced_ends=ends,
+        )
+
+
+def inertia_loads(
+    links: Sequence[LinkModel], motion: RigidMotion, gravity: tuple[float, float]
+) -> list[FloatArray]:
+    """Distributed inertia forces of the rigid motion and weight, each in its link frame.
+
+    A rigid acceleration is linear along the link and so lies in the space of the shape
+    functions: ``-M a`` with the nodal accelerations ``a`` is the exact consistent load.
+
+    Parameters
+    ----------
+    links : sequence of LinkModel
+    motion : RigidMotion
+        Batch of shape (B,).
+    gravity : tuple of float
+        In ground axes, m/s^2.
+
+    Returns
+    -------
+    list of ndarray, shape (B, n)
+    """
+    pull = motion.origin_acceleration - np.asarray(gravity)
+    along = np.sum(pull * direction(motion.angle), axis=-1)
+    across = np.sum(pull * normal(motion.angle), axis=-1)
+    loads = []
+    for number, link in enumerate(links):
+        fields = link.fields
+        acceleration = (
+            along[:, number, None] * fields.along
+            + across[:, number, None] * fields.across
+            - motion.angular_velocity[:, number, None] ** 2 * fields.centripetal
+            + motion.angular_acceleration[:, number, None] * fields.tangential
+        )
+        loads.append(-acceleration @ link.mass)
+    return loads

@@ -1,0 +1,117 @@
+"""The one contract between engines and analyses: a linear system over many positions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system.link_frames import LinkFrames, RotationTerms, SystemMatrices
+from flexmech.linkages import RigidMotion
+from flexmech.linkages.motion import direction, normal
+
+__all__ = ["LinearSystem", "condense"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LinearSystem:
+    """``M z'' + C z' + K z = 0`` about a batch of B positions of the linkage.
+
+    The coordinates z are displacements in the link frames (see
+    :mod:`flexmech.linear_system.link_frames`), reduced or not.
+
+    Parameters
+    ----------
+    motion : RigidMotion
+        The positions; batch of shape (B,).
+    mass, damping, stiffness : ndarray, shape (B, n, n)
+    terms : RotationTerms
+        Terms of the turning frames that the matrices contain.
+    frames : LinkFrames
+        How z becomes the links' coordinates.
+    expansion : ndarray, shape (B, size, n), or None
+        From z to the coordinates of ``frames`` where some were condensed.
+    """
+
+    motion: RigidMotion
+    mass: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+    terms: RotationTerms
+    frames: LinkFrames
+    expansion: FloatArray | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of coordinates n."""
+        return self.mass.shape[-1]
+
+    @property
+    def is_conservative(self) -> bool:
+        """Whether the matrices are symmetric with no damping: frozen inertial form."""
+        return not self.terms.any and not self.damping.any()
+
+    def link_coordinates(self, vectors: NDArray[np.generic]) -> list[NDArray[np.generic]]:
+        """Coordinates of each link; (B, n, m) -> list of (B, n_link, m)."""
+        full = vectors if self.expansion is None else self.expansion @ vectors
+        return self.frames.link_coordinates(self.motion, full)
+
+    def displacements(self, vectors: NDArray[np.generic]) -> NDArray[np.generic]:
+        """Displacement at the stations of every link, in ground axes.
+
+        Parameters
+        ----------
+        vectors : ndarray, shape (B, n, m)
+
+        Returns
+        -------
+        ndarray, shape (B, m, n_links, n_stations, 2)
+        """
+        along, across = direction(self.motion.angle), normal(self.motion.angle)
+        parts = []
+        for number, (link, q) in enumerate(
+            zip(self.frames.links, self.link_coordinates(vectors), strict=True)
+        ):
+            local = np.einsum("scn,bnm->bmsc", link.shape, q)
+            axes = np.stack([along[:, number], across[:, number]], axis=1)
+            parts.append(np.einsum("bmsc,bcd->bmsd", local, axes))
+        return np.stack(parts, axis=2)
+
+
+def condense(
+    matrices: SystemMatrices, condensed: NDArray[np.bool_]
+) -> tuple[SystemMatrices, FloatArray]:
+    """Let some coordinates follow the others statically (Guyan 1965), in every position.
+
+    Parameters
+    ----------
+    matrices : SystemMatrices
+        Over a batch B with ``size`` coordinates.
+    condensed : ndarray of bool, shape (size,)
+
+    Returns
+    -------
+    SystemMatrices
+        In the remaining n coordinates.
+    ndarray, shape (B, size, n)
+        From the remaining coordinates to all.
+    """
+    gone, kept = np.flatnonzero(condensed), np.flatnonzero(~condensed)
+    stiffness = matrices.stiffness
+    expansion = np.zeros((len(stiffness), len(condensed), len(kept)))
+    expansion[:, kept, np.arange(len(kept))] = 1.0
+    expansion[:, gone] = -np.linalg.solve(
+        stiffness[:, gone[:, None], gone], stiffness[:, gone[:, None], kept]
+    )
+    transposed = np.swapaxes(expansion, 1, 2)
+    return (
+        SystemMatrices(
+            mass=transposed @ matrices.mass @ expansion,
+            damping=transposed @ matrices.damping @ expansion,
+            stiffness=transposed @ stiffness @ expansion,
+        ),
+        expansion,
+    )

@@ -1,0 +1,26 @@
+"""Rigid linkages: topology, kinematics and inverse dynamics. No elasticity here."""
+
+from flexmech.linkages.fourbar import Branch, FourBar, GrashofClass
+from flexmech.linkages.inverse_dynamics import InverseDynamics, LinkMass, inverse_dynamics
+from flexmech.linkages.linkage import Linkage
+from flexmech.linkages.motion import RigidMotion
+from flexmech.linkages.rotating_arm import RotatingArm
+from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
+
+__all__ = [
+    "Branch",
+    "Clamp",
+    "FourBar",
+    "GrashofClass",
+    "InverseDynamics",
+    "Link",
+    "LinkEnd",
+    "LinkMass",
+    "Linkage",
+    "Pin",
+    "Pivot",
+    "RigidMotion",
+    "RotatingArm",
+    "Topology",
+    "inverse_dynamics",
+]

@@ -1,0 +1,274 @@
+"""The planar four-bar linkage: assembly, velocities, accelerations, transmission angle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexmech.errors import InputError
+from flexmech.linkages.motion import RigidMotion, direction, normal
+from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
+
+__all__ = ["Branch", "FourBar", "GrashofClass"]
+
+FloatArray = NDArray[np.float64]
+Branch = Literal["open", "crossed"]
+GrashofClass = Literal[
+    "crank-rocker", "rocker-crank", "double-crank", "double-rocker", "change-point", "triple-rocker"
+]
+
+# Below this sine of the transmission angle the follower's angular velocity is set by
+# round-off rather than by geometry: the position counts as locked.
+LOCKING_SINE = 1e-6
+CHANGE_POINT_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class FourBar:
+    """Ground pivots O2 = (0, 0) and O4 = (ground, 0), crank O2-A, coupler A-B, rocker O4-B.
+
+    Parameters
+    ----------
+    ground, crank, coupler, rocker : float
+        Link lengths r1, r2, r3, r4 in m.
+    branch : {"open", "crossed"}
+        "open" has B to the left of the line from A to O4 (above it at crank angle zero).
+
+    Raises
+    ------
+    InputError
+        If a length is not a positive number, the branch is unknown, or the four lengths
+        cannot close at any crank angle.
+    """
+
+    ground: float
+    crank: float
+    coupler: float
+    rocker: float
+    branch: Branch = "open"
+
+    def __post_init__(self) -> None:
+        for name, length in self.lengths.items():
+            if not (np.isfinite(length) and length > 0):
+                raise InputError(f"length of the {name} must be positive, got {length} m")
+        if self.branch not in ("open", "crossed"):
+            raise InputError(f"branch must be 'open' or 'crossed', got {self.branch!r}")
+        longest = max(self.lengths, key=lambda name: self.lengths[name])
+        others = sum(self.lengths.values()) - self.lengths[longest]
+        if self.lengths[longest] >= others:
+            raise InputError(
+                f"the linkage cannot be assembled at any crank angle: the {longest} "
+                f"({self.lengths[longest]:g} m) is not shorter than the other three links "
+                f"together ({others:g} m); shorten it or lengthen the others"
+            )
+
+    @property
+    def lengths(self) -> dict[str, float]:
+        """Link lengths in m by name."""
+        return {
+            "ground": self.ground,
+            "crank": self.crank,
+            "coupler": self.coupler,
+            "rocker": self.rocker,
+        }
+
+    @cached_property
+    def topology(self) -> Topology:
+        """Crank clamped to the shaft at O2; pins A and B; rocker pivoted at O4."""
+        return Topology(
+            links=(
+                Link("crank", self.crank),
+                Link("coupler", self.coupler),
+                Link("rocker", self.rocker),
+            ),
+            clamps=(Clamp("O2", LinkEnd("crank", "start")),),
+            pivots=(Pivot("O4", LinkEnd("rocker", "start")),),
+            pins=(
+                Pin("A", leader=LinkEnd("crank", "end"), follower=LinkEnd("coupler", "start")),
+                Pin("B", leader=LinkEnd("coupler", "end"), follower=LinkEnd("rocker", "end")),
+            ),
+        )
+
+    @property
+    def grashof_class(self) -> GrashofClass:
+        """Kind of motion by Grashof's criterion, named input link first."""
+        ordered = sorted(self.lengths.values())
+        excess = ordered[0] + ordered[3] - ordered[1] - ordered[2]
+        if abs(excess) <= CHANGE_POINT_TOLERANCE * sum(ordered):
+            return "change-point"
+        if excess > 0:
+            return "triple-rocker"
+        shortest = min(self.lengths, key=lambda name: self.lengths[name])
+        kinds: dict[str, GrashofClass] = {
+            "ground": "double-crank",
+            "crank": "crank-rocker",
+            "coupler": "double-rocker",
+            "rocker": "rocker-crank",
+        }
+        return kinds[shortest]
+
+    @property
+    def crank_turns_fully(self) -> bool:
+        """Whether the crank can make a full turn without locking."""
+        return self.grashof_class in ("crank-rocker", "double-crank")
+
+    def transmission_angle(self, crank_angle: ArrayLike) -> FloatArray:
+        """Angle between coupler and rocker at B in rad, between 0 and pi.
+
+        Elamy et al. 2023, eq. 1.
+
+        Parameters
+        ----------
+        crank_angle : array_like, shape (...)
+            In rad.
+
+        Returns
+        -------
+        ndarray, shape (...)
+
+        Raises
+        ------
+        InputError
+            Where the linkage cannot be assembled.
+        """
+        theta = np.asarray(crank_angle, dtype=float)
+        cosine = (
+            self.coupler**2
+            + self.rocker**2
+            - self.ground**2
+            - self.crank**2
+            + 2 * self.ground * self.crank * np.cos(theta)
+        ) / (2 * self.coupler * self.rocker)
+        self._refuse_gaps(theta, cosine)
+        return np.arccos(np.clip(cosine, -1.0, 1.0))
+
+    def transmission_angle_limits(self) -> tuple[float, float]:
+        """Least and greatest transmission angle in rad over the crank's range of motion.
+
+        Elamy et al. 2023, eqs. 2 and 3, where the crank passes 0 and 180 degrees; a limit
+        position of the crank gives 0 or pi instead.
+        """
+        cosines = [
+            (
+                self.coupler**2
+                + self.rocker**2
+                - self.ground**2
+                - self.crank**2
+                + sign * 2 * self.ground * self.crank
+            )
+            / (2 * self.coupler * self.rocker)
+            for sign in (1.0, -1.0)
+        ]
+        least, greatest = (float(np.arccos(np.clip(c, -1.0, 1.0))) for c in cosines)
+        return least, greatest
+
+    def motion(
+        self,
+        crank_angle: ArrayLike,
+        crank_speed: ArrayLike = 0.0,
+        crank_acceleration: ArrayLike = 0.0,
+    ) -> RigidMotion:
+        """Rigid motion of crank, coupler and rocker.
+
+        Kumar & Chandrakar, eqs. 1.22, 1.23 (angular velocities), 1.35 and 1.36 (angular
+        accelerations, corrected: the alpha2 term of 1.36 has sin(theta2 - theta3)).
+
+        Parameters
+        ----------
+        crank_angle, crank_speed, crank_acceleration : array_like
+            Angle in rad, speed in rad/s, acceleration in rad/s^2; broadcast together.
+
+        Returns
+        -------
+        RigidMotion
+            With three links.
+
+        Raises
+        ------
+        InputError
+            Where the linkage cannot be assembled, locks or meets a change point; the
+            message names the crank angle.
+        """
+        theta2, omega2, alpha2 = np.broadcast_arrays(
+            *(np.asarray(a, dtype=float) for a in (crank_angle, crank_speed, crank_acceleration))
+        )
+        theta3, theta4 = self._follower_angles(theta2)
+        sine = np.sin(theta4 - theta3)
+        omega3 = self.crank * omega2 * np.sin(theta4 - theta2) / (-self.coupler * sine)
+        omega4 = self.crank * omega2 * np.sin(theta2 - theta3) / (self.rocker * sine)
+        alpha3 = (
+            self.crank * omega2**2 * np.cos(theta2 - theta4)
+            + self.crank * alpha2 * np.sin(theta2 - theta4)
+            + self.coupler * omega3**2 * np.cos(theta4 - theta3)
+            - self.rocker * omega4**2
+        ) / (self.coupler * sine)
+        alpha4 = (
+            self.crank * omega2**2 * np.cos(theta2 - theta3)
+            + self.crank * alpha2 * np.sin(theta2 - theta3)
+            - self.rocker * omega4**2 * np.cos(theta4 - theta3)
+            + self.coupler * omega3**2
+        ) / (self.rocker * sine)
+
+        along, across = direction(theta2), normal(theta2)
+        zero = np.zeros_like(along)
+        a_position = self.crank * along
+        a_velocity = self.crank * omega2[..., None] * across
+        a_acceleration = self.crank * (alpha2[..., None] * across - omega2[..., None] ** 2 * along)
+        o4_position = zero + np.array([self.ground, 0.0])
+        return RigidMotion(
+            crank_angle=theta2,
+            crank_speed=omega2,
+            angle=np.stack([theta2, theta3, theta4], axis=-1),
+            angular_velocity=np.stack([omega2, omega3, omega4], axis=-1),
+            angular_acceleration=np.stack([alpha2, alpha3, alpha4], axis=-1),
+            origin=np.stack([zero, a_position, o4_position], axis=-2),
+            origin_velocity=np.stack([zero, a_velocity, zero], axis=-2),
+            origin_acceleration=np.stack([zero, a_acceleration, zero], axis=-2),
+        )
+
+    def _follower_angles(self, theta2: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Coupler and rocker angles from the two circles about A and O4 that meet in B."""
+        self._refuse_locking(theta2)
+        to_o4_x = self.ground - self.crank * np.cos(theta2)
+        to_o4_y = -self.crank * np.sin(theta2)
+        distance = np.hypot(to_o4_x, to_o4_y)
+        cosine = (self.coupler**2 + distance**2 - self.rocker**2) / (2 * self.coupler * distance)
+        opening = np.arccos(np.clip(cosine, -1.0, 1.0))
+        side = 1.0 if self.branch == "open" else -1.0
+        theta3 = np.arctan2(to_o4_y, to_o4_x) + side * opening
+        theta4 = np.arctan2(
+            self.coupler * np.sin(theta3) - to_o4_y, self.coupler * np.cos(theta3) - to_o4_x
+        )
+        return theta3, theta4
+
+    def _refuse_gaps(self, theta: FloatArray, cosine: FloatArray) -> None:
+        gaps = ~(np.abs(cosine) <= 1.0 + 1e-12)
+        if np.any(gaps):
+            angle = _degrees(theta[gaps].flat[0])
+            raise InputError(
+                f"the linkage cannot be assembled at crank angle {angle:g} deg: coupler and "
+                f"rocker do not meet there ({self.grashof_class}); choose crank angles inside "
+                "its range of motion or other link lengths"
+            )
+
+    def _refuse_locking(self, theta: FloatArray) -> None:
+        transmission = self.transmission_angle(theta)
+        locked = np.sin(transmission) < LOCKING_SINE
+        if np.any(locked):
+            angle = _degrees(theta[locked].flat[0])
+            what = (
+                "meets a change point" if self.grashof_class == "change-point" else "locks"
+            )
+            raise InputError(
+                f"the linkage {what} at crank angle {angle:g} deg: coupler and rocker are in "
+                "one line (transmission angle 0 or 180 deg) and the crank cannot drive it "
+                "through; leave that crank angle out or change the link lengths"
+            )
+
+
+def _degrees(angle: float) -> float:
+    return float(np.round(np.degrees(angle), 9))

@@ -1,0 +1,257 @@
+"""Inverse dynamics of the rigid linkage: inertia forces, joint reactions, driving torque.
+
+Kumar & Chandrakar, eqs. 1.43-1.44 (link inertia force and moment) and 1.64-1.65 (lumped
+masses). All results are batched over the positions of a :class:`RigidMotion`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import InputError
+from flexmech.linkages.motion import RigidMotion, direction, normal
+from flexmech.linkages.topology import LinkEnd, Topology
+
+__all__ = ["InverseDynamics", "LinkMass", "inverse_dynamics"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LinkMass:
+    """Mass of one link, all of it on the line between its ends.
+
+    Parameters
+    ----------
+    length : float
+        In m.
+    mass_per_length : float
+        Distributed mass in kg/m.
+    point_positions, point_masses : tuple of float
+        Point masses in kg and their distances from the link's start in m.
+    """
+
+    length: float
+    mass_per_length: float
+    point_positions: tuple[float, ...] = ()
+    point_masses: tuple[float, ...] = ()
+
+    def moment(self, order: int) -> float:
+        """Integral of ``x**order`` over the mass: mass, first or second moment."""
+        distributed = self.mass_per_length * self.length ** (order + 1) / (order + 1)
+        points = zip(self.point_positions, self.point_masses, strict=True)
+        return distributed + sum(mass * x**order for x, mass in points)
+
+    def lumped(self, segments: int) -> LinkMass:
+        """The same link with each of ``segments`` equal pieces halved onto its two ends.
+
+        Four segments for coupler and rocker and one for the crank give the twelve masses
+        of Kumar & Chandrakar, Figure 1.5.
+        """
+        if segments < 1:
+            raise InputError(f"a link is lumped into one segment or more, got {segments}")
+        share = self.mass_per_length * self.length / segments
+        masses = np.full(segments + 1, share)
+        masses[[0, -1]] = share / 2
+        positions = np.linspace(0.0, self.length, segments + 1)
+        return LinkMass(
+            length=self.length,
+            mass_per_length=0.0,
+            point_positions=(*positions.tolist(), *self.point_positions),
+            point_masses=(*masses.tolist(), *self.point_masses),
+        )
+
+
+@dataclass(frozen=True)
+class InverseDynamics:
+    """Forces in the rigid linkage that its motion asks for.
+
+    Parameters
+    ----------
+    motion : RigidMotion
+    masses : tuple of LinkMass
+    gravity : tuple of float
+        Gravitational acceleration in ground axes, m/s^2.
+    inertia_force : ndarray, shape (..., n_links, 2)
+        Resultant of inertia and weight on each link, ground axes, N.
+    inertia_moment : ndarray, shape (..., n_links)
+        Its moment about the link's start, N m.
+    joint_force : dict of str to ndarray, shape (..., 2)
+        Force on the held or following link at each joint, ground axes, N.
+    driving_torque : ndarray, shape (...)
+        Torque of the shaft on the clamped link about the shaft's axis, N m.
+    start_force : ndarray, shape (..., n_links, 2)
+        Sum of joint forces on the start of each link, ground axes, N.
+    """
+
+    motion: RigidMotion
+    masses: tuple[LinkMass, ...]
+    gravity: tuple[float, float]
+    inertia_force: FloatArray
+    inertia_moment: FloatArray
+    joint_force: dict[str, FloatArray]
+    driving_torque: FloatArray
+    start_force: FloatArray
+
+    def axial_force(self, link: int, x: float) -> FloatArray:
+        """Tension at ``x`` along a link in N; shape (...).
+
+        A point mass exactly at ``x`` counts to the far side of the cut.
+        """
+        mass = self.masses[link]
+        angle = self.motion.angle[..., link]
+        along = direction(angle)
+        pull = self.motion.origin_acceleration[..., link, :] - np.asarray(self.gravity)
+        start = np.sum(pull * along, axis=-1)
+        turning = self.motion.angular_velocity[..., link] ** 2
+        near = [
+            (p, m)
+            for p, m in zip(mass.point_positions, mass.point_masses, strict=True)
+            if p < x
+        ]
+        mass_before = mass.mass_per_length * x + sum(m for _, m in near)
+        first_before = mass.mass_per_length * x**2 / 2 + sum(m * p for p, m in near)
+        inertia = -(mass_before * start - first_before * turning)
+        return -np.sum(self.start_force[..., link, :] * along, axis=-1) - inertia
+
+
+def inverse_dynamics(
+    topology: Topology,
+    motion: RigidMotion,
+    masses: Sequence[LinkMass],
+    gravity: tuple[float, float] = (0.0, 0.0),
+) -> InverseDynamics:
+    """Solve the rigid linkage's equations of motion for its joint forces.
+
+    Parameters
+    ----------
+    topology : Topology
+        With as many connections as hold the linkage once the shaft is held.
+    motion : RigidMotion
+        Positions at which to solve.
+    masses : sequence of LinkMass
+        One a link, in order.
+    gravity : tuple of float
+        Gravitational acceleration in ground axes, m/s^2.
+
+    Returns
+    -------
+    InverseDynamics
+
+    Raises
+    ------
+    InputError
+        If the connections do not determine the forces.
+    """
+    force, moment = _inertia_loads(motion, masses, gravity)
+    columns = _connection_columns(topology)
+    n_links = len(topology.links)
+    if len(columns) != 3 * n_links:
+        raise InputError(
+            f"{len(columns)} connection forces for {3 * n_links} equations of motion: the "
+            "linkage is not held exactly once; check clamps, pivots and pins"
+        )
+    batch = motion.angle.shape[:-1]
+    matrix = np.zeros((*batch, 3 * n_links, 3 * n_links))
+    for number, column in enumerate(columns):
+        for place, sign, component in column.acts:
+            _add_unit_load(matrix[..., number], topology, motion, place, sign, component)
+    rows = np.concatenate([force, moment[..., None]], axis=-1).reshape(*batch, 3 * n_links)
+    unknown = -np.linalg.solve(matrix, rows[..., None])[..., 0]
+    return _collect(topology, motion, tuple(masses), gravity, force, moment, columns, unknown)
+
+
+@dataclass(frozen=True)
+class _Column:
+    """One unknown: component 0, 1 (force in ground axes) or 2 (torque) at a joint."""
+
+    joint: str
+    component: int
+    acts: tuple[tuple[LinkEnd, float, int], ...]
+
+
+def _connection_columns(topology: Topology) -> list[_Column]:
+    columns = []
+    for clamp in topology.clamps:
+        columns += [_Column(clamp.joint, i, ((clamp.held, 1.0, i),)) for i in (0, 1, 2)]
+    for pivot in topology.pivots:
+        columns += [_Column(pivot.joint, i, ((pivot.held, 1.0, i),)) for i in (0, 1)]
+    for pin in topology.pins:
+        acts = [((pin.follower, 1.0, i), (pin.leader, -1.0, i)) for i in (0, 1)]
+        columns += [_Column(pin.joint, i, acts[i]) for i in (0, 1)]
+    return columns
+
+
+def _add_unit_load(
+    column: FloatArray,
+    topology: Topology,
+    motion: RigidMotion,
+    place: LinkEnd,
+    sign: float,
+    component: int,
+) -> None:
+    """Add a unit force or torque at a link end to a column of the equations of motion."""
+    link = topology.index(place.link)
+    column[..., 3 * link + component] += sign
+    if component < 2 and place.end == "end":
+        arm = topology.links[link].length * direction(motion.angle[..., link])
+        lever = -arm[..., 1] if component == 0 else arm[..., 0]
+        column[..., 3 * link + 2] += sign * lever
+
+
+def _inertia_loads(
+    motion: RigidMotion, masses: Sequence[LinkMass], gravity: tuple[float, float]
+) -> tuple[FloatArray, FloatArray]:
+    """Inertia force and moment about each link's start, weight included."""
+    mass, first, second = (np.array([m.moment(order) for m in masses]) for order in (0, 1, 2))
+    pull = motion.origin_acceleration - np.asarray(gravity)
+    along, across = direction(motion.angle), normal(motion.angle)
+    turning = motion.angular_acceleration[..., None] * across
+    turning = turning - motion.angular_velocity[..., None] ** 2 * along
+    force = -(mass[:, None] * pull + first[:, None] * turning)
+    moment = -(first * np.sum(pull * across, axis=-1) + second * motion.angular_acceleration)
+    return force, moment
+
+
+def _collect(
+    topology: Topology,
+    motion: RigidMotion,
+    masses: tuple[LinkMass, ...],
+    gravity: tuple[float, float],
+    force: FloatArray,
+    moment: FloatArray,
+    columns: list[_Column],
+    unknown: FloatArray,
+) -> InverseDynamics:
+    batch = unknown.shape[:-1]
+    joint_force = {name: np.zeros((*batch, 2)) for name in topology.joint_names}
+    start_force = np.zeros((*batch, len(topology.links), 2))
+    torque = np.zeros(batch)
+    for number, column in enumerate(columns):
+        value = unknown[..., number]
+        if column.component < 2:
+            joint_force[column.joint][..., column.component] = value
+            for place, sign, component in column.acts:
+                if place.end == "start":
+                    start_force[..., topology.index(place.link), component] += sign * value
+        else:
+            # The clamp's couple acts at the link's start; about the shaft's axis the clamp
+            # force has a lever too when the link sits on a hub.
+            link = topology.index(column.acts[0][0].link)
+            lever = motion.origin[..., link, :]
+            clamp = joint_force[column.joint]
+            torque = value + lever[..., 0] * clamp[..., 1] - lever[..., 1] * clamp[..., 0]
+    return InverseDynamics(
+        motion=motion,
+        masses=masses,
+        gravity=gravity,
+        inertia_force=force,
+        inertia_moment=moment,
+        joint_force=joint_force,
+        driving_torque=torque,
+        start_force=start_force,
+    )

@@ -1,0 +1,74 @@
+"""Rigid motion of every link, batched over positions of the linkage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["RigidMotion", "direction", "normal"]
+
+FloatArray = NDArray[np.float64]
+
+
+def direction(angle: FloatArray) -> FloatArray:
+    """Unit vectors at given angles; shape (...) -> (..., 2)."""
+    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def normal(angle: FloatArray) -> FloatArray:
+    """Unit vectors a quarter turn ahead of given angles; shape (...) -> (..., 2)."""
+    return np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+
+
+@dataclass(frozen=True)
+class RigidMotion:
+    """Position, velocity and acceleration of the link frames.
+
+    Leading dimensions ``...`` run over positions (crank angles, crank speeds); the last
+    before any vector component over the links of the topology. SI units, rad.
+
+    Parameters
+    ----------
+    crank_angle : ndarray, shape (...)
+    crank_speed : ndarray, shape (...)
+    angle, angular_velocity, angular_acceleration : ndarray, shape (..., n_links)
+        Absolute angle of each link frame and its time derivatives.
+    origin, origin_velocity, origin_acceleration : ndarray, shape (..., n_links, 2)
+        Start of each link, in ground axes.
+    """
+
+    crank_angle: FloatArray
+    crank_speed: FloatArray
+    angle: FloatArray
+    angular_velocity: FloatArray
+    angular_acceleration: FloatArray
+    origin: FloatArray
+    origin_velocity: FloatArray
+    origin_acceleration: FloatArray
+
+    def position(self, link: int, x: float) -> FloatArray:
+        """Ground position of the point at ``x`` along a link; shape (..., 2)."""
+        return self.origin[..., link, :] + x * direction(self.angle[..., link])
+
+    def velocity(self, link: int, x: float) -> FloatArray:
+        """Ground velocity of the point at ``x`` along a link; shape (..., 2)."""
+        turning = self.angular_velocity[..., link, None] * normal(self.angle[..., link])
+        return self.origin_velocity[..., link, :] + x * turning
+
+    def acceleration(self, link: int, x: float) -> FloatArray:
+        """Ground acceleration of the point at ``x`` along a link; shape (..., 2).
+
+        Kumar & Chandrakar, eqs. 1.37-1.42, for any point of the link.
+        """
+        angle = self.angle[..., link]
+        tangential = self.angular_acceleration[..., link, None] * normal(angle)
+        centripetal = -(self.angular_velocity[..., link, None] ** 2) * direction(angle)
+        return self.origin_acceleration[..., link, :] + x * (tangential + centripetal)
+
+    def origin_acceleration_in_frame(self) -> FloatArray:
+        """Acceleration of each link's start in its own frame; shape (..., n_links, 2)."""
+        along = np.sum(self.origin_acceleration * direction(self.angle), axis=-1)
+        across = np.sum(self.origin_acceleration * normal(self.angle), axis=-1)
+        return np.stack([along, across], axis=-1)

@@ -1,0 +1,5 @@
+"""Materials. No mechanisms here."""
+
+from flexmech.materials.material import Material
+
+__all__ = ["Material"]

@@ -1,0 +1,146 @@
+"""From what pydantic found wrong to one message: file, dotted key, what was got, remedy."""
+
+from __future__ import annotations
+
+import typing
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+from pydantic_core import ErrorDetails
+
+from flexmech.errors import InputError
+from flexmech.modelfile.quantities import QuantityField
+from flexmech.modelfile.tables import ModelFile, suggestion
+
+__all__ = ["input_error", "located"]
+
+_WANTED_TYPES = {
+    "string_type": "text in quotes",
+    "string_too_short": "text that is not empty",
+    "dict_type": "a table",
+    "model_type": "a table",
+    "model_attributes_type": "a table",
+    "list_type": "a list in square brackets",
+    "tuple_type": "a list in square brackets",
+}
+
+
+@contextmanager
+def located(file: str, key: str) -> Iterator[None]:
+    """Prefix every :class:`InputError` of the block with the file and the dotted key."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{file}: {key}: {error}") from error
+    except OverflowError as error:
+        raise InputError(
+            f"{file}: {key}: a value here is too large to compute with; check the units"
+        ) from error
+
+
+def input_error(error: ValidationError, data: Mapping[str, Any], file: str) -> InputError:
+    """The first finding of pydantic as an :class:`InputError`.
+
+    Parameters
+    ----------
+    error : ValidationError
+    data : mapping
+        The file's content as parsed from TOML.
+    file : str
+        The file's name for the message.
+
+    Returns
+    -------
+    InputError
+    """
+    finding = error.errors(include_url=False)[0]
+    key = _dotted_key(finding, data)
+    return InputError(f"{file}: {key + ': ' if key else ''}{_text(finding)}")
+
+
+def _dotted_key(finding: ErrorDetails, data: Mapping[str, Any]) -> str:
+    """Key as written in the file; pydantic also puts the tags of unions into its path."""
+    key = ""
+    place: Any = data
+    for step in finding["loc"]:
+        if isinstance(step, int):
+            key += f"[{step}]"
+            place = place[step] if isinstance(place, list) and step < len(place) else None
+        elif isinstance(place, Mapping) and step in place:
+            key += f".{step}"
+            place = place[step]
+        elif finding["type"] == "missing" and step == finding["loc"][-1]:
+            key += f".{step}"
+    if finding["type"] in ("union_tag_not_found", "union_tag_invalid"):
+        key += f".{_tag_name(finding)}"
+    elif finding["type"] == "unknown_key":
+        key += f".{finding['ctx']['key']}"
+    return key.removeprefix(".")
+
+
+def _tag_name(finding: ErrorDetails) -> str:
+    return str(finding["ctx"]["discriminator"]).strip("'")
+
+
+def _text(finding: ErrorDetails) -> str:
+    kind = finding["type"]
+    context = finding.get("ctx", {})
+    got = finding["input"]
+    if kind == "value_error":
+        return str(context["error"])
+    if kind == "missing":
+        return _missing(str(finding["loc"][-1]))
+    if kind == "union_tag_not_found":
+        return _missing(_tag_name(finding))
+    if kind in ("union_tag_invalid", "literal_error"):
+        return _not_a_choice(finding)
+    if kind == "too_long":
+        return f"got {len(got)} values; give {context['max_length']}"
+    if kind in _WANTED_TYPES:
+        return f"got {got!r}; write {_WANTED_TYPES[kind]}"
+    return f"{finding['msg']}"
+
+
+def _not_a_choice(finding: ErrorDetails) -> str:
+    context = finding["ctx"]
+    got = str(context["tag"] if "tag" in context else finding["input"])
+    listed = str(context.get("expected_tags", context.get("expected", "")))
+    known = [word.strip(" '") for word in listed.replace(" or ", ",").split(",")]
+    return f"got {got!r}; {suggestion(got, known)}"
+
+
+def _missing(name: str) -> str:
+    if name in ("linkage", "links"):
+        return f"is missing; add a table [{name}]"
+    example = _examples().get(name)
+    remedy = f"add it, for example {name} = {example}" if example else "add it"
+    return f"is missing; {remedy}"
+
+
+def _examples() -> dict[str, str]:
+    """An example for each key of the format, by its name."""
+    examples = {
+        "name": '"my mechanism"',
+        "source": '"drawing 12-345"',
+        "kind": '"four-bar" or "rotating-arm"',
+        "section": '"rectangle" or "general"',
+        "material": '"steel"',
+    }
+    for table in _tables(ModelFile):
+        for name, field in table.model_fields.items():
+            for mark in field.metadata:
+                if isinstance(mark, QuantityField):
+                    examples[name] = mark.dimension.example
+    return examples
+
+
+def _tables(annotation: Any) -> Iterator[type[BaseModel]]:
+    """All tables in an annotation, and in theirs."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+        for field in annotation.model_fields.values():
+            yield from _tables(field.annotation)
+    for argument in typing.get_args(annotation):
+        yield from _tables(argument)

@@ -1,0 +1,123 @@
+"""Reading model files: bytes, TOML, tables, mechanism."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from flexmech.errors import InputError
+from flexmech.mechanism import Mechanism
+from flexmech.modelfile.build import build_mechanism
+from flexmech.modelfile.messages import input_error
+from flexmech.modelfile.tables import ModelFile
+
+__all__ = ["json_schema", "load_mechanism", "mechanism_from_toml"]
+
+
+def load_mechanism(path: str | os.PathLike[str]) -> Mechanism:
+    """Mechanism of a model file.
+
+    Parameters
+    ----------
+    path : path-like
+        A TOML file; see :func:`flexmech.modelfile.template` for what it may hold.
+
+    Returns
+    -------
+    Mechanism
+        With the file's base name and the SHA-256 of its bytes as provenance.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it cannot be read or is not TOML in UTF-8, or a value is
+        wrong. The message names the file, the dotted key, what was got, and the remedy.
+    """
+    file = Path(path)
+    shown = os.fspath(path)
+    if file.is_dir():
+        raise InputError(f"{shown}: is a folder; name a model file, such as model.toml, in it")
+    if not file.is_file():
+        raise InputError(
+            f"{shown}: there is no such file; check the path, or write a new model file with "
+            "'flexmech new four-bar FILE'"
+        )
+    try:
+        content = file.read_bytes()
+    except OSError as error:
+        raise InputError(
+            f"{shown}: cannot be read ({error.strerror}); check the file's permissions"
+        ) from error
+    try:
+        # A byte-order mark, as some Windows editors write it, is not part of the text.
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise InputError(
+            f"{shown}: line {line} is not UTF-8 text; save the file with UTF-8 encoding"
+        ) from error
+    return _mechanism(text, shown, file.name, hashlib.sha256(content).hexdigest())
+
+
+def mechanism_from_toml(text: str, name: str = "model.toml") -> Mechanism:
+    """Mechanism of a model file's text.
+
+    Parameters
+    ----------
+    text : str
+        TOML.
+    name : str
+        What error messages and the provenance call it.
+
+    Returns
+    -------
+    Mechanism
+
+    Raises
+    ------
+    InputError
+        As :func:`load_mechanism`.
+    """
+    return _mechanism(text, name, name, hashlib.sha256(text.encode()).hexdigest())
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON schema (draft 2020-12) of model files, for editors that complete and check TOML.
+
+    Returns
+    -------
+    dict
+        What the schema cannot say, such as which links a linkage has or that the lengths
+        close, is checked by :func:`load_mechanism` alone.
+    """
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        **ModelFile.model_json_schema(),
+        "title": "flexmech model file",
+    }
+
+
+def _mechanism(text: str, shown: str, file: str, sha256: str) -> Mechanism:
+    data = _parse(text, shown)
+    try:
+        tables = ModelFile.model_validate(data)
+    except ValidationError as error:
+        raise input_error(error, data, shown) from error
+    return build_mechanism(tables, shown, file, sha256)
+
+
+def _parse(text: str, shown: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except RecursionError as error:
+        raise InputError(f"{shown}: tables or lists are nested too deeply") from error
+    except ValueError as error:
+        raise InputError(
+            f"{shown}: is not valid TOML: {error}; values with a unit stand in quotes, as in "
+            'crank = "100 mm"'
+        ) from error

@@ -1,0 +1,211 @@
+"""The tables of a model file, as pydantic models that hold SI floats."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
+from pydantic_core import PydanticCustomError
+
+from flexmech.errors import InputError
+from flexmech.modelfile.quantities import (
+    Acceleration,
+    AngularSpeed,
+    BendingStiffness,
+    DampingRatio,
+    Density,
+    Force,
+    Frequency,
+    Length,
+    LengthOrZero,
+    Mass,
+    MassPerLength,
+    PoissonRatio,
+    RotaryInertia,
+    Stress,
+    TimeOrZero,
+)
+
+__all__ = [
+    "DampedTable",
+    "FourBarTable",
+    "GeneralLinkTable",
+    "JointTable",
+    "LinkTable",
+    "MaterialTable",
+    "ModelFile",
+    "RectangleLinkTable",
+    "RotatingArmTable",
+    "suggestion",
+]
+
+Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
+
+
+def suggestion(got: str, known: list[str]) -> str:
+    """The remedy for a wrong name: the nearest known one, or all of them."""
+    close = difflib.get_close_matches(got, known, n=1)
+    choices = ", ".join(known)
+    return f"did you mean {close[0]!r}? Known here: {choices}" if close else f"use one of {choices}"
+
+
+class Table(BaseModel):
+    """A table that refuses unknown keys and names the nearest known one."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _refuse_unknown_keys(cls, data: Any) -> Any:
+        if isinstance(data, Mapping):
+            known = list(cls.model_fields)
+            for key in data:
+                if key not in known:
+                    raise PydanticCustomError(
+                        "unknown_key",
+                        "unknown key {key!r}; {remedy}",
+                        {"key": key, "remedy": suggestion(str(key), known)},
+                    )
+        return data
+
+
+class DampedTable(Table):
+    """Kelvin-Voigt damping, as a time or as a damping ratio at a frequency."""
+
+    damping_time: TimeOrZero | None = Field(
+        default=None,
+        description="Kelvin-Voigt time tau: stress = E (strain + tau d(strain)/dt)",
+    )
+    damping_ratio: DampingRatio | None = Field(
+        default=None, description="Fraction of critical damping at damping_frequency"
+    )
+    damping_frequency: Frequency | None = Field(
+        default=None, description="Frequency at which damping_ratio holds"
+    )
+
+    @model_validator(mode="after")
+    def _one_kind_of_damping(self) -> DampedTable:
+        has_ratio = self.damping_ratio is not None
+        has_frequency = self.damping_frequency is not None
+        if self.damping_time is not None and (has_ratio or has_frequency):
+            raise InputError(
+                "damping_time and damping_ratio are both given; keep damping_time, or "
+                "damping_ratio with damping_frequency"
+            )
+        if has_ratio != has_frequency:
+            given, absent = ("damping_ratio", "damping_frequency")[:: 1 if has_ratio else -1]
+            raise InputError(
+                f"{given} is given without {absent}; give both, or damping_time instead"
+            )
+        return self
+
+    @property
+    def has_damping(self) -> bool:
+        """Whether any damping is stated here."""
+        return self.damping_time is not None or self.damping_ratio is not None
+
+
+class FourBarTable(Table):
+    """Ground pivots O2 and O4, crank O2-A, coupler A-B, rocker O4-B."""
+
+    kind: Literal["four-bar"]
+    ground: Length = Field(description="Distance r1 between the ground pivots O2 and O4")
+    crank: Length = Field(description="Crank length r2, O2 to A")
+    coupler: Length = Field(description="Coupler length r3, A to B")
+    rocker: Length = Field(description="Rocker length r4, O4 to B")
+    branch: Literal["open", "crossed"] = Field(
+        default="open", description="'open' has B above at crank angle zero"
+    )
+
+
+class RotatingArmTable(Table):
+    """One link clamped to a hub that turns about O2."""
+
+    kind: Literal["rotating-arm"]
+    length: Length = Field(description="Arm length, from the clamp to the free end")
+    hub_radius: LengthOrZero = Field(
+        default=0.0, description="Distance from the axis to the clamp; zero if left out"
+    )
+
+
+class MaterialTable(DampedTable):
+    """An isotropic material."""
+
+    youngs_modulus: Stress = Field(description="Young's modulus E")
+    density: Density = Field(description="Density rho")
+    poisson_ratio: PoissonRatio = Field(description="Poisson's ratio nu (for shear)")
+
+
+class PointMassTable(Table):
+    """A point mass on a link."""
+
+    position: LengthOrZero = Field(description="Distance from the link's first joint")
+    mass: Mass = Field(description="Mass of the point")
+
+
+class RectangleLinkTable(DampedTable):
+    """A link whose section is a solid rectangle; its own damping overrides the material's."""
+
+    section: Literal["rectangle"]
+    material: Text = Field(description="Name of a table under [materials]")
+    in_plane_thickness: Length = Field(
+        description="Extent of the section in the linkage's plane: h in I = b h^3 / 12"
+    )
+    out_of_plane_width: Length = Field(
+        description="Extent of the section along the joint axes: b in I = b h^3 / 12"
+    )
+    point_masses: list[PointMassTable] = Field(default_factory=list)
+
+
+class GeneralLinkTable(DampedTable):
+    """A link whose section is given by its stiffness and mass per length."""
+
+    section: Literal["general"]
+    axial_stiffness: Force = Field(description="EA")
+    bending_stiffness: BendingStiffness = Field(description="EI, for bending in the plane")
+    shear_stiffness: Force = Field(description="kGA, with the shear correction factor k")
+    mass_per_length: MassPerLength = Field(description="rho A")
+    rotary_inertia: RotaryInertia = Field(description="rho I, mass moment of inertia per length")
+    in_plane_thickness: Length = Field(description="Extent of the section in the linkage's plane")
+    point_masses: list[PointMassTable] = Field(default_factory=list)
+
+
+LinkTable = Annotated[RectangleLinkTable | GeneralLinkTable, Field(discriminator="section")]
+
+
+class JointTable(Table):
+    """A joint: O2, A, B and O4 of a four-bar; O2 of a rotating arm."""
+
+    mass: Mass = Field(default=0.0, description="Point mass at the joint")
+
+
+class EnvironmentTable(Table):
+    """What surrounds the linkage."""
+
+    gravity: tuple[Acceleration, Acceleration] = Field(
+        default=(0.0, 0.0), description="Gravitational acceleration along x and y"
+    )
+
+
+class OperationTable(Table):
+    """How the mechanism is meant to run."""
+
+    crank_speeds: list[AngularSpeed] = Field(
+        default_factory=list, description="Crank speeds that the mechanism is meant for"
+    )
+
+
+class ModelFile(Table):
+    """A model file of flexmech."""
+
+    name: Text = Field(description="Short name, used in titles")
+    source: Text = Field(description="Publication, drawing or measurement of the numbers")
+    notes: str = Field(default="", description="Anything a reader should know")
+    linkage: Annotated[FourBarTable | RotatingArmTable, Field(discriminator="kind")]
+    materials: dict[str, MaterialTable] = Field(default_factory=dict)
+    links: dict[str, LinkTable] = Field(description="One table for each moving link")
+    joints: dict[str, JointTable] = Field(default_factory=dict)
+    environment: EnvironmentTable = Field(default_factory=EnvironmentTable)
+    operation: OperationTable = Field(default_factory=OperationTable)

@@ -1,0 +1,147 @@
+"""Commented model files to start from."""
+
+from __future__ import annotations
+
+from flexmech.errors import InputError
+from flexmech.modelfile.tables import suggestion
+
+__all__ = ["KINDS", "template"]
+
+_HEAD = '''# A model file of flexmech. Every value with a dimension is text with its unit;
+# mm, cm, m, inch, GPa, MPa, psi, kg, g, lb, rpm, rad/s, Hz, ms and their like are understood.
+# Lines that begin with # are comments: remove the # to use what they show.
+# 'flexmech check FILE' prints what was understood.
+
+name = "{name}"
+source = "say where the numbers come from: a publication, a drawing, a measurement"
+notes = ""
+'''
+
+_MATERIAL = '''
+[materials.aluminium]
+youngs_modulus = "70 GPa"
+density = "2700 kg/m^3"
+poisson_ratio = 0.33
+# Kelvin-Voigt damping, in one of two ways; a link may state its own, which then counts:
+# damping_time = "2e-5 s"
+# or
+# damping_ratio = "0.5 %"
+# damping_frequency = "50 Hz"
+'''
+
+_FOUR_BAR = '''
+[linkage]
+kind = "four-bar"      # ground pivots O2 and O4, crank O2-A, coupler A-B, rocker O4-B
+ground = "254 mm"
+crank = "100 mm"
+coupler = "280 mm"
+rocker = "265 mm"
+branch = "open"        # "open": B above at crank angle zero; "crossed": B below
+''' + _MATERIAL + '''
+# One table for each link: crank, coupler, rocker.
+[links.crank]
+material = "aluminium"
+section = "rectangle"
+in_plane_thickness = "4 mm"      # in the plane of the linkage: h in I = b h^3 / 12
+out_of_plane_width = "25 mm"     # along the joint axes: b
+
+[links.coupler]
+material = "aluminium"
+section = "rectangle"
+in_plane_thickness = "2 mm"
+out_of_plane_width = "25 mm"
+
+# Any number of point masses, at a distance from the link's first joint (here A):
+# [[links.coupler.point_masses]]
+# position = "140 mm"
+# mass = "10 g"
+
+[links.rocker]
+material = "aluminium"
+section = "rectangle"
+in_plane_thickness = "2 mm"
+out_of_plane_width = "25 mm"
+
+# Or a section by its stiffness and mass per length, without a material:
+# section = "general"
+# axial_stiffness = "3.5e6 N"          # EA
+# bending_stiffness = "1.2 N m^2"      # EI
+# shear_stiffness = "1.1e6 N"          # kGA, with the shear correction factor k
+# mass_per_length = "0.135 kg/m"       # rho A
+# rotary_inertia = "4.5e-8 kg m"       # rho I
+# in_plane_thickness = "2 mm"
+
+# Point masses at the joints O2, A, B, O4, such as bearings:
+# [joints.A]
+# mass = "20 g"
+
+[environment]
+gravity = ["0 m/s^2", "0 m/s^2"]       # along x (from O2 to O4) and y
+
+[operation]
+crank_speeds = ["10 rad/s", "300 rpm"]
+'''
+
+_ROTATING_ARM = '''
+[linkage]
+kind = "rotating-arm"  # one link clamped to a hub that turns about O2
+length = "300 mm"      # from the clamp to the free end
+hub_radius = "20 mm"   # from the axis to the clamp
+''' + _MATERIAL + '''
+[links.arm]
+material = "aluminium"
+section = "rectangle"
+in_plane_thickness = "3 mm"      # in the plane of the rotation: h in I = b h^3 / 12
+out_of_plane_width = "25 mm"     # along the axis: b
+
+# Or a section by its stiffness and mass per length, without a material:
+# section = "general"
+# axial_stiffness = "5.25e6 N"         # EA
+# bending_stiffness = "3.9375 N m^2"   # EI
+# shear_stiffness = "1.7e6 N"          # kGA, with the shear correction factor k
+# mass_per_length = "0.2025 kg/m"      # rho A
+# rotary_inertia = "1.5e-7 kg m"       # rho I
+# in_plane_thickness = "3 mm"
+
+# Any number of point masses, at a distance from the clamp:
+# [[links.arm.point_masses]]
+# position = "300 mm"
+# mass = "10 g"
+
+[environment]
+gravity = ["0 m/s^2", "0 m/s^2"]       # along x and y
+
+[operation]
+crank_speeds = ["10 rad/s", "300 rpm"]
+'''
+
+_TEMPLATES = {
+    "four-bar": _HEAD.format(name="my four-bar") + _FOUR_BAR,
+    "rotating-arm": _HEAD.format(name="my rotating arm") + _ROTATING_ARM,
+}
+
+KINDS = tuple(_TEMPLATES)
+"""Kinds of linkages that a model file can describe."""
+
+
+def template(kind: str) -> str:
+    """A commented model file that loads without change.
+
+    Parameters
+    ----------
+    kind : str
+        One of :data:`KINDS`.
+
+    Returns
+    -------
+    str
+        TOML.
+
+    Raises
+    ------
+    InputError
+        If the kind is unknown.
+    """
+    if kind not in _TEMPLATES:
+        raise InputError(f"unknown kind of linkage {kind!r}; {suggestion(kind, list(KINDS))}")
+    return _TEMPLATES[kind]

@@ -1,0 +1,227 @@
+"""The look shared by all figures: one style, one palette, one crank-angle axis."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.ticker import MaxNLocator, MultipleLocator, ScalarFormatter
+from numpy.typing import NDArray
+
+__all__ = [
+    "FIGURE_WIDTH",
+    "LABEL_SIZE",
+    "LIGHT_GREY",
+    "MID_GREY",
+    "SERIES_STYLES",
+    "TITLE_SIZE",
+    "SeriesStyle",
+    "crank_angle_axis",
+    "few_points",
+    "header_legend",
+    "legend_columns",
+    "mode_label",
+    "new_figure",
+    "plain_numbers",
+    "publication_style",
+    "series_style",
+    "speed_label",
+]
+
+FloatArray = NDArray[np.float64]
+
+MILLIMETRE = 1 / 25.4
+FIGURE_WIDTH = 180 * MILLIMETRE
+"""Width of every figure in inches: the full text width of a two-column journal."""
+TITLE_SIZE = 9.0
+LABEL_SIZE = 9.0
+LIGHT_GREY = "0.90"
+MID_GREY = "0.45"
+
+# Below this number of angles each computed point is marked: a line alone would suggest a
+# resolution that is not there, and a single point would not show at all.
+FEW_POINTS = 10
+
+# Mean width of a letter of the font as a fraction of its size, on the safe side.
+MEAN_LETTER = 0.62
+
+# Any: matplotlib types the keys as a long Literal that grows from version to version.
+_STYLE: Any = {
+    # DejaVu Sans comes with matplotlib, so a figure looks the same on every machine.
+    "font.family": "DejaVu Sans",
+    "font.size": 9,
+    "axes.titlesize": TITLE_SIZE,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 4,
+    "axes.labelsize": LABEL_SIZE,
+    "axes.linewidth": 0.6,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.unicode_minus": True,
+    "axes.grid": False,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "xtick.minor.width": 0.4,
+    "ytick.minor.width": 0.4,
+    "lines.linewidth": 1.2,
+    "lines.solid_capstyle": "butt",
+    "lines.dash_capstyle": "butt",
+    "legend.fontsize": 8,
+    "legend.title_fontsize": TITLE_SIZE,
+    "legend.frameon": False,
+    "legend.handlelength": 2.6,
+    "legend.columnspacing": 1.6,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+    "savefig.dpi": 300,
+    "pdf.fonttype": 42,
+    "svg.fonttype": "none",
+}
+
+
+@dataclass(frozen=True)
+class SeriesStyle:
+    """How one series is told from the others, in colour and without it."""
+
+    color: str
+    linestyle: Literal["-"] | tuple[float, tuple[float, ...]]
+    marker: str
+
+
+SERIES_STYLES = (
+    SeriesStyle("#0072B2", "-", "o"),
+    SeriesStyle("#D55E00", (0.0, (5.0, 1.6)), "s"),
+    SeriesStyle("#009E73", (0.0, (5.0, 1.5, 1.2, 1.5)), "^"),
+    SeriesStyle("#CC79A7", (0.0, (1.2, 1.2)), "D"),
+    SeriesStyle("#E69F00", (0.0, (5.0, 1.4, 1.2, 1.4, 1.2, 1.4)), "v"),
+    SeriesStyle("#56B4E9", (0.0, (9.0, 2.0)), "P"),
+)
+"""Okabe and Ito's colours (safe for colour-blind readers), each with a dash and a marker."""
+
+
+@contextmanager
+def publication_style() -> Iterator[None]:
+    """Matplotlib settings of the figures, for as long as the context lasts.
+
+    The plotting functions enter it themselves; enter it too around ``savefig`` to get
+    300 dots per inch and fonts that a PDF editor can edit.
+    """
+    with mpl.rc_context(_STYLE):
+        yield
+
+
+def series_style(number: int) -> SeriesStyle:
+    """Style of the series of a given number from 0; repeats after six."""
+    return SERIES_STYLES[number % len(SERIES_STYLES)]
+
+
+def new_figure(height: float) -> Figure:
+    """Empty figure of journal width and the given height in inches, laid out on drawing."""
+    layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05, wspace=0.03, hspace=0.03)
+    return Figure(figsize=(FIGURE_WIDTH, height), dpi=150, layout=layout)
+
+
+def few_points(angles: FloatArray) -> bool:
+    """Whether the angles are few enough to mark each computed point."""
+    return angles.size <= FEW_POINTS
+
+
+def crank_angle_axis(axes: Axes, angles: FloatArray, *, narrow: bool = False) -> None:
+    """Scale the x axis to crank angles given in degrees, with ticks at round angles.
+
+    Parameters
+    ----------
+    axes : Axes
+        Its x axis is set, without a label.
+    angles : ndarray, shape (n,)
+        Crank angles in degrees, ascending.
+    narrow : bool
+        Whether the panel has room for few ticks only (90 deg on a full turn, else 60).
+    """
+    first, last = float(angles[0]), float(angles[-1])
+    span = last - first
+    if span == 0:
+        axes.set_xlim(first - 1.0, last + 1.0)
+        axes.set_xticks([first])
+    else:
+        # The points of a coarse map are marked, and a mark must not hang over the edge.
+        room = 0.03 * span if few_points(angles) else 0.0
+        axes.set_xlim(first - room, last + room)
+        axes.xaxis.set_major_locator(MultipleLocator(_tick_step(span, 4 if narrow else 6)))
+    formatter = ScalarFormatter(useOffset=False)
+    axes.xaxis.set_major_formatter(formatter)
+
+
+def _tick_step(span: float, most: int) -> float:
+    """Smallest round step in degrees that cuts a span into at most so many parts."""
+    for step in (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 90.0, 180.0):
+        if span <= step * most * (1 + 1e-9):
+            return step
+    return 360.0 * float(np.ceil(span / (360.0 * most)))
+
+
+def plain_numbers(axes: Axes) -> None:
+    """Write the y ticks in full: no offset and no power of ten apart from the axis."""
+    formatter = ScalarFormatter(useOffset=False)
+    formatter.set_scientific(False)
+    axes.yaxis.set_major_formatter(formatter)
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=5, min_n_ticks=3))
+
+
+def speed_label(speed: float) -> str:
+    """Crank speed in rad/s as text, with a true minus sign."""
+    return f"{speed:.4g} rad/s".replace("-", "\N{MINUS SIGN}")
+
+
+def mode_label(numbers: list[int]) -> str:
+    """Heading of a panel for one mode or several neighbours."""
+    if len(numbers) == 1:
+        return f"Mode {numbers[0]}"
+    if len(numbers) == 2:
+        return f"Modes {numbers[0]} and {numbers[1]}"
+    return f"Modes {numbers[0]} to {numbers[-1]}"
+
+
+def header_legend(figure: Figure, handles: list[Artist], title: str = "") -> int:
+    """Put one legend for all panels above them, under an optional heading line.
+
+    Entries run along the rows, as many a row as the figure's width holds.
+
+    Returns
+    -------
+    int
+        Number of rows.
+    """
+    labels = [str(handle.get_label()) for handle in handles]
+    columns = legend_columns(labels)
+    rows = -(-len(handles) // columns)
+    # Matplotlib fills a legend column by column; every column but the last ones is full.
+    by_column = [handles[start::columns] for start in range(columns)]
+    figure.legend(
+        handles=[handle for column in by_column for handle in column],
+        loc="outside upper center",
+        ncols=columns,
+        title=title or None,
+    )
+    return rows
+
+
+def legend_columns(labels: list[str]) -> int:
+    """Most columns of legend entries, filled along the rows, that the figure's width holds."""
+    em = _STYLE["legend.fontsize"] / 72
+    around = _STYLE["legend.handlelength"] + _STYLE["legend.columnspacing"] + 0.8
+    widths = [(around + MEAN_LETTER * len(label)) * em for label in labels]
+    for columns in range(len(labels), 1, -1):
+        if sum(max(widths[start::columns]) for start in range(columns)) <= FIGURE_WIDTH - 0.1:
+            return columns
+    return 1

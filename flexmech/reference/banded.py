@@ -1,0 +1,63 @@
+"""Symmetric band systems, many at a time.
+
+The stiffness of links joined in a chain has a narrow band once its coordinates are well
+ordered. Elimination runs column by column, each step over the whole batch: the cost grows
+linearly with the number of elements.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["factorize", "solve"]
+
+FloatArray = NDArray[np.float64]
+
+
+def factorize(band: FloatArray) -> FloatArray:
+    """LDL^T factors of symmetric band matrices, in place.
+
+    Parameters
+    ----------
+    band : ndarray, shape (n, width + 1, B)
+        ``band[j, k]`` holds entry (j + k, j) of each matrix; overwritten.
+
+    Returns
+    -------
+    ndarray, shape (n, width + 1, B)
+        The pivots D in ``[:, 0]``, the columns of L below. A pivot that is not positive
+        says that the matrix is not positive definite.
+    """
+    size, columns = band.shape[:2]
+    for j in range(size):
+        reach = min(columns - 1, size - 1 - j)
+        below = band[j, 1 : reach + 1].copy()
+        band[j, 1 : reach + 1] /= band[j, 0]
+        for k in range(reach):
+            band[j + 1 + k, : reach - k] -= band[j, 1 + k] * below[k:]
+    return band
+
+
+def solve(factors: FloatArray, right: FloatArray) -> FloatArray:
+    """Solve with the factors of :func:`factorize`.
+
+    Parameters
+    ----------
+    factors : ndarray, shape (n, width + 1, B)
+    right : ndarray, shape (n, B)
+
+    Returns
+    -------
+    ndarray, shape (n, B)
+    """
+    size, columns = factors.shape[:2]
+    x = right.copy()
+    for j in range(size):
+        reach = min(columns - 1, size - 1 - j)
+        x[j + 1 : j + 1 + reach] -= factors[j, 1 : reach + 1] * x[j]
+    x /= factors[:, 0]
+    for j in range(size - 1, -1, -1):
+        reach = min(columns - 1, size - 1 - j)
+        x[j] -= np.sum(factors[j, 1 : reach + 1] * x[j + 1 : j + 1 + reach], axis=0)
+    return x

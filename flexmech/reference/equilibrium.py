@@ -1,0 +1,238 @@
+"""Geometrically nonlinear quasi-static equilibrium under the rigid motion's inertia forces.
+
+Newton's method on corotational beams, over a batch of positions at once. The loads are
+dead: distributed over the undeformed links, fixed in direction at the instant.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.sparse
+from numpy.typing import NDArray
+
+from flexmech.errors import ComputationError
+from flexmech.linear_system import LinkFrames
+from flexmech.linkages import RigidMotion
+from flexmech.reference import banded
+from flexmech.reference.corotational import corotational_response
+from flexmech.sections import BeamSection
+
+__all__ = ["Equilibrium"]
+
+logger = logging.getLogger(__name__)
+
+FloatArray = NDArray[np.float64]
+
+MAX_ITERATIONS = 40
+# Least length of a Newton step when the full one makes the out-of-balance forces worse.
+SHORTEST_STEP = 1 / 16
+
+
+class Equilibrium:
+    """Solver for the equilibrium of one linkage on one mesh.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+        Of the unreduced links.
+    nodes : sequence of ndarray, shape (e + 1,)
+        Node positions of each link.
+    sections : sequence of BeamSection
+        One a link.
+    """
+
+    def __init__(
+        self, frames: LinkFrames, nodes: Sequence[FloatArray], sections: Sequence[BeamSection]
+    ) -> None:
+        self.frames = frames
+        self.lengths = [np.diff(n) for n in nodes]
+        self.sections = list(sections)
+        self._order, self._width = _narrow_band(frames, self.lengths)
+        self._scatter = _band_scatter(frames, self.lengths, self._order, self._width)
+        self._force_scale = min(
+            s.bending_stiffness / float(n[-1]) ** 2 for s, n in zip(sections, nodes, strict=True)
+        )
+
+    def solve(self, motion: RigidMotion, loads: Sequence[FloatArray]) -> list[FloatArray]:
+        """Elastic displacement of each link in its frame at equilibrium.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        loads : sequence of ndarray, shape (B, n_link)
+            Forces on each link in its frame.
+
+        Returns
+        -------
+        list of ndarray, shape (B, n_link)
+
+        Raises
+        ------
+        ComputationError
+            If Newton's method does not converge or the equilibrium is unstable; names the
+            crank angle and speed.
+        """
+        outer = self.frames.gather(motion, loads)
+        # The out-of-balance force can be brought down to the round-off of the forces that
+        # cancel in it: those of the stretched links, EA times machine precision.
+        stiffest = max(s.axial_stiffness for s in self.sections)
+        target = 1e-12 * np.abs(outer).max(axis=1, initial=0.0) + 1e-13 * self._force_scale
+        target = np.maximum(target, 8 * np.finfo(float).eps * stiffest * 1e-2)
+        z = np.zeros_like(outer)
+        residual, band = self._out_of_balance(motion, z, outer)
+        error = np.abs(residual).max(axis=1, initial=0.0)
+        for iteration in range(MAX_ITERATIONS):
+            factors = banded.factorize(band)
+            if np.all(error <= target):
+                self._refuse_instability(motion, factors)
+                logger.debug("equilibrium after %d iterations", iteration)
+                return self._link_displacement(motion, z)
+            step = banded.solve(factors, residual.T[self._order])
+            change = np.empty_like(z)
+            change[:, self._order] = step.T
+            change[error <= target] = 0.0
+            z, residual, band, error = self._advance(motion, z, change, outer, error)
+        self._refuse_divergence(motion, error, target)
+        raise AssertionError("unreachable")
+
+    def tangents(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+        """Element tangents (B, e, 6, 6) of each link at given displacements (B, n_link)."""
+        return [self._response(i, q)[1] for i, q in enumerate(displacement)]
+
+    def _response(self, link: int, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+        nodal = q.reshape(len(q), -1, 3)
+        ends = np.concatenate([nodal[:, :-1], nodal[:, 1:]], axis=2)
+        section, length = self.sections[link], self.lengths[link]
+        return corotational_response(
+            ends,
+            length,
+            np.full_like(length, section.axial_stiffness),
+            np.full_like(length, section.bending_stiffness),
+        )
+
+    def _link_displacement(self, motion: RigidMotion, z: FloatArray) -> list[FloatArray]:
+        parts = self.frames.link_coordinates(motion, z[:, :, None])
+        return [np.asarray(part[:, :, 0], dtype=float) for part in parts]
+
+    def _advance(
+        self,
+        motion: RigidMotion,
+        z: FloatArray,
+        change: FloatArray,
+        outer: FloatArray,
+        error: FloatArray,
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """One Newton step, shortened where it overshoots beyond the elastic scale."""
+        length = np.ones(len(z))
+        limit = np.maximum(10 * error, 1e3 * np.abs(outer).max(axis=1, initial=0.0))
+        while True:
+            trial = z + length[:, None] * change
+            residual, band = self._out_of_balance(motion, trial, outer)
+            new_error = np.abs(residual).max(axis=1, initial=0.0)
+            worse = ~(new_error <= np.maximum(limit, self._force_scale * 1e3))
+            if not np.any(worse & (length > SHORTEST_STEP)):
+                return trial, residual, band, new_error
+            length[worse] = np.maximum(length[worse] / 2, SHORTEST_STEP)
+
+    def _out_of_balance(
+        self, motion: RigidMotion, z: FloatArray, outer: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Outer minus inner forces (B, size) and the tangent in band form."""
+        inner, entries = [], []
+        for number, q in enumerate(self._link_displacement(motion, z)):
+            force, tangent = self._response(number, q)
+            total = np.zeros((len(z), force.shape[1] + 1, 3))
+            total[:, :-1] += force[..., :3]
+            total[:, 1:] += force[..., 3:]
+            inner.append(total.reshape(len(z), -1))
+            self._turn_followers(motion, number, tangent)
+            entries.append(tangent.reshape(len(z), -1))
+        residual = outer - self.frames.gather(motion, inner)
+        stacked = np.concatenate(entries, axis=1)
+        band = (self._scatter @ stacked.T).reshape(self.frames.size, self._width + 1, len(z))
+        return residual, band
+
+    def _turn_followers(self, motion: RigidMotion, link: int, tangent: FloatArray) -> None:
+        last = self.frames.links[link].size - 3
+        for turning in self.frames.turning_pairs(motion, link):
+            element, pair = (0, slice(0, 2)) if turning.pair[0] == 0 else (-1, slice(3, 5))
+            assert turning.pair[0] in (0, last)
+            tangent[:, element, :, pair] = tangent[:, element, :, pair] @ turning.turn
+            back = np.swapaxes(turning.turn, 1, 2)
+            tangent[:, element, pair, :] = back @ tangent[:, element, pair, :]
+
+    def _refuse_instability(self, motion: RigidMotion, factors: FloatArray) -> None:
+        unstable = np.any(factors[:, 0] <= 0, axis=0)
+        if np.any(unstable):
+            raise ComputationError(
+                f"the linkage buckles under its inertia forces at {_place(motion, unstable)}: "
+                "the tangent stiffness is not positive; lower the crank speed or stiffen the "
+                "links"
+            )
+
+    def _refuse_divergence(
+        self, motion: RigidMotion, error: FloatArray, target: FloatArray
+    ) -> None:
+        failed = ~(error <= target)
+        worst = float(np.nan_to_num(error[failed], nan=np.inf).max())
+        raise ComputationError(
+            f"no quasi-static equilibrium at {_place(motion, failed)}: Newton's method left "
+            f"{worst:.3g} N out of balance after {MAX_ITERATIONS} iterations; lower the crank "
+            "speed, or use prestress 'axial'"
+        )
+
+
+def _place(motion: RigidMotion, where: NDArray[np.bool_]) -> str:
+    first = int(np.flatnonzero(where)[0])
+    angle = np.degrees(motion.crank_angle[first])
+    return f"crank angle {angle:.6g} deg and crank speed {motion.crank_speed[first]:.6g} rad/s"
+
+
+def _entries(
+    frames: LinkFrames, lengths: Sequence[FloatArray]
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Row and column in z of every entry of every element matrix; -1 where held."""
+    rows, columns = [], []
+    for link, length in enumerate(lengths):
+        local = 3 * np.arange(len(length))[:, None] + np.arange(6)
+        target = frames.targets[link][local]
+        rows.append(np.broadcast_to(target[:, :, None], (len(length), 6, 6)).ravel())
+        columns.append(np.broadcast_to(target[:, None, :], (len(length), 6, 6)).ravel())
+    return np.concatenate(rows), np.concatenate(columns)
+
+
+def _narrow_band(
+    frames: LinkFrames, lengths: Sequence[FloatArray]
+) -> tuple[NDArray[np.intp], int]:
+    """Order of the coordinates (reverse Cuthill-McKee) and half band width in it."""
+    rows, columns = _entries(frames, lengths)
+    free = (rows >= 0) & (columns >= 0)
+    graph = scipy.sparse.csr_matrix(
+        (np.ones(free.sum()), (rows[free], columns[free])), shape=(frames.size, frames.size)
+    )
+    order = scipy.sparse.csgraph.reverse_cuthill_mckee(graph, symmetric_mode=True)
+    place = np.argsort(order)
+    width = int(np.abs(place[rows[free]] - place[columns[free]]).max())
+    return np.asarray(order, dtype=np.intp), width
+
+
+def _band_scatter(
+    frames: LinkFrames,
+    lengths: Sequence[FloatArray],
+    order: NDArray[np.intp],
+    width: int,
+) -> scipy.sparse.csr_matrix:
+    """Sparse map from stacked element entries to the lower band, row-major (n, width + 1)."""
+    rows, columns = _entries(frames, lengths)
+    place = np.argsort(order)
+    used = np.flatnonzero((rows >= 0) & (columns >= 0))
+    below = place[rows[used]] - place[columns[used]]
+    used, below = used[below >= 0], below[below >= 0]
+    slot = place[columns[used]] * (width + 1) + below
+    return scipy.sparse.csr_matrix(
+        (np.ones(len(used)), (slot, used)), shape=(frames.size * (width + 1), len(rows))
+    )

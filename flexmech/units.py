@@ -1,0 +1,276 @@
+"""Quantities as text, such as ``"279.4 mm"``, to SI floats: the only door for units.
+
+Everything behind this door is an SI float. Text is split here into a number and a unit, and
+pint sees the unit alone: pint's own number parsing would read "1,5 mm" as 15 mm. Units are
+compared in base units *with* the radian, so that 5 Hz and 5 rad/s are never mixed up. The
+conversion is done in decimal arithmetic: "279.4 mm" is the float 0.2794, correctly rounded.
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+from dataclasses import dataclass
+from decimal import Decimal
+from functools import cache
+from tokenize import TokenError
+from typing import TYPE_CHECKING, Any
+
+from flexmech.errors import InputError
+
+if TYPE_CHECKING:
+    import pint
+
+__all__ = [
+    "ACCELERATION",
+    "ANGULAR_SPEED",
+    "BENDING_STIFFNESS",
+    "DENSITY",
+    "FORCE",
+    "FREQUENCY",
+    "LENGTH",
+    "MASS",
+    "MASS_PER_LENGTH",
+    "NUMBER",
+    "RATIO",
+    "ROTARY_INERTIA",
+    "STRESS",
+    "TIME",
+    "Dimension",
+    "parse_number",
+    "parse_quantity",
+]
+
+NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
+"""Regular expression of a decimal number: no thousands separators, no NaN, no infinity."""
+
+_SPLIT = re.compile(rf"\s*(?P<number>{NUMBER})(?P<unit>.*)", re.DOTALL)
+
+# Pint skips characters that it does not know ("m$" is read as "m"), so only these may pass.
+_UNIT_CHARACTERS = re.compile(r"[A-Za-zµμÅ°%_0-9\s*/^()·⋅²³⁴⁻¹-]*")
+
+# What pint raises on malformed unit expressions, beside its own PintError, which is a class
+# of the lazily imported module.
+_MALFORMED = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    KeyError,
+    SyntaxError,
+    TokenError,
+    TypeError,
+    ValueError,
+)
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A kind of physical quantity.
+
+    Parameters
+    ----------
+    name : str
+        With its article, for messages: ``"a length"``.
+    unit : str
+        SI unit of the float that :func:`parse_quantity` returns; empty for a ratio.
+    examples : tuple of str
+        Well-formed values, the first one for messages.
+    """
+
+    name: str
+    unit: str
+    examples: tuple[str, ...]
+
+    @property
+    def example(self) -> str:
+        """A well-formed value in quotes, as in a model file."""
+        return f'"{self.examples[0]}"'
+
+
+LENGTH = Dimension("a length", "m", ("279.4 mm", "0.2794 m", "28 cm", "11 inch"))
+MASS = Dimension("a mass", "kg", ("25 g", "0.025 kg", "1 lb"))
+TIME = Dimension("a time", "s", ("2e-5 s", "20 µs", "0.02 ms"))
+FREQUENCY = Dimension("a frequency", "Hz", ("50 Hz", "1.2 kHz"))
+ANGULAR_SPEED = Dimension("an angular speed", "rad/s", ("20 rad/s", "300 rpm", "5 rps", "90 deg/s"))
+ACCELERATION = Dimension("an acceleration", "m/s^2", ("-9.81 m/s^2", "0 m/s^2"))
+STRESS = Dimension("a stress", "Pa", ("68.9 GPa", "200000 MPa", "2e11 Pa", "1e7 psi"))
+DENSITY = Dimension("a density", "kg/m^3", ("7800 kg/m^3", "2.7 g/cm^3"))
+FORCE = Dimension("a force", "N", ("4900 N", "1.2 MN", "100 lbf"))
+BENDING_STIFFNESS = Dimension("a bending stiffness", "N m^2", ("1.5 N m^2", "2e6 N mm^2"))
+MASS_PER_LENGTH = Dimension("a mass per length", "kg/m", ("0.2 kg/m", "200 g/m"))
+ROTARY_INERTIA = Dimension("a rotary inertia per length", "kg m", ("3e-7 kg m", "0.3 g mm"))
+RATIO = Dimension("a ratio", "", ("0.01", "1 %"))
+
+
+def parse_number(text: str) -> Decimal:
+    """A plain decimal number, exactly.
+
+    Parameters
+    ----------
+    text : str
+        For example ``"-2.5"`` or ``"2e-5"``, with nothing but blanks around it.
+
+    Returns
+    -------
+    Decimal
+        Finite, also as a float.
+
+    Raises
+    ------
+    InputError
+        If it is anything else.
+    """
+    if not re.fullmatch(NUMBER, text.strip()):
+        raise InputError(f"got {text.strip()!r}, which is not a plain number; {_decimal_hint(text)}")
+    try:
+        number = Decimal(text.strip())
+        finite = math.isfinite(float(number))
+    except ArithmeticError:
+        finite = False
+    if not finite:
+        raise InputError(f"got {text.strip()!r}, which is too large; write a smaller number")
+    return number
+
+
+def parse_quantity(value: object, dimension: Dimension, *, default_unit: str | None = None) -> float:
+    """A quantity in SI units from text such as ``"279.4 mm"``.
+
+    Parameters
+    ----------
+    value : object
+        Text: a number and a unit. A ratio may be a number, ``"0.005"`` or ``"0.5 %"``.
+    dimension : Dimension
+        What it must be.
+    default_unit : str, optional
+        Unit of a number that carries none. Without it such a number is refused.
+
+    Returns
+    -------
+    float
+        In ``dimension.unit``; finite.
+
+    Raises
+    ------
+    InputError
+        If the value is not text, has no number or no unit, is not finite, or is a quantity
+        of another dimension. The message says what was got and names the remedy.
+    """
+    if dimension is RATIO and isinstance(value, int | float) and not isinstance(value, bool):
+        value = repr(value)
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        raise InputError(
+            f"got the number {value!r}, which has no unit; write {dimension.name} as text with "
+            f"its unit, for example {dimension.example}"
+        )
+    if not isinstance(value, str):
+        raise InputError(
+            f"got {value!r}, which is not {dimension.name}; write it as text with its unit, "
+            f"for example {dimension.example}"
+        )
+    number, unit = _split(value, dimension)
+    if not unit and dimension is not RATIO:
+        if default_unit is None:
+            raise InputError(
+                f"got {value!r}, which has no unit; write {dimension.name} with its unit, "
+                f"for example {dimension.example}"
+            )
+        unit = default_unit
+    # The SI unit itself needs no pint, whose first import takes longer than small analyses.
+    factor = Decimal(1) if unit == dimension.unit else _factor(value, unit, dimension)
+    return _finite(number, factor, value)
+
+
+def _split(text: str, dimension: Dimension) -> tuple[Decimal, str]:
+    """Number and unit of a text; the unit may be empty."""
+    match = _SPLIT.fullmatch(text)
+    if match is None:
+        raise InputError(
+            f"got {text!r}, which does not begin with a number; write {dimension.name} as a "
+            f"number and a unit, for example {dimension.example}"
+        )
+    unit = match["unit"].strip()
+    if match["unit"][:1] in (",", "_", "."):
+        raise InputError(f"got {text!r}, in which {match['unit']!r} follows the number; "
+                         f"{_decimal_hint(text)}")
+    return parse_number(match["number"]), unit
+
+
+def _decimal_hint(text: str) -> str:
+    if "," in text or "_" in text:
+        return "write numbers with a decimal point and no separators, for example 1250.5"
+    return "write a number such as 12.5 or 2e-5"
+
+
+def _factor(text: str, unit: str, dimension: Dimension) -> Decimal:
+    """SI value of one ``unit``, which must have the dimension."""
+    registry = _registry()
+    factor, base = _base_units(text, unit, dimension)
+    _, wanted = registry.get_base_units(registry.parse_units(dimension.unit))
+    if base != wanted:
+        raise InputError(_wrong_dimension(text, unit, str(base), dimension))
+    return Decimal(factor)
+
+
+def _base_units(text: str, unit: str, dimension: Dimension) -> tuple[Any, Any]:
+    import pint
+
+    registry = _registry()
+    well_formed = _UNIT_CHARACTERS.fullmatch(unit) and "//" not in unit and "%%" not in unit
+    try:
+        parsed = registry.parse_units(unit) if well_formed else None
+        converted = None if parsed is None else registry.get_base_units(parsed)
+    except (pint.PintError, *_MALFORMED) as error:
+        raise InputError(_unknown_unit(text, unit, dimension)) from error
+    if converted is None:
+        raise InputError(_unknown_unit(text, unit, dimension))
+    return converted
+
+
+def _finite(number: Decimal, factor: Decimal, text: object) -> float:
+    try:
+        result = float(number * factor)
+    except ArithmeticError:
+        result = math.inf
+    if not math.isfinite(result):
+        raise InputError(f"got {text!r}, which is too large; write a smaller number")
+    return result
+
+
+def _unknown_unit(text: str, unit: str, dimension: Dimension) -> str:
+    known = {example.split(maxsplit=1)[-1]: example for example in dimension.examples}
+    by_lower_case = {name.lower(): name for name in known}
+    close = difflib.get_close_matches(unit.lower(), by_lower_case, n=1)
+    remedy = f"did you mean {by_lower_case[close[0]]!r}?" if close else "write"
+    example = known[by_lower_case[close[0]]] if close else dimension.examples[0]
+    joint = " For example" if close else f" {dimension.name}, for example"
+    return f'got {text!r}, in which the unit {unit!r} is unknown; {remedy}{joint} "{example}"'
+
+
+def _wrong_dimension(text: str, unit: str, base: str, dimension: Dimension) -> str:
+    if dimension is ANGULAR_SPEED and base == "1 / second":
+        number = text[: text.rfind(unit)].strip() or "5"
+        return (
+            f"got {text!r}, which is a frequency and not an angular speed; write turns per "
+            f'second as "{number} rps", turns per minute as "300 rpm", or an angle per time '
+            'as "20 rad/s"'
+        )
+    if dimension is FREQUENCY and base == "radian / second":
+        return (
+            f"got {text!r}, which is an angular speed and not a frequency; write cycles per "
+            f"second, for example {dimension.example}"
+        )
+    return (
+        f"got {text!r}, whose unit {unit!r} ({base}) is not that of {dimension.name}; write "
+        f"{dimension.name}, for example {dimension.example}"
+    )
+
+
+@cache
+def _registry() -> pint.UnitRegistry[Any]:
+    """The one registry, made when a unit is first met: importing pint takes a second."""
+    import pint
+
+    registry: pint.UnitRegistry[Any] = pint.UnitRegistry(non_int_type=Decimal)
+    registry.define("@alias turn = rev")
+    return registry
