@@ -65,11 +65,11 @@ class ReferenceEngine(Engine):
         return Equilibrium(LinkFrames(topology, self.links), self.nodes, sections)
 
     def element_tensions(self, motion: RigidMotion) -> list[FloatArray]:
-        """Axial force of each element under the motion's inertia forces, in N.
+        """Axial force in each element under the motion's inertia forces, in N.
 
         With the crank held the linkage is statically determinate, so the linear static
-        solution's element force is the mean of the rigid linkage's tension over the
-        element (the tension is quadratic along it: Simpson's rule is exact).
+        solution's axial force is that of the rigid linkage; it is quadratic along an
+        element, and its mean is what the element's end displacements alone would give.
 
         Parameters
         ----------
@@ -78,7 +78,8 @@ class ReferenceEngine(Engine):
 
         Returns
         -------
-        list of ndarray, shape (B, e)
+        list of ndarray, shape (B, e, 3)
+            Legendre coefficients along each element: mean, linear, quadratic.
         """
         mechanism = self.mechanism
         forces = inverse_dynamics(
@@ -87,13 +88,16 @@ class ReferenceEngine(Engine):
         tensions = []
         for link, nodes in enumerate(self.nodes):
             length = np.diff(nodes)
-            inside = 1e-9 * length
+            inside = 1e-9 * length  # off the point masses that may sit at the nodes
             places = [nodes[:-1] + inside, nodes[:-1] + length / 2, nodes[1:] - inside]
             near, middle, far = (
                 np.stack([forces.axial_force(link, float(x)) for x in place], axis=-1)
                 for place in places
             )
-            tensions.append((near + 4 * middle + far) / 6)
+            mean = (near + 4 * middle + far) / 6
+            linear = (far - near) / 2
+            quadratic = (near + far - 2 * middle) / 3
+            tensions.append(np.stack([mean, linear, quadratic], axis=-1))
         return tensions
 
     def tangents(self, motion: RigidMotion, prestress: Prestress) -> list[FloatArray]:
@@ -103,15 +107,35 @@ class ReferenceEngine(Engine):
             return [link.stiffness for link in self.links]
         if prestress == "axial":
             return self._axial_tangents(motion)
+        return self._equilibrium_tangents(motion)
+
+    def _equilibrium_tangents(self, motion: RigidMotion) -> list[FloatArray]:
+        varying = self._geometric(motion, varying_part_only=True)
         loads = inertia_loads(self.links, motion, self.mechanism.gravity)
-        displacement = self.equilibrium.solve(motion, loads)
-        return [assemble_chain(t) for t in self.equilibrium.tangents(displacement)]
+        displacement = self.equilibrium.solve(motion, loads, varying)
+        return [
+            assemble_chain(tangent + extra)
+            for tangent, extra in zip(
+                self.equilibrium.tangents(displacement), varying, strict=True
+            )
+        ]
 
     def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
-        tangents = []
-        for link, nodes, tension in zip(
-            self.links, self.nodes, self.element_tensions(motion), strict=True
-        ):
-            unit = geometric_stiffness(np.diff(nodes))
-            tangents.append(link.stiffness + assemble_chain(tension[:, :, None, None] * unit))
-        return tangents
+        geometric = self._geometric(motion, varying_part_only=False)
+        return [
+            link.stiffness + assemble_chain(extra)
+            for link, extra in zip(self.links, geometric, strict=True)
+        ]
+
+    def _geometric(self, motion: RigidMotion, *, varying_part_only: bool) -> list[FloatArray]:
+        """Geometric stiffness of each element, (B, e, 6, 6), by link.
+
+        A corotational element knows its mean tension by itself; what inertia forces add
+        inside it is the varying part.
+        """
+        matrices = []
+        for nodes, tension in zip(self.nodes, self.element_tensions(motion), strict=True):
+            if varying_part_only:
+                tension[..., 0] = 0.0
+            matrices.append(geometric_stiffness(np.diff(nodes), tension))
+        return matrices

@@ -56,7 +56,9 @@ class Equilibrium:
             s.bending_stiffness / float(n[-1]) ** 2 for s, n in zip(sections, nodes, strict=True)
         )
 
-    def solve(self, motion: RigidMotion, loads: Sequence[FloatArray]) -> list[FloatArray]:
+    def solve(
+        self, motion: RigidMotion, loads: Sequence[FloatArray], extra: Sequence[FloatArray]
+    ) -> list[FloatArray]:
         """Elastic displacement of each link in its frame at equilibrium.
 
         Parameters
@@ -65,6 +67,8 @@ class Equilibrium:
             Batch of shape (B,).
         loads : sequence of ndarray, shape (B, n_link)
             Forces on each link in its frame.
+        extra : sequence of ndarray, shape (B, e, 6, 6)
+            Stiffness of each element besides that of the corotational beam.
 
         Returns
         -------
@@ -83,7 +87,7 @@ class Equilibrium:
         target = 1e-12 * np.abs(outer).max(axis=1, initial=0.0) + 1e-13 * self._force_scale
         target = np.maximum(target, 8 * np.finfo(float).eps * stiffest * 1e-2)
         z = np.zeros_like(outer)
-        residual, band = self._out_of_balance(motion, z, outer)
+        residual, band = self._out_of_balance(motion, z, outer, extra)
         error = np.abs(residual).max(axis=1, initial=0.0)
         for iteration in range(MAX_ITERATIONS):
             factors = banded.factorize(band)
@@ -95,17 +99,15 @@ class Equilibrium:
             change = np.empty_like(z)
             change[:, self._order] = step.T
             change[error <= target] = 0.0
-            z, residual, band, error = self._advance(motion, z, change, outer, error)
+            z, residual, band, error = self._advance(motion, z, change, outer, extra, error)
         self._refuse_divergence(motion, error, target)
         raise AssertionError("unreachable")
 
     def tangents(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
         """Element tangents (B, e, 6, 6) of each link at given displacements (B, n_link)."""
-        return [self._response(i, q)[1] for i, q in enumerate(displacement)]
+        return [self._response(i, element_ends(q))[1] for i, q in enumerate(displacement)]
 
-    def _response(self, link: int, q: FloatArray) -> tuple[FloatArray, FloatArray]:
-        nodal = q.reshape(len(q), -1, 3)
-        ends = np.concatenate([nodal[:, :-1], nodal[:, 1:]], axis=2)
+    def _response(self, link: int, ends: FloatArray) -> tuple[FloatArray, FloatArray]:
         section, length = self.sections[link], self.lengths[link]
         return corotational_response(
             ends,
@@ -124,6 +126,7 @@ class Equilibrium:
         z: FloatArray,
         change: FloatArray,
         outer: FloatArray,
+        extra: Sequence[FloatArray],
         error: FloatArray,
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """One Newton step, shortened where it overshoots beyond the elastic scale."""
@@ -131,7 +134,7 @@ class Equilibrium:
         limit = np.maximum(10 * error, 1e3 * np.abs(outer).max(axis=1, initial=0.0))
         while True:
             trial = z + length[:, None] * change
-            residual, band = self._out_of_balance(motion, trial, outer)
+            residual, band = self._out_of_balance(motion, trial, outer, extra)
             new_error = np.abs(residual).max(axis=1, initial=0.0)
             worse = ~(new_error <= np.maximum(limit, self._force_scale * 1e3))
             if not np.any(worse & (length > SHORTEST_STEP)):
@@ -139,12 +142,19 @@ class Equilibrium:
             length[worse] = np.maximum(length[worse] / 2, SHORTEST_STEP)
 
     def _out_of_balance(
-        self, motion: RigidMotion, z: FloatArray, outer: FloatArray
+        self,
+        motion: RigidMotion,
+        z: FloatArray,
+        outer: FloatArray,
+        extra: Sequence[FloatArray],
     ) -> tuple[FloatArray, FloatArray]:
         """Outer minus inner forces (B, size) and the tangent in band form."""
         inner, entries = [], []
         for number, q in enumerate(self._link_displacement(motion, z)):
-            force, tangent = self._response(number, q)
+            ends = element_ends(q)
+            force, tangent = self._response(number, ends)
+            force = force + (extra[number] @ ends[..., None])[..., 0]
+            tangent = tangent + extra[number]
             total = np.zeros((len(z), force.shape[1] + 1, 3))
             total[:, :-1] += force[..., :3]
             total[:, 1:] += force[..., 3:]
@@ -184,6 +194,12 @@ class Equilibrium:
             f"{worst:.3g} N out of balance after {MAX_ITERATIONS} iterations; lower the crank "
             "speed, or use prestress 'axial'"
         )
+
+
+def element_ends(q: FloatArray) -> FloatArray:
+    """Displacements of both nodes of each element; (B, 3 (e + 1)) -> (B, e, 6)."""
+    nodal = q.reshape(len(q), -1, 3)
+    return np.concatenate([nodal[:, :-1], nodal[:, 1:]], axis=2)
 
 
 def _place(motion: RigidMotion, where: NDArray[np.bool_]) -> str:
