@@ -9,7 +9,14 @@ from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 
-__all__ = ["node_positions"]
+__all__ = ["node_positions", "pieces"]
+
+
+def pieces(length: float, point_positions: Sequence[float]) -> NDArray[np.float64]:
+    """Lengths of the pieces into which point masses divide a link."""
+    slack = 1e-9 * length
+    inner = sorted({x for x in point_positions if slack < x < length - slack})
+    return np.diff([0.0, *inner, length])
 
 
 def node_positions(
@@ -38,20 +45,14 @@ def node_positions(
     InputError
         If there are fewer elements than pieces between point masses.
     """
-    slack = 1e-9 * length
-    inner = sorted({x for x in point_positions if slack < x < length - slack})
-    breaks = np.array([0.0, *inner, length])
-    pieces = np.diff(breaks)
-    if elements < len(pieces):
+    parts = pieces(length, point_positions)
+    if elements < len(parts):
         raise InputError(
-            f"{elements} elements cannot put a node at each of {len(inner)} point masses along "
-            f"a link; ask for {len(pieces)} elements or more"
+            f"{elements} elements cannot put a node at each of {len(parts) - 1} point masses "
+            f"along a link; ask for {len(parts)} elements or more"
         )
-    counts = np.ones(len(pieces), dtype=int)
-    for _ in range(elements - len(pieces)):
-        counts[np.argmax(pieces / counts)] += 1
-    parts = [
-        np.linspace(a, b, n, endpoint=False)
-        for a, b, n in zip(breaks[:-1], breaks[1:], counts, strict=True)
-    ]
-    return np.concatenate([*parts, [length]])
+    counts = np.ones(len(parts), dtype=int)
+    for _ in range(elements - len(parts)):
+        counts[np.argmax(parts / counts)] += 1
+    element_lengths = np.repeat(parts / counts, counts)
+    return np.concatenate([[0.0], np.cumsum(element_lengths)[:-1], [length]])

@@ -1,7 +1,12 @@
 """Linear systems in link frames: the contract between engines and analyses."""
 
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
-from flexmech.linear_system.engine import PRESTRESS_LEVELS, Engine, Prestress
+from flexmech.linear_system.engine import (
+    PRESTRESS_LEVELS,
+    ConvergenceOrders,
+    Engine,
+    Prestress,
+)
 from flexmech.linear_system.link_frames import LinkFrames, RotationTerms
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
 from flexmech.linear_system.system import LinearSystem
@@ -9,6 +14,7 @@ from flexmech.linear_system.system import LinearSystem
 __all__ = [
     "PRESTRESS_LEVELS",
     "ComponentModes",
+    "ConvergenceOrders",
     "Engine",
     "LinearSystem",
     "LinkFrames",

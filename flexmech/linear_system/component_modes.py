@@ -91,6 +91,7 @@ def component_modes(
     fastest: float,
     *,
     couples_axially: bool,
+    detail: float = 1.0,
 ) -> ComponentModes:
     """Choose and build the component modes of every link.
 
@@ -106,6 +107,8 @@ def component_modes(
     couples_axially : bool
         Whether the links may bow (prestress ``equilibrium``), so that condensed axial
         modes are wanted.
+    detail : float
+        Multiplies the frequency up to which modes are kept.
 
     Returns
     -------
@@ -113,9 +116,9 @@ def component_modes(
     """
     held = [_hold_ends(topology, link) for link in links]
     every = np.sort(np.concatenate([h.bending_frequency for h in held]))
-    cutoff = BENDING_CUTOFF * every[min(modes, len(every)) - 1]
+    cutoff = detail * BENDING_CUTOFF * every[min(modes, len(every)) - 1]
     return ComponentModes(
-        tuple(_reduce(h, cutoff, AXIAL_CUTOFF * abs(fastest), couples_axially) for h in held)
+        tuple(_reduce(h, cutoff, detail * AXIAL_CUTOFF * abs(fastest), couples_axially) for h in held)
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import ClassVar, Literal, Self
 
 import numpy as np
@@ -17,13 +18,33 @@ from flexmech.linear_system.system import LinearSystem, condense
 from flexmech.linkages import RigidMotion
 from flexmech.mechanism import Mechanism
 
-__all__ = ["PRESTRESS_LEVELS", "Engine", "Prestress"]
+__all__ = ["PRESTRESS_LEVELS", "ConvergenceOrders", "Engine", "Prestress"]
 
 FloatArray = NDArray[np.float64]
 Prestress = Literal["none", "axial", "equilibrium"]
 PRESTRESS_LEVELS: tuple[Prestress, ...] = ("none", "axial", "equilibrium")
 # Working memory of a batch; keeps what is alive at a time independent of the map's size.
 BATCH_BYTES = 32_000_000
+
+
+@dataclass(frozen=True)
+class ConvergenceOrders:
+    """Order in the element length of each part of a natural frequency's error.
+
+    Parameters
+    ----------
+    elastic : int
+        Of the unloaded linkage at rest.
+    prestress : int
+        Of the change by prestress.
+    rotation : int
+        Of the change by rotation terms. A pin's displacement turns with the leader's
+        frame, the rest of the link with its own: a layer one element wide, so first order.
+    """
+
+    elastic: int
+    prestress: int
+    rotation: int = 1
 
 
 class Engine(ABC):
@@ -67,7 +88,7 @@ class Engine(ABC):
         self.elements = elements
         self.element = element
         self.component_modes = component_modes
-        self._reductions: dict[tuple[int, float, bool], ComponentModes] = {}
+        self._reductions: dict[tuple[int, float, bool, float], ComponentModes] = {}
 
     @property
     @abstractmethod
@@ -76,8 +97,8 @@ class Engine(ABC):
 
     @property
     @abstractmethod
-    def convergence_order(self) -> int:
-        """Order of the frequencies' error in the element length."""
+    def convergence(self) -> ConvergenceOrders:
+        """Orders of the frequencies' error in the element length."""
 
     @abstractmethod
     def tangents(self, motion: RigidMotion, prestress: Prestress) -> list[FloatArray]:
@@ -122,6 +143,7 @@ class Engine(ABC):
         rotation_terms: bool | RotationTerms = True,
         modes: int = 6,
         fastest: float | None = None,
+        detail: float = 1.0,
     ) -> LinearSystem:
         """Linear system at crank angles and speeds.
 
@@ -135,8 +157,10 @@ class Engine(ABC):
         modes : int
             Number of natural frequencies that the reduction must get right.
         fastest : float, optional
-            Greatest crank speed of the whole map, by which the reduction is chosen; the
-            greatest of ``crank_speed`` by default.
+            Greatest angular velocity of a link in the whole map in rad/s, by which the
+            reduction is chosen; the greatest of this batch by default.
+        detail : float
+            Multiplies the frequency up to which component modes are kept.
 
         Returns
         -------
@@ -173,11 +197,14 @@ class Engine(ABC):
             greatest = 0.0
         elif fastest is not None:
             greatest = abs(fastest)
-        reduction = self._reduction(modes, greatest, any(t.ndim == 3 for t in tangents))
+        loaded = any(t.ndim == 3 for t in tangents)
+        reduction = self._reduction(modes, greatest, loaded, detail)
         return _reduced_system(self.mechanism, reduction, motion, tangents, terms)
 
-    def _reduction(self, modes: int, fastest: float, loaded: bool) -> ComponentModes:
-        key = (modes, fastest, loaded)
+    def _reduction(
+        self, modes: int, fastest: float, loaded: bool, detail: float
+    ) -> ComponentModes:
+        key = (modes, fastest, loaded, detail)
         if key not in self._reductions:
             self._reductions[key] = component_modes(
                 self.mechanism.linkage.topology,
@@ -185,6 +212,7 @@ class Engine(ABC):
                 modes,
                 fastest,
                 couples_axially=loaded,
+                detail=detail,
             )
         return self._reductions[key]
 
@@ -223,5 +251,12 @@ def _reduced_system(
     if condensed.any():
         matrices, expansion = condense(matrices, condensed)
     return LinearSystem(
-        motion, matrices.mass, matrices.damping, matrices.stiffness, terms, frames, expansion
+        motion,
+        matrices.mass,
+        matrices.damping,
+        matrices.stiffness,
+        terms,
+        frames,
+        expansion,
+        tuple(link.basis for link in reduction.links),
     )

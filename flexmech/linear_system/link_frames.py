@@ -138,6 +138,11 @@ class LinkFrames:
             count += int(free.sum())
         return count
 
+    def following(self, link: int) -> IntArray:
+        """Coordinates of a link that follow another link's end."""
+        pairs = [pair for pair, _ in self._followers[link]]
+        return np.concatenate([np.zeros(0, dtype=np.intp), *pairs])
+
     def turning_pairs(self, motion: RigidMotion, link: int) -> list[TurningPair]:
         """Rotation of a link's following ends and its time derivatives over a batch."""
         pairs = []

@@ -34,6 +34,8 @@ class LinearSystem:
         How z becomes the links' coordinates.
     expansion : ndarray, shape (B, size, n), or None
         From z to the coordinates of ``frames`` where some were condensed.
+    bases : tuple of ndarray, shape (n_full, n_link), or None
+        From each reduced link's coordinates to its unreduced ones.
     """
 
     motion: RigidMotion
@@ -43,6 +45,7 @@ class LinearSystem:
     terms: RotationTerms
     frames: LinkFrames
     expansion: FloatArray | None = None
+    bases: tuple[FloatArray, ...] | None = None
 
     @property
     def size(self) -> int:
@@ -58,6 +61,31 @@ class LinearSystem:
         """Coordinates of each link; (B, n, m) -> list of (B, n_link, m)."""
         full = vectors if self.expansion is None else self.expansion @ vectors
         return self.frames.link_coordinates(self.motion, full)
+
+    def unreduced_vectors(
+        self, vectors: NDArray[np.generic], frames: LinkFrames
+    ) -> NDArray[np.generic]:
+        """The same shapes in the coordinates of the unreduced system.
+
+        Parameters
+        ----------
+        vectors : ndarray, shape (B, n, m)
+        frames : LinkFrames
+            Of the unreduced links.
+
+        Returns
+        -------
+        ndarray, shape (B, frames.size, m)
+        """
+        if self.bases is None:
+            return vectors
+        full = np.zeros((len(vectors), frames.size, vectors.shape[2]), dtype=vectors.dtype)
+        for number, reduced in enumerate(self.link_coordinates(vectors)):
+            q = self.bases[number] @ reduced
+            own = np.flatnonzero(frames.targets[number] >= 0)
+            own = own[~np.isin(own, frames.following(number))]
+            full[:, frames.targets[number][own]] = q[:, own]
+        return full
 
     def displacements(self, vectors: NDArray[np.generic]) -> NDArray[np.generic]:
         """Displacement at the stations of every link, in ground axes.

@@ -8,7 +8,14 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.linear_system import Engine, LinkFrames, LinkModel, Prestress, inertia_loads
+from flexmech.linear_system import (
+    ConvergenceOrders,
+    Engine,
+    LinkFrames,
+    LinkModel,
+    Prestress,
+    inertia_loads,
+)
 from flexmech.linkages import RigidMotion, inverse_dynamics
 from flexmech.reference.elements import geometric_stiffness
 from flexmech.reference.equilibrium import Equilibrium
@@ -32,9 +39,9 @@ class ReferenceEngine(Engine):
     element_kinds: ClassVar[tuple[str, ...]] = ("euler",)
 
     @property
-    def convergence_order(self) -> int:
-        """Hermite elements: fourth order in the frequencies."""
-        return 4
+    def convergence(self) -> ConvergenceOrders:
+        """Hermite elements: fourth order, prestressed or not."""
+        return ConvergenceOrders(elastic=4, prestress=4)
 
     @cached_property
     def _built(self) -> tuple[tuple[LinkModel, ...], list[FloatArray]]:

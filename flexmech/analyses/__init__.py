@@ -1,0 +1,17 @@
+"""Analyses of linear systems, whatever the engine."""
+
+from flexmech.analyses.eigenproblem import Modes, solve_modes
+from flexmech.analyses.frequencies import frequency_map, moving_frequencies, natural_frequencies
+from flexmech.analyses.mapping import FrequencyRequest
+from flexmech.analyses.result import EngineAgreement, MovingFrequencies
+
+__all__ = [
+    "EngineAgreement",
+    "FrequencyRequest",
+    "Modes",
+    "MovingFrequencies",
+    "frequency_map",
+    "moving_frequencies",
+    "natural_frequencies",
+    "solve_modes",
+]

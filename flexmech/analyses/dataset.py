@@ -1,0 +1,183 @@
+"""From arrays of a frequency map to one labelled dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from flexmech.analyses.mapping import FrequencyRequest
+from flexmech.analyses.tracking import Branches
+from flexmech.linear_system import Engine
+
+__all__ = ["EngineMap", "SpeedMap", "build_dataset"]
+
+FloatArray = NDArray[np.float64]
+
+MAP_DIMS = ("engine", "crank_speed", "crank_angle", "mode")
+CHECK_DIMS = ("engine", "crank_speed", "check_angle", "mode")
+UNITS = {
+    "frequency": ("Hz", "natural frequency"),
+    "damping_ratio": ("1", "damping ratio"),
+    "branch_of_mode": ("1", "tracked branch of the mode"),
+    "mac": ("1", "modal assurance criterion with the same branch at the previous crank angle"),
+    "veering": ("1", "branch veers against another here"),
+    "branch_whole": ("1", "branch is tracked without a break and back to itself"),
+    "discretisation_error": ("1", "estimated relative error of the frequency by the mesh"),
+    "reduction_error": ("1", "relative error of the frequency by component modes"),
+    "mode_shape": ("1", "displacement of the mode in ground axes, largest 1"),
+    "rigid_position": ("m", "position of the undeformed links"),
+    "speed_effect": ("Hz", "change of the frequency that the term adds"),
+    "crank_speed": ("rad/s", "crank speed"),
+    "crank_angle": ("rad", "crank angle"),
+    "check_angle": ("rad", "crank angle of the error estimates and mode shapes"),
+    "station": ("1", "place along the link over its length"),
+}
+
+
+@dataclass(frozen=True)
+class SpeedMap:
+    """Map of one engine at one crank speed: A angles, m tracked modes, C check angles.
+
+    Parameters
+    ----------
+    frequency, damping_ratio : ndarray, shape (A, m)
+    branches : Branches
+    mode_shape : ndarray, shape (C, modes, n_links, n_stations, 2)
+    reduction_error, discretisation_error : ndarray, shape (C, modes)
+    """
+
+    frequency: FloatArray
+    damping_ratio: FloatArray
+    branches: Branches
+    mode_shape: NDArray[np.generic]
+    reduction_error: FloatArray
+    discretisation_error: FloatArray
+
+
+@dataclass(frozen=True)
+class EngineMap:
+    """Map of one engine: indices of the check angles and one part for each speed."""
+
+    check_angles: NDArray[np.intp]
+    speeds: list[SpeedMap]
+
+
+def build_dataset(
+    engines: Sequence[Engine],
+    request: FrequencyRequest,
+    maps: Sequence[EngineMap],
+    speed_effect: dict[str, FloatArray] | None,
+) -> xr.Dataset:
+    """Label the results of all engines.
+
+    Parameters
+    ----------
+    engines : sequence of Engine
+    request : FrequencyRequest
+    maps : sequence of EngineMap
+        One for each engine.
+    speed_effect : dict of str to ndarray, shape (S, A, modes), or None
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    count = request.modes
+
+    def stacked(pick: str, limit: int | None = count) -> NDArray[np.generic]:
+        parts = [[np.asarray(_pick(s, pick))[..., :limit] for s in m.speeds] for m in maps]
+        return np.stack([np.stack(part) for part in parts])
+
+    tracked = min(s.frequency.shape[1] for m in maps for s in m.speeds)
+    where = maps[0].check_angles
+    variables = {
+        "frequency": (MAP_DIMS, stacked("frequency")),
+        "damping_ratio": (MAP_DIMS, stacked("damping_ratio")),
+        "branch_of_mode": (MAP_DIMS, stacked("branches.branch").astype(np.int64) + 1),
+        "mac": (MAP_DIMS, stacked("branches.mac")),
+        "veering": (MAP_DIMS, stacked("branches.veering")),
+        "branch_whole": (("engine", "crank_speed", "branch"), stacked("branches.whole", tracked)),
+        "discretisation_error": (CHECK_DIMS, stacked("discretisation_error")),
+        "reduction_error": (CHECK_DIMS, stacked("reduction_error")),
+        "mode_shape": ((*CHECK_DIMS, "part", "link", "station", "component"), _shapes(maps)),
+        "rigid_position": (
+            ("check_angle", "link", "station", "component"),
+            _positions(engines[0], request.crank_angles[where]),
+        ),
+    }
+    if speed_effect:
+        dims = ("term", *MAP_DIMS[1:])
+        variables["speed_effect"] = (dims, np.stack(list(speed_effect.values())))
+    links = list(engines[0].mechanism.linkage.topology.link_names)
+    stations = variables["rigid_position"][1].shape[2]
+    dataset = xr.Dataset(
+        variables,
+        coords={
+            "engine": [e.name for e in engines],
+            "element": ("engine", [e.element for e in engines]),
+            "crank_speed": request.crank_speeds,
+            "crank_angle": request.crank_angles,
+            "mode": np.arange(1, count + 1),
+            "branch": np.arange(1, tracked + 1),
+            "check_angle": request.crank_angles[where],
+            "part": ["real", "imaginary"],
+            "link": links,
+            "station": np.linspace(0.0, 1.0, stations),
+            "component": ["x", "y"],
+            **({"term": list(speed_effect)} if speed_effect else {}),
+        },
+        attrs=_provenance(engines, request),
+    )
+    for name, (units, long_name) in UNITS.items():
+        if name in dataset.variables:
+            dataset[name].attrs.update(units=units, long_name=long_name)
+    return dataset
+
+
+def _pick(part: SpeedMap, path: str) -> object:
+    value: object = part
+    for name in path.split("."):
+        value = getattr(value, name)
+    return value
+
+
+def _shapes(maps: Sequence[EngineMap]) -> FloatArray:
+    """Mode shapes as real and imaginary part, the largest displacement of each mode 1."""
+    shapes = np.stack([np.stack([s.mode_shape for s in m.speeds]) for m in maps])
+    amplitude = np.sqrt(np.sum(np.abs(shapes) ** 2, axis=-1))
+    largest = amplitude.max(axis=(-2, -1))[..., None, None, None]
+    scaled = shapes / np.where(largest > 0, largest, 1.0)
+    return np.stack([scaled.real, scaled.imag], axis=4)
+
+
+def _positions(engine: Engine, crank_angles: FloatArray) -> FloatArray:
+    """Undeformed stations in ground axes; (C, n_links, n_stations, 2)."""
+    motion = engine.mechanism.linkage.motion(crank_angles)
+    parts = []
+    for number, link in enumerate(engine.links):
+        length = engine.mechanism.linkage.topology.links[number].length
+        places = np.linspace(0.0, length, len(link.shape))
+        parts.append(np.stack([motion.position(number, float(x)) for x in places], axis=1))
+    return np.stack(parts, axis=1)
+
+
+def _provenance(engines: Sequence[Engine], request: FrequencyRequest) -> dict[str, str | int]:
+    provenance = engines[0].mechanism.provenance
+    rotation = request.rotation_terms
+    packages = ["flexmech", "numpy", "scipy"]
+    packages += ["exudyn"] if any(e.name == "exudyn" for e in engines) else []
+    return {
+        "mechanism": provenance.name,
+        "source": provenance.source,
+        "model_file": provenance.file,
+        "model_sha256": provenance.sha256,
+        "prestress": request.prestress,
+        "rotation_terms": "on" if rotation else "off",
+        "elements": engines[0].elements,
+        **{f"{name}_version": version(name) for name in packages},
+    }

@@ -1,0 +1,121 @@
+"""The frozen eigenproblem of a linear system, in many positions at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import ComputationError, InputError
+from flexmech.linear_system import LinearSystem
+
+__all__ = ["Modes", "solve_modes"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Lowest modes over a batch of B positions, in ascending order of frequency.
+
+    Parameters
+    ----------
+    eigenvalues : ndarray of complex, shape (B, m)
+        ``lambda`` in rad/s, imaginary part positive.
+    vectors : ndarray, shape (B, n, m)
+        Mode shapes in the system's coordinates, normalized so that x^H M x = 1; real for
+        a conservative system.
+    """
+
+    eigenvalues: NDArray[np.complex128]
+    vectors: NDArray[np.generic]
+
+    @property
+    def frequency(self) -> FloatArray:
+        """Natural frequency ``|lambda| / 2 pi`` in Hz, shape (B, m)."""
+        return np.abs(self.eigenvalues) / (2 * np.pi)
+
+    @property
+    def damping_ratio(self) -> FloatArray:
+        """``-Re(lambda) / |lambda|``, shape (B, m)."""
+        # 0.0 - x rather than -x: an undamped mode has ratio 0, not -0
+        return (0.0 - self.eigenvalues.real) / np.abs(self.eigenvalues)
+
+
+def solve_modes(system: LinearSystem, count: int) -> Modes:
+    """Lowest ``count`` modes in each position.
+
+    A conservative system (frozen inertial form without damping) is solved as
+    ``(K - w^2 M) x = 0``; any other as ``(lambda^2 M + lambda C + K) x = 0``.
+
+    Parameters
+    ----------
+    system : LinearSystem
+    count : int
+
+    Returns
+    -------
+    Modes
+
+    Raises
+    ------
+    InputError
+        If the system has fewer than ``count`` coordinates.
+    ComputationError
+        If a mode asked for does not oscillate (the frozen linkage is unstable or
+        overdamped there); names the crank angle and speed.
+    """
+    if not 1 <= count <= system.size:
+        raise InputError(
+            f"{count} modes were asked for, the model has {system.size} coordinates; ask for "
+            "fewer modes or more elements"
+        )
+    return _conservative(system, count) if system.is_conservative else _general(system, count)
+
+
+def _conservative(system: LinearSystem, count: int) -> Modes:
+    lower = np.linalg.inv(np.linalg.cholesky(system.mass))
+    values, vectors = np.linalg.eigh(lower @ system.stiffness @ np.swapaxes(lower, 1, 2))
+    values = values[:, :count]
+    _refuse(system, ~np.all(values > 0, axis=1), "the frozen linkage is statically unstable")
+    return Modes(1j * np.sqrt(values), np.swapaxes(lower, 1, 2) @ vectors[:, :, :count])
+
+
+def _general(system: LinearSystem, count: int) -> Modes:
+    """Eigenvalues of the inverse companion matrix: the lowest modes are its largest."""
+    size = system.size
+    flexible = np.linalg.solve(
+        system.stiffness, np.concatenate([system.damping, system.mass], axis=2)
+    )
+    # In units of time of the slowest mode both blocks are of order one.
+    unit = 1 / np.sqrt(np.abs(flexible[:, :, size:]).sum(axis=2).max(axis=1))[:, None, None]
+    companion = np.zeros((len(flexible), 2 * size, 2 * size))
+    companion[:, :size, :size] = -flexible[:, :, :size] * unit
+    companion[:, :size, size:] = -flexible[:, :, size:] * unit**2
+    companion[:, np.arange(size, 2 * size), np.arange(size)] = 1.0
+    inverse, states = np.linalg.eig(companion)
+    oscillates = inverse.imag < 0  # the inverse of lambda = a + ib has imaginary part -b
+    order = np.argsort(np.where(oscillates, -np.abs(inverse), 0.0), axis=1)[:, :count]
+    chosen = np.take_along_axis(inverse, order, axis=1)
+    slowest = np.abs(np.where(inverse.imag == 0, inverse, 0)).max(axis=1)
+    settled = np.take_along_axis(oscillates, order, axis=1).all(axis=1)
+    _refuse(
+        system,
+        ~settled | (slowest > np.abs(chosen[:, -1])),
+        "a mode of the frozen linkage does not oscillate (it diverges or is overdamped)",
+    )
+    vectors = np.take_along_axis(states[:, :size], order[:, None, :], axis=2)
+    norm = np.einsum("bim,bij,bjm->bm", vectors.conj(), system.mass, vectors, optimize=True)
+    return Modes(unit[:, 0] / chosen, vectors / np.sqrt(norm.real)[:, None, :])
+
+
+def _refuse(system: LinearSystem, failed: NDArray[np.bool_], what: str) -> None:
+    if np.any(failed):
+        first = int(np.flatnonzero(failed)[0])
+        angle = np.degrees(system.motion.crank_angle[first])
+        raise ComputationError(
+            f"{what} at crank angle {angle:.6g} deg and crank speed "
+            f"{system.motion.crank_speed[first]:.6g} rad/s; lower the crank speed, ask for "
+            "fewer modes, or stiffen the links"
+        )

@@ -1,0 +1,199 @@
+"""Moving natural frequencies: how they change with crank angle and crank speed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexmech.analyses.dataset import EngineMap, SpeedMap, build_dataset
+from flexmech.analyses.eigenproblem import solve_modes
+from flexmech.analyses.mapping import FrequencyRequest, Mapping
+from flexmech.analyses.result import MovingFrequencies
+from flexmech.analyses.speed_effect import speed_effect_terms
+from flexmech.analyses.tracking import Tracker, same_shapes
+from flexmech.analyses.trust import check_angle_indices, discretisation_error
+from flexmech.errors import InputError
+from flexmech.linear_system import Engine, Prestress
+from flexmech.threads import one_thread
+
+__all__ = ["frequency_map", "moving_frequencies", "natural_frequencies"]
+
+FloatArray = NDArray[np.float64]
+Progress = Callable[[str, int, int], None]
+
+
+def natural_frequencies(
+    engine: Engine,
+    crank_angle: ArrayLike,
+    crank_speed: ArrayLike = 0.0,
+    *,
+    modes: int = 4,
+    prestress: Prestress = "equilibrium",
+    rotation_terms: bool = True,
+) -> FloatArray:
+    """Natural frequencies at given positions.
+
+    Parameters
+    ----------
+    engine : Engine
+    crank_angle, crank_speed : array_like
+        rad and rad/s; broadcast against each other to shape (...).
+    modes : int
+    prestress : {"none", "axial", "equilibrium"}
+    rotation_terms : bool
+
+    Returns
+    -------
+    ndarray, shape (..., modes)
+        In Hz, ascending.
+
+    Raises
+    ------
+    InputError, ComputationError
+        See :meth:`flexmech.linear_system.Engine.linear_system` and
+        :func:`flexmech.analyses.solve_modes`.
+    """
+    shape = np.broadcast_shapes(np.shape(crank_angle), np.shape(crank_speed))
+    with one_thread():
+        system = engine.linear_system(
+            crank_angle,
+            crank_speed,
+            prestress=prestress,
+            rotation_terms=rotation_terms,
+            modes=modes,
+        )
+        return solve_modes(system, modes).frequency.reshape(*shape, modes)
+
+
+def frequency_map(engine: Engine, request: FrequencyRequest) -> FloatArray:
+    """Natural frequencies of a map without tracking or error estimates.
+
+    Parameters
+    ----------
+    engine : Engine
+    request : FrequencyRequest
+
+    Returns
+    -------
+    ndarray, shape (S, A, modes)
+        In Hz, ascending.
+    """
+    mapping = Mapping(engine, request)
+
+    def along_angles(speed: float) -> FloatArray:
+        batches = mapping.systems(speed)
+        return np.concatenate([solve_modes(s, request.modes).frequency for s in batches])
+
+    with one_thread():
+        return np.stack([along_angles(float(speed)) for speed in request.crank_speeds])
+
+
+def moving_frequencies(
+    engine: Engine | Sequence[Engine],
+    crank_angles: ArrayLike,
+    crank_speeds: ArrayLike,
+    *,
+    modes: int = 4,
+    prestress: Prestress = "equilibrium",
+    rotation_terms: bool = True,
+    speed_effect: bool = False,
+    progress: Progress | None = None,
+) -> MovingFrequencies:
+    """Tracked natural frequencies over crank angles and speeds, with their errors.
+
+    Parameters
+    ----------
+    engine : Engine or sequence of Engine
+        Several engines give results side by side.
+    crank_angles : array_like, shape (A,)
+        Increasing, rad.
+    crank_speeds : array_like, shape (S,)
+        rad/s.
+    modes : int
+        Number of natural frequencies.
+    prestress : {"none", "axial", "equilibrium"}
+    rotation_terms : bool
+        Terms of the turning link frames; off gives the frozen inertial form. With them,
+        frozen eigenvalues depend on the frame in which they are written (Floquet
+        multipliers do not): here each link's own.
+    speed_effect : bool
+        Also split the effect of speed by term, with the first engine.
+    progress : callable, optional
+        Called as ``progress(label, done, total)``.
+
+    Returns
+    -------
+    MovingFrequencies
+
+    Raises
+    ------
+    InputError
+        If the request makes no sense or the linkage cannot reach a crank angle.
+    ComputationError
+        If an equilibrium does not converge or a mode does not oscillate.
+    """
+    engines = [engine] if isinstance(engine, Engine) else list(engine)
+    if not engines:
+        raise InputError("moving_frequencies needs an engine, got an empty list")
+    request = FrequencyRequest(
+        np.asarray(crank_angles, dtype=float),
+        np.asarray(crank_speeds, dtype=float),
+        modes,
+        prestress,
+        rotation_terms,
+    )
+    report = progress or (lambda label, done, total: None)
+    with one_thread():
+        maps = [_map_engine(each, request, report) for each in engines]
+        terms = (
+            speed_effect_terms(frequency_map, engines[0], request, report)
+            if speed_effect
+            else None
+        )
+    return MovingFrequencies(build_dataset(engines, request, maps, terms))
+
+
+def _map_engine(engine: Engine, request: FrequencyRequest, report: Progress) -> EngineMap:
+    where = check_angle_indices(request.crank_angles, request.full_turn)
+    total = len(request.crank_speeds) * len(request.crank_angles)
+    numbering: NDArray[np.intp] | None = None
+    start_shapes: NDArray[np.generic] | None = None
+    speeds: list[SpeedMap] = []
+    for number, speed in enumerate(request.crank_speeds.tolist()):
+        mapping = Mapping(engine, request)
+        checked = mapping.check(speed, where)
+        shapes = mapping.start_shapes(speed)
+        if start_shapes is not None:
+            numbering = same_shapes(start_shapes, shapes, numbering)
+        start_shapes = shapes
+        tracker = Tracker(numbering)
+        frequency, damping = [], []
+        done = number * len(request.crank_angles)
+        for system in mapping.systems(speed):
+            modes = solve_modes(system, min(mapping.tracked_modes, system.size))
+            frequency.append(modes.frequency)
+            damping.append(modes.damping_ratio)
+            tracker.add(modes.vectors, system.mass)
+            done += len(modes.frequency)
+            report(engine.name, done, total)
+        every = np.concatenate(frequency)
+        speeds.append(
+            SpeedMap(
+                frequency=every,
+                damping_ratio=np.concatenate(damping),
+                branches=tracker.finish(every, request.full_turn),
+                mode_shape=checked.system.displacements(checked.modes.vectors),
+                reduction_error=checked.reduction_error,
+                discretisation_error=discretisation_error(
+                    engine,
+                    request.crank_angles[where],
+                    speed,
+                    modes=request.modes,
+                    prestress=request.prestress,
+                    rotation_terms=request.rotation_terms,
+                ),
+            )
+        )
+    return EngineMap(check_angles=where, speeds=speeds)

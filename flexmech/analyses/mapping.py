@@ -1,0 +1,176 @@
+"""A request for frequencies, and the linear systems of one engine over it."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.analyses.eigenproblem import Modes, solve_modes
+from flexmech.analyses.trust import reduction_error
+from flexmech.errors import InputError
+from flexmech.linear_system import Engine, LinearSystem, Prestress, RotationTerms
+
+__all__ = ["CheckedModes", "FrequencyRequest", "Mapping"]
+
+logger = logging.getLogger(__name__)
+
+FloatArray = NDArray[np.float64]
+
+# Modes followed besides those asked for, so that a branch may dip out and come back.
+SPARE_MODES = 2
+# A reduction with a greater relative error in a frequency asked for is made finer.
+REDUCTION_TOLERANCE = 2e-5
+DETAILS = (1.0, 2.0, 4.0)
+
+
+@dataclass(frozen=True)
+class FrequencyRequest:
+    """What a map of frequencies is asked to cover.
+
+    Parameters
+    ----------
+    crank_angles : ndarray, shape (A,)
+        Increasing, rad.
+    crank_speeds : ndarray, shape (S,)
+        rad/s.
+    modes : int
+    prestress : {"none", "axial", "equilibrium"}
+    rotation_terms : bool or RotationTerms
+
+    Raises
+    ------
+    InputError
+        If angles do not increase, a value is not finite, a speed repeats, or no mode is
+        asked for.
+    """
+
+    crank_angles: FloatArray
+    crank_speeds: FloatArray
+    modes: int
+    prestress: Prestress
+    rotation_terms: bool | RotationTerms
+
+    def __post_init__(self) -> None:
+        for name in ("crank_angles", "crank_speeds"):
+            values = getattr(self, name)
+            if values.ndim != 1 or not len(values):
+                raise InputError(f"{name} must be a list of one value or more")
+            if not np.all(np.isfinite(values)):
+                raise InputError(f"{name} must be finite numbers, got {values}")
+        if np.any(np.diff(self.crank_angles) <= 0):
+            raise InputError("crank_angles must increase; sort them and leave out repetitions")
+        if len(np.unique(self.crank_speeds)) != len(self.crank_speeds):
+            raise InputError("crank_speeds repeats a speed; give each one once")
+        if self.modes < 1:
+            raise InputError(f"modes must be 1 or more, got {self.modes}")
+
+    @property
+    def full_turn(self) -> bool:
+        """Whether the angles cover a full turn, so that the last leads back to the first."""
+        if len(self.crank_angles) < 3:
+            return False
+        covered = self.crank_angles[-1] - self.crank_angles[0]
+        step = float(np.max(np.diff(self.crank_angles)))
+        return bool(2 * np.pi - 1.001 * step <= covered <= 2 * np.pi + 1e-9)
+
+
+@dataclass(frozen=True)
+class CheckedModes:
+    """Modes at the check angles and how far the reduction may be off.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        Batch of the check angles.
+    modes : Modes
+    reduction_error : ndarray, shape (B, m)
+        Relative.
+    """
+
+    system: LinearSystem
+    modes: Modes
+    reduction_error: FloatArray
+
+
+class Mapping:
+    """Linear systems of one engine over a request, batch by batch, all reduced alike.
+
+    Parameters
+    ----------
+    engine : Engine
+    request : FrequencyRequest
+    """
+
+    def __init__(self, engine: Engine, request: FrequencyRequest) -> None:
+        self.engine = engine
+        self.request = request
+        self.tracked_modes = request.modes + SPARE_MODES
+        self._detail = DETAILS[0]
+        motion = engine.mechanism.linkage.motion(request.crank_angles, 1.0)
+        self._speed_ratio = float(np.abs(motion.angular_velocity).max())
+
+    def systems(self, crank_speed: float) -> Iterator[LinearSystem]:
+        """Systems along the crank angles, a batch at a time."""
+        angles, size = self.request.crank_angles, self.engine.batch_size
+        for start in range(0, len(angles), size):
+            yield self._system(self.engine, angles[start : start + size], crank_speed)
+
+    def start_shapes(self, crank_speed: float) -> NDArray[np.generic]:
+        """Shapes of the tracked modes at the first crank angle; (m, n_links, stations, 2)."""
+        system = self._system(self.engine, self.request.crank_angles[:1], crank_speed)
+        modes = solve_modes(system, min(self.tracked_modes, system.size))
+        return system.displacements(modes.vectors)[0]
+
+    def check(self, crank_speed: float, where: NDArray[np.intp]) -> CheckedModes:
+        """Modes at some crank angles, with a reduction made finer until it is good enough.
+
+        Parameters
+        ----------
+        crank_speed : float
+        where : ndarray of int
+            Indices of the check angles.
+
+        Returns
+        -------
+        CheckedModes
+        """
+        angles, count = self.request.crank_angles[where], self.request.modes
+        unreduced = self.engine.unreduced()
+        full = self._system(unreduced, angles, crank_speed) if self.engine.component_modes else None
+        while True:
+            system = self._system(self.engine, angles, crank_speed)
+            modes = solve_modes(system, count)
+            if full is None or not self.engine.component_modes:
+                return CheckedModes(system, modes, np.zeros_like(modes.frequency))
+            error = reduction_error(full, system, modes)
+            if np.all(error <= REDUCTION_TOLERANCE):
+                return CheckedModes(system, modes, error)
+            self._refine(float(error.max()), crank_speed)
+
+    def _refine(self, error: float, crank_speed: float) -> None:
+        finer = [detail for detail in DETAILS if detail > self._detail]
+        logger.info(
+            "component modes are off by %.1e at %g rad/s: taking %s",
+            error,
+            crank_speed,
+            "more of them" if finer else "all coordinates",
+        )
+        if finer:
+            self._detail = finer[0]
+        else:
+            self.engine = self.engine.unreduced()
+
+    def _system(self, engine: Engine, crank_angles: FloatArray, crank_speed: float) -> LinearSystem:
+        return engine.linear_system(
+            crank_angles,
+            crank_speed,
+            prestress=self.request.prestress,
+            rotation_terms=self.request.rotation_terms,
+            modes=self.request.modes,
+            fastest=self._speed_ratio * abs(crank_speed),
+            detail=self._detail,
+        )

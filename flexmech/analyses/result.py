@@ -1,0 +1,159 @@
+"""The result of a frequency map: a frozen object around a labelled dataset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from flexmech.errors import InputError
+from flexmech.files import moved_into
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+__all__ = ["EngineAgreement", "MovingFrequencies"]
+
+
+@dataclass(frozen=True)
+class EngineAgreement:
+    """Greatest relative difference of two engines' frequencies, and where it is.
+
+    Parameters
+    ----------
+    engines : tuple of str
+    relative_difference : float
+        ``|f_b / f_a - 1|``.
+    crank_speed, crank_angle : float
+        rad/s and rad.
+    mode : int
+        Counted from 1.
+    """
+
+    engines: tuple[str, str]
+    relative_difference: float
+    crank_speed: float
+    crank_angle: float
+    mode: int
+
+
+@dataclass(frozen=True)
+class MovingFrequencies:
+    """Natural frequencies over crank angle and speed, tracked, with their errors.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Variables and units are in the dataset itself; see the README.
+    """
+
+    dataset: xr.Dataset
+
+    def extremes(self) -> xr.Dataset:
+        """Lowest and highest frequency of each mode and the crank angles where they are.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``lowest``, ``highest`` in Hz and ``lowest_angle``, ``highest_angle`` in rad over
+            (engine, crank_speed, mode).
+        """
+        frequency = self.dataset["frequency"]
+        return xr.Dataset(
+            {
+                "lowest": frequency.min("crank_angle"),
+                "lowest_angle": frequency.idxmin("crank_angle"),
+                "highest": frequency.max("crank_angle"),
+                "highest_angle": frequency.idxmax("crank_angle"),
+            }
+        )
+
+    def agreement(self) -> EngineAgreement | None:
+        """How far the first two engines differ at most; None with a single engine."""
+        names = [str(name) for name in self.dataset["engine"].values]
+        if len(names) < 2:
+            return None
+        first, second = (self.dataset["frequency"].isel(engine=i).values for i in (0, 1))
+        difference = np.abs(second / first - 1)
+        speed, angle, mode = np.unravel_index(int(difference.argmax()), difference.shape)
+        return EngineAgreement(
+            engines=(names[0], names[1]),
+            relative_difference=float(difference.max()),
+            crank_speed=float(self.dataset["crank_speed"][speed]),
+            crank_angle=float(self.dataset["crank_angle"][angle]),
+            mode=int(self.dataset["mode"][mode]),
+        )
+
+    def table(self) -> pd.DataFrame:
+        """One row for each engine, crank speed, crank angle and mode, as in the CSV file."""
+        data = self.dataset[["frequency", "damping_ratio", "branch_of_mode"]]
+        frame = data.drop_vars("element").to_dataframe(
+            dim_order=["engine", "crank_speed", "crank_angle", "mode"]
+        )
+        frame = frame.reset_index()
+        frame["crank_angle"] = np.round(np.degrees(frame["crank_angle"]), 9)
+        columns = {
+            "engine": "engine",
+            "crank_speed": "crank_speed_rad_s",
+            "crank_angle": "crank_angle_deg",
+            "mode": "mode",
+            "branch_of_mode": "branch",
+            "frequency": "frequency_Hz",
+            "damping_ratio": "damping_ratio",
+        }
+        return frame[list(columns)].rename(columns=columns)
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Write ``frequencies.csv`` and ``frequencies.nc``, each whole or not at all.
+
+        Parameters
+        ----------
+        folder : str or Path
+            Made if it is not there.
+
+        Returns
+        -------
+        list of Path
+
+        Raises
+        ------
+        InputError
+            If the folder cannot be written to.
+        """
+        folder = Path(folder)
+        names = ("frequencies.csv", "frequencies.nc")
+        with moved_into(folder) as temporary:
+            self.table().to_csv(temporary / names[0], index=False, float_format="%.10g")
+            self.dataset.to_netcdf(temporary / names[1], engine="h5netcdf")
+        return [folder / name for name in names]
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read ``frequencies.nc`` back.
+
+        Raises
+        ------
+        InputError
+            If the file is not there or is no result of flexmech.
+        """
+        path = Path(path)
+        if not path.is_file():
+            raise InputError(f"{path}: no such result file")
+        try:
+            with xr.open_dataset(path, engine="h5netcdf") as dataset:
+                loaded = dataset.load()
+        except (OSError, ValueError) as error:
+            raise InputError(f"{path}: not a NetCDF file of flexmech ({error})") from error
+        if "frequency" not in loaded:
+            raise InputError(f"{path}: holds no variable 'frequency'; not a result of flexmech")
+        return cls(loaded)
+
+    def plot(self) -> Figure:
+        """Natural frequencies against crank angle; see :mod:`flexmech.plots` for others."""
+        from flexmech.plots import plot_frequencies
+
+        return plot_frequencies(self.dataset)

@@ -1,0 +1,141 @@
+"""How far a computed frequency can be trusted: errors of the mesh and of the reduction."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.analyses.eigenproblem import Modes, solve_modes
+from flexmech.linear_system import Engine, LinearSystem, Prestress, RotationTerms
+from flexmech.mesh import pieces
+
+__all__ = ["check_angle_indices", "discretisation_error", "reduction_error"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+CHECK_ANGLES = 12
+
+
+def check_angle_indices(crank_angles: FloatArray, full_turn: bool) -> IntArray:
+    """About a dozen of the crank angles, evenly spread, the first among them."""
+    count = len(crank_angles)
+    closed = full_turn and np.isclose(crank_angles[-1] - crank_angles[0], 2 * np.pi)
+    places = np.linspace(0, count - 1, CHECK_ANGLES + 1 if closed else CHECK_ANGLES)
+    chosen = np.unique(np.round(places[:-1] if closed else places).astype(np.intp))
+    return chosen[chosen < count]
+
+
+def reduction_error(full: LinearSystem, reduced: LinearSystem, modes: Modes) -> FloatArray:
+    """Relative error of the reduced frequencies against the unreduced matrices.
+
+    The reduced modes are improved by one step of inverse iteration on the unreduced
+    matrices; what the frequency still moves by is the reduction's error.
+
+    Parameters
+    ----------
+    full, reduced : LinearSystem
+        The same batch of B positions.
+    modes : Modes
+        Of ``reduced``.
+
+    Returns
+    -------
+    ndarray, shape (B, m)
+    """
+    shapes = reduced.unreduced_vectors(modes.vectors, full.frames)
+    if full.is_conservative:
+        loads = full.mass @ shapes
+        better = np.linalg.solve(full.stiffness, loads)
+        adjoint = np.swapaxes(better, 1, 2)
+        inertia, stiffness = adjoint @ full.mass @ better, adjoint @ loads
+        lower = np.linalg.inv(np.linalg.cholesky(inertia))
+        values = np.linalg.eigvalsh(lower @ stiffness @ np.swapaxes(lower, 1, 2))
+        return np.abs(modes.frequency / (np.sqrt(values) / (2 * np.pi)) - 1)
+    improved = _newton_step(full, modes.eigenvalues, shapes)
+    return np.abs(np.abs(modes.eigenvalues) / np.abs(improved) - 1)
+
+
+def _newton_step(
+    full: LinearSystem, eigenvalues: NDArray[np.complex128], shapes: NDArray[np.generic]
+) -> NDArray[np.complex128]:
+    """One Newton step on ``P(lambda) x = 0`` for each mode (Ruhe 1973, eq. 3.5)."""
+    improved = np.empty_like(eigenvalues)
+    for mode in range(eigenvalues.shape[1]):
+        value = eigenvalues[:, mode, None, None]
+        slope = 2 * value * full.mass + full.damping
+        dynamic = value**2 * full.mass + value * full.damping + full.stiffness
+        x = shapes[:, :, mode, None]
+        weight = np.swapaxes((full.mass @ x).conj(), 1, 2)
+        change = (weight @ x) / (weight @ np.linalg.solve(dynamic, slope @ x))
+        improved[:, mode] = eigenvalues[:, mode] - change[:, 0, 0]
+    return improved
+
+
+def discretisation_error(
+    engine: Engine,
+    crank_angles: FloatArray,
+    crank_speed: float,
+    *,
+    modes: int,
+    prestress: Prestress,
+    rotation_terms: bool | RotationTerms,
+) -> FloatArray:
+    """Estimated relative error of the frequencies by the mesh (Richardson).
+
+    The same mechanism on half the mesh; elastic part, change by prestress and change by
+    rotation terms are extrapolated apart, each with its own order of convergence.
+
+    Parameters
+    ----------
+    engine : Engine
+    crank_angles : ndarray, shape (A,)
+    crank_speed : float
+    modes : int
+    prestress, rotation_terms
+        As in the map.
+
+    Returns
+    -------
+    ndarray, shape (A, modes)
+        Positive.
+    """
+    other = engine.with_elements(_companion_mesh(engine))
+    ratio = engine.elements / other.elements
+
+    def steps(of: Engine) -> list[FloatArray]:
+        levels: list[tuple[float, Prestress, bool | RotationTerms]] = [(0.0, "none", False)]
+        if prestress != "none":
+            levels.append((crank_speed, prestress, False))
+        if rotation_terms and crank_speed:
+            levels.append((crank_speed, prestress, True))
+        values = [
+            solve_modes(
+                of.linear_system(
+                    crank_angles, speed, prestress=level, rotation_terms=terms, modes=modes
+                ),
+                modes,
+            ).frequency
+            for speed, level, terms in levels
+        ]
+        return [values[0], *np.diff(np.stack(values), axis=0)]
+
+    fine, coarse = steps(engine), steps(other)
+    orders = [engine.convergence.elastic]
+    if prestress != "none":
+        orders.append(engine.convergence.prestress)
+    if rotation_terms and crank_speed:
+        orders.append(engine.convergence.rotation)
+    error = sum(
+        (a - b) / (ratio**order - 1) for a, b, order in zip(fine, coarse, orders, strict=True)
+    )
+    return np.asarray(np.abs(error) / sum(fine), dtype=float)
+
+
+def _companion_mesh(engine: Engine) -> int:
+    """Half the mesh, or twice where half would be too coarse for the links' point masses."""
+    mechanism = engine.mechanism
+    least = max(len(pieces(m.length, m.point_positions)) for m in mechanism.link_masses_in_order)
+    half = engine.elements // 2
+    return half if half >= max(2, least) else 2 * engine.elements
+
