@@ -10,6 +10,7 @@ from flexmech.linear_system.engine import (
 from flexmech.linear_system.link_frames import LinkFrames, RotationTerms
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
 from flexmech.linear_system.system import LinearSystem
+from flexmech.linear_system.tension import element_tensions
 
 __all__ = [
     "PRESTRESS_LEVELS",
@@ -23,5 +24,6 @@ __all__ = [
     "RigidFields",
     "RotationTerms",
     "component_modes",
+    "element_tensions",
     "inertia_loads",
 ]

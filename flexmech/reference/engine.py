@@ -14,9 +14,10 @@ from flexmech.linear_system import (
     LinkFrames,
     LinkModel,
     Prestress,
+    element_tensions,
     inertia_loads,
 )
-from flexmech.linkages import RigidMotion, inverse_dynamics
+from flexmech.linkages import RigidMotion
 from flexmech.reference.elements import geometric_stiffness
 from flexmech.reference.equilibrium import Equilibrium
 from flexmech.reference.link_matrices import assemble_chain, link_model
@@ -71,42 +72,6 @@ class ReferenceEngine(Engine):
         sections = [self.mechanism.sections[name] for name in topology.link_names]
         return Equilibrium(LinkFrames(topology, self.links), self.nodes, sections)
 
-    def element_tensions(self, motion: RigidMotion) -> list[FloatArray]:
-        """Axial force in each element under the motion's inertia forces, in N.
-
-        With the crank held the linkage is statically determinate, so the linear static
-        solution's axial force is that of the rigid linkage; it is quadratic along an
-        element, and its mean is what the element's end displacements alone would give.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-
-        Returns
-        -------
-        list of ndarray, shape (B, e, 3)
-            Legendre coefficients along each element: mean, linear, quadratic.
-        """
-        mechanism = self.mechanism
-        forces = inverse_dynamics(
-            mechanism.linkage.topology, motion, mechanism.link_masses_in_order, mechanism.gravity
-        )
-        tensions = []
-        for link, nodes in enumerate(self.nodes):
-            length = np.diff(nodes)
-            inside = 1e-9 * length  # off the point masses that may sit at the nodes
-            places = [nodes[:-1] + inside, nodes[:-1] + length / 2, nodes[1:] - inside]
-            near, middle, far = (
-                np.stack([forces.axial_force(link, float(x)) for x in place], axis=-1)
-                for place in places
-            )
-            mean = (near + 4 * middle + far) / 6
-            linear = (far - near) / 2
-            quadratic = (near + far - 2 * middle) / 3
-            tensions.append(np.stack([mean, linear, quadratic], axis=-1))
-        return tensions
-
     def tangents(self, motion: RigidMotion, prestress: Prestress) -> list[FloatArray]:
         """Tangent stiffness of each link; see :meth:`Engine.tangents`."""
         unloaded = not motion.crank_speed.any() and not any(self.mechanism.gravity)
@@ -141,7 +106,7 @@ class ReferenceEngine(Engine):
         inside it is the varying part.
         """
         matrices = []
-        for nodes, tension in zip(self.nodes, self.element_tensions(motion), strict=True):
+        for nodes, tension in zip(self.nodes, element_tensions(self.mechanism, self.nodes, motion), strict=True):
             if varying_part_only:
                 tension[..., 0] = 0.0
             matrices.append(geometric_stiffness(np.diff(nodes), tension))

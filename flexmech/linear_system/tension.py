@@ -1,0 +1,54 @@
+"""Tension in the links of the undeformed linkage under its own inertia forces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linkages import RigidMotion, inverse_dynamics
+from flexmech.mechanism import Mechanism
+
+__all__ = ["element_tensions"]
+
+FloatArray = NDArray[np.float64]
+
+
+def element_tensions(
+    mechanism: Mechanism, nodes: Sequence[FloatArray], motion: RigidMotion
+) -> list[FloatArray]:
+    """Axial force in each element under the motion's inertia forces, in N.
+
+    With the crank held the linkage is statically determinate, so the linear static
+    solution's axial force is that of the rigid linkage; it is quadratic along an element,
+    and its mean is what the element's end displacements alone would give.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    nodes : sequence of ndarray, shape (e + 1,)
+        Node positions along each link in m.
+    motion : RigidMotion
+        Batch of shape (B,).
+
+    Returns
+    -------
+    list of ndarray, shape (B, e, 3)
+        Legendre coefficients along each element: mean, linear, quadratic.
+    """
+    forces = inverse_dynamics(
+        mechanism.linkage.topology, motion, mechanism.link_masses_in_order, mechanism.gravity
+    )
+    tensions = []
+    for link, places in enumerate(nodes):
+        length = np.diff(places)
+        inside = 1e-9 * length  # off the point masses that may sit at the nodes
+        near, middle, far = (
+            np.stack([forces.axial_force(link, float(x)) for x in at], axis=-1)
+            for at in (places[:-1] + inside, places[:-1] + length / 2, places[1:] - inside)
+        )
+        mean = (near + 4 * middle + far) / 6
+        quadratic = (near + far - 2 * middle) / 3
+        tensions.append(np.stack([mean, (far - near) / 2, quadratic], axis=-1))
+    return tensions

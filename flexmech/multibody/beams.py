@@ -1,0 +1,195 @@
+"""The two beam elements of Exudyn that a link can be made of, and their coordinates."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system import RigidFields
+from flexmech.multibody.library import load_exudyn
+from flexmech.sections import BeamSection
+
+__all__ = ["BEAM_KINDS", "AncfCable", "BeamKind", "GeometricallyExactBeam"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+
+class BeamKind(ABC):
+    """How a chain of beam elements is built and read.
+
+    Attributes
+    ----------
+    per_node : int
+        Coordinates a node.
+    vectors : tuple of tuple of int
+        Pairs of a node's coordinates that turn as a vector with the link.
+    clamped : int
+        The node's coordinate that a clamp holds besides the position.
+    """
+
+    per_node: int
+    vectors: tuple[tuple[int, int], ...]
+    clamped: int
+
+    @abstractmethod
+    def add_node(self, mbs: Any, x: float) -> int:
+        """Node at ``x`` on a link along the global x axis; returns its number."""
+
+    @abstractmethod
+    def add_element(self, mbs: Any, nodes: list[int], length: float, section: BeamSection) -> int:
+        """Beam element between two nodes; returns its number."""
+
+    @abstractmethod
+    def shape_functions(self, fraction: FloatArray, length: FloatArray) -> FloatArray:
+        """Displacement inside elements, (s, 2, 2 per_node) for places (s,)."""
+
+    @abstractmethod
+    def rigid_fields(self, nodes: FloatArray) -> RigidFields:
+        """Coordinates of a rigid link's accelerations."""
+
+    @abstractmethod
+    def pose(self, nodes: FloatArray, origin: FloatArray, angle: float) -> FloatArray:
+        """Coordinates, less the reference ones, of a straight link at a place and angle."""
+
+    def is_axial(self, count: int) -> NDArray[np.bool_]:
+        """Which coordinates of a chain of ``count`` nodes move it along its axis."""
+        axial = np.zeros(self.per_node, dtype=bool)
+        axial[[x for x, _ in self.vectors]] = True
+        return np.tile(axial, count)
+
+    def vector_pairs(self, count: int) -> tuple[IntArray, IntArray]:
+        """x and y coordinates of all vectors in a chain of ``count`` nodes."""
+        base = self.per_node * np.arange(count)[:, None]
+        pairs = np.array(self.vectors)
+        return (base + pairs[:, 0]).ravel(), (base + pairs[:, 1]).ravel()
+
+
+class AncfCable(BeamKind):
+    """``ObjectANCFCable2D``: position and slope vector a node, no shear, no rotary inertia."""
+
+    per_node = 4
+    vectors = ((0, 1), (2, 3))
+    clamped = 3
+
+    def add_node(self, mbs: Any, x: float) -> int:
+        """See :class:`BeamKind`."""
+        items = load_exudyn().itemInterface
+        return int(mbs.AddNode(items.NodePoint2DSlope1(referenceCoordinates=[x, 0.0, 1.0, 0.0])))
+
+    def add_element(self, mbs: Any, nodes: list[int], length: float, section: BeamSection) -> int:
+        """See :class:`BeamKind`."""
+        items = load_exudyn().itemInterface
+        return int(
+            mbs.AddObject(
+                items.ObjectANCFCable2D(
+                    nodeNumbers=nodes,
+                    length=length,
+                    massPerLength=section.mass_per_length,
+                    bendingStiffness=section.bending_stiffness,
+                    axialStiffness=section.axial_stiffness,
+                    bendingDamping=section.damping_time * section.bending_stiffness,
+                    axialDamping=section.damping_time * section.axial_stiffness,
+                )
+            )
+        )
+
+    def shape_functions(self, fraction: FloatArray, length: FloatArray) -> FloatArray:
+        """Cubic Hermite in both directions; see :class:`BeamKind`."""
+        s = fraction
+        hermite = np.stack(
+            [
+                1 - 3 * s**2 + 2 * s**3,
+                length * (s - 2 * s**2 + s**3),
+                3 * s**2 - 2 * s**3,
+                length * (s**3 - s**2),
+            ],
+            axis=-1,
+        )
+        values = np.zeros((len(s), 2, 8))
+        values[:, 0, 0::2] = hermite
+        values[:, 1, 1::2] = hermite
+        return values
+
+    def rigid_fields(self, nodes: FloatArray) -> RigidFields:
+        """See :class:`BeamKind`."""
+        along, across, centripetal, tangential = np.zeros((4, len(nodes), 4))
+        along[:, 0] = across[:, 1] = 1.0
+        centripetal[:, 0], centripetal[:, 2] = nodes, 1.0
+        tangential[:, 1], tangential[:, 3] = nodes, 1.0
+        return RigidFields(along.ravel(), across.ravel(), centripetal.ravel(), tangential.ravel())
+
+    def pose(self, nodes: FloatArray, origin: FloatArray, angle: float) -> FloatArray:
+        """See :class:`BeamKind`."""
+        cosine, sine = np.cos(angle), np.sin(angle)
+        q = np.empty((len(nodes), 4))
+        q[:, 0] = origin[0] + (cosine - 1) * nodes
+        q[:, 1] = origin[1] + sine * nodes
+        q[:, 2], q[:, 3] = cosine - 1, sine
+        return q.ravel()
+
+
+class GeometricallyExactBeam(BeamKind):
+    """``ObjectBeamGeometricallyExact2D``: position and rotation a node, shear, rotary inertia."""
+
+    per_node = 3
+    vectors = ((0, 1),)
+    clamped = 2
+
+    def add_node(self, mbs: Any, x: float) -> int:
+        """See :class:`BeamKind`."""
+        items = load_exudyn().itemInterface
+        return int(mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[x, 0.0, 0.0])))
+
+    def add_element(self, mbs: Any, nodes: list[int], length: float, section: BeamSection) -> int:
+        """See :class:`BeamKind`."""
+        items = load_exudyn().itemInterface
+        return int(
+            mbs.AddObject(
+                items.ObjectBeamGeometricallyExact2D(
+                    nodeNumbers=nodes,
+                    length=length,
+                    massPerLength=section.mass_per_length,
+                    crossSectionInertia=section.rotary_inertia,
+                    bendingStiffness=section.bending_stiffness,
+                    axialStiffness=section.axial_stiffness,
+                    shearStiffness=section.shear_stiffness,
+                    bendingDamping=section.damping_time * section.bending_stiffness,
+                    axialDamping=section.damping_time * section.axial_stiffness,
+                    shearDamping=section.damping_time * section.shear_stiffness,
+                )
+            )
+        )
+
+    def shape_functions(self, fraction: FloatArray, length: FloatArray) -> FloatArray:
+        """Linear in all coordinates; see :class:`BeamKind`."""
+        values = np.zeros((len(fraction), 2, 6))
+        for component in (0, 1):
+            values[:, component, component] = 1 - fraction
+            values[:, component, component + 3] = fraction
+        return values
+
+    def rigid_fields(self, nodes: FloatArray) -> RigidFields:
+        """See :class:`BeamKind`."""
+        along, across, centripetal, tangential = np.zeros((4, len(nodes), 3))
+        along[:, 0] = across[:, 1] = 1.0
+        centripetal[:, 0] = nodes
+        tangential[:, 1], tangential[:, 2] = nodes, 1.0
+        return RigidFields(along.ravel(), across.ravel(), centripetal.ravel(), tangential.ravel())
+
+    def pose(self, nodes: FloatArray, origin: FloatArray, angle: float) -> FloatArray:
+        """See :class:`BeamKind`."""
+        q = np.empty((len(nodes), 3))
+        q[:, 0] = origin[0] + (np.cos(angle) - 1) * nodes
+        q[:, 1] = origin[1] + np.sin(angle) * nodes
+        q[:, 2] = angle
+        return q.ravel()
+
+
+BEAM_KINDS: dict[str, BeamKind] = {
+    "ancf": AncfCable(),
+    "geometrically-exact": GeometricallyExactBeam(),
+}

@@ -1,0 +1,247 @@
+"""From Exudyn's absolute coordinates to link frames, and the static equilibrium."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import ComputationError
+from flexmech.linear_system import LinkModel
+from flexmech.linkages import RigidMotion
+from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.model import MultibodyModel
+
+__all__ = ["STATIONS", "equilibrium_tangents", "link_models", "unit_tension_stiffness"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+STATIONS = 21
+# Out-of-balance force at which Newton's method stops, relative to the greatest load, and
+# the floor that round-off sets: a force that cancels in EA times machine precision.
+RELATIVE_RESIDUAL = 1e-9
+ROUND_OFF = 1e-13
+
+
+def simulation_settings(absolute_tolerance: float = 1e-8) -> Any:
+    """Settings for one quiet static step and for linearization."""
+    settings = load_exudyn().SimulationSettings()
+    settings.solution.file.write = False
+    settings.staticSolver.numberOfLoadSteps = 1
+    settings.staticSolver.adaptiveStep = False
+    settings.staticSolver.verboseMode = 0
+    newton = settings.staticSolver.newton
+    # The relative tolerance refers to the first residual and fails near an easy start.
+    newton.relativeTolerance = 0.0
+    newton.absoluteTolerance = absolute_tolerance
+    newton.maxIterations = 50
+    return settings
+
+
+def linearized(
+    model: MultibodyModel, settings: Any, state: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Mass, stiffness and damping of all coordinates at a state of shape (size,).
+
+    Exudyn linearizes about the initial state, whatever was solved before.
+    """
+    initial = load_exudyn().ConfigurationType.Initial
+    model.mbs.systemData.SetODE2Coordinates(state, initial)
+    mass, stiffness, damping = model.mbs.ComputeLinearizedSystem(settings)[:3]
+    return np.array(mass), np.array(stiffness), np.array(damping)
+
+
+def link_models(model: MultibodyModel) -> tuple[LinkModel, ...]:
+    """Link models from the linearization of the undeformed system.
+
+    In the reference configuration every link lies along the global x axis, so absolute
+    coordinates are those of the link frames.
+    """
+    straight = np.zeros(model.size)
+    mass, stiffness, damping = linearized(model, simulation_settings(), straight)
+    kind, models = model.kind, []
+    for name, part in zip(model.topology.link_names, model.parts, strict=True):
+        count, size = len(part.nodes), part.coordinates.stop - part.coordinates.start
+        inertia = mass[part.coordinates, part.coordinates]
+        quarter = _quarter_turn(size, *kind.vector_pairs(count))
+        last = size - kind.per_node
+        models.append(
+            LinkModel(
+                name=name,
+                mass=inertia,
+                gyroscopic=quarter.T @ inertia @ quarter @ quarter,
+                translational_mass=quarter.T @ inertia @ quarter,
+                stiffness=stiffness[part.coordinates, part.coordinates],
+                damping=damping[part.coordinates, part.coordinates],
+                is_axial=kind.is_axial(count),
+                start=np.array([0, 1]),
+                end=np.array([last, last + 1]),
+                start_rotation=np.array([kind.clamped]),
+                end_rotation=np.array([last + kind.clamped]),
+                shape=_station_shapes(model, part.positions),
+                fields=kind.rigid_fields(part.positions),
+            )
+        )
+    return tuple(models)
+
+
+def equilibrium_tangents(
+    model: MultibodyModel, motion: RigidMotion, loads: list[FloatArray]
+) -> list[FloatArray]:
+    """Tangent stiffness at the quasi-static equilibrium of each position, in link frames.
+
+    Parameters
+    ----------
+    model : MultibodyModel
+    motion : RigidMotion
+        Batch of shape (B,).
+    loads : list of ndarray, shape (B, n_link)
+        Forces on each link in its frame.
+
+    Returns
+    -------
+    list of ndarray, shape (B, n_link, n_link)
+
+    Raises
+    ------
+    ComputationError
+        If Exudyn's static solver does not converge; names the crank angle and speed.
+    """
+    batch = len(motion.crank_angle)
+    stiffness = [np.empty((batch, *(2 * (load.shape[1],)))) for load in loads]
+    relative = motion.angle - motion.angle[:, model.base, None]
+    forces = np.concatenate(
+        [
+            _to_absolute(load, relative[:, link], *_pairs(model, link))
+            for link, load in enumerate(loads)
+        ],
+        axis=1,
+    )
+    stiffest = max(s.axial_stiffness for s in model.mechanism.sections.values())
+    deformation = np.zeros(model.size)
+    for number in range(batch):
+        pose = model.move_to(motion, number)
+        model.set_forces(forces[number])
+        tolerance = max(
+            RELATIVE_RESIDUAL * float(np.abs(forces[number]).max()), ROUND_OFF * stiffest
+        )
+        settings = simulation_settings(tolerance)
+        start = pose + _turned(model, deformation, relative[number])
+        if not _solve_static(model, settings, start):
+            _solve_afresh(model, settings, pose, motion, number)
+        state = model.mbs.systemData.GetODE2Coordinates()
+        deformation = _turned(model, state - pose, -relative[number])
+        tangent = linearized(model, settings, state)[1]
+        for link, part in enumerate(model.parts):
+            stiffness[link][number] = tangent[part.coordinates, part.coordinates]
+    return [
+        _to_link_frame(k, relative[:, link], *_pairs(model, link))
+        for link, k in enumerate(stiffness)
+    ]
+
+
+def unit_tension_stiffness(model: MultibodyModel) -> list[FloatArray]:
+    """Geometric stiffness that unit tension in each element adds, in link frames.
+
+    A cable element at rest in its straight shape carries tension when its reference axial
+    strain is negative; its stiffness is linear in that tension.
+
+    Returns
+    -------
+    list of ndarray, shape (e, n_link, n_link)
+    """
+    straight = np.zeros(model.size)
+    settings = simulation_settings()
+    relaxed = linearized(model, settings, straight)[1]
+    parts = []
+    for name, part in zip(model.topology.link_names, model.parts, strict=True):
+        axial_stiffness = model.mechanism.sections[name].axial_stiffness
+        unit = []
+        for element in part.elements:
+            model.mbs.SetObjectParameter(element, "referenceAxialStrain", -1.0)
+            tense = linearized(model, settings, straight)[1]
+            model.mbs.SetObjectParameter(element, "referenceAxialStrain", 0.0)
+            change = (tense - relaxed)[part.coordinates, part.coordinates]
+            unit.append(change / axial_stiffness)
+        parts.append(np.stack(unit))
+    return parts
+
+
+def _solve_static(model: MultibodyModel, settings: Any, start: FloatArray) -> bool:
+    exudyn = load_exudyn()
+    model.mbs.systemData.SetODE2Coordinates(start, exudyn.ConfigurationType.Initial)
+    with contextlib.redirect_stdout(io.StringIO()):
+        try:
+            return bool(model.mbs.SolveStatic(settings, updateInitialValues=False))
+        except ValueError:  # how Exudyn says that its solver gave up
+            return False
+
+
+def _solve_afresh(
+    model: MultibodyModel, settings: Any, pose: FloatArray, motion: RigidMotion, number: int
+) -> None:
+    """Try again from the undeformed links, and say so if that fails as well."""
+    if _solve_static(model, settings, pose):
+        return
+    residual = float(model.mbs.sys["staticSolver"].conv.residual)
+    angle = np.degrees(motion.crank_angle[number])
+    raise ComputationError(
+        f"Exudyn finds no quasi-static equilibrium at crank angle {angle:.6g} deg and crank "
+        f"speed {motion.crank_speed[number]:.6g} rad/s (residual {residual:.3g} N); lower the "
+        "crank speed, or use prestress 'axial'"
+    )
+
+
+def _station_shapes(model: MultibodyModel, positions: FloatArray) -> FloatArray:
+    places = np.linspace(0.0, positions[-1], STATIONS)
+    element = np.clip(np.searchsorted(positions, places, side="right") - 1, 0, len(positions) - 2)
+    length = np.diff(positions)[element]
+    values = model.kind.shape_functions((places - positions[element]) / length, length)
+    shapes = np.zeros((STATIONS, 2, model.kind.per_node * len(positions)))
+    columns = model.kind.per_node * element[:, None] + np.arange(2 * model.kind.per_node)
+    np.put_along_axis(shapes, np.repeat(columns[:, None, :], 2, axis=1), values, axis=2)
+    return shapes
+
+
+def _quarter_turn(size: int, x: IntArray, y: IntArray) -> FloatArray:
+    """Matrix that turns every vector coordinate by a quarter and drops the others."""
+    quarter = np.zeros((size, size))
+    quarter[x, y], quarter[y, x] = -1.0, 1.0
+    return quarter
+
+
+def _pairs(model: MultibodyModel, link: int) -> tuple[IntArray, IntArray]:
+    return model.kind.vector_pairs(len(model.parts[link].nodes))
+
+
+def _to_absolute(vectors: FloatArray, angle: FloatArray, x: IntArray, y: IntArray) -> FloatArray:
+    """Vectors (B, n) from frames turned by ``angle`` (B,) to absolute axes."""
+    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    turned = vectors.copy()
+    turned[:, x] = cosine * vectors[:, x] - sine * vectors[:, y]
+    turned[:, y] = sine * vectors[:, x] + cosine * vectors[:, y]
+    return turned
+
+
+def _turned(model: MultibodyModel, vector: FloatArray, angles: FloatArray) -> FloatArray:
+    """All links' coordinates (size,), each link's vectors turned by its angle."""
+    parts = [
+        _to_absolute(vector[None, p.coordinates], angles[link : link + 1], *_pairs(model, link))[0]
+        for link, p in enumerate(model.parts)
+    ]
+    return np.concatenate(parts)
+
+
+def _to_link_frame(matrix: FloatArray, angle: FloatArray, x: IntArray, y: IntArray) -> FloatArray:
+    """``T' K T`` for matrices (B, n, n) with T the turn of all vectors by ``angle`` (B,)."""
+    cosine, sine = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
+    for _ in range(2):  # columns, then (transposed) rows
+        turned = matrix.copy()
+        turned[:, :, x] = cosine * matrix[:, :, x] + sine * matrix[:, :, y]
+        turned[:, :, y] = cosine * matrix[:, :, y] - sine * matrix[:, :, x]
+        matrix = np.swapaxes(turned, 1, 2)
+    return matrix
