@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib.metadata import version
 
 import numpy as np
@@ -166,6 +167,11 @@ def _positions(engine: Engine, crank_angles: FloatArray) -> FloatArray:
     return np.stack(parts, axis=1)
 
 
+@cache
+def _version(package: str) -> str:
+    return version(package)
+
+
 def _provenance(engines: Sequence[Engine], request: FrequencyRequest) -> dict[str, str | int]:
     provenance = engines[0].mechanism.provenance
     rotation = request.rotation_terms
@@ -179,5 +185,5 @@ def _provenance(engines: Sequence[Engine], request: FrequencyRequest) -> dict[st
         "prestress": request.prestress,
         "rotation_terms": "on" if rotation else "off",
         "elements": engines[0].elements,
-        **{f"{name}_version": version(name) for name in packages},
+        **{f"{name}_version": _version(name) for name in packages},
     }

@@ -164,10 +164,10 @@ def _map_engine(engine: Engine, request: FrequencyRequest, report: Progress) -> 
     for number, speed in enumerate(request.crank_speeds.tolist()):
         mapping = Mapping(engine, request)
         checked = mapping.check(speed, where)
-        shapes = mapping.start_shapes(speed)
+        shapes = checked.system.displacements(checked.modes.vectors)
         if start_shapes is not None:
-            numbering = same_shapes(start_shapes, shapes, numbering)
-        start_shapes = shapes
+            numbering = same_shapes(start_shapes, shapes[0], numbering)
+        start_shapes = shapes[0]
         tracker = Tracker(numbering)
         frequency, damping = [], []
         done = number * len(request.crank_angles)
@@ -184,7 +184,7 @@ def _map_engine(engine: Engine, request: FrequencyRequest, report: Progress) -> 
                 frequency=every,
                 damping_ratio=np.concatenate(damping),
                 branches=tracker.finish(every, request.full_turn),
-                mode_shape=checked.system.displacements(checked.modes.vectors),
+                mode_shape=shapes[:, : request.modes],
                 reduction_error=checked.reduction_error,
                 discretisation_error=discretisation_error(
                     engine,

@@ -88,7 +88,7 @@ class CheckedModes:
         Batch of the check angles.
     modes : Modes
     reduction_error : ndarray, shape (B, m)
-        Relative.
+        Relative; of the modes asked for, without the spare ones.
     """
 
     system: LinearSystem
@@ -119,12 +119,6 @@ class Mapping:
         for start in range(0, len(angles), size):
             yield self._system(self.engine, angles[start : start + size], crank_speed)
 
-    def start_shapes(self, crank_speed: float) -> NDArray[np.generic]:
-        """Shapes of the tracked modes at the first crank angle; (m, n_links, stations, 2)."""
-        system = self._system(self.engine, self.request.crank_angles[:1], crank_speed)
-        modes = solve_modes(system, min(self.tracked_modes, system.size))
-        return system.displacements(modes.vectors)[0]
-
     def check(self, crank_speed: float, where: NDArray[np.intp]) -> CheckedModes:
         """Modes at some crank angles, with a reduction made finer until it is good enough.
 
@@ -143,10 +137,10 @@ class Mapping:
         full = self._system(unreduced, angles, crank_speed) if self.engine.component_modes else None
         while True:
             system = self._system(self.engine, angles, crank_speed)
-            modes = solve_modes(system, count)
+            modes = solve_modes(system, min(self.tracked_modes, system.size))
             if full is None or not self.engine.component_modes:
-                return CheckedModes(system, modes, np.zeros_like(modes.frequency))
-            error = reduction_error(full, system, modes)
+                return CheckedModes(system, modes, np.zeros((len(angles), count)))
+            error = reduction_error(full, system, modes)[:, :count]
             if np.all(error <= REDUCTION_TOLERANCE):
                 return CheckedModes(system, modes, error)
             self._refine(float(error.max()), crank_speed)
