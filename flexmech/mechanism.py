@@ -120,10 +120,8 @@ class Mechanism:
         topology = self.linkage.topology
         length = topology.links[topology.index(link)].length
         points = [(p.position, p.mass) for p in self.link_masses if p.link == link and p.mass > 0]
-        places = {c.joint: c.held for c in (*topology.clamps, *topology.pivots)}
-        places |= {pin.joint: pin.leader for pin in topology.pins}
         for joint, mass in self.joint_masses.items():
-            place = places[joint]
+            place = topology.joints[joint]
             if place.link == link and mass > 0:
                 points.append((0.0 if place.end == "start" else length, mass))
         points.sort()

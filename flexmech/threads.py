@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager
 from functools import cache
+from typing import cast
 
 from threadpoolctl import ThreadpoolController
 
@@ -14,6 +16,6 @@ def _controller() -> ThreadpoolController:
     return ThreadpoolController()
 
 
-def one_thread():  # type: ignore[no-untyped-def]  # threadpoolctl is not typed
+def one_thread() -> AbstractContextManager[object]:
     """Context in which linear algebra runs on one thread."""
-    return _controller().limit(limits=1, user_api="blas")
+    return cast(AbstractContextManager[object], _controller().limit(limits=1, user_api="blas"))

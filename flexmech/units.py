@@ -104,7 +104,7 @@ RATIO = Dimension("a ratio", "", ("0.01", "1 %"))
 
 
 def parse_number(text: str) -> Decimal:
-    """A plain decimal number, exactly.
+    """Read a plain decimal number, exactly.
 
     Parameters
     ----------
@@ -122,7 +122,9 @@ def parse_number(text: str) -> Decimal:
         If it is anything else.
     """
     if not re.fullmatch(NUMBER, text.strip()):
-        raise InputError(f"got {text.strip()!r}, which is not a plain number; {_decimal_hint(text)}")
+        raise InputError(
+            f"got {text.strip()!r}, which is not a plain number; {_decimal_hint(text)}"
+        )
     try:
         number = Decimal(text.strip())
         finite = math.isfinite(float(number))
@@ -133,8 +135,10 @@ def parse_number(text: str) -> Decimal:
     return number
 
 
-def parse_quantity(value: object, dimension: Dimension, *, default_unit: str | None = None) -> float:
-    """A quantity in SI units from text such as ``"279.4 mm"``.
+def parse_quantity(
+    value: object, dimension: Dimension, *, default_unit: str | None = None
+) -> float:
+    """Read a quantity in SI units from text such as ``"279.4 mm"``.
 
     Parameters
     ----------
@@ -182,7 +186,7 @@ def parse_quantity(value: object, dimension: Dimension, *, default_unit: str | N
 
 
 def _split(text: str, dimension: Dimension) -> tuple[Decimal, str]:
-    """Number and unit of a text; the unit may be empty."""
+    """Split a text into number and unit; the unit may be empty."""
     match = _SPLIT.fullmatch(text)
     if match is None:
         raise InputError(
@@ -191,8 +195,9 @@ def _split(text: str, dimension: Dimension) -> tuple[Decimal, str]:
         )
     unit = match["unit"].strip()
     if match["unit"][:1] in (",", "_", "."):
-        raise InputError(f"got {text!r}, in which {match['unit']!r} follows the number; "
-                         f"{_decimal_hint(text)}")
+        raise InputError(
+            f"got {text!r}, in which {match['unit']!r} follows the number; {_decimal_hint(text)}"
+        )
     return parse_number(match["number"]), unit
 
 
@@ -268,7 +273,7 @@ def _wrong_dimension(text: str, unit: str, base: str, dimension: Dimension) -> s
 
 @cache
 def _registry() -> pint.UnitRegistry[Any]:
-    """The one registry, made when a unit is first met: importing pint takes a second."""
+    """Make the one registry when a unit is first met: importing pint takes a second."""
     import pint
 
     registry: pint.UnitRegistry[Any] = pint.UnitRegistry(non_int_type=Decimal)

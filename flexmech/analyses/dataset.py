@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import version
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -55,7 +56,7 @@ class SpeedMap:
     frequency: FloatArray
     damping_ratio: FloatArray
     branches: Branches
-    mode_shape: NDArray[np.generic]
+    mode_shape: NDArray[Any]
     reduction_error: FloatArray
     discretisation_error: FloatArray
 
@@ -90,7 +91,7 @@ def build_dataset(
     """
     count = request.modes
 
-    def stacked(pick: str, limit: int | None = count) -> NDArray[np.generic]:
+    def stacked(pick: str, limit: int | None = count) -> NDArray[Any]:
         parts = [[np.asarray(_pick(s, pick))[..., :limit] for s in m.speeds] for m in maps]
         return np.stack([np.stack(part) for part in parts])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,7 +30,7 @@ class Modes:
     """
 
     eigenvalues: NDArray[np.complex128]
-    vectors: NDArray[np.generic]
+    vectors: NDArray[Any]
 
     @property
     def frequency(self) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -148,9 +149,7 @@ def moving_frequencies(
     with one_thread():
         maps = [_map_engine(each, request, report) for each in engines]
         terms = (
-            speed_effect_terms(frequency_map, engines[0], request, report)
-            if speed_effect
-            else None
+            speed_effect_terms(frequency_map, engines[0], request, report) if speed_effect else None
         )
     return MovingFrequencies(build_dataset(engines, request, maps, terms))
 
@@ -159,7 +158,7 @@ def _map_engine(engine: Engine, request: FrequencyRequest, report: Progress) -> 
     where = check_angle_indices(request.crank_angles, request.full_turn)
     total = len(request.crank_speeds) * len(request.crank_angles)
     numbering: NDArray[np.intp] | None = None
-    start_shapes: NDArray[np.generic] | None = None
+    start_shapes: NDArray[Any] | None = None
     speeds: list[SpeedMap] = []
     for number, speed in enumerate(request.crank_speeds.tolist()):
         mapping = Mapping(engine, request)

@@ -63,6 +63,9 @@ class MovingFrequencies:
             (engine, crank_speed, mode).
         """
         frequency = self.dataset["frequency"]
+        angles = self.dataset["crank_angle"].values
+        if len(angles) > 1 and np.isclose(angles[-1] - angles[0], 2 * np.pi):
+            frequency = frequency.isel(crank_angle=slice(None, -1))  # the first one again
         return xr.Dataset(
             {
                 "lowest": frequency.min("crank_angle"),

@@ -68,4 +68,3 @@ def speed_effect_terms(
             before = after
         report("speed effect", number + 1, len(TERMS))
     return effects
-

@@ -8,6 +8,7 @@ is lost or does not return to itself after a full turn says so.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,9 +28,9 @@ VEERING_ROTATION = 0.35
 
 
 def cross_amplitude(
-    first: NDArray[np.generic],
+    first: NDArray[Any],
     first_mass: FloatArray,
-    second: NDArray[np.generic],
+    second: NDArray[Any],
     second_mass: FloatArray,
 ) -> FloatArray:
     """``|x_i^H M x_j|`` between the modes of paired positions, M the mean of both masses.
@@ -46,7 +47,8 @@ def cross_amplitude(
         Square root of the modal assurance criterion.
     """
     adjoint = np.swapaxes(first.conj(), 1, 2)
-    return np.abs(adjoint @ ((first_mass + second_mass) / 2) @ second)
+    amplitude: FloatArray = np.abs(adjoint @ ((first_mass + second_mass) / 2) @ second)
+    return amplitude
 
 
 def assign(amplitude: FloatArray) -> IntArray:
@@ -61,7 +63,7 @@ def assign(amplitude: FloatArray) -> IntArray:
     ndarray of int, shape (B, m)
         For each mode (column) of the second position its mode of the first.
     """
-    best = amplitude.argmax(axis=1)
+    best: IntArray = amplitude.argmax(axis=1)
     unclear = np.flatnonzero(np.any(np.sort(best, axis=1) != np.arange(best.shape[1]), axis=1))
     for number in unclear:
         rows, columns = linear_sum_assignment(amplitude[number] ** 2, maximize=True)
@@ -69,9 +71,7 @@ def assign(amplitude: FloatArray) -> IntArray:
     return best
 
 
-def same_shapes(
-    known: NDArray[np.generic], shapes: NDArray[np.generic], numbering: IntArray | None
-) -> IntArray:
+def same_shapes(known: NDArray[Any], shapes: NDArray[Any], numbering: IntArray | None) -> IntArray:
     """Branch numbers of modes by their likeness to modes with known numbers.
 
     For modes of different crank speeds, whose coordinates may differ: compared as
@@ -89,7 +89,7 @@ def same_shapes(
     """
     a, b = (np.reshape(s, (len(s), -1)) for s in (known, shapes))
     a, b = (s / np.linalg.norm(s, axis=1, keepdims=True) for s in (a, b))
-    source = assign(np.abs(a.conj() @ b.T)[None])[0]
+    source: IntArray = assign(np.abs(a.conj() @ b.T)[None])[0]
     return source if numbering is None else numbering[source]
 
 
@@ -125,11 +125,11 @@ class Tracker:
 
     def __init__(self, numbering: IntArray | None = None) -> None:
         self._numbering = numbering
-        self._last: tuple[NDArray[np.generic], FloatArray] | None = None
-        self._first: tuple[NDArray[np.generic], FloatArray] | None = None
+        self._last: tuple[NDArray[Any], FloatArray] | None = None
+        self._first: tuple[NDArray[Any], FloatArray] | None = None
         self._amplitude: list[FloatArray] = []
 
-    def add(self, vectors: NDArray[np.generic], mass: FloatArray) -> None:
+    def add(self, vectors: NDArray[Any], mass: FloatArray) -> None:
         """Take the next positions: mode shapes (B, n, m) and mass (B, n, n)."""
         if self._last is None:
             self._first = (vectors[:1], mass[:1])

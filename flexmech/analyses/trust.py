@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -57,7 +60,7 @@ def reduction_error(full: LinearSystem, reduced: LinearSystem, modes: Modes) -> 
 
 
 def _newton_step(
-    full: LinearSystem, eigenvalues: NDArray[np.complex128], shapes: NDArray[np.generic]
+    full: LinearSystem, eigenvalues: NDArray[np.complex128], shapes: NDArray[Any]
 ) -> NDArray[np.complex128]:
     """One Newton step on ``P(lambda) x = 0`` for each mode (Ruhe 1973, eq. 3.5)."""
     improved = np.empty_like(eigenvalues)
@@ -83,8 +86,8 @@ def discretisation_error(
 ) -> FloatArray:
     """Estimated relative error of the frequencies by the mesh (Richardson).
 
-    The same mechanism on half the mesh; elastic part, change by prestress and change by
-    rotation terms are extrapolated apart, each with its own order of convergence.
+    The same mechanism on coarser meshes; elastic part, change by prestress and change by
+    rotation terms are extrapolated apart, each with its own powers of the element length.
 
     Parameters
     ----------
@@ -100,42 +103,61 @@ def discretisation_error(
     ndarray, shape (A, modes)
         Positive.
     """
-    other = engine.with_elements(_companion_mesh(engine))
-    ratio = engine.elements / other.elements
-
-    def steps(of: Engine) -> list[FloatArray]:
-        levels: list[tuple[float, Prestress, bool | RotationTerms]] = [(0.0, "none", False)]
-        if prestress != "none":
-            levels.append((crank_speed, prestress, False))
-        if rotation_terms and crank_speed:
-            levels.append((crank_speed, prestress, True))
-        values = [
-            solve_modes(
-                of.linear_system(
-                    crank_angles, speed, prestress=level, rotation_terms=terms, modes=modes
-                ),
-                modes,
-            ).frequency
-            for speed, level, terms in levels
-        ]
-        return [values[0], *np.diff(np.stack(values), axis=0)]
-
-    fine, coarse = steps(engine), steps(other)
-    orders = [engine.convergence.elastic]
+    order = engine.convergence(prestress)
+    levels: list[tuple[float, Prestress, bool | RotationTerms]] = [(0.0, "none", False)]
+    powers = [order.elastic]
     if prestress != "none":
-        orders.append(engine.convergence.prestress)
+        levels.append((crank_speed, prestress, False))
+        powers.append(order.prestress)
     if rotation_terms and crank_speed:
-        orders.append(engine.convergence.rotation)
+        levels.append((crank_speed, prestress, rotation_terms))
+        powers.append(order.rotation)
+
+    meshes = [engine, *(engine.with_elements(n) for n in _companion_meshes(engine))]
+    parts = np.stack([_effects(mesh, crank_angles, levels, modes) for mesh in meshes])
+    element_length = np.array([1 / mesh.elements for mesh in meshes])
     error = sum(
-        (a - b) / (ratio**order - 1) for a, b, order in zip(fine, coarse, orders, strict=True)
+        _mesh_error(parts[:, number], element_length, power) for number, power in enumerate(powers)
     )
-    return np.asarray(np.abs(error) / sum(fine), dtype=float)
+    return np.asarray(np.abs(error) / parts[0].sum(axis=0), dtype=float)
 
 
-def _companion_mesh(engine: Engine) -> int:
-    """Half the mesh, or twice where half would be too coarse for the links' point masses."""
+def _effects(
+    engine: Engine,
+    crank_angles: FloatArray,
+    levels: Sequence[tuple[float, Prestress, bool | RotationTerms]],
+    modes: int,
+) -> FloatArray:
+    """Frequencies at the first level, then what each level adds; (levels, A, modes)."""
+    values = [
+        solve_modes(
+            engine.linear_system(
+                crank_angles, speed, prestress=level, rotation_terms=terms, modes=modes
+            ),
+            modes,
+        ).frequency
+        for speed, level, terms in levels
+    ]
+    return np.concatenate([values[:1], np.diff(np.stack(values), axis=0)])
+
+
+def _mesh_error(values: FloatArray, element_length: FloatArray, power: int) -> FloatArray:
+    """Error of ``values[0]`` if it goes with a power of the element length.
+
+    A first-order error has a second-order part of like size (the layer at a pin is one
+    element wide, and the shape changes across it): three meshes fit both.
+    """
+    if power > 1:
+        ratio = (element_length[1] / element_length[0]) ** power
+        return np.asarray((values[0] - values[1]) / (1 - ratio), dtype=float)
+    fit = np.linalg.solve(element_length[:, None] ** [0, 1, 2], values.reshape(3, -1))
+    return np.asarray(values[0] - fit[0].reshape(values[0].shape), dtype=float)
+
+
+def _companion_meshes(engine: Engine) -> tuple[int, int]:
+    """Half and quarter mesh; twice and four times where these are too coarse."""
     mechanism = engine.mechanism
     least = max(len(pieces(m.length, m.point_positions)) for m in mechanism.link_masses_in_order)
-    half = engine.elements // 2
-    return half if half >= max(2, least) else 2 * engine.elements
-
+    if engine.elements // 4 >= max(2, least):
+        return engine.elements // 2, engine.elements // 4
+    return 2 * engine.elements, 4 * engine.elements

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from importlib.metadata import PackageNotFoundError, version
+import sys
+from io import TextIOWrapper
 from typing import Annotated
 
 import typer
@@ -15,13 +16,18 @@ app = typer.Typer(
     name="flexmech",
     help="Moving natural frequencies of flexible linkages, by two independent engines.",
     no_args_is_help=True,
+    add_completion=False,
     pretty_exceptions_enable=False,
+    # Plain help: rich takes half a second to import, and its boxes break error messages.
+    rich_markup_mode=None,
 )
 
 
 def _show_version(wanted: bool) -> None:
     if not wanted:
         return
+    from importlib.metadata import PackageNotFoundError, version
+
     try:
         number = version("flexmech")
     except PackageNotFoundError:
@@ -50,4 +56,8 @@ app.command("schema", help=schema.HELP)(schema.schema)
 
 def main() -> None:
     """Entry point of the console script ``flexmech``; exits with 0, 1, 2 or 130."""
+    for stream in (sys.stdout, sys.stderr):
+        # A name or source that the terminal's encoding lacks is shown with "?" instead.
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")
     app(prog_name="flexmech")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from decimal import Decimal
 from enum import StrEnum
+from itertools import pairwise
 
 from flexmech.errors import InputError
 from flexmech.units import ANGULAR_SPEED, parse_number, parse_quantity
@@ -94,10 +95,7 @@ def element_of_engines(engine: Engine, element: Element | None) -> dict[Engine, 
             f"--element {element} is not an element of the {engine} engine, which has {own}; "
             f"choose --engine {owner} or --engine both, or leave --element out"
         )
-    return {
-        one: element if element in _ELEMENTS[one] else _ELEMENTS[one][0]  # type: ignore[misc]
-        for one in chosen
-    }
+    return {one: element if element in _ELEMENTS[one] else _ELEMENTS[one][0] for one in chosen}
 
 
 def parse_speeds(text: str) -> list[float]:
@@ -130,7 +128,7 @@ def parse_speeds(text: str) -> list[float]:
         except InputError as error:
             raise InputError(f"--speeds: {error}") from error
     speeds.sort()
-    for lower, upper in zip(speeds, speeds[1:], strict=False):
+    for lower, upper in pairwise(speeds):
         if math.isclose(lower, upper, rel_tol=_SAME_SPEED):
             raise InputError(
                 f"--speeds: got {text!r}, in which {upper:g} rad/s appears twice; give each "
@@ -162,7 +160,7 @@ def parse_angles(text: str) -> list[float]:
     if ":" in text:
         return _angle_range(text)
     angles = [_angle(text, item) for item in text.split(",")]
-    for before, after in zip(angles, angles[1:], strict=False):
+    for before, after in pairwise(angles):
         if not after > before:
             raise InputError(
                 f"--angles: got {text!r}, in which {after:g} follows {before:g}; modes are "

@@ -9,8 +9,8 @@ import typer
 
 from flexmech.cli.arguments import LinkageKind
 from flexmech.cli.failures import reports_failures
-from flexmech.cli.files import write_whole
 from flexmech.errors import InputError
+from flexmech.files import write_whole
 
 __all__ = ["HELP", "new"]
 

@@ -11,7 +11,7 @@ from flexmech.cli.failures import reports_failures
 
 __all__ = ["HELP", "schema"]
 
-HELP = "Print the JSON schema of model files, for editors that complete and check TOML."
+HELP = "Print the JSON schema of model files. For editors that complete and check TOML."
 
 
 @reports_failures
@@ -23,7 +23,7 @@ def schema(
     """Print the JSON schema, or write it to a file."""
     import json
 
-    from flexmech.cli.files import write_whole
+    from flexmech.files import write_whole
     from flexmech.modelfile import json_schema
 
     text = json.dumps(json_schema(), indent=2, ensure_ascii=False) + "\n"

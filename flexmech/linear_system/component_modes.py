@@ -118,7 +118,9 @@ def component_modes(
     every = np.sort(np.concatenate([h.bending_frequency for h in held]))
     cutoff = detail * BENDING_CUTOFF * every[min(modes, len(every)) - 1]
     return ComponentModes(
-        tuple(_reduce(h, cutoff, detail * AXIAL_CUTOFF * abs(fastest), couples_axially) for h in held)
+        tuple(
+            _reduce(h, cutoff, detail * AXIAL_CUTOFF * abs(fastest), couples_axially) for h in held
+        )
     )
 
 
@@ -155,8 +157,10 @@ def _complement(vectors: FloatArray, others: FloatArray, mass: FloatArray) -> Fl
 
 def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
     fixed, ends = _boundary(topology, link)
-    boundary = np.concatenate([link.end_displacement(e) for e in ("start", "end") if len(ends[e])]
-                              or [np.zeros(0, dtype=np.intp)])
+    boundary = np.concatenate(
+        [link.end_displacement(e) for e in ("start", "end") if len(ends[e])]
+        or [np.zeros(0, dtype=np.intp)]
+    )
     inner = np.flatnonzero(~fixed & ~np.isin(np.arange(link.size), boundary))
     factors = scipy.linalg.cho_factor(link.stiffness[np.ix_(inner, inner)])
     static = np.zeros((link.size, len(boundary)))
@@ -182,9 +186,7 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
     )
 
 
-def _boundary(
-    topology: Topology, link: LinkModel
-) -> tuple[NDArray[np.bool_], dict[str, IntArray]]:
+def _boundary(topology: Topology, link: LinkModel) -> tuple[NDArray[np.bool_], dict[str, IntArray]]:
     """Coordinates that the ground or the shaft holds, and new numbers of the joined ends."""
     fixed = np.zeros(link.size, dtype=bool)
     for clamp in topology.clamps:

@@ -95,9 +95,8 @@ class Engine(ABC):
     def links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models in the topology's order."""
 
-    @property
     @abstractmethod
-    def convergence(self) -> ConvergenceOrders:
+    def convergence(self, prestress: Prestress) -> ConvergenceOrders:
         """Orders of the frequencies' error in the element length."""
 
     @abstractmethod
@@ -201,9 +200,7 @@ class Engine(ABC):
         reduction = self._reduction(modes, greatest, loaded, detail)
         return _reduced_system(self.mechanism, reduction, motion, tangents, terms)
 
-    def _reduction(
-        self, modes: int, fastest: float, loaded: bool, detail: float
-    ) -> ComponentModes:
+    def _reduction(self, modes: int, fastest: float, loaded: bool, detail: float) -> ComponentModes:
         key = (modes, fastest, loaded, detail)
         if key not in self._reductions:
             self._reductions[key] = component_modes(
@@ -226,9 +223,7 @@ def _unreduced_system(
 ) -> LinearSystem:
     frames = LinkFrames(mechanism.linkage.topology, links)
     matrices = frames.assemble(motion, tangents, terms)
-    return LinearSystem(
-        motion, matrices.mass, matrices.damping, matrices.stiffness, terms, frames
-    )
+    return LinearSystem(motion, matrices.mass, matrices.damping, matrices.stiffness, terms, frames)
 
 
 def _reduced_system(

@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -225,9 +226,7 @@ class LinkFrames:
         where = target[free]
         total[:, where[:, None], where] += matrix[:, free[:, None], free]
 
-    def link_coordinates(self, motion: RigidMotion, vectors: NDArray[np.generic]) -> list[
-        NDArray[np.generic]
-    ]:
+    def link_coordinates(self, motion: RigidMotion, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Coordinates of each link from independent ones.
 
         Parameters

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,21 +51,19 @@ class LinearSystem:
     @property
     def size(self) -> int:
         """Number of coordinates n."""
-        return self.mass.shape[-1]
+        return int(self.mass.shape[-1])
 
     @property
     def is_conservative(self) -> bool:
         """Whether the matrices are symmetric with no damping: frozen inertial form."""
         return not self.terms.any and not self.damping.any()
 
-    def link_coordinates(self, vectors: NDArray[np.generic]) -> list[NDArray[np.generic]]:
+    def link_coordinates(self, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Coordinates of each link; (B, n, m) -> list of (B, n_link, m)."""
         full = vectors if self.expansion is None else self.expansion @ vectors
         return self.frames.link_coordinates(self.motion, full)
 
-    def unreduced_vectors(
-        self, vectors: NDArray[np.generic], frames: LinkFrames
-    ) -> NDArray[np.generic]:
+    def unreduced_vectors(self, vectors: NDArray[Any], frames: LinkFrames) -> NDArray[Any]:
         """The same shapes in the coordinates of the unreduced system.
 
         Parameters
@@ -87,7 +86,7 @@ class LinearSystem:
             full[:, frames.targets[number][own]] = q[:, own]
         return full
 
-    def displacements(self, vectors: NDArray[np.generic]) -> NDArray[np.generic]:
+    def displacements(self, vectors: NDArray[Any]) -> NDArray[Any]:
         """Displacement at the stations of every link, in ground axes.
 
         Parameters

@@ -144,7 +144,8 @@ class FourBar:
             + 2 * self.ground * self.crank * np.cos(theta)
         ) / (2 * self.coupler * self.rocker)
         self._refuse_gaps(theta, cosine)
-        return np.arccos(np.clip(cosine, -1.0, 1.0))
+        angle: FloatArray = np.arccos(np.clip(cosine, -1.0, 1.0))
+        return angle
 
     def transmission_angle_limits(self) -> tuple[float, float]:
         """Least and greatest transmission angle in rad over the crank's range of motion.
@@ -260,9 +261,7 @@ class FourBar:
         locked = np.sin(transmission) < LOCKING_SINE
         if np.any(locked):
             angle = _degrees(theta[locked].flat[0])
-            what = (
-                "meets a change point" if self.grashof_class == "change-point" else "locks"
-            )
+            what = "meets a change point" if self.grashof_class == "change-point" else "locks"
             raise InputError(
                 f"the linkage {what} at crank angle {angle:g} deg: coupler and rocker are in "
                 "one line (transmission angle 0 or 180 deg) and the crank cannot drive it "

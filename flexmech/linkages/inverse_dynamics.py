@@ -109,14 +109,13 @@ class InverseDynamics:
         start = np.sum(pull * along, axis=-1)
         turning = self.motion.angular_velocity[..., link] ** 2
         near = [
-            (p, m)
-            for p, m in zip(mass.point_positions, mass.point_masses, strict=True)
-            if p < x
+            (p, m) for p, m in zip(mass.point_positions, mass.point_masses, strict=True) if p < x
         ]
         mass_before = mass.mass_per_length * x + sum(m for _, m in near)
         first_before = mass.mass_per_length * x**2 / 2 + sum(m * p for p, m in near)
         inertia = -(mass_before * start - first_before * turning)
-        return -np.sum(self.start_force[..., link, :] * along, axis=-1) - inertia
+        tension: FloatArray = -np.sum(self.start_force[..., link, :] * along, axis=-1) - inertia
+        return tension
 
 
 def inverse_dynamics(

@@ -79,7 +79,7 @@ class RotatingArm:
             angular_acceleration=alpha[..., None],
             origin=(hub * along)[..., None, :],
             origin_velocity=(hub * omega[..., None] * across)[..., None, :],
-            origin_acceleration=(
-                hub * (alpha[..., None] * across - omega[..., None] ** 2 * along)
-            )[..., None, :],
+            origin_acceleration=(hub * (alpha[..., None] * across - omega[..., None] ** 2 * along))[
+                ..., None, :
+            ],
         )

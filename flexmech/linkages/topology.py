@@ -100,9 +100,16 @@ class Topology:
         return tuple(link.name for link in self.links)
 
     @property
+    def joints(self) -> dict[str, LinkEnd]:
+        """Name of each joint and the link end that carries it: held or leading."""
+        places = {clamp.joint: clamp.held for clamp in self.clamps}
+        places |= {pin.joint: pin.leader for pin in self.pins}
+        return places | {pivot.joint: pivot.held for pivot in self.pivots}
+
+    @property
     def joint_names(self) -> tuple[str, ...]:
         """Names of all joints: clamps, pins, pivots."""
-        return tuple(c.joint for c in (*self.clamps, *self.pins, *self.pivots))
+        return tuple(self.joints)
 
     def index(self, link: str) -> int:
         """Position of a link in ``links``."""

@@ -40,9 +40,7 @@ class Material:
             if not (np.isfinite(value) and value > 0):
                 raise InputError(f"{name} must be positive, got {value}")
         if not -1.0 < self.poisson_ratio < 0.5:
-            raise InputError(
-                f"poisson_ratio must lie between -1 and 0.5, got {self.poisson_ratio}"
-            )
+            raise InputError(f"poisson_ratio must lie between -1 and 0.5, got {self.poisson_ratio}")
 
     @property
     def shear_modulus(self) -> float:

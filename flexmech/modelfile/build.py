@@ -58,6 +58,7 @@ def build_mechanism(tables: ModelFile, shown: str, file: str, sha256: str) -> Me
             )
     sections = {}
     for name in topology.link_names:
+        _check_material(shown, name, tables.links[name], tables.materials)
         with located(shown, f"links.{name}"):
             sections[name] = _section(tables.links[name], tables.materials)
     return Mechanism(
@@ -92,9 +93,22 @@ def _check_names(shown: str, table: str, given: list[str], known: list[str]) -> 
             )
 
 
-def _section(
+def _check_material(
+    shown: str,
+    link: str,
     table: RectangleLinkTable | GeneralLinkTable,
     materials: Mapping[str, MaterialTable],
+) -> None:
+    if isinstance(table, RectangleLinkTable) and table.material not in materials:
+        remedy = suggestion(table.material, list(materials)) if materials else "add it"
+        raise InputError(
+            f"{shown}: links.{link}.material: there is no table [materials.{table.material}]; "
+            f"{remedy}"
+        )
+
+
+def _section(
+    table: RectangleLinkTable | GeneralLinkTable, materials: Mapping[str, MaterialTable]
 ) -> BeamSection:
     if isinstance(table, GeneralLinkTable):
         section = BeamSection(
@@ -106,15 +120,6 @@ def _section(
             in_plane_thickness=table.in_plane_thickness,
         )
         return _with_damping(section, table)
-    if table.material not in materials:
-        remedy = (
-            suggestion(table.material, list(materials))
-            if materials
-            else "add it"
-        )
-        raise InputError(
-            f"material: there is no table [materials.{table.material}]; {remedy}"
-        )
     stated = materials[table.material]
     material = Material(stated.youngs_modulus, stated.density, stated.poisson_ratio)
     section = BeamSection.rectangle(

@@ -41,7 +41,7 @@ def located(file: str, key: str) -> Iterator[None]:
 
 
 def input_error(error: ValidationError, data: Mapping[str, Any], file: str) -> InputError:
-    """The first finding of pydantic as an :class:`InputError`.
+    """Turn the first finding of pydantic into an :class:`InputError`.
 
     Parameters
     ----------
@@ -91,7 +91,9 @@ def _text(finding: ErrorDetails) -> str:
     if kind == "value_error":
         return str(context["error"])
     if kind == "missing":
-        return _missing(str(finding["loc"][-1]))
+        last = finding["loc"][-1]
+        # Of a list, whose length the format prescribes, an entry is missing.
+        return _missing(last) if isinstance(last, str) else "is missing; give one more value"
     if kind == "union_tag_not_found":
         return _missing(_tag_name(finding))
     if kind in ("union_tag_invalid", "literal_error"):
@@ -120,7 +122,7 @@ def _missing(name: str) -> str:
 
 
 def _examples() -> dict[str, str]:
-    """An example for each key of the format, by its name."""
+    """Collect an example for each key of the format, by its name."""
     examples = {
         "name": '"my mechanism"',
         "source": '"drawing 12-345"',

@@ -69,8 +69,10 @@ class QuantityField:
     @property
     def bounds(self) -> str:
         """The bounds in words."""
-        if self.above is not None and self.below is not None:
+        if self.below is not None and self.above is not None:
             return f"between {self.above:g} and {self.below:g}"
+        if self.below is not None and self.least is not None:
+            return f"at least {self.least:g} and less than {self.below:g}"
         return "zero or positive" if self.above is None else "positive"
 
     def __get_pydantic_core_schema__(

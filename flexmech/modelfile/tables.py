@@ -45,7 +45,7 @@ Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
 
 
 def suggestion(got: str, known: list[str]) -> str:
-    """The remedy for a wrong name: the nearest known one, or all of them."""
+    """Word the remedy for a wrong name: the nearest known one, and all of them."""
     close = difflib.get_close_matches(got, known, n=1)
     choices = ", ".join(known)
     return f"did you mean {close[0]!r}? Known here: {choices}" if close else f"use one of {choices}"
@@ -126,7 +126,9 @@ class RotatingArmTable(Table):
     kind: Literal["rotating-arm"]
     length: Length = Field(description="Arm length, from the clamp to the free end")
     hub_radius: LengthOrZero = Field(
-        default=0.0, description="Distance from the axis to the clamp; zero if left out"
+        default=0.0,
+        description="Distance from the axis to the clamp; zero if left out",
+        json_schema_extra={"default": "0 m"},
     )
 
 
@@ -178,14 +180,16 @@ LinkTable = Annotated[RectangleLinkTable | GeneralLinkTable, Field(discriminator
 class JointTable(Table):
     """A joint: O2, A, B and O4 of a four-bar; O2 of a rotating arm."""
 
-    mass: Mass = Field(default=0.0, description="Point mass at the joint")
+    mass: Mass = Field(description="Point mass at the joint")
 
 
 class EnvironmentTable(Table):
     """What surrounds the linkage."""
 
     gravity: tuple[Acceleration, Acceleration] = Field(
-        default=(0.0, 0.0), description="Gravitational acceleration along x and y"
+        default=(0.0, 0.0),
+        description="Gravitational acceleration along x and y; none if left out",
+        json_schema_extra={"default": ["0 m/s^2", "0 m/s^2"]},
     )
 
 

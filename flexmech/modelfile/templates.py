@@ -7,7 +7,7 @@ from flexmech.modelfile.tables import suggestion
 
 __all__ = ["KINDS", "template"]
 
-_HEAD = '''# A model file of flexmech. Every value with a dimension is text with its unit;
+_HEAD = """# A model file of flexmech. Every value with a dimension is text with its unit;
 # mm, cm, m, inch, GPa, MPa, psi, kg, g, lb, rpm, rad/s, Hz, ms and their like are understood.
 # Lines that begin with # are comments: remove the # to use what they show.
 # 'flexmech check FILE' prints what was understood.
@@ -15,9 +15,9 @@ _HEAD = '''# A model file of flexmech. Every value with a dimension is text with
 name = "{name}"
 source = "say where the numbers come from: a publication, a drawing, a measurement"
 notes = ""
-'''
+"""
 
-_MATERIAL = '''
+_MATERIAL = """
 [materials.aluminium]
 youngs_modulus = "70 GPa"
 density = "2700 kg/m^3"
@@ -27,9 +27,10 @@ poisson_ratio = 0.33
 # or
 # damping_ratio = "0.5 %"
 # damping_frequency = "50 Hz"
-'''
+"""
 
-_FOUR_BAR = '''
+_FOUR_BAR = (
+    """
 [linkage]
 kind = "four-bar"      # ground pivots O2 and O4, crank O2-A, coupler A-B, rocker O4-B
 ground = "254 mm"
@@ -37,7 +38,9 @@ crank = "100 mm"
 coupler = "280 mm"
 rocker = "265 mm"
 branch = "open"        # "open": B above at crank angle zero; "crossed": B below
-''' + _MATERIAL + '''
+"""
+    + _MATERIAL
+    + """
 # One table for each link: crank, coupler, rocker.
 [links.crank]
 material = "aluminium"
@@ -80,14 +83,18 @@ gravity = ["0 m/s^2", "0 m/s^2"]       # along x (from O2 to O4) and y
 
 [operation]
 crank_speeds = ["10 rad/s", "300 rpm"]
-'''
+"""
+)
 
-_ROTATING_ARM = '''
+_ROTATING_ARM = (
+    """
 [linkage]
 kind = "rotating-arm"  # one link clamped to a hub that turns about O2
 length = "300 mm"      # from the clamp to the free end
 hub_radius = "20 mm"   # from the axis to the clamp
-''' + _MATERIAL + '''
+"""
+    + _MATERIAL
+    + """
 [links.arm]
 material = "aluminium"
 section = "rectangle"
@@ -113,7 +120,8 @@ gravity = ["0 m/s^2", "0 m/s^2"]       # along x and y
 
 [operation]
 crank_speeds = ["10 rad/s", "300 rpm"]
-'''
+"""
+)
 
 _TEMPLATES = {
     "four-bar": _HEAD.format(name="my four-bar") + _FOUR_BAR,
@@ -125,7 +133,7 @@ KINDS = tuple(_TEMPLATES)
 
 
 def template(kind: str) -> str:
-    """A commented model file that loads without change.
+    """Give a commented model file that loads without change.
 
     Parameters
     ----------

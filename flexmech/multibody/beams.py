@@ -62,7 +62,7 @@ class BeamKind(ABC):
         return np.tile(axial, count)
 
     def vector_pairs(self, count: int) -> tuple[IntArray, IntArray]:
-        """x and y coordinates of all vectors in a chain of ``count`` nodes."""
+        """X and y coordinates of all vectors in a chain of ``count`` nodes."""
         base = self.per_node * np.arange(count)[:, None]
         pairs = np.array(self.vectors)
         return (base + pairs[:, 0]).ravel(), (base + pairs[:, 1]).ravel()

@@ -42,11 +42,14 @@ class ExudynEngine(Engine):
     name: ClassVar[str] = "exudyn"
     element_kinds: ClassVar[tuple[str, ...]] = ("ancf", "geometrically-exact")
 
-    @property
-    def convergence(self) -> ConvergenceOrders:
-        """Cubic ANCF: fourth order at rest; linear geometrically exact beam: second."""
+    def convergence(self, prestress: Prestress) -> ConvergenceOrders:
+        """Cubic ANCF: fourth order; linear geometrically exact beam: second.
+
+        Reference strains are constant in a cable, so tension given by them (``axial``)
+        converges in second order.
+        """
         if self.element == "ancf":
-            return ConvergenceOrders(elastic=4, prestress=2)
+            return ConvergenceOrders(elastic=4, prestress=2 if prestress == "axial" else 4)
         return ConvergenceOrders(elastic=2, prestress=2)
 
     @cached_property

@@ -21,10 +21,10 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
 STATIONS = 21
-# Out-of-balance force at which Newton's method stops, relative to the greatest load, and
-# the floor that round-off sets: a force that cancels in EA times machine precision.
+# Out-of-balance force at which Newton's method stops, relative to the load, and what
+# round-off leaves of the forces between nodes whose absolute positions are subtracted.
 RELATIVE_RESIDUAL = 1e-9
-ROUND_OFF = 1e-13
+ROUND_OFF = 8 * float(np.finfo(float).eps)
 
 
 def simulation_settings(absolute_tolerance: float = 1e-8) -> Any:
@@ -121,14 +121,12 @@ def equilibrium_tangents(
         ],
         axis=1,
     )
-    stiffest = max(s.axial_stiffness for s in model.mechanism.sections.values())
+    round_off = ROUND_OFF * model.nodal_force_scale
     deformation = np.zeros(model.size)
     for number in range(batch):
         pose = model.move_to(motion, number)
         model.set_forces(forces[number])
-        tolerance = max(
-            RELATIVE_RESIDUAL * float(np.abs(forces[number]).max()), ROUND_OFF * stiffest
-        )
+        tolerance = max(RELATIVE_RESIDUAL * float(np.abs(forces[number]).sum()), round_off)
         settings = simulation_settings(tolerance)
         start = pose + _turned(model, deformation, relative[number])
         if not _solve_static(model, settings, start):
@@ -177,7 +175,7 @@ def _solve_static(model: MultibodyModel, settings: Any, start: FloatArray) -> bo
     with contextlib.redirect_stdout(io.StringIO()):
         try:
             return bool(model.mbs.SolveStatic(settings, updateInitialValues=False))
-        except ValueError:  # how Exudyn says that its solver gave up
+        except exudyn.SolverError:
             return False
 
 

@@ -77,6 +77,18 @@ class MultibodyModel:
         self._add_pins()
         self.mbs.Assemble()
 
+    @property
+    def nodal_force_scale(self) -> float:
+        """Force between neighbouring nodes if one stood still and the other at the origin."""
+        extent = sum(link.length for link in self.topology.links)
+        scales = []
+        for name, part in zip(self.topology.link_names, self.parts, strict=True):
+            section, length = self.mechanism.sections[name], float(np.diff(part.positions).min())
+            bending = 12 * section.bending_stiffness / length**2
+            stiffness = max(section.axial_stiffness, section.shear_stiffness, bending) / length
+            scales.append(stiffness * extent)
+        return max(scales)
+
     def move_to(self, motion: RigidMotion, number: int) -> FloatArray:
         """Put the supports where position ``number`` of a batch has them.
 
@@ -140,8 +152,10 @@ class MultibodyModel:
         items = load_exudyn().itemInterface
         ground = self.mbs.AddNode(items.NodePointGround())
         fixed = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
-        held = [(c.held, (0, 1, self.kind.clamped)) for c in self.topology.clamps]
-        held += [(p.held, (0, 1)) for p in self.topology.pivots]
+        held: list[tuple[LinkEnd, tuple[int, ...]]] = [
+            (clamp.held, (0, 1, self.kind.clamped)) for clamp in self.topology.clamps
+        ]
+        held += [(pivot.held, (0, 1)) for pivot in self.topology.pivots]
         offsets = []
         for place, coordinates in held:
             node, first = self._end(place)

@@ -16,11 +16,14 @@ from flexmech.plots.frequencies import engine_label
 from flexmech.plots.panels import degrees, grid_height, panel_grid
 from flexmech.plots.style import (
     MID_GREY,
+    POINT_SIZE,
     few_points,
+    header_height,
     header_legend,
     mode_label,
     new_figure,
     publication_style,
+    series_handle,
     series_style,
     speed_label,
 )
@@ -65,12 +68,13 @@ def plot_agreement(dataset: xr.Dataset) -> Figure:
         dataset = dataset.sortby(["crank_angle", "check_angle"])
         difference = _relative_difference(dataset)
         angles = degrees(dataset["crank_angle"])
+        marked = few_points(angles)
+        title = f"Frequencies of {engine_label(dataset, 1)} against {engine_label(dataset, 0)}"
+        handles = _handles(dataset, marked)
         sizes = [1] * dataset.sizes["mode"]
-        figure = new_figure(grid_height(sizes, unit=1.4, extra=0.95))
-        panels = panel_grid(
-            figure, sizes, angles, "Relative difference of frequency (-)", share_y=True
-        )
-        marker = "." if few_points(angles) else ""
+        figure = new_figure(grid_height(sizes) + header_height(handles, title))
+        label = "Relative difference (-)"
+        panels = panel_grid(figure, sizes, angles, label, share_y=True)
         for mode, axes in enumerate(panels):
             axes.set_title(mode_label([int(dataset["mode"].values[mode])]))
             for number in range(dataset.sizes["crank_speed"]):
@@ -80,15 +84,12 @@ def plot_agreement(dataset: xr.Dataset) -> Figure:
                     difference[number, :, mode],
                     color=style.color,
                     linestyle=style.linestyle,
-                    marker=marker,
+                    marker=style.marker if marked else "",
+                    markersize=POINT_SIZE,
                 )
             _draw_errors(axes, dataset, mode)
         _scale_logarithm(panels)
-        header_legend(
-            figure,
-            _handles(dataset),
-            title=f"Frequencies of {engine_label(dataset, 1)} against {engine_label(dataset, 0)}",
-        )
+        header_legend(figure, handles, title)
     return figure
 
 
@@ -104,7 +105,8 @@ def _relative_difference(dataset: xr.Dataset) -> FloatArray:
 def _draw_errors(axes: Axes, dataset: xr.Dataset, mode: int) -> None:
     error = dataset["discretisation_error"].isel(mode=mode)
     error = error.transpose("engine", "crank_speed", "check_angle")
-    largest = np.maximum(np.abs(error.values).max(axis=1), FLOOR)
+    # fmax ignores nan: an angle without an estimate at one speed may have it at another.
+    largest = np.maximum(np.fmax.reduce(np.abs(error.values), axis=1), FLOOR)
     for engine in range(2):
         axes.plot(
             degrees(dataset["check_angle"]),
@@ -123,10 +125,11 @@ def _draw_errors(axes: Axes, dataset: xr.Dataset, mode: int) -> None:
 def _scale_logarithm(panels: list[Axes]) -> None:
     """Whole decades around all data of all panels, ticked at every one or every few."""
     values = np.concatenate(
-        [np.asarray(line.get_ydata(), dtype=float) for axes in panels for line in axes.lines]
+        [[FLOOR], *(np.asarray(line.get_ydata(), dtype=float) for a in panels for line in a.lines)]
     )
-    # Without any finite value the axis still needs a range.
-    decades = np.log10(np.append(values[np.isfinite(values)], [] if len(values) else [FLOOR]))
+    finite = np.isfinite(values)
+    # The floor is there for a result without any finite value; else the data set the scale.
+    decades = np.log10(values[finite][1:] if finite.sum() > 1 else values[:1])
     low, high = float(np.floor(decades.min())), float(np.ceil(decades.max()))
     high = max(high, low + 1)
     for axes in panels:
@@ -136,12 +139,12 @@ def _scale_logarithm(panels: list[Axes]) -> None:
         axes.yaxis.set_minor_formatter(NullFormatter())
 
 
-def _handles(dataset: xr.Dataset) -> list[Artist]:
+def _handles(dataset: xr.Dataset, marked: bool) -> list[Artist]:
     handles: list[Artist] = []
     for number, speed in enumerate(dataset["crank_speed"].values):
-        style = series_style(number)
+        marker = series_style(number).marker if marked else ""
         label = speed_label(float(speed))
-        handles.append(Line2D([], [], color=style.color, linestyle=style.linestyle, label=label))
+        handles.append(series_handle(number, label, marker=marker, markersize=POINT_SIZE))
     for engine in range(2):
         error = Line2D([], [], color=MID_GREY, linestyle=ERROR_LINES[engine], lw=0.7)
         error.set_marker(ERROR_MARKERS[engine])

@@ -21,14 +21,16 @@ from flexmech.plots.panels import (
     panel_grid,
 )
 from flexmech.plots.style import (
-    LIGHT_GREY,
     MID_GREY,
+    POINT_SIZE,
     few_points,
+    header_height,
     header_legend,
     mode_label,
     new_figure,
     plain_numbers,
     publication_style,
+    series_handle,
     series_style,
     speed_label,
 )
@@ -40,8 +42,12 @@ IntArray = NDArray[np.int64]
 
 # The second engine's markers: enough to judge by, few enough to see the lines through.
 MARKERS_ALONG_ANGLE = 12
+MARK_SIZE = 4.2
 # Narrowest y axis as a fraction of the frequency: below it one would look at round-off.
 LEAST_BAND = 4e-3
+# Veering can last for a large part of the turn: a strip of this part of a mode's height.
+VEERING_STRIP = 0.035
+STRIP_GREY = "0.72"
 
 
 def plot_frequencies(dataset: xr.Dataset) -> Figure:
@@ -51,7 +57,7 @@ def plot_frequencies(dataset: xr.Dataset) -> Figure:
     has a panel with its own frequency axis. Modes between which a tracked branch passes
     (crossing or veering) share a panel, in which each line follows a branch and is numbered
     by it at its right end. The first engine is drawn as lines, the second as markers;
-    grey bands are the crank angles where veering was flagged.
+    a grey strip on the crank-angle axis shows where veering was flagged.
 
     Parameters
     ----------
@@ -67,19 +73,18 @@ def plot_frequencies(dataset: xr.Dataset) -> Figure:
         groups = mode_groups(dataset)
         sizes = [len(group) for group in groups]
         map_ = _FrequencyMap.of(dataset)
-        figure = new_figure(grid_height(sizes, unit=1.4, extra=0.8))
+        handles = _speed_handles(dataset) + _engine_handles(dataset, bool(map_.veering[0].any()))
+        figure = new_figure(grid_height(sizes) + header_height(handles))
         panels = panel_grid(figure, sizes, map_.angles, "Frequency (Hz)")
         numbers = [int(number) for number in dataset["mode"].values]
-        shaded = False
         for axes, group in zip(panels, groups, strict=True):
             axes.set_title(mode_label([numbers[mode] for mode in group]))
             _scale_frequency(axes, map_.frequency[..., group])
-            shaded |= _shade_veering(axes, map_, group)
+            _mark_veering(axes, map_, group)
             _draw_lines(axes, map_, group)
             _draw_markers(axes, map_, group)
             if len(group) > 1:
                 _number_branches(axes, map_, group)
-        handles = _speed_handles(dataset) + _engine_handles(dataset, shaded)
         header_legend(figure, handles)
     return figure
 
@@ -124,16 +129,22 @@ def _scale_frequency(axes: Axes, frequency: FloatArray) -> None:
     plain_numbers(axes)
 
 
-def _shade_veering(axes: Axes, map_: _FrequencyMap, group: list[int]) -> bool:
-    """Grey bands where any speed of the first engine veers in these modes."""
+def _mark_veering(axes: Axes, map_: _FrequencyMap, group: list[int]) -> None:
+    """Grey strip along the axis where the first engine veers in these modes at any speed."""
     flags = np.any(map_.veering[0][..., group], axis=(0, 2))
     # A flagged angle stands for the interval half way to its neighbours.
     edges = np.concatenate(
         [map_.angles[:1], (map_.angles[1:] + map_.angles[:-1]) / 2, map_.angles[-1:]]
     )
     for first, last in contiguous_runs(flags):
-        axes.axvspan(edges[first], edges[last + 1], color=LIGHT_GREY, lw=0, zorder=0)
-    return bool(np.any(flags))
+        axes.axvspan(
+            edges[first],
+            edges[last + 1],
+            ymax=VEERING_STRIP / len(group),
+            color=STRIP_GREY,
+            lw=0,
+            zorder=0,
+        )
 
 
 def _lines_of(frequency: FloatArray, branch: IntArray, group: list[int]) -> dict[int, FloatArray]:
@@ -165,8 +176,8 @@ def _draw_lines(axes: Axes, map_: _FrequencyMap, group: list[int]) -> None:
                 values,
                 color=style.color,
                 linestyle=style.linestyle,
-                marker="." if marked else "",
-                markersize=4.5,
+                marker=style.marker if marked else "",
+                markersize=POINT_SIZE,
                 zorder=2.5,
             )
             alone = _alone(values)
@@ -184,7 +195,8 @@ def _alone(values: FloatArray) -> NDArray[np.bool_]:
 def _draw_markers(axes: Axes, map_: _FrequencyMap, group: list[int]) -> None:
     """Further engines: open markers at some angles, staggered from speed to speed."""
     n_engines, n_speeds, n_angles, _ = map_.frequency.shape
-    step = 1 if few_points(map_.angles) else max(1, -(-n_angles // MARKERS_ALONG_ANGLE))
+    coarse = few_points(map_.angles)
+    step = 1 if coarse else max(1, -(-n_angles // MARKERS_ALONG_ANGLE))
     for engine in range(1, n_engines):
         for number in range(n_speeds):
             style = series_style(number)
@@ -195,7 +207,8 @@ def _draw_markers(axes: Axes, map_: _FrequencyMap, group: list[int]) -> None:
                 values.ravel(),
                 linestyle="",
                 marker=style.marker,
-                markersize=4.2,
+                # On a coarse map the first engine has marks too: ring them.
+                markersize=1.5 * MARK_SIZE if coarse else MARK_SIZE,
                 markerfacecolor="white" if engine == 1 else style.color,
                 markeredgecolor=style.color,
                 markeredgewidth=0.9,
@@ -226,36 +239,35 @@ def _number_branches(axes: Axes, map_: _FrequencyMap, group: list[int]) -> None:
 
 
 def _speed_handles(dataset: xr.Dataset) -> list[Artist]:
-    several = dataset.sizes["engine"] > 1
-    handles: list[Artist] = []
-    for number, speed in enumerate(dataset["crank_speed"].values):
-        style = series_style(number)
-        handles.append(
-            Line2D(
-                [],
-                [],
-                color=style.color,
-                linestyle=style.linestyle,
-                marker=style.marker if several else "",
-                markersize=4.2,
-                markerfacecolor="white",
-                markeredgewidth=0.9,
-                label=speed_label(float(speed)),
-            )
+    # The marks of the second engine if there is one, else of a coarse map.
+    marked = dataset.sizes["engine"] > 1 or few_points(dataset["crank_angle"].values)
+    fill = "white" if dataset.sizes["engine"] > 1 else None
+    return [
+        series_handle(
+            number,
+            speed_label(float(speed)),
+            marker=series_style(number).marker if marked else "",
+            markersize=MARK_SIZE,
+            markerfacecolor=fill,
+            markeredgewidth=0.9,
         )
-    return handles
+        for number, speed in enumerate(dataset["crank_speed"].values)
+    ]
 
 
-def _engine_handles(dataset: xr.Dataset, shaded: bool) -> list[Artist]:
-    """Legend entries of the engines and of the grey bands, only as far as they are drawn."""
-    dot = "." if few_points(dataset["crank_angle"].values) else ""
-    line = Line2D([], [], color=MID_GREY, marker=dot, label=engine_label(dataset, 0))
+def _engine_handles(dataset: xr.Dataset, veers: bool) -> list[Artist]:
+    """Legend entries of the engines and of the veering strip, only as far as they are drawn."""
+    dot = "o" if few_points(dataset["crank_angle"].values) else ""
+    line = Line2D([], [], color=MID_GREY, marker=dot, ms=POINT_SIZE)
+    line.set_label(engine_label(dataset, 0))
     handles: list[Artist] = [line]
     for engine in range(1, dataset.sizes["engine"]):
         fill = "white" if engine == 1 else MID_GREY
-        marks = Line2D([], [], color=MID_GREY, ls="", marker="o", ms=4.2, markerfacecolor=fill)
+        marks = Line2D(
+            [], [], color=MID_GREY, ls="", marker="o", ms=MARK_SIZE, markerfacecolor=fill
+        )
         marks.set_label(engine_label(dataset, engine))
         handles.append(marks)
-    if shaded:
-        handles.append(Patch(color=LIGHT_GREY, lw=0, label="veering"))
+    if veers:
+        handles.append(Patch(color=STRIP_GREY, lw=0, label="veering"))
     return handles

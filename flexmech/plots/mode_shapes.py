@@ -12,16 +12,19 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from flexmech.plots.frequencies import engine_label
 from flexmech.plots.style import (
     FIGURE_WIDTH,
     LIGHT_GREY,
     TITLE_SIZE,
+    header_height,
     header_legend,
     mode_label,
     new_figure,
     publication_style,
+    series_handle,
     series_style,
     speed_label,
 )
@@ -31,6 +34,7 @@ __all__ = ["plot_mode_shapes"]
 FloatArray = NDArray[np.float64]
 
 PANELS_A_ROW = 4
+POINTS_A_STATION = 4
 # Largest displacement as drawn, as a fraction of the linkage's size.
 ENLARGED_TO = 0.14
 # Ends closer than this fraction of the linkage's size share a joint.
@@ -61,12 +65,18 @@ def plot_mode_shapes(dataset: xr.Dataset, check_angle: float | None = None) -> F
     nearest = 0 if check_angle is None else int(np.argmin(np.abs(angles - check_angle)))
     with publication_style():
         sketch = _Sketch.of(dataset, nearest)
-        deflected = sketch.rigid + ENLARGED_TO * sketch.size * sketch.shapes
+        deflected = _smooth(sketch.rigid + ENLARGED_TO * sketch.size * sketch.shapes)
         frequency = dataset["frequency"].isel(engine=0)
         frequency = frequency.sel(crank_angle=angles[nearest], method="nearest")
         frequency = frequency.transpose("crank_speed", "mode")
         limits = _limits(deflected, sketch)
-        panels = _panels(limits, n_modes=deflected.shape[1], n_speeds=deflected.shape[0])
+        handles = _handles(dataset)
+        header = (
+            f"Mode shapes at crank angle {np.degrees(angles[nearest]):.4g}° by "
+            f"{engine_label(dataset, 0)}, displacement enlarged"
+        )
+        panels = _panels(limits, deflected.shape[1], deflected.shape[0])
+        panels.figure.set_figheight(panels.figure.get_figheight() + header_height(handles, header))
         for mode, axes in enumerate(panels.axes):
             axes.set(xlim=limits[0], ylim=limits[1], aspect="equal", anchor="N")
             axes.set_axis_off()
@@ -76,12 +86,7 @@ def plot_mode_shapes(dataset: xr.Dataset, check_angle: float | None = None) -> F
             _draw_rigid(axes, sketch)
             _draw_deflected(axes, deflected[:, mode], sketch)
         _draw_scale_bar(panels.axes[0], sketch.size, limits)
-        header_legend(
-            panels.figure,
-            _handles(dataset),
-            title=f"Mode shapes at crank angle {np.degrees(angles[nearest]):.4g}° by "
-            f"{engine_label(dataset, 0)}, displacement enlarged",
-        )
+        header_legend(panels.figure, handles, header)
     return panels.figure
 
 
@@ -130,6 +135,9 @@ class _Sketch:
         pins, supports = _joints(rigid_values, shapes, size)
         # By convention the first link is the driven one, on a shaft at the ground's origin.
         hub_radius = float(np.hypot(*rigid_values[0, 0]))
+        if hub_radius > SAME_PLACE * size:
+            # The hub turns: the ground holds it at the axis, not where the link is clamped.
+            supports = np.concatenate([np.zeros((1, 2)), supports[1:]])
         return cls(rigid_values, shapes, size, pins, supports, hub_radius)
 
 
@@ -150,6 +158,14 @@ def _real_shapes(complex_shapes: NDArray[np.complex128]) -> FloatArray:
     longest = np.hypot(shapes[..., 0], shapes[..., 1]).max(axis=(-2, -1))
     scaled: FloatArray = shapes / np.where(longest > 0, longest, 1.0)[..., None, None, None]
     return scaled
+
+
+def _smooth(deflected: FloatArray) -> FloatArray:
+    """Cubic spline through the stations of each link, which stay among the points drawn."""
+    stations = deflected.shape[-2]
+    points = np.linspace(0, stations - 1, (stations - 1) * POINTS_A_STATION + 1)
+    curve: FloatArray = CubicSpline(np.arange(stations), deflected, axis=-2)(points)
+    return curve
 
 
 def _joints(rigid: FloatArray, shapes: FloatArray, size: float) -> tuple[FloatArray, FloatArray]:
@@ -185,18 +201,17 @@ def _limits(
 def _panels(
     limits: tuple[tuple[float, float], tuple[float, float]], n_modes: int, n_speeds: int
 ) -> _Panels:
-    """Figure whose height fits panels of equal scale."""
+    """Figure whose height fits panels of equal scale, without the legend."""
     columns = min(n_modes, PANELS_A_ROW)
     if n_modes > PANELS_A_ROW:
         columns = PANELS_A_ROW if n_modes > 6 else 3
     rows = -(-n_modes // columns)
     (left, right), (low, high) = limits
     # Less the layout's padding between the panels.
-    tall = (FIGURE_WIDTH / columns - 0.15) * (high - low) / (right - left)
+    tall = (FIGURE_WIDTH / columns - 0.2) * (high - low) / (right - left)
     tall = min(max(tall, 0.7), 2.6)
     title = 0.2 + 0.17 * -(-n_speeds // 3)
-    legend = 0.3 + 0.17 * -(-(n_speeds + 1) // 5)
-    figure = new_figure(rows * (tall + title) + legend)
+    figure = new_figure(rows * (tall + title))
     grid = figure.add_gridspec(rows, columns)
     axes = [figure.add_subplot(grid[n // columns, n % columns]) for n in range(n_modes)]
     return _Panels(figure, axes)
@@ -218,10 +233,13 @@ def _draw_rigid(axes: Axes, sketch: _Sketch) -> None:
         axes.plot(link[:, 0], link[:, 1], color="0.65", lw=0.9, zorder=1)
     for place in sketch.supports:
         _draw_support(axes, place, sketch.size)
-    joints = np.concatenate([sketch.pins, sketch.supports])
-    axes.plot(
-        *joints.T, "o", ms=3.6, markerfacecolor="white", markeredgecolor="0.35", mew=0.7, zorder=4
-    )
+    # The driven shaft, to which its link is clamped, is filled; a pin is open.
+    joints = np.concatenate([sketch.supports, sketch.pins])
+    for place in joints:
+        fill = "0.35" if np.hypot(*place) <= SAME_PLACE * sketch.size else "white"
+        axes.plot(
+            *place, "o", ms=3.6, markerfacecolor=fill, markeredgecolor="0.35", mew=0.7, zorder=4
+        )
 
 
 def _draw_support(axes: Axes, place: FloatArray, size: float) -> None:
@@ -279,13 +297,10 @@ def _draw_scale_bar(
 
 
 def _handles(dataset: xr.Dataset) -> list[Artist]:
-    handles: list[Artist] = []
     speeds = dataset["crank_speed"].values
-    for number, speed in enumerate(speeds):
-        style = series_style(number)
-        line = Line2D([], [], color=style.color, linestyle=style.linestyle)
-        line.set_linewidth(_line_width(number, len(speeds)))
-        line.set_label(speed_label(float(speed)))
-        handles.append(line)
+    handles: list[Artist] = [
+        series_handle(n, speed_label(float(speed)), linewidth=_line_width(n, len(speeds)))
+        for n, speed in enumerate(speeds)
+    ]
     handles.append(Line2D([], [], color="0.65", lw=0.9, label="rigid linkage"))
     return handles

@@ -21,6 +21,9 @@ NEAR_BANDS = 1.1
 # From this number of panels on, two columns read better than one tall stack.
 TWO_COLUMNS_FROM = 4
 
+# Least height of a panel with its heading, in inches.
+PANEL_HEIGHT = 1.4
+
 
 def degrees(angle: xr.DataArray) -> FloatArray:
     """Angles of a coordinate in degrees, free of the conversion's round-off."""
@@ -97,7 +100,6 @@ def panel_grid(
     """
     columns = _columns(sizes)
     rows = max(sum(sizes[panel] for panel in column) for column in columns)
-    figure.supylabel(y_label, fontsize=LABEL_SIZE)
     grid = figure.add_gridspec(rows, len(columns))
     axes: list[Axes] = []
     for place, column in enumerate(columns):
@@ -112,14 +114,18 @@ def panel_grid(
             axes.append(panel_axes)
         crank_angle_axis(axes[-1], angles, narrow=len(columns) > 1)
         axes[-1].set_xlabel("Crank angle (deg)")
+    if len(axes) == 1:
+        axes[0].set_ylabel(y_label)
+    else:
+        figure.supylabel(y_label, fontsize=LABEL_SIZE)
     return axes
 
 
-def grid_height(sizes: list[int], unit: float, extra: float) -> float:
-    """Height of a figure in inches whose panels take ``unit`` each, plus ``extra``."""
+def grid_height(sizes: list[int]) -> float:
+    """Height in inches of a panel grid, its crank-angle axis included."""
     columns = _columns(sizes)
     rows = max(sum(sizes[panel] for panel in column) for column in columns)
-    return rows * max(unit, 1.9 - 0.3 * rows) + extra
+    return rows * max(PANEL_HEIGHT, 1.9 - 0.3 * rows) + 0.5
 
 
 def _columns(sizes: list[int]) -> list[list[int]]:

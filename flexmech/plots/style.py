@@ -13,6 +13,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, MultipleLocator, ScalarFormatter
 from numpy.typing import NDArray
 
@@ -21,17 +22,20 @@ __all__ = [
     "LABEL_SIZE",
     "LIGHT_GREY",
     "MID_GREY",
+    "POINT_SIZE",
     "SERIES_STYLES",
     "TITLE_SIZE",
     "SeriesStyle",
     "crank_angle_axis",
     "few_points",
+    "header_height",
     "header_legend",
     "legend_columns",
     "mode_label",
     "new_figure",
     "plain_numbers",
     "publication_style",
+    "series_handle",
     "series_style",
     "speed_label",
 ]
@@ -49,6 +53,7 @@ MID_GREY = "0.45"
 # Below this number of angles each computed point is marked: a line alone would suggest a
 # resolution that is not there, and a single point would not show at all.
 FEW_POINTS = 10
+POINT_SIZE = 3.0
 
 # Mean width of a letter of the font as a fraction of its size, on the safe side.
 MEAN_LETTER = 0.62
@@ -131,6 +136,12 @@ def new_figure(height: float) -> Figure:
     return Figure(figsize=(FIGURE_WIDTH, height), dpi=150, layout=layout)
 
 
+def series_handle(number: int, label: str, **properties: Any) -> Line2D:
+    """Legend entry in the style of a series; properties are those of ``Line2D``."""
+    style = series_style(number)
+    return Line2D([], [], color=style.color, linestyle=style.linestyle, label=label, **properties)
+
+
 def few_points(angles: FloatArray) -> bool:
     """Whether the angles are few enough to mark each computed point."""
     return angles.size <= FEW_POINTS
@@ -157,9 +168,12 @@ def crank_angle_axis(axes: Axes, angles: FloatArray, *, narrow: bool = False) ->
         # The points of a coarse map are marked, and a mark must not hang over the edge.
         room = 0.03 * span if few_points(angles) else 0.0
         axes.set_xlim(first - room, last + room)
-        axes.xaxis.set_major_locator(MultipleLocator(_tick_step(span, 4 if narrow else 6)))
-    formatter = ScalarFormatter(useOffset=False)
-    axes.xaxis.set_major_formatter(formatter)
+        most = 4 if narrow else 6
+        if angles.size <= most + 1 and np.diff(angles).min() >= span / (most + 1):
+            axes.set_xticks(angles)
+        else:
+            axes.xaxis.set_major_locator(MultipleLocator(_tick_step(span, most)))
+    axes.xaxis.set_major_formatter(ScalarFormatter(useOffset=False))
 
 
 def _tick_step(span: float, most: int) -> float:
@@ -175,7 +189,7 @@ def plain_numbers(axes: Axes) -> None:
     formatter = ScalarFormatter(useOffset=False)
     formatter.set_scientific(False)
     axes.yaxis.set_major_formatter(formatter)
-    axes.yaxis.set_major_locator(MaxNLocator(nbins=5, min_n_ticks=3))
+    axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
 
 
 def speed_label(speed: float) -> str:
@@ -192,19 +206,13 @@ def mode_label(numbers: list[int]) -> str:
     return f"Modes {numbers[0]} to {numbers[-1]}"
 
 
-def header_legend(figure: Figure, handles: list[Artist], title: str = "") -> int:
+def header_legend(figure: Figure, handles: list[Artist], title: str = "") -> None:
     """Put one legend for all panels above them, under an optional heading line.
 
     Entries run along the rows, as many a row as the figure's width holds.
-
-    Returns
-    -------
-    int
-        Number of rows.
     """
     labels = [str(handle.get_label()) for handle in handles]
     columns = legend_columns(labels)
-    rows = -(-len(handles) // columns)
     # Matplotlib fills a legend column by column; every column but the last ones is full.
     by_column = [handles[start::columns] for start in range(columns)]
     figure.legend(
@@ -213,15 +221,28 @@ def header_legend(figure: Figure, handles: list[Artist], title: str = "") -> int
         ncols=columns,
         title=title or None,
     )
-    return rows
+
+
+def header_height(handles: list[Artist], title: str = "") -> float:
+    """Height in inches that the legend above the panels takes."""
+    columns = legend_columns([str(handle.get_label()) for handle in handles])
+    rows = -(-len(handles) // columns) + bool(title)
+    return 0.12 + 0.165 * rows
 
 
 def legend_columns(labels: list[str]) -> int:
-    """Most columns of legend entries, filled along the rows, that the figure's width holds."""
+    """Columns of legend entries, filled along the rows, that the figure's width holds.
+
+    As few rows as possible, and these as equally filled as possible.
+    """
     em = _STYLE["legend.fontsize"] / 72
     around = _STYLE["legend.handlelength"] + _STYLE["legend.columnspacing"] + 0.8
     widths = [(around + MEAN_LETTER * len(label)) * em for label in labels]
-    for columns in range(len(labels), 1, -1):
-        if sum(max(widths[start::columns]) for start in range(columns)) <= FIGURE_WIDTH - 0.1:
-            return columns
-    return 1
+
+    def fits(columns: int) -> bool:
+        needed: float = sum(max(widths[n::columns]) for n in range(columns))
+        return needed <= FIGURE_WIDTH - 0.1
+
+    most = next((n for n in range(len(labels), 1, -1) if fits(n)), 1)
+    balanced = -(-len(labels) // -(-len(labels) // most))
+    return balanced if fits(balanced) else most

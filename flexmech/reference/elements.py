@@ -31,7 +31,7 @@ def _from_blocks(axial: FloatArray, bending: FloatArray) -> FloatArray:
     return matrix
 
 
-def _scaled(rows: list[list[float]], length: FloatArray, power: float) -> FloatArray:
+def _scaled(rows: list[list[int]], length: FloatArray, power: float) -> FloatArray:
     """Hermite matrix: rotations carry one more power of the length each."""
     scale = np.stack([np.ones_like(length), length, np.ones_like(length), length], axis=-1)
     return np.array(rows) * scale[:, :, None] * scale[:, None, :] * length[:, None, None] ** power
@@ -41,14 +41,14 @@ def stiffness_matrix(
     length: FloatArray, axial_stiffness: float, bending_stiffness: float
 ) -> FloatArray:
     """Elastic stiffness; Kumar & Chandrakar, eq. 1.53, corrected (k36 = k63 = +2EI/L)."""
-    rows = [[12.0, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]]
+    rows = [[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]]
     axial = np.array([[1.0, -1], [-1, 1]]) * (axial_stiffness / length)[:, None, None]
     return _from_blocks(axial, bending_stiffness * _scaled(rows, length, -3))
 
 
 def mass_matrix(length: FloatArray, mass_per_length: float) -> FloatArray:
     """Consistent mass; Kumar & Chandrakar, eq. 1.52, corrected (m22 = 13/35)."""
-    rows = [[156.0, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]
+    rows = [[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]
     axial = np.array([[2.0, 1], [1, 2]]) * (mass_per_length * length / 6)[:, None, None]
     return _from_blocks(axial, mass_per_length / 420 * _scaled(rows, length, 1))
 
@@ -84,7 +84,9 @@ def geometric_stiffness(length: FloatArray, tension: FloatArray) -> FloatArray:
     unit = _UNIT_GEOMETRIC * (scale[:, None, :, None] * scale[:, None, None, :])
     unit = unit / length[:, None, None, None]
     matrix = np.zeros((*tension.shape[:-1], 6, 6))
-    matrix[..., np.array(BENDING)[:, None], BENDING] = np.einsum("...ek,ekij->...eij", tension, unit)
+    matrix[..., np.array(BENDING)[:, None], BENDING] = np.einsum(
+        "...ek,ekij->...eij", tension, unit
+    )
     return matrix
 
 
@@ -94,7 +96,8 @@ def _unit_geometric() -> FloatArray:
     s = (points + 1) / 2
     slopes = np.stack([6 * s**2 - 6 * s, 1 - 4 * s + 3 * s**2, 6 * s - 6 * s**2, 3 * s**2 - 2 * s])
     polynomials = np.stack([np.ones_like(s), points, (3 * points**2 - 1) / 2])
-    return np.einsum("kg,ig,jg,g->kij", polynomials, slopes, slopes, weights / 2)
+    integrals: FloatArray = np.einsum("kg,ig,jg,g->kij", polynomials, slopes, slopes, weights / 2)
+    return integrals
 
 
 _UNIT_GEOMETRIC = _unit_geometric()

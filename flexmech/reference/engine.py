@@ -39,8 +39,7 @@ class ReferenceEngine(Engine):
     name: ClassVar[str] = "reference"
     element_kinds: ClassVar[tuple[str, ...]] = ("euler",)
 
-    @property
-    def convergence(self) -> ConvergenceOrders:
+    def convergence(self, prestress: Prestress) -> ConvergenceOrders:
         """Hermite elements: fourth order, prestressed or not."""
         return ConvergenceOrders(elastic=4, prestress=4)
 
@@ -87,9 +86,7 @@ class ReferenceEngine(Engine):
         displacement = self.equilibrium.solve(motion, loads, varying)
         return [
             assemble_chain(tangent + extra)
-            for tangent, extra in zip(
-                self.equilibrium.tangents(displacement), varying, strict=True
-            )
+            for tangent, extra in zip(self.equilibrium.tangents(displacement), varying, strict=True)
         ]
 
     def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
@@ -106,7 +103,9 @@ class ReferenceEngine(Engine):
         inside it is the varying part.
         """
         matrices = []
-        for nodes, tension in zip(self.nodes, element_tensions(self.mechanism, self.nodes, motion), strict=True):
+        for nodes, tension in zip(
+            self.nodes, element_tensions(self.mechanism, self.nodes, motion), strict=True
+        ):
             if varying_part_only:
                 tension[..., 0] = 0.0
             matrices.append(geometric_stiffness(np.diff(nodes), tension))

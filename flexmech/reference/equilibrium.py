@@ -27,6 +27,10 @@ logger = logging.getLogger(__name__)
 FloatArray = NDArray[np.float64]
 
 MAX_ITERATIONS = 40
+# Newton's method stops when this part of the load is out of balance, or what round-off
+# leaves. Convergence is quadratic: the last step brings far more than that.
+RELATIVE_RESIDUAL = 1e-10
+ROUND_OFF = 8 * float(np.finfo(float).eps)
 # Least length of a Newton step when the full one makes the out-of-balance forces worse.
 SHORTEST_STEP = 1 / 16
 
@@ -55,6 +59,11 @@ class Equilibrium:
         self._force_scale = min(
             s.bending_stiffness / float(n[-1]) ** 2 for s, n in zip(sections, nodes, strict=True)
         )
+        self._nodal_stiffness = max(
+            float(np.max(np.maximum(12 * s.bending_stiffness / h**3, s.axial_stiffness / h)))
+            for s, h in zip(sections, self.lengths, strict=True)
+        )
+        self._moves = _translations(frames)
 
     def solve(
         self, motion: RigidMotion, loads: Sequence[FloatArray], extra: Sequence[FloatArray]
@@ -81,15 +90,14 @@ class Equilibrium:
             crank angle and speed.
         """
         outer = self.frames.gather(motion, loads)
-        # The out-of-balance force can be brought down to the round-off of the forces that
-        # cancel in it: those of the stretched links, EA times machine precision.
-        stiffest = max(s.axial_stiffness for s in self.sections)
-        target = 1e-12 * np.abs(outer).max(axis=1, initial=0.0) + 1e-13 * self._force_scale
-        target = np.maximum(target, 8 * np.finfo(float).eps * stiffest * 1e-2)
+        loaded = np.abs(outer).sum(axis=1)
         z = np.zeros_like(outer)
         residual, band = self._out_of_balance(motion, z, outer, extra)
         error = np.abs(residual).max(axis=1, initial=0.0)
         for iteration in range(MAX_ITERATIONS):
+            # Forces of displaced nodes cancel in the balance down to their round-off.
+            round_off = ROUND_OFF * self._nodal_stiffness * np.abs(z[:, self._moves]).max(axis=1)
+            target = np.maximum(RELATIVE_RESIDUAL * loaded, round_off)
             factors = banded.factorize(band)
             if np.all(error <= target):
                 self._refuse_instability(motion, factors)
@@ -208,6 +216,13 @@ def _place(motion: RigidMotion, where: NDArray[np.bool_]) -> str:
     return f"crank angle {angle:.6g} deg and crank speed {motion.crank_speed[first]:.6g} rad/s"
 
 
+def _translations(frames: LinkFrames) -> NDArray[np.intp]:
+    """Coordinates of z that are displacements rather than rotations."""
+    moves = [t[np.arange(len(t)) % 3 != 2] for t in frames.targets]
+    every = np.unique(np.concatenate(moves))
+    return every[every >= 0]
+
+
 def _entries(
     frames: LinkFrames, lengths: Sequence[FloatArray]
 ) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
@@ -221,9 +236,7 @@ def _entries(
     return np.concatenate(rows), np.concatenate(columns)
 
 
-def _narrow_band(
-    frames: LinkFrames, lengths: Sequence[FloatArray]
-) -> tuple[NDArray[np.intp], int]:
+def _narrow_band(frames: LinkFrames, lengths: Sequence[FloatArray]) -> tuple[NDArray[np.intp], int]:
     """Order of the coordinates (reverse Cuthill-McKee) and half band width in it."""
     rows, columns = _entries(frames, lengths)
     free = (rows >= 0) & (columns >= 0)

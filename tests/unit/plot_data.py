@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -11,6 +12,11 @@ from numpy.typing import NDArray
 from flexmech.linkages import FourBar, Linkage, RotatingArm
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
+
+DIMS = ("engine", "crank_speed", "crank_angle", "mode")
+CHECK_DIMS = ("engine", "crank_speed", "check_angle", "mode")
 
 FOURBAR = FourBar(ground=0.254, crank=0.102, coupler=0.2794, rocker=0.2667)
 TERMS = ("geometric", "posture", "coriolis", "centripetal", "tangential")
@@ -39,40 +45,12 @@ def frequency_dataset(
     branch_frequency, terms = _branches(theta, omega, modes, crossing)
     order = np.argsort(branch_frequency, axis=-1)
     frequency = np.take_along_axis(branch_frequency, order, axis=-1)
-    shape = (len(engines), omega.size, theta.size, modes)
-    # Engines apart by parts in a million, more at speed and in higher modes, never twice alike.
-    ripple = 1.1 + np.sin(3 * theta + 1)[:, None] + 0.05 * np.cos(17 * theta)[:, None]
-    gap = 2e-7 * (1 + omega[:, None, None] ** 2 / 4) * ripple * np.arange(1, modes + 1)
-    apart = np.arange(len(engines))[:, None, None, None] * gap
-    gaps = np.diff(frequency, axis=-1, append=np.inf) / frequency
-    near = gaps < 0.012
-    veering = near | np.concatenate([np.zeros_like(near[..., :1]), near[..., :-1]], axis=-1)
+    variables = _frequency_variables(theta, omega, frequency, order, len(engines))
     check = theta[:: max(1, theta.size // 12)]
-    dims = ("engine", "crank_speed", "crank_angle", "mode")
-    check_dims = ("engine", "crank_speed", "check_angle", "mode")
-    check_shape = (len(engines), omega.size, check.size, modes)
-    error = 4e-6 * np.arange(1, modes + 1) ** 2 * (1 + 0.3 * np.cos(check))[:, None]
-    error = np.broadcast_to(error, check_shape) * (1 + np.arange(len(engines)))[:, None, None, None]
-    rigid, displacement = _shapes(linkage, check, modes)
-    variables = {
-        "frequency": (dims, frequency * (1 + apart)),
-        "damping_ratio": (dims, np.full(shape, 0.002)),
-        "branch_of_mode": (dims, np.broadcast_to(order + 1, shape).copy()),
-        "mac": (dims, np.full(shape, 0.999)),
-        "veering": (dims, np.broadcast_to(veering, shape).copy()),
-        "branch_whole": (("engine", "crank_speed", "branch"), np.ones((*shape[:2], modes), bool)),
-        "discretisation_error": (check_dims, error),
-        "reduction_error": (check_dims, 0.01 * error),
-        "mode_shape": (
-            (*check_dims, "part", "link", "station", "component"),
-            _complex_parts(displacement, len(engines), omega),
-        ),
-        "rigid_position": (("check_angle", "link", "station", "component"), rigid),
-    }
+    variables.update(_check_variables(linkage, check, omega, modes, len(engines)))
     if speed_effect:
-        names = np.argsort(np.argsort(frequency, axis=-1), axis=-1)
-        sorted_terms = np.take_along_axis(terms, np.broadcast_to(names, terms.shape), axis=-1)
-        variables["speed_effect"] = (("term", *dims[1:]), sorted_terms)
+        sorted_terms = np.take_along_axis(terms, np.broadcast_to(order, terms.shape), axis=-1)
+        variables["speed_effect"] = (("term", *DIMS[1:]), sorted_terms)
     elements = {"reference": "euler", "exudyn": "ancf"}
     return xr.Dataset(
         variables,
@@ -102,6 +80,45 @@ def arm_dataset(hub_radius: float = 0.05, modes: int = 3) -> xr.Dataset:
         engines=("reference",),
         linkage=RotatingArm(length=0.4, hub_radius=hub_radius),
     )
+
+
+def _frequency_variables(
+    theta: FloatArray, omega: FloatArray, frequency: FloatArray, order: IntArray, n_engines: int
+) -> Variables:
+    """Frequencies of all engines and what tracking says of them."""
+    modes = frequency.shape[-1]
+    shape = (n_engines, *frequency.shape)
+    # Engines apart by parts in a million, more at speed and in higher modes, never twice alike.
+    ripple = 1.1 + np.sin(3 * theta + 1)[:, None] + 0.05 * np.cos(17 * theta)[:, None]
+    gap = 2e-7 * (1 + omega[:, None, None] ** 2 / 4) * ripple * np.arange(1, modes + 1)
+    apart = np.arange(n_engines)[:, None, None, None] * gap
+    near = np.diff(frequency, axis=-1, append=np.inf) / frequency < 0.012
+    veering = near | np.concatenate([np.zeros_like(near[..., :1]), near[..., :-1]], axis=-1)
+    return {
+        "frequency": (DIMS, frequency * (1 + apart)),
+        "damping_ratio": (DIMS, np.full(shape, 0.002)),
+        "branch_of_mode": (DIMS, np.broadcast_to(order + 1, shape).copy()),
+        "mac": (DIMS, np.full(shape, 0.999)),
+        "veering": (DIMS, np.broadcast_to(veering, shape).copy()),
+        "branch_whole": (("engine", "crank_speed", "branch"), np.ones((*shape[:2], modes), bool)),
+    }
+
+
+def _check_variables(
+    linkage: Linkage, check: FloatArray, omega: FloatArray, modes: int, n_engines: int
+) -> Variables:
+    """Errors and shapes at the check angles."""
+    error = 4e-6 * np.arange(1, modes + 1) ** 2 * (1 + 0.3 * np.cos(check))[:, None]
+    error = error * (1 + np.arange(n_engines))[:, None, None, None]
+    error = np.repeat(error, omega.size, axis=1)
+    rigid, displacement = _shapes(linkage, check, modes)
+    shapes = _complex_parts(displacement, n_engines, omega)
+    return {
+        "discretisation_error": (CHECK_DIMS, error),
+        "reduction_error": (CHECK_DIMS, 0.01 * error),
+        "mode_shape": ((*CHECK_DIMS, "part", "link", "station", "component"), shapes),
+        "rigid_position": (("check_angle", "link", "station", "component"), rigid),
+    }
 
 
 def _branches(
