@@ -23,8 +23,9 @@ IntArray = NDArray[np.intp]
 BROKEN_MAC = 0.5
 # Branches veer when they come this close (relative to their mean frequency) ...
 VEERING_GAP = 0.25
-# ... and their shapes turn into one another by this angle (rad) on the way through.
-VEERING_ROTATION = 0.35
+# ... and their shapes turn into one another by an angle (rad) between these bounds on the
+# way through. Two shapes that exchange turn by a quarter; more is a slow drift of both.
+VEERING_ROTATION = (0.35, 1.6)
 
 
 def cross_amplitude(
@@ -192,7 +193,8 @@ def find_veering(frequency: FloatArray, amplitude: FloatArray) -> NDArray[np.boo
     Returns
     -------
     ndarray of bool, shape (A, m)
-        True through the closest approach of two branches that veer.
+        True through the closest approach of two branches that veer: neighbours that come
+        close, part again on both sides, and exchange their shapes in between.
     """
     veering = np.zeros(frequency.shape, dtype=bool)
     count = frequency.shape[1]
@@ -205,11 +207,20 @@ def find_veering(frequency: FloatArray, amplitude: FloatArray) -> NDArray[np.boo
             turned = np.arcsin(np.minimum(np.maximum(amplitude[:, a, b], amplitude[:, b, a]), 1))
             for least in _minima(gap):
                 near = _window(gap, least, 2.0)
-                if turned[near.start : max(near.stop - 1, near.start)].sum() >= VEERING_ROTATION:
+                apart_on_both_sides = near.start > 0 and near.stop < len(gap)
+                rotation = turned[near.start : near.stop - 1].sum()
+                exchange = VEERING_ROTATION[0] <= rotation <= VEERING_ROTATION[1]
+                if apart_on_both_sides and exchange and _neighbours(frequency[least], a, b):
                     close = _window(gap, least, 1.25)
                     veering[close, a] = True
                     veering[close, b] = True
     return veering
+
+
+def _neighbours(frequency: FloatArray, a: int, b: int) -> bool:
+    """Whether no other branch lies between two."""
+    low, high = sorted((frequency[a], frequency[b]))
+    return not np.any((frequency > low) & (frequency < high))
 
 
 def _minima(gap: FloatArray) -> IntArray:
