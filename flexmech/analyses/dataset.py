@@ -63,8 +63,21 @@ class SpeedMap:
 
 @dataclass(frozen=True)
 class EngineMap:
-    """Map of one engine: indices of the check angles and one part for each speed."""
+    """Map of one engine: one part for each speed.
 
+    Parameters
+    ----------
+    engine : Engine
+        As it was used at last: with component modes or without.
+    detail : float
+        How many component modes the most demanding speed has needed.
+    check_angles : ndarray of int
+        Indices of the check angles.
+    speeds : list of SpeedMap
+    """
+
+    engine: Engine
+    detail: float
     check_angles: NDArray[np.intp]
     speeds: list[SpeedMap]
 

@@ -9,14 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexmech.analyses.dataset import EngineMap, SpeedMap, build_dataset
+from flexmech.analyses.discretisation import check_angle_indices, discretisation_error
 from flexmech.analyses.eigenproblem import solve_modes
 from flexmech.analyses.mapping import FrequencyRequest, Mapping
+from flexmech.analyses.reduction import accurate_reduction
 from flexmech.analyses.result import MovingFrequencies
 from flexmech.analyses.speed_effect import speed_effect_terms
 from flexmech.analyses.tracking import Tracker, same_shapes
-from flexmech.analyses.trust import check_angle_indices, discretisation_error
 from flexmech.errors import InputError
-from flexmech.linear_system import Engine, Prestress
+from flexmech.linear_system import Engine, LinearSystem, Prestress
 from flexmech.threads import one_thread
 
 __all__ = ["frequency_map", "moving_frequencies", "natural_frequencies"]
@@ -56,32 +57,56 @@ def natural_frequencies(
         See :meth:`flexmech.linear_system.Engine.linear_system` and
         :func:`flexmech.analyses.solve_modes`.
     """
-    shape = np.broadcast_shapes(np.shape(crank_angle), np.shape(crank_speed))
-    with one_thread():
-        system = engine.linear_system(
-            crank_angle,
-            crank_speed,
+    angle, speed = np.broadcast_arrays(
+        np.asarray(crank_angle, dtype=float), np.asarray(crank_speed, dtype=float)
+    )
+    motion = engine.mechanism.linkage.motion(angle, speed)
+
+    def system(engine: Engine, detail: float, which: NDArray[np.intp]) -> LinearSystem:
+        return engine.linear_system(
+            angle.ravel()[which],
+            speed.ravel()[which],
             prestress=prestress,
             rotation_terms=rotation_terms,
             modes=modes,
+            fastest=float(np.abs(motion.angular_velocity).max(initial=0.0)),
+            detail=detail,
         )
-        return solve_modes(system, modes).frequency.reshape(*shape, modes)
+
+    every = np.arange(angle.size)
+    some = check_angle_indices(every.astype(float), full_turn=False)
+    with one_thread():
+        checked = accurate_reduction(
+            engine, lambda engine, detail: system(engine, detail, some), modes
+        )
+        if len(some) == len(every):
+            return checked.modes.frequency.reshape(*angle.shape, modes)
+        size = checked.engine.batch_size
+        parts = [
+            solve_modes(
+                system(checked.engine, checked.detail, every[start : start + size]), modes
+            ).frequency
+            for start in range(0, len(every), size)
+        ]
+        return np.concatenate(parts).reshape(*angle.shape, modes)
 
 
-def frequency_map(engine: Engine, request: FrequencyRequest) -> FloatArray:
+def frequency_map(engine: Engine, request: FrequencyRequest, detail: float = 1.0) -> FloatArray:
     """Natural frequencies of a map without tracking or error estimates.
 
     Parameters
     ----------
     engine : Engine
     request : FrequencyRequest
+    detail : float
+        How many component modes to take.
 
     Returns
     -------
     ndarray, shape (S, A, modes)
         In Hz, ascending.
     """
-    mapping = Mapping(engine, request)
+    mapping = Mapping(engine, request, detail)
 
     def along_angles(speed: float) -> FloatArray:
         batches = mapping.systems(speed)
@@ -154,24 +179,33 @@ def moving_frequencies(
     return MovingFrequencies(build_dataset(engines, request, maps, terms))
 
 
+def _effect_map(of: EngineMap) -> Callable[[Engine, FrequencyRequest], FloatArray]:
+    """Frequency map with as many component modes as an earlier map has needed."""
+    return lambda engine, request: frequency_map(engine, request, of.detail)
+
+
 def _map_engine(engine: Engine, request: FrequencyRequest, report: Progress) -> EngineMap:
     where = check_angle_indices(request.crank_angles, request.full_turn)
     total = len(request.crank_speeds) * len(request.crank_angles)
     numbering: NDArray[np.intp] | None = None
     start_shapes: NDArray[Any] | None = None
     speeds: list[SpeedMap] = []
+    finest = Mapping(engine, request)
     for number, speed in enumerate(request.crank_speeds.tolist()):
         mapping = Mapping(engine, request)
         checked = mapping.check(speed, where)
+        if mapping.detail > finest.detail or not mapping.engine.component_modes:
+            finest = mapping
         shapes = checked.system.displacements(checked.modes.vectors)
         if start_shapes is not None:
             numbering = same_shapes(start_shapes, shapes[0], numbering)
         start_shapes = shapes[0]
         tracker = Tracker(numbering)
+        tracked = checked.modes.frequency.shape[1]
         frequency, damping = [], []
         done = number * len(request.crank_angles)
         for system in mapping.systems(speed):
-            modes = solve_modes(system, min(mapping.tracked_modes, system.size))
+            modes = solve_modes(system, tracked)
             frequency.append(modes.frequency)
             damping.append(modes.damping_ratio)
             tracker.add(modes.vectors, system.mass)
@@ -186,13 +220,14 @@ def _map_engine(engine: Engine, request: FrequencyRequest, report: Progress) -> 
                 mode_shape=shapes[:, : request.modes],
                 reduction_error=checked.reduction_error,
                 discretisation_error=discretisation_error(
-                    engine,
+                    mapping.engine,
                     request.crank_angles[where],
                     speed,
                     modes=request.modes,
                     prestress=request.prestress,
                     rotation_terms=request.rotation_terms,
+                    detail=mapping.detail,
                 ),
             )
         )
-    return EngineMap(check_angles=where, speeds=speeds)
+    return EngineMap(engine=finest.engine, detail=finest.detail, check_angles=where, speeds=speeds)

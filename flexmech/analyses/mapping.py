@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.analyses.eigenproblem import Modes, solve_modes
-from flexmech.analyses.trust import reduction_error
+from flexmech.analyses.reduction import CheckedModes, accurate_reduction
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinearSystem, Prestress, RotationTerms
 
-__all__ = ["CheckedModes", "FrequencyRequest", "Mapping"]
-
-logger = logging.getLogger(__name__)
+__all__ = ["SPARE_MODES", "FrequencyRequest", "Mapping"]
 
 FloatArray = NDArray[np.float64]
 
 # Modes followed besides those asked for, so that a branch may dip out and come back.
 SPARE_MODES = 2
-# A reduction with a greater relative error in a frequency asked for is made finer.
-REDUCTION_TOLERANCE = 2e-5
-DETAILS = (1.0, 2.0, 4.0)
 
 
 @dataclass(frozen=True)
@@ -78,24 +71,6 @@ class FrequencyRequest:
         return bool(2 * np.pi - 1.001 * step <= covered <= 2 * np.pi + 1e-9)
 
 
-@dataclass(frozen=True)
-class CheckedModes:
-    """Modes at the check angles and how far the reduction may be off.
-
-    Parameters
-    ----------
-    system : LinearSystem
-        Batch of the check angles.
-    modes : Modes
-    reduction_error : ndarray, shape (B, m)
-        Relative; of the modes asked for, without the spare ones.
-    """
-
-    system: LinearSystem
-    modes: Modes
-    reduction_error: FloatArray
-
-
 class Mapping:
     """Linear systems of one engine over a request, batch by batch, all reduced alike.
 
@@ -103,13 +78,14 @@ class Mapping:
     ----------
     engine : Engine
     request : FrequencyRequest
+    detail : float
+        How many component modes to take; :meth:`check` settles it by their error.
     """
 
-    def __init__(self, engine: Engine, request: FrequencyRequest) -> None:
+    def __init__(self, engine: Engine, request: FrequencyRequest, detail: float = 1.0) -> None:
         self.engine = engine
         self.request = request
-        self.tracked_modes = request.modes + SPARE_MODES
-        self._detail = DETAILS[0]
+        self.detail = detail
         motion = engine.mechanism.linkage.motion(request.crank_angles, 1.0)
         self._speed_ratio = float(np.abs(motion.angular_velocity).max())
 
@@ -117,10 +93,11 @@ class Mapping:
         """Systems along the crank angles, a batch at a time."""
         angles, size = self.request.crank_angles, self.engine.batch_size
         for start in range(0, len(angles), size):
-            yield self._system(self.engine, angles[start : start + size], crank_speed)
+            batch = angles[start : start + size]
+            yield self._system(self.engine, self.detail, batch, crank_speed)
 
     def check(self, crank_speed: float, where: NDArray[np.intp]) -> CheckedModes:
-        """Modes at some crank angles, with a reduction made finer until it is good enough.
+        """Modes at some crank angles; settles how many component modes the map takes.
 
         Parameters
         ----------
@@ -132,33 +109,19 @@ class Mapping:
         -------
         CheckedModes
         """
-        angles, count = self.request.crank_angles[where], self.request.modes
-        unreduced = self.engine.unreduced()
-        full = self._system(unreduced, angles, crank_speed) if self.engine.component_modes else None
-        while True:
-            system = self._system(self.engine, angles, crank_speed)
-            modes = solve_modes(system, min(self.tracked_modes, system.size))
-            if full is None or not self.engine.component_modes:
-                return CheckedModes(system, modes, np.zeros((len(angles), count)))
-            error = reduction_error(full, system, modes)[:, :count]
-            if np.all(error <= REDUCTION_TOLERANCE):
-                return CheckedModes(system, modes, error)
-            self._refine(float(error.max()), crank_speed)
-
-    def _refine(self, error: float, crank_speed: float) -> None:
-        finer = [detail for detail in DETAILS if detail > self._detail]
-        logger.info(
-            "component modes are off by %.1e at %g rad/s: taking %s",
-            error,
-            crank_speed,
-            "more of them" if finer else "all coordinates",
+        angles = self.request.crank_angles[where]
+        checked = accurate_reduction(
+            self.engine,
+            lambda engine, detail: self._system(engine, detail, angles, crank_speed),
+            self.request.modes,
+            SPARE_MODES,
         )
-        if finer:
-            self._detail = finer[0]
-        else:
-            self.engine = self.engine.unreduced()
+        self.engine, self.detail = checked.engine, checked.detail
+        return checked
 
-    def _system(self, engine: Engine, crank_angles: FloatArray, crank_speed: float) -> LinearSystem:
+    def _system(
+        self, engine: Engine, detail: float, crank_angles: FloatArray, crank_speed: float
+    ) -> LinearSystem:
         return engine.linear_system(
             crank_angles,
             crank_speed,
@@ -166,5 +129,5 @@ class Mapping:
             rotation_terms=self.request.rotation_terms,
             modes=self.request.modes,
             fastest=self._speed_ratio * abs(crank_speed),
-            detail=self._detail,
+            detail=detail,
         )

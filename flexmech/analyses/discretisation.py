@@ -1,18 +1,17 @@
-"""How far a computed frequency can be trusted: errors of the mesh and of the reduction."""
+"""How far a computed frequency can be trusted: the error of the mesh."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.analyses.eigenproblem import Modes, solve_modes
-from flexmech.linear_system import Engine, LinearSystem, Prestress, RotationTerms
+from flexmech.analyses.eigenproblem import solve_modes
+from flexmech.linear_system import Engine, Prestress, RotationTerms
 from flexmech.mesh import pieces
 
-__all__ = ["check_angle_indices", "discretisation_error", "reduction_error"]
+__all__ = ["check_angle_indices", "discretisation_error"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -29,52 +28,6 @@ def check_angle_indices(crank_angles: FloatArray, full_turn: bool) -> IntArray:
     return chosen[chosen < count]
 
 
-def reduction_error(full: LinearSystem, reduced: LinearSystem, modes: Modes) -> FloatArray:
-    """Relative error of the reduced frequencies against the unreduced matrices.
-
-    The reduced modes are improved by one step of inverse iteration on the unreduced
-    matrices; what the frequency still moves by is the reduction's error.
-
-    Parameters
-    ----------
-    full, reduced : LinearSystem
-        The same batch of B positions.
-    modes : Modes
-        Of ``reduced``.
-
-    Returns
-    -------
-    ndarray, shape (B, m)
-    """
-    shapes = reduced.unreduced_vectors(modes.vectors, full.frames)
-    if full.is_conservative:
-        loads = full.mass @ shapes
-        better = np.linalg.solve(full.stiffness, loads)
-        adjoint = np.swapaxes(better, 1, 2)
-        inertia, stiffness = adjoint @ full.mass @ better, adjoint @ loads
-        lower = np.linalg.inv(np.linalg.cholesky(inertia))
-        values = np.linalg.eigvalsh(lower @ stiffness @ np.swapaxes(lower, 1, 2))
-        return np.abs(modes.frequency / (np.sqrt(values) / (2 * np.pi)) - 1)
-    improved = _newton_step(full, modes.eigenvalues, shapes)
-    return np.abs(np.abs(modes.eigenvalues) / np.abs(improved) - 1)
-
-
-def _newton_step(
-    full: LinearSystem, eigenvalues: NDArray[np.complex128], shapes: NDArray[Any]
-) -> NDArray[np.complex128]:
-    """One Newton step on ``P(lambda) x = 0`` for each mode (Ruhe 1973, eq. 3.5)."""
-    improved = np.empty_like(eigenvalues)
-    for mode in range(eigenvalues.shape[1]):
-        value = eigenvalues[:, mode, None, None]
-        slope = 2 * value * full.mass + full.damping
-        dynamic = value**2 * full.mass + value * full.damping + full.stiffness
-        x = shapes[:, :, mode, None]
-        weight = np.swapaxes((full.mass @ x).conj(), 1, 2)
-        change = (weight @ x) / (weight @ np.linalg.solve(dynamic, slope @ x))
-        improved[:, mode] = eigenvalues[:, mode] - change[:, 0, 0]
-    return improved
-
-
 def discretisation_error(
     engine: Engine,
     crank_angles: FloatArray,
@@ -83,6 +36,7 @@ def discretisation_error(
     modes: int,
     prestress: Prestress,
     rotation_terms: bool | RotationTerms,
+    detail: float = 1.0,
 ) -> FloatArray:
     """Estimated relative error of the frequencies by the mesh (Richardson).
 
@@ -95,7 +49,7 @@ def discretisation_error(
     crank_angles : ndarray, shape (A,)
     crank_speed : float
     modes : int
-    prestress, rotation_terms
+    prestress, rotation_terms, detail
         As in the map.
 
     Returns
@@ -114,7 +68,7 @@ def discretisation_error(
         powers.append(order.rotation)
 
     meshes = [engine, *(engine.with_elements(n) for n in _companion_meshes(engine))]
-    parts = np.stack([_effects(mesh, crank_angles, levels, modes) for mesh in meshes])
+    parts = np.stack([_effects(mesh, crank_angles, levels, modes, detail) for mesh in meshes])
     element_length = np.array([1 / mesh.elements for mesh in meshes])
     error = sum(
         _mesh_error(parts[:, number], element_length, power) for number, power in enumerate(powers)
@@ -127,12 +81,18 @@ def _effects(
     crank_angles: FloatArray,
     levels: Sequence[tuple[float, Prestress, bool | RotationTerms]],
     modes: int,
+    detail: float,
 ) -> FloatArray:
     """Frequencies at the first level, then what each level adds; (levels, A, modes)."""
     values = [
         solve_modes(
             engine.linear_system(
-                crank_angles, speed, prestress=level, rotation_terms=terms, modes=modes
+                crank_angles,
+                speed,
+                prestress=level,
+                rotation_terms=terms,
+                modes=modes,
+                detail=detail,
             ),
             modes,
         ).frequency

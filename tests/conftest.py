@@ -1,0 +1,54 @@
+"""Mechanisms that many tests use."""
+
+from __future__ import annotations
+
+import os
+
+# Many small matrices: more BLAS threads only slow the tests down.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from pathlib import Path
+
+import pytest
+
+from flexmech import BeamSection, Mechanism, RotatingArm, load_mechanism
+
+MODELS = Path(__file__).parents[1] / "models"
+
+
+@pytest.fixture(scope="session")
+def models() -> Path:
+    return MODELS
+
+
+@pytest.fixture(scope="session")
+def aluminium() -> Mechanism:
+    return load_mechanism(MODELS / "aluminium_fourbar.toml")
+
+
+@pytest.fixture(scope="session")
+def steel() -> Mechanism:
+    return load_mechanism(MODELS / "steel_fourbar.toml")
+
+
+@pytest.fixture(scope="session")
+def mechanisms(aluminium: Mechanism, steel: Mechanism) -> dict[str, Mechanism]:
+    return {"aluminium": aluminium, "steel": steel}
+
+
+@pytest.fixture(scope="session")
+def unit_arm():
+    """Arm of unit length, mass and bending stiffness: speeds and frequencies without unit."""
+
+    def make(slenderness: float, hub_radius: float = 0.0) -> Mechanism:
+        section = BeamSection(
+            axial_stiffness=slenderness**2,
+            bending_stiffness=1.0,
+            shear_stiffness=slenderness**2 / 3,
+            mass_per_length=1.0,
+            rotary_inertia=slenderness**-2,
+            in_plane_thickness=0.01,
+        )
+        return Mechanism(RotatingArm(1.0, hub_radius), {"arm": section})
+
+    return make

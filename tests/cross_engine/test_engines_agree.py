@@ -1,0 +1,125 @@
+"""Exudyn's ANCF cables against the reference on the same mesh, over a whole turn."""
+
+import numpy as np
+import pytest
+
+from flexmech import BeamSection, ExudynEngine, FourBar, Material, Mechanism, PointMass
+from flexmech import ReferenceEngine, natural_frequencies
+
+TURN = np.radians(np.arange(0, 360, 5))
+
+
+def difference(mechanism, elements, speed, *, angles=TURN, prestress="equilibrium", **options):
+    """Greatest relative difference in the first three modes."""
+    first, second = (
+        natural_frequencies(
+            engine(mechanism, elements), angles, speed, modes=3, prestress=prestress, **options
+        )
+        for engine in (ReferenceEngine, ExudynEngine)
+    )
+    return np.abs(second / first - 1).max()
+
+
+@pytest.mark.parametrize("name", ["aluminium", "steel"])
+@pytest.mark.parametrize("elements", [8, 16])
+def test_at_rest(mechanisms, name, elements):
+    assert difference(mechanisms[name], elements, 0.0) < 1e-5
+
+
+@pytest.mark.parametrize("name", ["aluminium", "steel"])
+@pytest.mark.parametrize("rotation_terms", [False, True])
+@pytest.mark.parametrize("speed", [10.0, 20.0])
+def test_at_equilibrium(mechanisms, name, rotation_terms, speed):
+    assert difference(mechanisms[name], 16, speed, rotation_terms=rotation_terms) < 1e-4
+
+
+@pytest.mark.parametrize("name", ["aluminium", "steel"])
+def test_the_gap_closes_with_the_mesh(mechanisms, name):
+    """Second order: cables interpolate the stretch cubically, the reference linearly."""
+    angles = np.radians(np.arange(0, 360, 30))
+    coarse, fine = (difference(mechanisms[name], n, 20.0, angles=angles) for n in (8, 16))
+    assert np.log2(coarse / fine) > 1.8
+
+
+def test_axial_prestress(mechanisms):
+    angles = np.radians(np.arange(0, 360, 30))
+    for mechanism in mechanisms.values():
+        assert difference(mechanism, 16, 20.0, angles=angles, prestress="axial") < 1e-5
+
+
+def test_geometrically_exact_beams_tend_to_the_same_frequencies(aluminium):
+    """Slender links: linear elements with shear converge to Euler-Bernoulli in second order."""
+    angles = np.radians([0.0, 120.0])
+    exact = natural_frequencies(ReferenceEngine(aluminium, 16), angles, 20.0, modes=2)
+    error = [
+        np.abs(
+            natural_frequencies(
+                ExudynEngine(aluminium, n, "geometrically-exact"), angles, 20.0, modes=2
+            )
+            / exact
+            - 1
+        ).max()
+        for n in (16, 32)
+    ]
+    assert np.log2(error[0] / error[1]) == pytest.approx(2, abs=0.1)
+    extrapolated = (4 * error[1] - error[0]) / 3
+    assert abs(extrapolated) < 2e-4
+
+
+@pytest.fixture(scope="module")
+def everything() -> Mechanism:
+    """Crossed branch, unlike links, joint and link masses, gravity, damping."""
+    steel, plastic = Material(200e9, 7800.0), Material(3e9, 1200.0, 0.35)
+    sections = {
+        "crank": BeamSection.rectangle(steel, 6e-3, 10e-3),
+        "coupler": BeamSection.rectangle(plastic, 8e-3, 12e-3).with_damping_ratio(0.02, 50.0),
+        "rocker": BeamSection.rectangle(steel, 3e-3, 10e-3).with_damping_time(1e-5),
+    }
+    return Mechanism(
+        FourBar(0.3, 0.1, 0.28, 0.25, "crossed"),
+        sections,
+        joint_masses={"A": 0.02, "B": 0.03, "O4": 1.0},
+        link_masses=(PointMass("coupler", 0.1, 0.015), PointMass("rocker", 0.125, 0.01)),
+        gravity=(0.0, -9.81),
+    )
+
+
+@pytest.mark.parametrize("speed", [0.0, 25.0])
+def test_masses_gravity_damping_and_the_crossed_branch(everything, speed):
+    angles = np.radians(np.arange(0, 360, 45))
+    assert difference(everything, 12, speed, angles=angles) < 1e-4
+
+
+def test_damping_ratios(everything):
+    from flexmech.analyses import solve_modes
+
+    angles = np.radians(np.arange(0, 360, 45))
+    first, second = (
+        solve_modes(engine(everything, 12).linear_system(angles, 25.0, modes=3), 3).damping_ratio
+        for engine in (ReferenceEngine, ExudynEngine)
+    )
+    assert first.max() > 1e-3
+    np.testing.assert_allclose(second, first, rtol=1e-3, atol=1e-6)
+
+
+def test_term_by_term(aluminium):
+    """The link-frame matrices act alike on the same rigid-body-like field of the stations.
+
+    Kinetic energy, Coriolis power and centripetal work of a displacement that both meshes
+    can represent are equal, whatever their coordinates.
+    """
+    motion = aluminium.linkage.motion(np.radians([40.0]), 20.0)
+    values = []
+    for engine in (ReferenceEngine(aluminium, 8), ExudynEngine(aluminium, 8)):
+        for link in engine.links:
+            fields = link.fields
+            values.append(
+                [
+                    fields.across @ link.mass @ fields.tangential,
+                    fields.across @ link.gyroscopic @ fields.centripetal,
+                    fields.centripetal @ link.translational_mass @ fields.centripetal,
+                    fields.along @ link.gyroscopic @ fields.tangential,
+                ]
+            )
+    assert motion.angle.shape == (1, 3)
+    np.testing.assert_allclose(values[:3], values[3:], rtol=1e-10)
