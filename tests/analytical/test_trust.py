@@ -1,0 +1,74 @@
+"""The errors that a map reports are true."""
+
+import numpy as np
+import pytest
+
+from flexmech import ExudynEngine, PointMass, ReferenceEngine, moving_frequencies
+from flexmech import natural_frequencies
+from flexmech.analyses.discretisation import check_angle_indices, discretisation_error
+from flexmech.mechanism import Mechanism
+
+ANGLES = np.radians(np.arange(0, 360, 30))
+CASES = [("none", 0.0, False), ("axial", 20.0, True), ("equilibrium", 20.0, True)]
+
+
+def true_error(engine, prestress, speed, rotation_terms):
+    options = {"modes": 4, "prestress": prestress, "rotation_terms": rotation_terms}
+    fine = natural_frequencies(engine.with_elements(64), ANGLES, speed, **options)
+    return np.abs(natural_frequencies(engine, ANGLES, speed, **options) / fine - 1)
+
+
+def within_factor_two(engine, prestress, speed, rotation_terms):
+    estimate = discretisation_error(
+        engine, ANGLES, speed, modes=4, prestress=prestress, rotation_terms=rotation_terms
+    ).max(axis=0)
+    true = true_error(engine, prestress, speed, rotation_terms).max(axis=0)
+    np.testing.assert_array_less(estimate, 2 * true)
+    np.testing.assert_array_less(true, 2 * estimate)
+
+
+@pytest.mark.parametrize("name", ["aluminium", "steel"])
+@pytest.mark.parametrize("elements", [8, 16])
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case[0])
+def test_discretisation_error_of_the_reference(mechanisms, name, elements, case):
+    """Within a factor of two of the distance to 64 elements a link."""
+    within_factor_two(ReferenceEngine(mechanisms[name], elements), *case)
+
+
+@pytest.mark.parametrize("element", ["ancf", "geometrically-exact"])
+def test_discretisation_error_of_exudyn(aluminium, element):
+    within_factor_two(ExudynEngine(aluminium, 8, element), "none", 0.0, False)
+
+
+def test_discretisation_error_with_point_masses(aluminium):
+    loaded = Mechanism(
+        aluminium.linkage,
+        aluminium.sections,
+        joint_masses={"A": 0.02},
+        link_masses=(PointMass("coupler", 0.1, 0.02),),
+    )
+    within_factor_two(ReferenceEngine(loaded, 12), "equilibrium", 20.0, True)
+
+
+@pytest.mark.parametrize(("prestress", "speed"), [("none", 0.0), ("equilibrium", 20.0)])
+def test_reduction_error_is_the_distance_to_the_unreduced_matrices(mechanisms, prestress, speed):
+    for mechanism in mechanisms.values():
+        engine = ReferenceEngine(mechanism, 8)
+        options = {"modes": 6, "prestress": prestress}
+        dataset = moving_frequencies(engine, ANGLES, [speed], **options).dataset
+        reduced = dataset["frequency"][0, 0].values
+        exact = natural_frequencies(engine.unreduced(), ANGLES, speed, **options)
+        where = check_angle_indices(ANGLES, full_turn=True)
+        true = np.abs(reduced / exact - 1)[where]
+        assert true.max() < 2e-5
+        reported = dataset["reduction_error"][0, 0].values
+        assert reported.max() == pytest.approx(true.max(), rel=0.3)
+
+
+def test_a_fast_arm_gets_the_component_modes_that_it_needs(unit_arm):
+    """At 50 times its own frequency scale, tension shapes the modes: few are not enough."""
+    engine = ReferenceEngine(unit_arm(70), 32)
+    options = {"modes": 4, "prestress": "axial"}
+    reduced = natural_frequencies(engine, 0.0, 50.0, **options)
+    exact = natural_frequencies(engine.unreduced(), 0.0, 50.0, **options)
+    np.testing.assert_allclose(reduced, exact, rtol=2e-5)

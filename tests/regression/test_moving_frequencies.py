@@ -1,0 +1,40 @@
+"""Natural frequencies against crank angle, held to golden arrays.
+
+Regenerate after an intended change with ``pytest tests/regression --force-regen``, look at
+the difference, and say in the commit why it moved.
+"""
+
+import numpy as np
+import pytest
+
+from flexmech import ExudynEngine, ReferenceEngine, moving_frequencies
+
+ANGLES = np.radians(np.arange(0, 361, 15))
+
+
+@pytest.mark.parametrize("name", ["aluminium", "steel"])
+@pytest.mark.parametrize("engine", [ReferenceEngine, ExudynEngine])
+@pytest.mark.parametrize("prestress", ["none", "axial", "equilibrium"])
+def test_frequency_against_crank_angle(mechanisms, name, engine, prestress, num_regression):
+    result = moving_frequencies(
+        engine(mechanisms[name], 8), ANGLES, [0.0, 20.0], modes=4, prestress=prestress
+    )
+    frequency = result.dataset["frequency"].sel(engine=engine.name)
+    columns = {
+        f"mode {int(mode)} at {speed:g} rad_s": frequency.sel(crank_speed=speed, mode=mode).values
+        for speed in (0.0, 20.0)
+        for mode in frequency["mode"].values
+    }
+    num_regression.check(columns, default_tolerance={"rtol": 1e-7, "atol": 0.0})
+
+
+@pytest.mark.parametrize("name", ["aluminium", "steel"])
+def test_branches_against_crank_angle(mechanisms, name, num_regression):
+    angles = np.radians(np.arange(0, 361, 5))
+    dataset = moving_frequencies(ReferenceEngine(mechanisms[name], 8), angles, [20.0]).dataset
+    columns = {
+        f"{variable} {mode}": dataset[variable].isel(engine=0, crank_speed=0).sel(mode=mode).values
+        for variable in ("branch_of_mode", "veering")
+        for mode in dataset["mode"].values
+    }
+    num_regression.check({key: value.astype(float) for key, value in columns.items()})

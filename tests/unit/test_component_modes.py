@@ -1,0 +1,173 @@
+"""Component-mode reduction of the links."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from flexmech.analyses import solve_modes
+from flexmech.linear_system import ComponentModes, LinearSystem, component_modes
+from flexmech.linear_system.system import condense
+from flexmech.mechanism import Mechanism
+from flexmech.reference import ReferenceEngine
+from tests.strategies import arm, fourbar
+
+HEAVY = fourbar(joint_masses={"A": 0.02, "B": 0.05})
+ANGLES = np.linspace(0.0, 2 * np.pi, 13)
+
+
+def reduction(
+    mechanism: Mechanism,
+    *,
+    modes: int = 4,
+    fastest: float = 0.0,
+    bowed: bool = False,
+    detail: float = 1.0,
+) -> ComponentModes:
+    engine = ReferenceEngine(mechanism, 8)
+    return component_modes(
+        mechanism.linkage.topology,
+        engine.links,
+        modes,
+        fastest,
+        couples_axially=bowed,
+        detail=detail,
+    )
+
+
+def systems(mechanism: Mechanism, speed: float, prestress: str, terms: bool) -> list[LinearSystem]:
+    engine = ReferenceEngine(mechanism, 8)
+    return [
+        each.linear_system(ANGLES, speed, prestress=prestress, rotation_terms=terms, modes=6)
+        for each in (engine, engine.unreduced())
+    ]
+
+
+@pytest.mark.parametrize("terms", [False, True])
+@pytest.mark.parametrize("prestress", ["none", "axial", "equilibrium"])
+@pytest.mark.parametrize("speed", [0.0, 20.0])
+def test_six_frequencies_in_component_modes(speed: float, prestress: str, terms: bool) -> None:
+    for mechanism in (fourbar(), HEAVY):
+        reduced, full = systems(mechanism, speed, prestress, terms)
+        assert reduced.size < full.size / 2
+        found, exact = (solve_modes(system, 6).frequency for system in (reduced, full))
+        assert found == pytest.approx(exact, rel=3e-5)
+
+
+def test_reduced_frequencies_of_a_resting_linkage_lie_above_the_full_ones() -> None:
+    reduced, full = systems(fourbar(), 0.0, "none", False)
+    found, exact = (solve_modes(system, 6).frequency for system in (reduced, full))
+    assert (found >= exact * (1 - 1e-10)).all()
+    assert (found > exact * (1 + 1e-9)).any()
+
+
+def test_finer_detail_brings_the_error_down() -> None:
+    engine = ReferenceEngine(fourbar(), 16)
+    exact = solve_modes(engine.unreduced().linear_system(ANGLES, prestress="none"), 6).frequency
+    errors = []
+    for detail in (1.0, 2.0, 4.0):
+        system = engine.linear_system(ANGLES, prestress="none", modes=6, detail=detail)
+        errors.append(np.abs(solve_modes(system, 6).frequency / exact - 1).max())
+    assert errors[0] > 4 * errors[1] > 16 * errors[2]
+
+
+def test_reduced_links_keep_their_rigid_ends() -> None:
+    for full, reduced in zip(
+        ReferenceEngine(fourbar(), 8).links, reduction(fourbar()).links, strict=True
+    ):
+        for end in ("start", "end"):
+            kept = reduced.model.end_displacement(end)
+            rows = reduced.basis[full.end_displacement(end)]
+            unit = np.zeros_like(rows)
+            unit[np.arange(len(kept)), kept] = 1.0
+            assert np.array_equal(rows, unit)
+    assert [len(link.model.start) for link in reduction(fourbar()).links] == [0, 2, 0]
+
+
+def test_reduced_matrices_are_projections() -> None:
+    section_damped = fourbar(damping_time=1e-5)
+    for full, reduced in zip(
+        ReferenceEngine(section_damped, 8).links, reduction(section_damped).links, strict=True
+    ):
+        basis = reduced.basis
+        for name in ("mass", "stiffness", "gyroscopic", "translational_mass", "damping"):
+            projected = basis.T @ getattr(full, name) @ basis
+            scale = np.abs(projected).max()
+            assert getattr(reduced.model, name) == pytest.approx(projected, abs=1e-14 * scale)
+        assert reduced.model.shape == pytest.approx(full.shape @ basis, abs=1e-14)
+        assert scipy.linalg.eigvalsh(reduced.model.mass)[0] > 0
+
+
+def test_static_shapes_of_the_ends_are_exact() -> None:
+    """A static load at a joined end bends the reduced link as it bends the full one."""
+    full = ReferenceEngine(fourbar(), 8).links[0]
+    reduced = reduction(fourbar()).links[0]
+    free = np.arange(3, full.size)
+    load = np.zeros(full.size)
+    load[full.end] = [3.0, 2.0]
+    exact = np.zeros(full.size)
+    exact[free] = np.linalg.solve(full.stiffness[np.ix_(free, free)], load[free])
+    model = reduced.model
+    found = reduced.basis @ np.linalg.solve(model.stiffness, reduced.basis.T @ load)
+    assert found == pytest.approx(exact, rel=1e-8, abs=1e-12 * np.abs(exact).max())
+
+
+def test_more_modes_more_speed_and_bowing_keep_more_coordinates() -> None:
+    def size(**settings: float) -> int:
+        return sum(link.model.size for link in reduction(fourbar(), **settings).links)
+
+    assert size(modes=8) > size(modes=4)
+    assert size(fastest=200.0) > size(fastest=0.0)
+    assert size(bowed=True) > size(bowed=False)
+    assert size(detail=2.0) > size(detail=1.0)
+    condensed = [link.condensed for link in reduction(fourbar(), bowed=True).links]
+    assert all(c.any() for c in condensed)
+    assert not any(link.condensed.any() for link in reduction(fourbar()).links)
+
+
+def test_an_arm_has_no_joined_end() -> None:
+    link = reduction(arm()).links[0]
+    assert len(link.model.start) == len(link.model.end) == 0
+    engine = ReferenceEngine(arm(), 8)
+    found, exact = (
+        solve_modes(each.linear_system(0.0, 10.0, modes=3), 3).frequency
+        for each in (engine, engine.unreduced())
+    )
+    assert found == pytest.approx(exact, rel=2e-5)
+
+
+def test_condensed_coordinates_follow_statically() -> None:
+    full = ReferenceEngine(fourbar(), 3).unreduced().linear_system([0.3, 1.0], 20.0)
+    condensed = np.zeros(full.size, dtype=bool)
+    condensed[[2, 5, 7]] = True
+    matrices, expansion = condense(full, condensed)
+    kept = np.flatnonzero(~condensed)
+    forces = full.stiffness @ expansion
+    scale = np.abs(full.stiffness).max()
+    assert np.abs(forces[:, condensed]).max() < 1e-12 * scale
+    assert np.array_equal(expansion[0, kept], np.eye(len(kept)))
+    # Where the stiffness is symmetric, Guyan's is the Schur complement.
+    still = (
+        ReferenceEngine(fourbar(), 3)
+        .unreduced()
+        .linear_system([0.3, 1.0], 20.0, rotation_terms=False)
+    )
+    symmetric, _ = condense(still, condensed)
+    inverse = np.linalg.inv(still.stiffness)[:, kept[:, None], kept]
+    assert np.linalg.inv(symmetric.stiffness) == pytest.approx(inverse, rel=1e-6, abs=1e-12)
+    assert matrices.mass.shape == (2, len(kept), len(kept))
+
+
+@pytest.mark.parametrize("prestress", ["none", "equilibrium"])
+def test_expanded_modes_are_those_of_the_full_system(prestress: str) -> None:
+    reduced, full = systems(HEAVY, 20.0, prestress, False)
+    modes, exact = solve_modes(reduced, 3), solve_modes(full, 3)
+    shapes = reduced.unreduced_vectors(modes.vectors, full.frames)
+    overlap = np.swapaxes(exact.vectors, 1, 2) @ full.mass @ shapes
+    assert np.abs(overlap) == pytest.approx(np.broadcast_to(np.eye(3), overlap.shape), abs=2e-3)
+    here, there = (
+        np.abs(system.displacements(vectors))
+        for system, vectors in ((reduced, modes.vectors), (full, exact.vectors))
+    )
+    assert here == pytest.approx(there, abs=2e-3 * there.max())

@@ -1,0 +1,298 @@
+"""Link frames: compatibility at the pins, and every rotation term against its definition."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from numpy.typing import NDArray
+
+from flexmech.analyses import solve_modes
+from flexmech.errors import ComputationError, InputError
+from flexmech.linear_system import (
+    Engine,
+    LinearSystem,
+    LinkFrames,
+    Prestress,
+    RotationTerms,
+    inertia_loads,
+)
+from flexmech.linkages import FourBar, Link, LinkEnd, Pin, Pivot, RigidMotion, Topology
+from flexmech.mechanism import Mechanism
+from flexmech.reference import ReferenceEngine
+from flexmech.reference.elements import shape_functions
+from tests.strategies import Running, arm, fourbar, running_mechanisms
+
+FloatArray = NDArray[np.float64]
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(6)
+FIRST = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
+SECOND = np.array([-1 / 560, 8 / 315, -1 / 5, 8 / 5, -205 / 72, 8 / 5, -1 / 5, 8 / 315, -1 / 560])
+OFF = RotationTerms.all_or_none(False)
+
+
+def engine_of(mechanism: Mechanism, elements: int = 2) -> ReferenceEngine:
+    least = 1 + len(mechanism.link_masses)
+    return ReferenceEngine(mechanism, max(elements, least), component_modes=False)
+
+
+def system_at(
+    engine: Engine,
+    angle: float | FloatArray,
+    speed: float,
+    terms: bool | RotationTerms = True,
+    prestress: Prestress = "none",
+) -> LinearSystem:
+    return engine.linear_system(angle, speed, prestress=prestress, rotation_terms=terms)
+
+
+def weighted_displacement(engine: ReferenceEngine, angle: FloatArray) -> FloatArray:
+    """Ground displacement at Gauss points and point masses times the root of their mass.
+
+    Shape (B, rows, n): ``W' W`` is twice the kinetic energy of unit velocities in ground axes.
+    """
+    frames = LinkFrames(engine.mechanism.linkage.topology, engine.links)
+    motion = engine.mechanism.linkage.motion(angle)
+    unit = np.broadcast_to(np.eye(frames.size), (len(angle), frames.size, frames.size))
+    rows = []
+    for number, q in enumerate(frames.link_coordinates(motion, unit)):
+        mass, nodes = engine.mechanism.link_masses_in_order[number], engine.nodes[number]
+        turn = np.exp(1j * motion.angle[:, number])[:, None, None]
+        places = list(zip(mass.point_positions, mass.point_masses, strict=True))
+        for x, value in places:
+            node = int(np.argmin(np.abs(nodes - x)))
+            rows.append(np.sqrt(value) * turn * (q[:, [3 * node]] + 1j * q[:, [3 * node + 1]]))
+        for element, length in enumerate(np.diff(nodes)):
+            shape = shape_functions((POINTS + 1) / 2, np.full(6, length))
+            local = shape @ q[:, None, 3 * element : 3 * element + 6]
+            weight = np.sqrt(mass.mass_per_length * length * WEIGHTS / 2)[:, None]
+            rows.append(weight * turn * (local[:, :, 0] + 1j * local[:, :, 1]))
+    stacked = np.concatenate(rows, axis=1)
+    return np.concatenate([stacked.real, stacked.imag], axis=1)
+
+
+def defined(engine: ReferenceEngine, angle: float, speed: float) -> tuple[FloatArray, ...]:
+    """M, C, K without elasticity: P'MP, 2 P'M Pdot, P'M Pddot by finite differences."""
+    step = 2e-3
+    path = weighted_displacement(engine, angle + step * np.arange(-4, 5))
+    here = path[4].T
+    rate = np.einsum("k,kij->ij", FIRST, path) / step * speed
+    change = np.einsum("k,kij->ij", SECOND, path) / step**2 * speed**2
+    return here @ path[4], 2 * here @ rate, here @ change
+
+
+def assert_rotation_terms_follow_from_ground_axes(
+    mechanism: Mechanism, angle: float, speed: float
+) -> None:
+    engine = engine_of(mechanism)
+    mass, damping, stiffness = defined(engine, angle, speed)
+    system = system_at(engine, angle, speed)
+    still = system_at(engine, angle, speed, terms=False)
+    assert system.mass[0] == pytest.approx(mass, abs=1e-12 * np.abs(mass).max())
+    scale = np.abs(damping).max()
+    assert system.damping[0] == pytest.approx(damping, abs=1e-8 * scale)
+    # The elastic stiffness is much greater: compare what rotation adds.
+    added = system.stiffness[0] - still.stiffness[0]
+    scale = np.abs(stiffness).max() + 1e-8 * np.abs(still.stiffness).max()
+    assert added == pytest.approx(stiffness, abs=1e-6 * scale)
+
+
+@settings(max_examples=25)
+@given(running_mechanisms())
+def test_rotation_terms_of_a_fourbar_follow_from_ground_axes(drawn: Running) -> None:
+    assert_rotation_terms_follow_from_ground_axes(
+        drawn.mechanism, drawn.crank_angle, drawn.crank_speed
+    )
+
+
+def test_rotation_terms_of_an_arm_follow_from_ground_axes() -> None:
+    assert_rotation_terms_follow_from_ground_axes(arm(1.0, 0.3), 0.4, 30.0)
+
+
+@settings(max_examples=15)
+@given(running_mechanisms())
+def test_switched_terms_add_up_to_all_of_them(drawn: Running) -> None:
+    engine = engine_of(drawn.mechanism)
+
+    def matrices(*on: bool) -> tuple[FloatArray, FloatArray]:
+        system = system_at(engine, drawn.crank_angle, drawn.crank_speed, RotationTerms(*on))
+        return system.damping, system.stiffness
+
+    none, every = matrices(False, False, False), matrices(True, True, True)
+    singles = [matrices(*row) for row in np.eye(3, dtype=bool).tolist()]
+    for kind in (0, 1):
+        total = sum(single[kind] - none[kind] for single in singles)
+        scale = np.abs(every[kind]).max()
+        assert every[kind] - none[kind] == pytest.approx(total, abs=1e-12 * scale)
+    assert singles[0][0].any()
+    assert not singles[1][0].any()
+    assert not singles[2][0].any()
+
+
+@settings(max_examples=15)
+@given(running_mechanisms())
+def test_joined_ends_move_alike_and_held_ends_stay(drawn: Running) -> None:
+    system = system_at(engine_of(drawn.mechanism), drawn.crank_angle, drawn.crank_speed)
+    unit = np.eye(system.size)[None]
+    moved = np.moveaxis(system.displacements(unit)[0], 0, -1)  # link, station, component, m
+    crank, coupler, rocker = moved
+    assert coupler[0] == pytest.approx(crank[-1], abs=1e-14)
+    assert rocker[-1] == pytest.approx(coupler[-1], abs=1e-14)
+    assert not crank[0].any()
+    assert not rocker[0].any()
+    # Three free translations at A, B and inside: the pins take four coordinates away.
+    assert system.size == sum(link.size for link in system.frames.links) - 3 - 2 - 4
+
+
+def test_gathered_loads_do_the_same_work_as_the_links_own() -> None:
+    engine = engine_of(fourbar())
+    motion = engine.mechanism.linkage.motion(np.array([0.4, 2.0]), np.array([20.0, 10.0]))
+    frames = LinkFrames(engine.mechanism.linkage.topology, engine.links)
+    random = np.random.default_rng(3)
+    loads = [random.normal(size=(2, link.size)) for link in engine.links]
+    moves = random.normal(size=(2, frames.size, 1))
+    own = sum(
+        np.sum(f * q[:, :, 0], axis=1)
+        for f, q in zip(loads, frames.link_coordinates(motion, moves), strict=True)
+    )
+    assert np.sum(frames.gather(motion, loads) * moves[:, :, 0], axis=1) == pytest.approx(own)
+
+
+def test_inertia_loads_do_work_like_the_distributed_forces() -> None:
+    engine = engine_of(fourbar(joint_masses={"B": 0.1}), 3)
+    gravity = (1.0, -9.81)
+    motion = engine.mechanism.linkage.motion(np.array([0.4]), np.array([20.0]))
+    loads = inertia_loads(engine.links, motion, gravity)
+    for number, (link, mass) in enumerate(
+        zip(engine.links, engine.mechanism.link_masses_in_order, strict=True)
+    ):
+        length, angle = mass.length, motion.angle[0, number]
+        places = [
+            (mass.mass_per_length * length * w / 2, (p + 1) * length / 2)
+            for p, w in zip(POINTS, WEIGHTS, strict=True)
+        ]
+        places += list(zip(mass.point_masses, mass.point_positions, strict=True))
+        work = 0.0
+        for m, x in places:
+            force = complex(*(-m * (motion.acceleration(number, x)[0] - gravity)))
+            local = force * np.exp(-1j * angle)
+            field = x**2 * (length - x) + 0.3 * x**3  # any cubic across, linear along
+            work += local.real * 2 * x + local.imag * field
+        nodes = engine.nodes[number]
+        slope = 2 * nodes * length - 3 * nodes**2 + 0.9 * nodes**2
+        across = nodes**2 * (length - nodes) + 0.3 * nodes**3
+        q = np.stack([2 * nodes, across, slope], axis=1).ravel()
+        assert loads[number][0] @ q == pytest.approx(work, rel=1e-12)
+
+
+def test_positions_in_a_batch_do_not_influence_each_other() -> None:
+    engine = engine_of(fourbar(damping_time=1e-5))
+    angles, speeds = np.array([0.1, 2.0, 4.0]), np.array([0.0, 20.0, -7.0])
+    together = engine.linear_system(angles, speeds, prestress="equilibrium")
+    for i in range(3):
+        alone = engine.linear_system(angles[i], speeds[i], prestress="equilibrium")
+        for name in ("mass", "damping", "stiffness"):
+            both = getattr(together, name)[i], getattr(alone, name)[0]
+            assert both[0] == pytest.approx(both[1], abs=1e-10 * np.abs(both[1]).max())
+
+
+def test_crank_angle_and_speed_broadcast_to_a_flat_batch() -> None:
+    system = engine_of(fourbar()).linear_system(np.zeros((3, 1)), [1.0, 2.0], prestress="none")
+    assert system.mass.shape == (6, system.size, system.size)
+    assert system.motion.crank_speed.tolist() == [1.0, 2.0] * 3
+
+
+def test_no_rotation_terms_at_rest() -> None:
+    system = system_at(engine_of(fourbar()), 0.3, 0.0, terms=True)
+    assert not system.terms.any
+    assert system.is_conservative
+    assert not system_at(engine_of(fourbar()), 0.3, 1.0, terms=True).is_conservative
+    assert not system_at(engine_of(fourbar(damping_time=1e-5)), 0.3, 0.0).is_conservative
+
+
+def chain(leader_first: bool) -> tuple[Topology, RigidMotion]:
+    """Two links in one line, pinned together and to the ground at both far ends."""
+    left_end, right_start = LinkEnd("left", "end"), LinkEnd("right", "start")
+    leader, follower = (left_end, right_start) if leader_first else (right_start, left_end)
+    topology = Topology(
+        links=(Link("left", 1.0), Link("right", 1.0)),
+        pivots=(Pivot("P", LinkEnd("left", "start")), Pivot("Q", LinkEnd("right", "end"))),
+        pins=(Pin("A", leader, follower),),
+    )
+    pair = np.zeros((1, 2, 2))
+    angle = np.array([[0.3, -0.8]])
+    zero = np.zeros((1, 2))
+    motion = RigidMotion(zero[:, 0], zero[:, 0], angle, zero, zero, pair, pair, pair)
+    return topology, motion
+
+
+def test_frequencies_at_rest_do_not_depend_on_which_end_leads() -> None:
+    links = [replace(engine_of(arm()).links[0], name=name) for name in ("left", "right")]
+    found = []
+    for first in (True, False):
+        topology, motion = chain(first)
+        frames = LinkFrames(topology, links)
+        matrices = frames.assemble(motion, [link.stiffness for link in links], OFF)
+        m, k = matrices.mass[0], matrices.stiffness[0]
+        found.append(np.sort(np.linalg.eigvals(np.linalg.solve(m, k)).real))
+    assert found[0] == pytest.approx(found[1], rel=1e-7)
+
+
+def oscillator(mass: float, damping: float, stiffness: float) -> LinearSystem:
+    system = system_at(engine_of(arm()), 0.5, 3.0)
+    size = system.size
+    eye = np.eye(size)[None]
+    return replace(
+        system,
+        mass=mass * eye,
+        damping=damping * eye,
+        stiffness=stiffness * eye * np.arange(1, size + 1),
+    )
+
+
+def test_frequency_and_damping_of_single_oscillators() -> None:
+    modes = solve_modes(oscillator(2.0, 0.8, 50.0), 2)
+    assert modes.frequency[0] == pytest.approx(np.sqrt([25.0, 50.0]) / (2 * np.pi))
+    assert modes.damping_ratio[0] == pytest.approx(0.4 / (2 * np.sqrt([25.0, 50.0])))
+
+
+def test_a_linkage_that_does_not_oscillate_is_refused_with_its_place() -> None:
+    place = r"crank angle 28.6479 deg and crank speed 3 rad/s"
+    with pytest.raises(ComputationError, match=f"does not oscillate.*{place}"):
+        solve_modes(oscillator(1.0, 30.0, 50.0), 1)
+    with pytest.raises(ComputationError, match=f"does not oscillate.*{place}"):
+        solve_modes(oscillator(1.0, 0.1, -50.0), 1)
+    unstable = replace(oscillator(1.0, 0.0, -50.0), terms=OFF)
+    with pytest.raises(ComputationError, match=f"statically unstable.*{place}"):
+        solve_modes(unstable, 1)
+
+
+@pytest.mark.parametrize("count", [0, 1000])
+def test_more_modes_than_coordinates_are_refused(count: int) -> None:
+    with pytest.raises(InputError, match=rf"{count} modes were asked for, the model has \d+"):
+        solve_modes(system_at(engine_of(fourbar()), 0.3, 0.0), count)
+
+
+def test_engine_refuses_wrong_settings() -> None:
+    mechanism = fourbar()
+    with pytest.raises(InputError, match="elements must be 1 or more a link, got 0"):
+        ReferenceEngine(mechanism, 0)
+    with pytest.raises(InputError, match="reference engine has no element 'ancf'; it has euler"):
+        ReferenceEngine(mechanism, element="ancf")
+    with pytest.raises(InputError, match="prestress must be one of none, axial, equilibrium"):
+        ReferenceEngine(mechanism).linear_system(0.0, prestress="trajectory")  # type: ignore[arg-type]
+
+
+def test_engine_on_another_mesh_keeps_its_settings() -> None:
+    engine = ReferenceEngine(fourbar(), 4, component_modes=False)
+    other = engine.with_elements(6)
+    assert (other.elements, other.component_modes, other.mechanism) == (6, False, engine.mechanism)
+    assert ReferenceEngine(fourbar(), 4).unreduced().component_modes is False
+
+
+def test_positions_out_of_reach_are_refused() -> None:
+    linkage = FourBar(0.5, 0.3, 0.3, 0.3)
+    engine = engine_of(fourbar(linkage, thickness=(2e-3, 2e-3, 2e-3)))
+    with pytest.raises(InputError, match="cannot be assembled at crank angle 180 deg"):
+        engine.linear_system([0.0, np.pi])

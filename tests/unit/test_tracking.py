@@ -1,0 +1,184 @@
+"""Mode tracking: crossings, veering, breaks and the way home."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from flexmech.analyses import moving_frequencies, natural_frequencies
+from flexmech.analyses.tracking import Branches, Tracker, assign, cross_amplitude, same_shapes
+from flexmech.reference import ReferenceEngine
+from tests.strategies import fourbar
+
+FloatArray = NDArray[np.float64]
+PLACE = np.linspace(-1.0, 1.0, 81)
+
+
+def coupled(coupling: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Two oscillators whose stiffnesses cross in the middle: frequency, modes, mass."""
+    rise = 0.2 * PLACE
+    stiffness = np.empty((len(PLACE), 2, 2))
+    stiffness[:, 0, 0], stiffness[:, 1, 1] = 1 + rise, 1 - rise
+    stiffness[:, 0, 1] = stiffness[:, 1, 0] = coupling
+    values, vectors = np.linalg.eigh(stiffness)
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], size=(len(PLACE), 1, 2))
+    return np.sqrt(values), vectors * signs, np.tile(np.eye(2), (len(PLACE), 1, 1))
+
+
+def track(
+    frequency: FloatArray,
+    vectors: FloatArray,
+    mass: FloatArray,
+    *,
+    batch: int = 1000,
+    full_turn: bool = False,
+    numbering: NDArray[np.intp] | None = None,
+) -> Branches:
+    tracker = Tracker(numbering)
+    for start in range(0, len(vectors), batch):
+        tracker.add(vectors[start : start + batch], mass[start : start + batch])
+    return tracker.finish(frequency, full_turn)
+
+
+def test_uncoupled_branches_cross_without_veering() -> None:
+    found = track(*coupled(0.0))
+    assert found.branch[0].tolist() == [0, 1]
+    assert found.branch[-1].tolist() == [1, 0]
+    assert not found.veering.any()
+    assert found.mac.min() > 0.999
+    assert found.whole.all()
+
+
+@pytest.mark.parametrize("coupling", [0.02, 0.04])
+def test_coupled_branches_veer_and_keep_their_order(coupling: float) -> None:
+    found = track(*coupled(coupling))
+    assert (found.branch == [0, 1]).all()
+    flagged = np.flatnonzero(found.veering.all(axis=1))
+    assert 40 in flagged
+    assert not found.veering[[0, -1]].any()
+    # The gap is 1.25 times its least where 0.2 |x| = 0.75 times the coupling.
+    assert np.abs(PLACE[flagged]).max() == pytest.approx(3.75 * coupling, abs=0.03)
+    assert found.whole.all()
+
+
+def test_parallel_branches_do_not_veer() -> None:
+    _, vectors, mass = coupled(0.0)
+    frequency = np.stack([1 + 0.1 * PLACE**2, 1.1 + 0.2 * PLACE**2], axis=1)
+    steady = np.broadcast_to(np.eye(2), vectors.shape)
+    assert not track(frequency, steady, mass).veering.any()
+
+
+def test_assignment_is_one_to_one_where_both_modes_like_the_same() -> None:
+    amplitude = np.array([[[0.8, 0.75], [0.6, 0.3]], [[0.9, 0.1], [0.2, 0.9]]])
+    assert assign(amplitude).tolist() == [[1, 0], [0, 1]]
+
+
+def test_assignment_takes_the_greatest_total_of_squares() -> None:
+    amplitude = np.random.default_rng(5).uniform(size=(50, 4, 4))
+    for table, chosen in zip(amplitude, assign(amplitude), strict=True):
+        assert sorted(chosen) == [0, 1, 2, 3]
+        others = (np.random.default_rng(1).permutation(4) for _ in range(24))
+        best = np.sum(table[chosen, range(4)] ** 2)
+        if not np.array_equal(np.sort(table.argmax(axis=0)), np.arange(4)):
+            assert all(best >= np.sum(table[p, range(4)] ** 2) - 1e-12 for p in others)
+
+
+def test_cross_amplitude_is_weighted_by_the_mean_mass() -> None:
+    random = np.random.default_rng(2)
+    x, y = random.normal(size=(2, 3, 4, 2)) + 1j * random.normal(size=(2, 3, 4, 2))
+    mass = np.stack([np.diag([1.0, 2, 3, 4])] * 3)
+    found = cross_amplitude(x, mass, y, 3 * mass)
+    expected = abs(x[1, :, 0].conj() @ (2 * mass[1]) @ y[1, :, 1])
+    assert found[1, 0, 1] == pytest.approx(expected)
+
+
+def broken() -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Three modes of five coordinates; the middle one jumps to another shape."""
+    vectors = np.tile(np.eye(5)[:, :3], (30, 1, 1))
+    vectors[15:, :, 1] = np.eye(5)[:, 4]
+    return np.tile([1.0, 2.0, 3.0], (30, 1)), vectors, np.tile(np.eye(5), (30, 1, 1))
+
+
+def test_a_branch_that_jumps_is_not_whole() -> None:
+    found = track(*broken())
+    assert found.whole.tolist() == [True, False, True]
+    assert found.mac[15].tolist() == [1.0, 0.0, 1.0]
+    assert np.delete(found.mac, 15, axis=0).min() == 1.0
+
+
+def test_a_jump_is_charged_to_the_branch_wherever_it_is_in_order() -> None:
+    found = track(*broken(), numbering=np.array([2, 0, 1]))
+    assert found.branch[-1].tolist() == [2, 0, 1]
+    assert found.whole.tolist() == [False, True, True]
+
+
+def test_branches_that_do_not_come_home_are_not_whole() -> None:
+    """Shapes that turn by a quarter over the full turn: each branch ends as the other."""
+    angle = np.linspace(0, np.pi / 2, 40)
+    turn = np.stack([np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle)], axis=1)
+    vectors, mass = turn.reshape(-1, 2, 2), np.tile(np.eye(2), (40, 1, 1))
+    frequency = np.tile([1.0, 5.0], (40, 1))
+    assert track(frequency, vectors, mass, full_turn=False).whole.all()
+    assert not track(frequency, vectors, mass, full_turn=True).whole.any()
+    back_and_forth = np.concatenate([vectors, vectors[::-1]])
+    twice = np.concatenate([frequency, frequency]), back_and_forth, np.tile(np.eye(2), (80, 1, 1))
+    assert track(*twice, full_turn=True).whole.all()
+
+
+@pytest.mark.parametrize("batch", [1, 7, 40])
+def test_batches_do_not_change_the_branches(batch: int) -> None:
+    for data in (coupled(0.0), coupled(0.03), broken()):
+        whole, parts = track(*data), track(*data, batch=batch)
+        for name in ("branch", "mac", "veering", "whole"):
+            assert np.array_equal(getattr(whole, name), getattr(parts, name))
+
+
+def test_a_single_position_is_a_whole_branch() -> None:
+    frequency, vectors, mass = (part[:1] for part in broken())
+    found = track(frequency, vectors, mass)
+    assert found.branch.tolist() == [[0, 1, 2]]
+    assert found.mac.tolist() == [[1.0, 1.0, 1.0]]
+    assert found.whole.all()
+
+
+def test_same_shapes_are_found_whatever_their_order_sign_and_scale() -> None:
+    known = np.random.default_rng(4).normal(size=(3, 2, 5, 2))
+    shapes = known[[2, 0, 1]] * np.array([-3.0, 1j, 0.1]).reshape(3, 1, 1, 1)
+    assert same_shapes(known, shapes, None).tolist() == [2, 0, 1]
+    assert same_shapes(known, shapes, np.array([5, 6, 7])).tolist() == [7, 5, 6]
+
+
+class SmallBatches(ReferenceEngine):
+    @property
+    def batch_size(self) -> int:
+        return 10
+
+
+def test_a_map_does_not_depend_on_its_batches() -> None:
+    angles = np.radians(np.arange(0.0, 361.0, 7.5))
+    large, small = (
+        moving_frequencies(kind(fourbar(), 4), angles, [0.0, 20.0], modes=3).dataset
+        for kind in (ReferenceEngine, SmallBatches)
+    )
+    assert small["frequency"].values == pytest.approx(large["frequency"].values, rel=1e-9)
+    assert small["mac"].values == pytest.approx(large["mac"].values, abs=1e-7)
+    for name in ("branch_of_mode", "veering", "branch_whole"):
+        assert np.array_equal(small[name], large[name])
+
+
+def test_branches_of_the_aluminium_mechanism_follow_smooth_frequencies() -> None:
+    angles = np.radians(np.arange(0.0, 360.5, 2.5))
+    result = moving_frequencies(ReferenceEngine(fourbar(), 4), angles, [0.0, 20.0]).dataset
+    assert result["branch_whole"].sel(branch=[1, 2, 3]).all()
+    plain = natural_frequencies(ReferenceEngine(fourbar(), 4), angles, 20.0)
+    assert result["frequency"].values[0, 1] == pytest.approx(plain, rel=1e-4)
+    for speed in (0, 1):
+        frequency = result["frequency"].values[0, speed]
+        number = result["branch_of_mode"].values[0, speed]
+        assert all(len(set(row)) == 4 for row in number.tolist())
+        assert (number[0] == number[-1]).all()
+        for branch in (1, 2, 3):
+            along = frequency[number == branch]
+            assert len(along) == len(angles)
+            assert np.abs(np.diff(along, 2)).max() < 0.01 * along.mean()
