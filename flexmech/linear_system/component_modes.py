@@ -108,7 +108,7 @@ def component_modes(
         Whether the links may bow (prestress ``equilibrium``), so that condensed axial
         modes are wanted.
     detail : float
-        Multiplies the frequency up to which modes are kept.
+        Multiplies the frequencies up to which modes are kept and the number condensed.
 
     Returns
     -------
@@ -116,16 +116,14 @@ def component_modes(
     """
     held = [_hold_ends(topology, link) for link in links]
     every = np.sort(np.concatenate([h.bending_frequency for h in held]))
-    cutoff = detail * BENDING_CUTOFF * every[min(modes, len(every)) - 1]
-    return ComponentModes(
-        tuple(
-            _reduce(h, cutoff, detail * AXIAL_CUTOFF * abs(fastest), couples_axially) for h in held
-        )
-    )
+    bending_cutoff = detail * BENDING_CUTOFF * every[min(modes, len(every)) - 1]
+    axial_cutoff = detail * AXIAL_CUTOFF * abs(fastest)
+    condensed = round(detail * CONDENSED_AXIAL_MODES) if couples_axially else 0
+    return ComponentModes(tuple(_reduce(h, bending_cutoff, axial_cutoff, condensed) for h in held))
 
 
 def _reduce(
-    held: _HeldLink, bending_cutoff: float, axial_cutoff: float, couples_axially: bool
+    held: _HeldLink, bending_cutoff: float, axial_cutoff: float, condensed_modes: int
 ) -> ReducedLink:
     bending = held.bending[:, held.bending_frequency <= bending_cutoff]
     n_axial = int(np.sum(held.axial_frequency <= axial_cutoff))
@@ -133,10 +131,8 @@ def _reduce(
     mass = held.link.mass
     relief = np.concatenate([held.bending_relief, held.axial_relief], axis=1)
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=1)
-    condensed = np.zeros((held.link.size, 0))
-    if couples_axially:
-        candidates = held.axial[:, n_axial : max(n_axial, CONDENSED_AXIAL_MODES)]
-        condensed = _complement(candidates, dynamic, mass)
+    candidates = held.axial[:, n_axial : max(n_axial, condensed_modes)]
+    condensed = _complement(candidates, dynamic, mass)
     basis = np.concatenate([held.static, dynamic, condensed], axis=1)
     follows = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
     return ReducedLink(held.link.projected(basis, held.ends), basis, follows)
