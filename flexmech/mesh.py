@@ -45,6 +45,8 @@ def node_positions(
     InputError
         If there are fewer elements than pieces between point masses.
     """
+    if not point_positions:
+        return np.linspace(0.0, length, elements + 1)
     parts = pieces(length, point_positions)
     if elements < len(parts):
         raise InputError(

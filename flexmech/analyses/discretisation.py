@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.analyses.eigenproblem import solve_modes
+from flexmech.analyses.eigenproblem import solve_frequencies
 from flexmech.linear_system import Engine, Prestress, RotationTerms
 from flexmech.mesh import pieces
 
@@ -85,7 +85,7 @@ def _effects(
 ) -> FloatArray:
     """Frequencies at the first level, then what each level adds; (levels, A, modes)."""
     values = [
-        solve_modes(
+        solve_frequencies(
             engine.linear_system(
                 crank_angles,
                 speed,
@@ -95,7 +95,7 @@ def _effects(
                 detail=detail,
             ),
             modes,
-        ).frequency
+        )
         for speed, level, terms in levels
     ]
     return np.concatenate([values[:1], np.diff(np.stack(values), axis=0)])

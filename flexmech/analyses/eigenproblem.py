@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import LinearSystem
 
-__all__ = ["Modes", "solve_modes"]
+__all__ = ["Modes", "solve_frequencies", "solve_modes"]
 
 FloatArray = NDArray[np.float64]
 
@@ -67,20 +67,68 @@ def solve_modes(system: LinearSystem, count: int) -> Modes:
         If a mode asked for does not oscillate (the frozen linkage is unstable or
         overdamped there); names the crank angle and speed.
     """
+    _require(system, count)
+    return _conservative(system, count) if system.is_conservative else _general(system, count)
+
+
+def solve_frequencies(system: LinearSystem, count: int) -> FloatArray:
+    """Lowest ``count`` natural frequencies in Hz, without mode shapes; shape (B, count).
+
+    Errors as for :func:`solve_modes`.
+    """
+    _require(system, count)
+    if not system.is_conservative:
+        return _general(system, count).frequency
+    values = np.asarray(np.linalg.eigvalsh(_standard_form(system)[0])[:, :count], dtype=float)
+    _refuse_unstable(system, values)
+    return np.asarray(np.sqrt(values) / (2 * np.pi), dtype=float)
+
+
+def _require(system: LinearSystem, count: int) -> None:
     if not 1 <= count <= system.size:
         raise InputError(
             f"{count} modes were asked for, the model has {system.size} coordinates; ask for "
             "fewer modes or more elements"
         )
-    return _conservative(system, count) if system.is_conservative else _general(system, count)
 
 
 def _conservative(system: LinearSystem, count: int) -> Modes:
-    lower = np.linalg.inv(np.linalg.cholesky(system.mass))
-    values, vectors = np.linalg.eigh(lower @ system.stiffness @ np.swapaxes(lower, 1, 2))
-    values = values[:, :count]
-    _refuse(system, ~np.all(values > 0, axis=1), "the frozen linkage is statically unstable")
-    return Modes(1j * np.sqrt(values), np.swapaxes(lower, 1, 2) @ vectors[:, :, :count])
+    stiffness, unit_mass = _standard_form(system)
+    values, vectors = np.linalg.eigh(stiffness)
+    values, vectors = values[:, :count], vectors[:, :, :count]
+    _refuse_unstable(system, values)
+    ends = unit_mass.shape[2]
+    shapes = unit_mass @ vectors[:, :ends]
+    shapes[:, ends:] += vectors[:, ends:]
+    return Modes(1j * np.sqrt(values), shapes)
+
+
+def _standard_form(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
+    """Stiffness in coordinates of unit mass, and how the first of them are made.
+
+    ``z = W y`` with ``W' M W = 1``. Where the mass is the unit matrix from coordinate e on,
+    only the first e columns of W differ from the unit matrix.
+
+    Returns
+    -------
+    stiffness : ndarray, shape (B, n, n)
+    columns : ndarray, shape (B, n, e)
+        First columns of W.
+    """
+    ends = system.size if system.unit_mass_from is None else system.unit_mass_from
+    coupling = system.mass[:, ends:, :ends]
+    remainder = system.mass[:, :ends, :ends] - np.swapaxes(coupling, 1, 2) @ coupling
+    upper = np.swapaxes(np.linalg.inv(np.linalg.cholesky(remainder)), 1, 2)
+    columns = np.concatenate([upper, -coupling @ upper], axis=1)
+    stiffness = system.stiffness.copy()
+    stiffness[:, :, :ends] = stiffness @ columns
+    stiffness[:, :ends] = np.swapaxes(columns, 1, 2) @ stiffness
+    return stiffness, columns
+
+
+def _refuse_unstable(system: LinearSystem, squares: FloatArray) -> None:
+    unstable = ~np.all(squares > 0, axis=1)
+    _refuse(system, unstable, "the frozen linkage is statically unstable")
 
 
 def _general(system: LinearSystem, count: int) -> Modes:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexmech.analyses.dataset import EngineMap, SpeedMap, build_dataset
 from flexmech.analyses.discretisation import check_angle_indices, discretisation_error
-from flexmech.analyses.eigenproblem import solve_modes
+from flexmech.analyses.eigenproblem import solve_frequencies, solve_modes
 from flexmech.analyses.mapping import FrequencyRequest, Mapping
 from flexmech.analyses.reduction import accurate_reduction
 from flexmech.analyses.result import MovingFrequencies
@@ -83,9 +83,9 @@ def natural_frequencies(
             return checked.modes.frequency.reshape(*angle.shape, modes)
         size = checked.engine.batch_size
         parts = [
-            solve_modes(
+            solve_frequencies(
                 system(checked.engine, checked.detail, every[start : start + size]), modes
-            ).frequency
+            )
             for start in range(0, len(every), size)
         ]
         return np.concatenate(parts).reshape(*angle.shape, modes)
@@ -110,7 +110,7 @@ def frequency_map(engine: Engine, request: FrequencyRequest, detail: float = 1.0
 
     def along_angles(speed: float) -> FloatArray:
         batches = mapping.systems(speed)
-        return np.concatenate([solve_modes(s, request.modes).frequency for s in batches])
+        return np.concatenate([solve_frequencies(s, request.modes) for s in batches])
 
     with one_thread():
         return np.stack([along_angles(float(speed)) for speed in request.crank_speeds])

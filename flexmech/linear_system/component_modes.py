@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
@@ -78,10 +79,14 @@ class _HeldLink:
     static: FloatArray
     bending: FloatArray
     bending_frequency: FloatArray
-    axial: FloatArray
-    axial_frequency: FloatArray
+    axial_coordinates: IntArray
     bending_relief: FloatArray
     axial_relief: FloatArray
+
+    @cached_property
+    def axial(self) -> tuple[FloatArray, FloatArray]:
+        """Axial modes and their frequencies; not every reduction takes some."""
+        return _modes_of(self.link, self.axial_coordinates)
 
 
 def component_modes(
@@ -126,12 +131,15 @@ def _reduce(
     held: _HeldLink, bending_cutoff: float, axial_cutoff: float, condensed_modes: int
 ) -> ReducedLink:
     bending = held.bending[:, held.bending_frequency <= bending_cutoff]
-    n_axial = int(np.sum(held.axial_frequency <= axial_cutoff))
-    dynamic = np.concatenate([bending, held.axial[:, :n_axial]], axis=1)
+    axial, n_axial = np.zeros((held.link.size, 0)), 0
+    if axial_cutoff > 0 or condensed_modes:
+        axial, axial_frequency = held.axial
+        n_axial = int(np.sum(axial_frequency <= axial_cutoff))
+    dynamic = np.concatenate([bending, axial[:, :n_axial]], axis=1)
     mass = held.link.mass
     relief = np.concatenate([held.bending_relief, held.axial_relief], axis=1)
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=1)
-    candidates = held.axial[:, n_axial : max(n_axial, condensed_modes)]
+    candidates = axial[:, n_axial : max(n_axial, condensed_modes)]
     condensed = _complement(candidates, dynamic, mass)
     basis = np.concatenate([held.static, dynamic, condensed], axis=1)
     follows = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
@@ -168,15 +176,13 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
     # Both ends of a link move together along it unless it stretches: one axial shape.
     axial_relief = relief[:, axial_boundary].sum(axis=1, keepdims=True)
     bending, bending_frequency = _modes_of(link, inner[~link.is_axial[inner]])
-    axial, axial_frequency = _modes_of(link, inner[link.is_axial[inner]])
     return _HeldLink(
         link=link,
         ends=ends,
         static=static,
         bending=bending,
         bending_frequency=bending_frequency,
-        axial=axial,
-        axial_frequency=axial_frequency,
+        axial_coordinates=inner[link.is_axial[inner]],
         bending_relief=relief[:, ~axial_boundary],
         axial_relief=axial_relief if axial_boundary.any() else relief[:, :0],
     )
@@ -209,6 +215,6 @@ def _modes_of(link: LinkModel, inner: IntArray) -> tuple[FloatArray, FloatArray]
     if not len(inner):
         return modes, np.zeros(0)
     where = np.ix_(inner, inner)
-    values, vectors = scipy.linalg.eigh(link.stiffness[where], link.mass[where])
+    values, vectors = scipy.linalg.eigh(link.stiffness[where], link.mass[where], check_finite=False)
     modes[inner] = vectors
     return modes, np.sqrt(np.abs(values))

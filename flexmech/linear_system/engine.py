@@ -254,4 +254,6 @@ def _reduced_system(
         frames,
         expansion,
         tuple(link.basis for link in reduction.links),
+        # Component modes are normalized by the mass; condensed ones bring theirs along.
+        unit_mass_from=frames.end_count if expansion is None else None,
     )

@@ -95,7 +95,11 @@ class LinkFrames:
         For each link coordinate the coordinate of z that it takes; -1 where held.
     size : int
         Number of independent coordinates.
+    end_count : int
+        How many of them, the first ones, are displacements of link ends.
     """
+
+    end_count: int
 
     def __init__(self, topology: Topology, links: Sequence[LinkModel]) -> None:
         self.topology = topology
@@ -132,11 +136,17 @@ class LinkFrames:
         return pairs
 
     def _number(self) -> int:
+        """Number the free coordinates, those of the links' ends first."""
         count = 0
-        for target in self.targets:
-            free = target == -2
-            target[free] = np.arange(count, count + free.sum())
-            count += int(free.sum())
+        for ends in (True, False):
+            for link, target in zip(self.links, self.targets, strict=True):
+                free = target == -2
+                if ends:
+                    free &= np.isin(np.arange(link.size), [*link.start, *link.end])
+                target[free] = np.arange(count, count + free.sum())
+                count += int(free.sum())
+            if ends:
+                self.end_count = count
         return count
 
     def following(self, link: int) -> IntArray:
@@ -196,7 +206,7 @@ class LinkFrames:
                 tangent = tangent - speed**2 * link.translational_mass
             if terms.tangential:
                 tangent = tangent + change * link.gyroscopic
-            self._add(mass, number, turn_both(link.mass, pairs, batch), pairs)
+            self._add(mass, number, turn_both(link.mass, pairs, batch))
             link_stiffness = turn_both(tangent, pairs, batch)
             link_damping = turn_both(link.damping, pairs, batch) if link.damping.any() else None
             if terms.coriolis:
@@ -213,18 +223,18 @@ class LinkFrames:
                 )
             if terms.tangential and pairs:
                 link_stiffness += turn_left(times_rate(link.ends.mass, pairs, "tangential"), pairs)
-            self._add(total, number, link_stiffness, pairs)
+            self._add(total, number, link_stiffness)
             if link_damping is not None:
-                self._add(damping, number, link_damping, pairs)
+                self._add(damping, number, link_damping)
         return SystemMatrices(mass, damping, total)
 
-    def _add(
-        self, total: FloatArray, link: int, matrix: FloatArray, pairs: list[TurningPair]
-    ) -> None:
+    def _add(self, total: FloatArray, link: int, matrix: FloatArray) -> None:
         target = self.targets[link]
         free = np.flatnonzero(target >= 0)
+        if len(free) < len(target):
+            matrix = matrix[:, free[:, None], free]
         where = target[free]
-        total[:, where[:, None], where] += matrix[:, free[:, None], free]
+        total[:, where[:, None], where] += matrix
 
     def link_coordinates(self, motion: RigidMotion, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Coordinates of each link from independent ones.

@@ -37,6 +37,8 @@ class LinearSystem:
         From z to the coordinates of ``frames`` where some were condensed.
     bases : tuple of ndarray, shape (n_full, n_link), or None
         From each reduced link's coordinates to its unreduced ones.
+    unit_mass_from : int, optional
+        From this coordinate on the mass matrix is the unit matrix in every position.
     """
 
     motion: RigidMotion
@@ -47,6 +49,7 @@ class LinearSystem:
     frames: LinkFrames
     expansion: FloatArray | None = None
     bases: tuple[FloatArray, ...] | None = None
+    unit_mass_from: int | None = None
 
     @property
     def size(self) -> int:
