@@ -1,6 +1,6 @@
 """Analyses of linear systems, whatever the engine."""
 
-from flexmech.analyses.eigenproblem import Modes, solve_modes
+from flexmech.analyses.eigenproblem import Modes, solve_frequencies, solve_modes
 from flexmech.analyses.frequencies import frequency_map, moving_frequencies, natural_frequencies
 from flexmech.analyses.mapping import FrequencyRequest
 from flexmech.analyses.result import EngineAgreement, MovingFrequencies
@@ -13,5 +13,6 @@ __all__ = [
     "frequency_map",
     "moving_frequencies",
     "natural_frequencies",
+    "solve_frequencies",
     "solve_modes",
 ]

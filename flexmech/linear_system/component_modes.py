@@ -165,13 +165,15 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
         [link.end_displacement(e) for e in ("start", "end") if len(ends[e])]
         or [np.zeros(0, dtype=np.intp)]
     )
-    inner = np.flatnonzero(~fixed & ~np.isin(np.arange(link.size), boundary))
-    factors = scipy.linalg.cho_factor(link.stiffness[np.ix_(inner, inner)])
+    free = ~fixed
+    free[boundary] = False
+    inner = np.flatnonzero(free)
+    flexibility = np.linalg.inv(link.stiffness[inner[:, None], inner])
     static = np.zeros((link.size, len(boundary)))
     static[boundary, np.arange(len(boundary))] = 1.0
-    static[inner] = -scipy.linalg.cho_solve(factors, link.stiffness[np.ix_(inner, boundary)])
+    static[inner] = -flexibility @ link.stiffness[inner[:, None], boundary]
     relief = np.zeros_like(static)
-    relief[inner] = scipy.linalg.cho_solve(factors, (link.mass @ static)[inner])
+    relief[inner] = flexibility @ (link.mass @ static)[inner]
     axial_boundary = link.is_axial[boundary]
     # Both ends of a link move together along it unless it stretches: one axial shape.
     axial_relief = relief[:, axial_boundary].sum(axis=1, keepdims=True)
@@ -214,7 +216,7 @@ def _modes_of(link: LinkModel, inner: IntArray) -> tuple[FloatArray, FloatArray]
     modes = np.zeros((link.size, len(inner)))
     if not len(inner):
         return modes, np.zeros(0)
-    where = np.ix_(inner, inner)
+    where = (inner[:, None], inner)
     values, vectors = scipy.linalg.eigh(link.stiffness[where], link.mass[where], check_finite=False)
     modes[inner] = vectors
     return modes, np.sqrt(np.abs(values))

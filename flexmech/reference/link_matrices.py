@@ -67,16 +67,20 @@ def link_model(
     nodes = node_positions(mass.length, elements, mass.point_positions)
     lengths = np.diff(nodes)
     size = 3 * len(nodes)
-    inertia = assemble_chain(mass_matrix(lengths, mass.mass_per_length))
-    gyroscopic = assemble_chain(gyroscopic_matrix(lengths, mass.mass_per_length))
+    inertia, gyroscopic, stiffness = assemble_chain(
+        np.stack(
+            [
+                mass_matrix(lengths, mass.mass_per_length),
+                gyroscopic_matrix(lengths, mass.mass_per_length),
+                stiffness_matrix(lengths, section.axial_stiffness, section.bending_stiffness),
+            ]
+        )
+    )
     for position, value in zip(mass.point_positions, mass.point_masses, strict=True):
         u = 3 * int(np.argmin(np.abs(nodes - position)))
         inertia[[u, u + 1], [u, u + 1]] += value
         gyroscopic[u, u + 1] -= value
         gyroscopic[u + 1, u] += value
-    stiffness = assemble_chain(
-        stiffness_matrix(lengths, section.axial_stiffness, section.bending_stiffness)
-    )
     model = LinkModel(
         name=name,
         mass=inertia,

@@ -1,0 +1,44 @@
+"""How time and memory grow with crank angles and elements."""
+
+import time
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from flexmech import ReferenceEngine, moving_frequencies
+from flexmech.threads import one_thread
+
+CASES = [("none", 0.0), ("equilibrium", 20.0)]
+
+
+def measure(aluminium, angles, elements, prestress, speed):
+    """Seconds, and peak megabytes above the start, of one tracked map."""
+    with one_thread():
+        tracemalloc.start()
+        moving_frequencies(
+            ReferenceEngine(aluminium, elements), angles, [speed], prestress=prestress
+        )
+        peak = tracemalloc.get_traced_memory()[1] / 1e6
+        tracemalloc.stop()
+        start = time.perf_counter()
+        moving_frequencies(
+            ReferenceEngine(aluminium, elements), angles, [speed], prestress=prestress
+        )
+        return time.perf_counter() - start, peak
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case[0])
+@pytest.mark.parametrize("count", [1, 10, 100, 1000, 10000])
+def test_crank_angles(aluminium, note, count, case):
+    angles = np.linspace(0, 2 * np.pi, count, endpoint=False)
+    seconds, peak = measure(aluminium, angles, 8, *case)
+    note(f"{case[0]}: {count} angles, 8 elements", seconds, peak)
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: case[0])
+@pytest.mark.parametrize("elements", [2, 4, 8, 16, 32, 64])
+def test_elements(aluminium, note, elements, case):
+    angles = np.linspace(0, 2 * np.pi, 73)
+    seconds, peak = measure(aluminium, angles, elements, *case)
+    note(f"{case[0]}: 73 angles, {elements} elements", seconds, peak)

@@ -1,0 +1,147 @@
+"""Speed of the frequency maps, model building included, one thread.
+
+The plain loops get the unreduced matrices for nothing; where they would take minutes they
+run over every tenth or thirtieth position and are scaled up (`plain_covers`).
+"""
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+from flexmech import ExudynEngine, ReferenceEngine, moving_frequencies
+from flexmech.analyses import FrequencyRequest, frequency_map, solve_frequencies
+from flexmech.linear_system import RotationTerms
+from flexmech.threads import one_thread
+
+ANGLES = np.radians(np.arange(361.0))
+SPEEDS = np.array([0.0, 10.0, 20.0])
+MODES = 6
+
+
+@pytest.fixture(autouse=True)
+def _one_thread():
+    with one_thread():
+        yield
+
+
+def state_matrix_frequencies(mass, damping, stiffness):
+    """Plain solution of the quadratic eigenproblem at one position."""
+    size = len(mass)
+    companion = np.block(
+        [
+            [np.zeros((size, size)), np.eye(size)],
+            [-np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping)],
+        ]
+    )
+    values = scipy.linalg.eig(companion)[0]
+    return np.sort(np.abs(values[values.imag > 0]))[:MODES] / (2 * np.pi)
+
+
+def rest():
+    return FrequencyRequest(ANGLES, np.array([0.0]), MODES, "none", False)
+
+
+def test_rest_against_plain_eigh(aluminium, against):
+    system = ReferenceEngine(aluminium, 8).unreduced().linear_system(ANGLES)
+    against(
+        "rest: 361 frequencies against loop of scipy.linalg.eigh",
+        lambda: frequency_map(ReferenceEngine(aluminium, 8), rest()),
+        lambda: [scipy.linalg.eigh(k, m) for k, m in zip(system.stiffness, system.mass)],
+    )
+
+
+def test_rest_against_plain_assembly_and_eigh(aluminium, against):
+    engine = ReferenceEngine(aluminium, 8).unreduced()
+
+    def loop():
+        for angle in ANGLES[::10]:
+            system = engine.linear_system(angle)
+            scipy.linalg.eigh(system.stiffness[0], system.mass[0])
+
+    against(
+        "rest: the same, matrices assembled one by one in the loop",
+        lambda: frequency_map(ReferenceEngine(aluminium, 8), rest()),
+        loop,
+        plain_covers=len(ANGLES[::10]) / len(ANGLES),
+    )
+
+
+def test_rest_against_reduced_eigvalsh(aluminium, against):
+    system = ReferenceEngine(aluminium, 8).linear_system(ANGLES, modes=MODES)
+    lower = np.linalg.inv(np.linalg.cholesky(system.mass))
+    standard = lower @ system.stiffness @ np.swapaxes(lower, 1, 2)
+    against(
+        "rest: 361 frequencies against eigvalsh of the reduced stack",
+        lambda: frequency_map(ReferenceEngine(aluminium, 8), rest()),
+        lambda: np.linalg.eigvalsh(standard),
+        plain_rounds=7,
+    )
+
+
+def test_rest_tracked_with_errors(aluminium, against):
+    system = ReferenceEngine(aluminium, 8).unreduced().linear_system(ANGLES)
+    against(
+        "rest: tracked, with mode shapes and error estimates",
+        lambda: moving_frequencies(ReferenceEngine(aluminium, 8), ANGLES, [0.0], modes=MODES),
+        lambda: [scipy.linalg.eigh(k, m) for k, m in zip(system.stiffness, system.mass)],
+    )
+
+
+@pytest.mark.parametrize("rotation_terms", [False, True])
+@pytest.mark.parametrize("prestress", ["axial", "equilibrium"])
+def test_three_speeds(aluminium, against, prestress, rotation_terms):
+    """Against a plain loop that assembles, finds the equilibrium and solves one by one."""
+    request = FrequencyRequest(ANGLES, SPEEDS, MODES, prestress, rotation_terms)
+    plain = ReferenceEngine(aluminium, 8).unreduced()
+    every = 30
+
+    def loop():
+        for speed in SPEEDS:
+            for angle in ANGLES[::every]:
+                system = plain.linear_system(
+                    angle,
+                    speed,
+                    prestress=prestress,
+                    rotation_terms=RotationTerms.all_or_none(rotation_terms),
+                )
+                mass, damping, stiffness = (
+                    m[0] for m in (system.mass, system.damping, system.stiffness)
+                )
+                if rotation_terms and speed:
+                    state_matrix_frequencies(mass, damping, stiffness)
+                else:
+                    scipy.linalg.eigh(stiffness, mass)
+
+    against(
+        f"{prestress}, {'with' if rotation_terms else 'no'} rotation terms, 3 speeds",
+        lambda: frequency_map(ReferenceEngine(aluminium, 8), request),
+        loop,
+        rounds=3,
+        plain_rounds=2,
+        plain_covers=len(ANGLES[::every]) / len(ANGLES),
+    )
+
+
+@pytest.mark.parametrize("reduced", [True, False])
+def test_exudyn_against_its_own_eigenvalues(aluminium, against, reduced):
+    """One position at rest of the moved model against mbs.ComputeODE2Eigenvalues."""
+    engine = ExudynEngine(aluminium, 8, component_modes=reduced)
+    angles = ANGLES[::10]
+    against(
+        f"Exudyn at rest, {'reduced' if reduced else 'unreduced'}, against ComputeODE2Eigenvalues",
+        lambda: solve_frequencies(engine.linear_system(angles, modes=MODES), MODES),
+        engine.model.mbs.ComputeODE2Eigenvalues,
+        plain_covers=1 / len(angles),
+    )
+
+
+def test_exudyn_equilibrium(aluminium, against):
+    """Moving, static solution, linearization, link frames and eigenvalues of a position."""
+    engine = ExudynEngine(aluminium, 8)
+    angles = ANGLES[::10]
+    against(
+        "Exudyn at equilibrium, 20 rad/s, against ComputeODE2Eigenvalues",
+        lambda: solve_frequencies(engine.linear_system(angles, 20.0, modes=MODES), MODES),
+        engine.model.mbs.ComputeODE2Eigenvalues,
+        plain_covers=1 / len(angles),
+    )
