@@ -15,8 +15,11 @@ __all__ = ["node_positions", "pieces"]
 def pieces(length: float, point_positions: Sequence[float]) -> NDArray[np.float64]:
     """Lengths of the pieces into which point masses divide a link."""
     slack = 1e-9 * length
-    inner = sorted({x for x in point_positions if slack < x < length - slack})
-    return np.diff([0.0, *inner, length])
+    breaks = [0.0]
+    for x in sorted(point_positions):
+        if breaks[-1] + slack < x < length - slack:
+            breaks.append(x)
+    return np.diff([*breaks, length])
 
 
 def node_positions(

@@ -62,6 +62,9 @@ def postures(draw: st.DrawFn, size: float = 1.0) -> Posture:
     sine_of_transmission = abs(np.sin(np.angle((b - a) / (b - ground))))
     assume(sine_of_transmission >= 0.3)
     assume(ground * crank <= 4 * coupler * rocker)
+    shortest, *middle, longest = sorted((ground, crank, coupler, rocker))
+    away_from_change_point = abs(shortest + longest - sum(middle)) > 1e-3 * longest
+    assume(away_from_change_point)
     left = np.imag((ground - a).conjugate() * (b - a)) > 0
     linkage = FourBar(ground, crank, coupler, float(rocker), "open" if left else "crossed")
     return Posture(linkage, theta2, theta3)

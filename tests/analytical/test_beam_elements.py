@@ -396,7 +396,7 @@ def test_the_same_place_written_twice_makes_one_node() -> None:
 
 
 def test_too_few_elements_for_the_point_masses_are_refused() -> None:
-    with pytest.raises(InputError, match="2 elements cannot put a node.*ask for 3"):
+    with pytest.raises(InputError, match=r"2 elements cannot put a node.*ask for 3"):
         node_positions(1.0, 2, [0.3, 0.6])
 
 

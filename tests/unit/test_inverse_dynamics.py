@@ -52,9 +52,8 @@ def parts(mass: LinkMass) -> list[tuple[float, float]]:
     """Masses and places that have the link's moments up to the seventh."""
     share = mass.mass_per_length * mass.length / 2
     places = (POINTS + 1) * mass.length / 2
-    return [*zip(share * WEIGHTS, places, strict=True)] + [
-        *zip(mass.point_masses, mass.point_positions, strict=True)
-    ]
+    points = zip(mass.point_masses, mass.point_positions, strict=True)
+    return [*zip(share * WEIGHTS, places, strict=True), *points]
 
 
 def force_of(motion: RigidMotion, link: int, mass: float, x: float, gravity: object) -> np.ndarray:
@@ -66,13 +65,13 @@ def test_virtual_power_of_torque_and_inertia_forces_is_zero(
     drawn: tuple[Posture, InverseDynamics],
 ) -> None:
     forces, motion = drawn[1], drawn[1].motion
-    powers = [forces.driving_torque * motion.crank_speed]
-    powers += [
-        force_of(motion, link, m, x, forces.gravity) @ motion.velocity(link, x)
+    loads = [
+        (force_of(motion, link, m, x, forces.gravity), motion.velocity(link, x))
         for link, mass in enumerate(forces.masses)
         for m, x in parts(mass)
     ]
-    assert abs(sum(powers)) <= 1e-12 * sum(abs(p) for p in powers)
+    power = forces.driving_torque * motion.crank_speed + sum(f @ v for f, v in loads)
+    assert abs(power) <= 1e-12 * sum(np.linalg.norm(f) * np.linalg.norm(v) for f, v in loads)
 
 
 def cross(arm: np.ndarray, force: np.ndarray) -> float:
@@ -99,7 +98,7 @@ def test_each_link_is_in_equilibrium(drawn: tuple[Posture, InverseDynamics]) -> 
         scale = sum(np.abs(f).max() for f, _ in loads)
         assert np.abs(sum(f for f, _ in loads)).max() <= 1e-12 * scale
         moments = [cross(place, f) for f, place in loads]
-        scale = sum(abs(m) for m in moments) + abs(couple)
+        scale = sum(np.linalg.norm(f) * np.linalg.norm(place) for f, place in loads)
         assert abs(sum(moments) + couple) <= 1e-12 * scale
 
 

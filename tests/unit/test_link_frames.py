@@ -164,9 +164,7 @@ def test_inertia_loads_do_work_like_the_distributed_forces() -> None:
     gravity = (1.0, -9.81)
     motion = engine.mechanism.linkage.motion(np.array([0.4]), np.array([20.0]))
     loads = inertia_loads(engine.links, motion, gravity)
-    for number, (link, mass) in enumerate(
-        zip(engine.links, engine.mechanism.link_masses_in_order, strict=True)
-    ):
+    for number, mass in enumerate(engine.mechanism.link_masses_in_order):
         length, angle = mass.length, motion.angle[0, number]
         places = [
             (mass.mass_per_length * length * w / 2, (p + 1) * length / 2)
