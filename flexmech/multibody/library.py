@@ -22,5 +22,4 @@ def load_exudyn() -> ModuleType:
         import exudyn
         import exudyn.itemInterface
 
-    exudyn.config.suppressWarnings = True
     return exudyn
