@@ -147,13 +147,11 @@ def _general(system: LinearSystem, count: int) -> Modes:
     oscillates = inverse.imag < 0  # the inverse of lambda = a + ib has imaginary part -b
     order = np.argsort(np.where(oscillates, -np.abs(inverse), 0.0), axis=1)[:, :count]
     chosen = np.take_along_axis(inverse, order, axis=1)
-    slowest = np.abs(np.where(inverse.imag == 0, inverse, 0)).max(axis=1)
-    settled = np.take_along_axis(oscillates, order, axis=1).all(axis=1)
-    _refuse(
-        system,
-        ~settled | (slowest > np.abs(chosen[:, -1])),
-        "a mode of the frozen linkage does not oscillate (it diverges or is overdamped)",
-    )
+    diverges = np.any((inverse.imag == 0) & (inverse.real > 0), axis=1)
+    _refuse(system, diverges, "the frozen linkage diverges without oscillating")
+    # Kelvin-Voigt damping overdamps the highest modes first: what oscillates is lowest.
+    enough = np.take_along_axis(oscillates, order, axis=1).all(axis=1)
+    _refuse(system, ~enough, f"fewer than {count} modes oscillate, the others are overdamped")
     vectors = np.take_along_axis(states[:, :size], order[:, None, :], axis=2)
     norm = np.einsum("bim,bij,bjm->bm", vectors.conj(), system.mass, vectors, optimize=True)
     return Modes(unit[:, 0] / chosen, vectors / np.sqrt(norm.real)[:, None, :])

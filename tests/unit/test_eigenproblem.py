@@ -1,0 +1,57 @@
+"""The frozen eigenproblem with damping."""
+
+import numpy as np
+import pytest
+
+from flexmech import ComputationError, InputError, ReferenceEngine
+from flexmech.analyses import solve_frequencies, solve_modes
+
+
+def damped(arm, tau):
+    return type(arm)(arm.linkage, {"arm": arm.sections["arm"].with_damping_time(tau)})
+
+
+def test_kelvin_voigt_damping_ratio_is_half_omega_tau(unit_arm):
+    """And the natural frequency is that of the undamped arm."""
+    arm, tau = unit_arm(70), 0.02
+    modes = solve_modes(ReferenceEngine(damped(arm, tau), 8).linear_system(0.0), 3)
+    natural = solve_frequencies(ReferenceEngine(arm, 8).linear_system(0.0), 3)
+    np.testing.assert_allclose(modes.frequency, natural, rtol=1e-9)
+    np.testing.assert_allclose(modes.damping_ratio, np.pi * natural * tau, rtol=1e-8)
+
+
+def test_overdamped_high_modes_do_not_hide_the_low_ones(unit_arm):
+    """tau = 0.06: modes above 2 / tau = 33 rad/s are overdamped, the first two are not."""
+    engine = ReferenceEngine(damped(unit_arm(70), 0.06), 8)
+    natural = solve_frequencies(ReferenceEngine(unit_arm(70), 8).linear_system(0.0), 3)
+    modes = solve_modes(engine.linear_system(0.0), 2)
+    np.testing.assert_allclose(modes.frequency, natural[:, :2], rtol=1e-9)
+    with pytest.raises(ComputationError, match="fewer than 3 modes oscillate.*crank angle 0 deg"):
+        solve_modes(engine.linear_system(0.0), 3)
+
+
+def test_undamped_ratio_is_zero_at_rest(aluminium):
+    modes = solve_modes(ReferenceEngine(aluminium, 4).linear_system(0.0), 4)
+    assert not modes.damping_ratio.any()
+
+
+def test_modes_are_normalized_by_the_mass(aluminium):
+    system = ReferenceEngine(aluminium, 4).linear_system([0.0, 1.0], 20.0)
+    x = solve_modes(system, 4).vectors
+    norm = np.einsum("bim,bij,bjm->bm", x.conj(), system.mass, x)
+    np.testing.assert_allclose(norm, 1.0, rtol=1e-10)
+
+
+def test_a_solution_satisfies_the_quadratic_eigenproblem(aluminium):
+    system = ReferenceEngine(aluminium, 4).linear_system([0.3], 20.0)
+    modes = solve_modes(system, 4)
+    for value, x in zip(modes.eigenvalues[0], modes.vectors[0].T, strict=True):
+        terms = [value**2 * system.mass[0] @ x, value * system.damping[0] @ x]
+        terms.append(system.stiffness[0] @ x)
+        assert np.linalg.norm(sum(terms)) < 1e-6 * np.linalg.norm(terms[2])
+
+
+def test_more_modes_than_coordinates_are_refused(unit_arm):
+    system = ReferenceEngine(unit_arm(70), 1).linear_system(0.0)
+    with pytest.raises(InputError, match="4 modes were asked for, the model has"):
+        solve_modes(system, 4)
