@@ -138,6 +138,14 @@ class MovingFrequencies:
     def load(cls, path: str | Path) -> Self:
         """Read ``frequencies.nc`` back.
 
+        Parameters
+        ----------
+        path : str or Path
+
+        Returns
+        -------
+        MovingFrequencies
+
         Raises
         ------
         InputError

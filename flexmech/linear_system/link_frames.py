@@ -71,7 +71,20 @@ class SystemMatrices:
 
 @dataclass(frozen=True)
 class TurningPair:
-    """A follower's end displacement, turned from the leader's frame; arrays (B, 2, 2)."""
+    """A follower's end displacement, turned from the leader's frame.
+
+    Parameters
+    ----------
+    pair : ndarray of int, shape (2,)
+        The end's coordinates in the following link.
+    turn : ndarray, shape (B, 2, 2)
+        ``R``, from the leader's frame to the follower's.
+    rate : ndarray, shape (B, 2, 2)
+        Time derivative of ``R``.
+    centripetal, tangential : ndarray, shape (B, 2, 2)
+        Second time derivative of ``R``: the parts in the square of the relative angular
+        velocity and in the relative angular acceleration.
+    """
 
     pair: IntArray
     turn: FloatArray

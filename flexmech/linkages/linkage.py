@@ -26,5 +26,20 @@ class Linkage(Protocol):
         crank_speed: ArrayLike = 0.0,
         crank_acceleration: ArrayLike = 0.0,
     ) -> RigidMotion:
-        """Rigid motion; the three arguments broadcast against each other."""
+        """Rigid motion of every link.
+
+        Parameters
+        ----------
+        crank_angle, crank_speed, crank_acceleration : array_like
+            Angle in rad, speed in rad/s, acceleration in rad/s^2; broadcast together.
+
+        Returns
+        -------
+        RigidMotion
+
+        Raises
+        ------
+        InputError
+            Where the linkage cannot be assembled or locks; names the crank angle.
+        """
         ...

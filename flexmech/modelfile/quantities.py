@@ -53,6 +53,15 @@ class QuantityField:
     def parse(self, value: object) -> float:
         """SI float of a value from a file.
 
+        Parameters
+        ----------
+        value : object
+            As TOML gives it: a string with a number and a unit.
+
+        Returns
+        -------
+        float
+
         Raises
         ------
         InputError

@@ -41,7 +41,22 @@ class BeamKind(ABC):
 
     @abstractmethod
     def add_element(self, mbs: Any, nodes: list[int], length: float, section: BeamSection) -> int:
-        """Beam element between two nodes; returns its number."""
+        """Beam element between two nodes.
+
+        Parameters
+        ----------
+        mbs : exudyn.MainSystem
+        nodes : list of int
+            Exudyn's numbers of its two nodes.
+        length : float
+            In m.
+        section : BeamSection
+
+        Returns
+        -------
+        int
+            Exudyn's number of the element.
+        """
 
     @abstractmethod
     def shape_functions(self, fraction: FloatArray, length: FloatArray) -> FloatArray:
@@ -53,7 +68,21 @@ class BeamKind(ABC):
 
     @abstractmethod
     def pose(self, nodes: FloatArray, origin: FloatArray, angle: float) -> FloatArray:
-        """Coordinates, less the reference ones, of a straight link at a place and angle."""
+        """Coordinates, less the reference ones, of a straight link at a place and angle.
+
+        Parameters
+        ----------
+        nodes : ndarray, shape (k,)
+            Node positions along the link in m.
+        origin : ndarray, shape (2,)
+            Its start in m.
+        angle : float
+            In rad.
+
+        Returns
+        -------
+        ndarray, shape (k * per_node,)
+        """
 
     def is_axial(self, count: int) -> NDArray[np.bool_]:
         """Which coordinates of a chain of ``count`` nodes move it along its axis."""

@@ -148,6 +148,11 @@ def unit_tension_stiffness(model: MultibodyModel) -> list[FloatArray]:
     A cable element at rest in its straight shape carries tension when its reference axial
     strain is negative; its stiffness is linear in that tension.
 
+    Parameters
+    ----------
+    model : MultibodyModel
+        Of ANCF cables.
+
     Returns
     -------
     list of ndarray, shape (e, n_link, n_link)

@@ -92,6 +92,12 @@ class MultibodyModel:
     def move_to(self, motion: RigidMotion, number: int) -> FloatArray:
         """Put the supports where position ``number`` of a batch has them.
 
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        number : int
+
         Returns
         -------
         ndarray, shape (size,)

@@ -210,6 +210,14 @@ def header_legend(figure: Figure, handles: list[Artist], title: str = "") -> Non
     """Put one legend for all panels above them, under an optional heading line.
 
     Entries run along the rows, as many a row as the figure's width holds.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    handles : list of matplotlib.artist.Artist
+        With their labels.
+    title : str
+        Heading line; none by default.
     """
     labels = [str(handle.get_label()) for handle in handles]
     columns = legend_columns(labels)

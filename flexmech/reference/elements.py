@@ -40,7 +40,19 @@ def _scaled(rows: list[list[int]], length: FloatArray, power: float) -> FloatArr
 def stiffness_matrix(
     length: FloatArray, axial_stiffness: float, bending_stiffness: float
 ) -> FloatArray:
-    """Elastic stiffness; Kumar & Chandrakar, eq. 1.53, corrected (k36 = k63 = +2EI/L)."""
+    """Elastic stiffness; Kumar & Chandrakar, eq. 1.53, corrected (k36 = k63 = +2EI/L).
+
+    Parameters
+    ----------
+    length : ndarray, shape (e,)
+        In m.
+    axial_stiffness, bending_stiffness : float
+        EA in N and EI in N m^2.
+
+    Returns
+    -------
+    ndarray, shape (e, 6, 6)
+    """
     rows = [[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]]
     axial = np.array([[1.0, -1], [-1, 1]]) * (axial_stiffness / length)[:, None, None]
     return _from_blocks(axial, bending_stiffness * _scaled(rows, length, -3))
