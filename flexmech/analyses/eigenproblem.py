@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,9 @@ from flexmech.linear_system import LinearSystem
 __all__ = ["Modes", "solve_frequencies", "solve_modes"]
 
 FloatArray = NDArray[np.float64]
+
+# A mode whose frequency is this many times the undamped one is the next mode.
+LEFT_OUT = 1.2
 
 
 @dataclass(frozen=True)
@@ -147,14 +150,29 @@ def _general(system: LinearSystem, count: int) -> Modes:
     oscillates = inverse.imag < 0  # the inverse of lambda = a + ib has imaginary part -b
     order = np.argsort(np.where(oscillates, -np.abs(inverse), 0.0), axis=1)[:, :count]
     chosen = np.take_along_axis(inverse, order, axis=1)
-    diverges = np.any((inverse.imag == 0) & (inverse.real > 0), axis=1)
+    real = inverse.imag == 0
+    diverges: NDArray[np.bool_] = (real & (inverse.real > 0)).any(axis=1)
     _refuse(system, diverges, "the frozen linkage diverges without oscillating")
-    # Kelvin-Voigt damping overdamps the highest modes first: what oscillates is lowest.
-    enough = np.take_along_axis(oscillates, order, axis=1).all(axis=1)
-    _refuse(system, ~enough, f"fewer than {count} modes oscillate, the others are overdamped")
+    enough: NDArray[np.bool_] = np.take_along_axis(oscillates, order, axis=1).all(axis=1)
+    if real.any():
+        enough &= _none_left_out(system, np.abs(unit[:, 0] / chosen))
+    _refuse(system, ~enough, f"fewer than {count} of the lowest modes oscillate (overdamped)")
     vectors = np.take_along_axis(states[:, :size], order[:, None, :], axis=2)
     norm = np.einsum("bim,bij,bjm->bm", vectors.conj(), system.mass, vectors, optimize=True)
     return Modes(unit[:, 0] / chosen, vectors / np.sqrt(norm.real)[:, None, :])
+
+
+def _none_left_out(system: LinearSystem, found: FloatArray) -> NDArray[np.bool_]:
+    """Whether the oscillating modes found are the lowest of all; shape (B,).
+
+    Damping and rotation move a natural frequency little. A mode that does not oscillate
+    leaves a gap: from there on the frequencies found are those of the next modes.
+    """
+    symmetric = (system.stiffness + np.swapaxes(system.stiffness, 1, 2)) / 2
+    undamped = replace(system, stiffness=symmetric)
+    squares = np.linalg.eigvalsh(_standard_form(undamped)[0])[:, : found.shape[1]]
+    lowest: NDArray[np.bool_] = (found**2 <= LEFT_OUT**2 * np.abs(squares)).all(axis=1)
+    return lowest
 
 
 def _refuse(system: LinearSystem, failed: NDArray[np.bool_], what: str) -> None:

@@ -9,6 +9,7 @@ from flexmech.linear_system.engine import (
 )
 from flexmech.linear_system.link_frames import LinkFrames, RotationTerms
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
+from flexmech.linear_system.posture import refuse_other_postures
 from flexmech.linear_system.system import LinearSystem
 from flexmech.linear_system.tension import element_tensions
 
@@ -26,4 +27,5 @@ __all__ = [
     "component_modes",
     "element_tensions",
     "inertia_loads",
+    "refuse_other_postures",
 ]

@@ -16,11 +16,12 @@ from flexmech.linear_system import (
     Prestress,
     element_tensions,
     inertia_loads,
+    refuse_other_postures,
 )
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.linearize import (
-    equilibrium_tangents,
     link_models,
+    static_equilibrium,
     unit_tension_stiffness,
 )
 from flexmech.multibody.model import MultibodyModel
@@ -84,7 +85,10 @@ class ExudynEngine(Engine):
         if prestress == "axial":
             return self._axial_tangents(motion)
         loads = inertia_loads(self.links, motion, self.mechanism.gravity)
-        return equilibrium_tangents(self.model, motion, loads)
+        equilibrium = static_equilibrium(self.model, motion, loads)
+        topology = self.mechanism.linkage.topology
+        refuse_other_postures(topology, self.links, motion, equilibrium.displacement)
+        return equilibrium.tangent
 
     def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
         nodes = [part.positions for part in self.model.parts]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,13 @@ from flexmech.linkages import RigidMotion
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.model import MultibodyModel
 
-__all__ = ["STATIONS", "equilibrium_tangents", "link_models", "unit_tension_stiffness"]
+__all__ = [
+    "STATIONS",
+    "StaticEquilibrium",
+    "link_models",
+    "static_equilibrium",
+    "unit_tension_stiffness",
+]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -89,10 +96,24 @@ def link_models(model: MultibodyModel) -> tuple[LinkModel, ...]:
     return tuple(models)
 
 
-def equilibrium_tangents(
+@dataclass(frozen=True)
+class StaticEquilibrium:
+    """Quasi-static equilibrium over a batch of positions, link by link, in link frames.
+
+    Parameters
+    ----------
+    displacement : list of ndarray, shape (B, n_link)
+    tangent : list of ndarray, shape (B, n_link, n_link)
+    """
+
+    displacement: list[FloatArray]
+    tangent: list[FloatArray]
+
+
+def static_equilibrium(
     model: MultibodyModel, motion: RigidMotion, loads: list[FloatArray]
-) -> list[FloatArray]:
-    """Tangent stiffness at the quasi-static equilibrium of each position, in link frames.
+) -> StaticEquilibrium:
+    """Quasi-static equilibrium of each position and its tangent stiffness.
 
     Parameters
     ----------
@@ -104,7 +125,7 @@ def equilibrium_tangents(
 
     Returns
     -------
-    list of ndarray, shape (B, n_link, n_link)
+    StaticEquilibrium
 
     Raises
     ------
@@ -123,6 +144,7 @@ def equilibrium_tangents(
     )
     round_off = ROUND_OFF * model.nodal_force_scale
     deformation = np.zeros(model.size)
+    displacement = np.empty((batch, model.size))
     for number in range(batch):
         pose = model.move_to(motion, number)
         model.set_forces(forces[number])
@@ -132,14 +154,17 @@ def equilibrium_tangents(
         if not _solve_static(model, settings, start):
             _solve_afresh(model, settings, pose, motion, number)
         state = model.mbs.systemData.GetODE2Coordinates()
-        deformation = _turned(model, state - pose, -relative[number])
+        deformation = displacement[number] = _turned(model, state - pose, -relative[number])
         tangent = linearized(model, settings, state)[1]
         for link, part in enumerate(model.parts):
             stiffness[link][number] = tangent[part.coordinates, part.coordinates]
-    return [
-        _to_link_frame(k, relative[:, link], *_pairs(model, link))
-        for link, k in enumerate(stiffness)
-    ]
+    return StaticEquilibrium(
+        displacement=[displacement[:, part.coordinates] for part in model.parts],
+        tangent=[
+            _to_link_frame(k, relative[:, link], *_pairs(model, link))
+            for link, k in enumerate(stiffness)
+        ],
+    )
 
 
 def unit_tension_stiffness(model: MultibodyModel) -> list[FloatArray]:

@@ -16,6 +16,7 @@ from flexmech.linear_system import (
     Prestress,
     element_tensions,
     inertia_loads,
+    refuse_other_postures,
 )
 from flexmech.linkages import RigidMotion
 from flexmech.reference.elements import geometric_stiffness
@@ -84,6 +85,8 @@ class ReferenceEngine(Engine):
         varying = self._geometric(motion, varying_part_only=True)
         loads = inertia_loads(self.links, motion, self.mechanism.gravity)
         displacement = self.equilibrium.solve(motion, loads, varying)
+        topology = self.mechanism.linkage.topology
+        refuse_other_postures(topology, self.links, motion, displacement)
         return [
             assemble_chain(tangent + extra)
             for tangent, extra in zip(self.equilibrium.tangents(displacement), varying, strict=True)

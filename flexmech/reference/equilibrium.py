@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse
@@ -27,12 +28,29 @@ logger = logging.getLogger(__name__)
 FloatArray = NDArray[np.float64]
 
 MAX_ITERATIONS = 40
+# Where the whole load at once leads nowhere, it is brought on in steps.
+LOAD_STEPS = (1, 5, 25)
 # Newton's method stops when this part of the load is out of balance, or what round-off
 # leaves. Convergence is quadratic: the last step brings far more than that.
 RELATIVE_RESIDUAL = 1e-10
 ROUND_OFF = 8 * float(np.finfo(float).eps)
 # Least length of a Newton step when the full one makes the out-of-balance forces worse.
 SHORTEST_STEP = 1 / 16
+
+
+@dataclass(frozen=True)
+class _State:
+    """Where Newton's method stands over a batch of positions."""
+
+    z: FloatArray
+    error: FloatArray
+    factors: FloatArray
+    converged: NDArray[np.bool_]
+
+    @classmethod
+    def unloaded(cls, shape: tuple[int, ...]) -> _State:
+        """No displacement, nothing solved yet."""
+        return cls(np.zeros(shape), np.zeros(shape[0]), np.zeros(0), np.zeros(shape[0], dtype=bool))
 
 
 class Equilibrium:
@@ -90,26 +108,46 @@ class Equilibrium:
             crank angle and speed.
         """
         outer = self.frames.gather(motion, loads)
-        loaded = np.abs(outer).sum(axis=1)
-        z = np.zeros_like(outer)
-        residual, band = self._out_of_balance(motion, z, outer, extra)
-        error = np.abs(residual).max(axis=1, initial=0.0)
-        for iteration in range(MAX_ITERATIONS):
-            # Forces of displaced nodes cancel in the balance down to their round-off.
-            round_off = ROUND_OFF * self._nodal_stiffness * np.abs(z[:, self._moves]).max(axis=1)
-            target = np.maximum(RELATIVE_RESIDUAL * loaded, round_off)
-            factors = banded.factorize(band)
-            if np.all(error <= target):
-                self._refuse_instability(motion, factors)
-                logger.debug("equilibrium after %d iterations", iteration)
-                return self._link_displacement(motion, z)
-            step = banded.solve(factors, residual.T[self._order])
-            change = np.empty_like(z)
-            change[:, self._order] = step.T
-            change[error <= target] = 0.0
-            z, residual, band, error = self._advance(motion, z, change, outer, extra, error)
-        self._refuse_divergence(motion, error, target)
+        for steps in LOAD_STEPS:
+            state = _State.unloaded(outer.shape)
+            for part in np.arange(1, steps + 1) / steps:
+                state = self._newton(motion, state.z, part * outer, [part * e for e in extra])
+                if not state.converged.all():
+                    break
+            else:
+                self._refuse_instability(motion, state.factors)
+                return self._link_displacement(motion, state.z)
+            logger.info("no equilibrium in %d load steps", steps)
+        self._refuse_divergence(motion, state)
         raise AssertionError("unreachable")
+
+    def _newton(
+        self,
+        motion: RigidMotion,
+        z: FloatArray,
+        outer: FloatArray,
+        extra: Sequence[FloatArray],
+    ) -> _State:
+        """Newton's method from displacements z; positions that have converged rest."""
+        loaded = np.abs(outer).sum(axis=1)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            residual, band = self._out_of_balance(motion, z, outer, extra)
+            error = np.abs(residual).max(axis=1, initial=0.0)
+            for _ in range(MAX_ITERATIONS):
+                # Forces of displaced nodes cancel in the balance down to their round-off.
+                moved = np.abs(z[:, self._moves]).max(axis=1)
+                target = np.maximum(
+                    RELATIVE_RESIDUAL * loaded, ROUND_OFF * self._nodal_stiffness * moved
+                )
+                factors = banded.factorize(band)
+                converged = error <= target
+                if converged.all():
+                    break
+                change = np.empty_like(z)
+                change[:, self._order] = banded.solve(factors, residual.T[self._order]).T
+                change[converged] = 0.0
+                z, residual, band, error = self._advance(motion, z, change, outer, extra, error)
+        return _State(z, error, factors, converged)
 
     def tangents(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
         """Element tangents (B, e, 6, 6) of each link at given displacements (B, n_link)."""
@@ -192,15 +230,13 @@ class Equilibrium:
                 "links"
             )
 
-    def _refuse_divergence(
-        self, motion: RigidMotion, error: FloatArray, target: FloatArray
-    ) -> None:
-        failed = ~(error <= target)
-        worst = float(np.nan_to_num(error[failed], nan=np.inf).max())
+    def _refuse_divergence(self, motion: RigidMotion, state: _State) -> None:
+        failed = ~state.converged
+        worst = float(np.nan_to_num(state.error[failed], nan=np.inf).max())
         raise ComputationError(
             f"no quasi-static equilibrium at {_place(motion, failed)}: Newton's method left "
-            f"{worst:.3g} N out of balance after {MAX_ITERATIONS} iterations; lower the crank "
-            "speed, or use prestress 'axial'"
+            f"{worst:.3g} N out of balance, even in {LOAD_STEPS[-1]} load steps; lower the "
+            "crank speed, or use prestress 'axial'"
         )
 
 

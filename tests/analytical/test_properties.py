@@ -275,7 +275,7 @@ def assert_modes_are_those_of_a_dense_solver(system: LinearSystem, tolerance: fl
     assert found == pytest.approx(values, rel=tolerance)
     for value, x in zip(found, modes.vectors[0].T, strict=True):
         residual = (value**2 * mass + value * damping + stiffness) @ x
-        assert np.abs(residual).max() < 1e-8 * np.abs(stiffness @ np.abs(x)).max()
+        assert np.abs(residual).max() < 1e-12 * np.abs(stiffness).max() * np.abs(x).max()
         assert x.conj() @ mass @ x == pytest.approx(1.0)
 
 
@@ -318,7 +318,7 @@ def test_reported_reduction_error_is_small_and_true(
     reported = result["reduction_error"].values[0, 0]
     actual = np.abs(result["frequency"].values[0, 0] / full - 1)
     assert reported.max() <= 2e-5
-    assert actual == pytest.approx(reported, abs=1e-7)
+    assert actual == pytest.approx(reported, rel=0.2, abs=2e-7)
 
 
 def test_natural_frequencies_in_component_modes_are_right_or_refused() -> None:

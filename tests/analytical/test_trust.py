@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 
-from flexmech import ExudynEngine, PointMass, ReferenceEngine, moving_frequencies
-from flexmech import natural_frequencies
+from flexmech import (
+    ExudynEngine,
+    PointMass,
+    ReferenceEngine,
+    moving_frequencies,
+    natural_frequencies,
+)
 from flexmech.analyses.discretisation import check_angle_indices, discretisation_error
 from flexmech.mechanism import Mechanism
 

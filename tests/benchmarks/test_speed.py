@@ -46,7 +46,9 @@ def test_rest_against_plain_eigh(aluminium, against):
     against(
         "rest: 361 frequencies against loop of scipy.linalg.eigh",
         lambda: frequency_map(ReferenceEngine(aluminium, 8), rest()),
-        lambda: [scipy.linalg.eigh(k, m) for k, m in zip(system.stiffness, system.mass)],
+        lambda: [
+            scipy.linalg.eigh(k, m) for k, m in zip(system.stiffness, system.mass, strict=True)
+        ],
     )
 
 
@@ -83,7 +85,9 @@ def test_rest_tracked_with_errors(aluminium, against):
     against(
         "rest: tracked, with mode shapes and error estimates",
         lambda: moving_frequencies(ReferenceEngine(aluminium, 8), ANGLES, [0.0], modes=MODES),
-        lambda: [scipy.linalg.eigh(k, m) for k, m in zip(system.stiffness, system.mass)],
+        lambda: [
+            scipy.linalg.eigh(k, m) for k, m in zip(system.stiffness, system.mass, strict=True)
+        ],
     )
 
 

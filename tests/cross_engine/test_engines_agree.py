@@ -3,8 +3,16 @@
 import numpy as np
 import pytest
 
-from flexmech import BeamSection, ExudynEngine, FourBar, Material, Mechanism, PointMass
-from flexmech import ReferenceEngine, natural_frequencies
+from flexmech import (
+    BeamSection,
+    ExudynEngine,
+    FourBar,
+    Material,
+    Mechanism,
+    PointMass,
+    ReferenceEngine,
+    natural_frequencies,
+)
 
 TURN = np.radians(np.arange(0, 360, 5))
 

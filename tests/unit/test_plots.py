@@ -357,14 +357,15 @@ class TestAgreement:
 
 class TestEveryFigure:
     @pytest.mark.parametrize("plot", ALL_PLOTS)
-    @pytest.mark.parametrize("modes", [1, 3, 4, 8])
-    @pytest.mark.parametrize("speeds", [(0.0, 10.0, 20.0), SIX_SPEEDS])
+    @pytest.mark.parametrize(
+        ("modes", "speeds"), [(1, SIX_SPEEDS), (4, (0.0, 10.0, 20.0)), (8, SIX_SPEEDS)]
+    )
     def test_layout(self, plot, modes: int, speeds: tuple[float, ...]) -> None:
         check_layout(plot(frequency_dataset(speeds, modes=modes)))
 
     @pytest.mark.parametrize("plot", ALL_PLOTS)
     @pytest.mark.parametrize(
-        "degrees", [[30.0], [0.0, 1.0], [0.0, 90.0, 180.0, 270.0], np.arange(30.0, 121.0, 2.0)]
+        "degrees", [[30.0], [0.0, 90.0, 180.0, 270.0], np.arange(30.0, 121.0, 2.0)]
     )
     def test_layout_of_few_angles_and_part_of_a_turn(self, plot, degrees: list[float]) -> None:
         check_layout(plot(frequency_dataset(angles=np.radians(degrees))))

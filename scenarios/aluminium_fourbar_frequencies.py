@@ -1,0 +1,27 @@
+"""How much does crank speed move the natural frequencies of the aluminium four-bar?
+
+The second mechanism of Kumar & Chandrakar at 0, 10 and 20 rad/s over a full turn, by both
+engines; draws what their Figures 1.6 and 2.0-2.2 show, and tests their claim that speed
+moves the first and the second natural frequency but not the third.
+
+    python scenarios/aluminium_fourbar_frequencies.py [--out results/aluminium]
+"""  # noqa: D400 - a scenario asks a question
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from _common import FULL_TURN, FrequencyAnswer, output_folder, study_frequencies
+from numpy.typing import NDArray
+
+
+def main(
+    out: Path, *, crank_angles: NDArray[np.float64] = FULL_TURN, elements: int = 16
+) -> FrequencyAnswer:
+    """Answer the question of the aluminium four-bar; parameters as for study."""
+    return study_frequencies("aluminium", out, crank_angles=crank_angles, elements=elements)
+
+
+if __name__ == "__main__":
+    main(output_folder(__doc__, "results/aluminium"))
