@@ -153,7 +153,7 @@ def _general(system: LinearSystem, count: int) -> Modes:
     real = inverse.imag == 0
     diverges: NDArray[np.bool_] = (real & (inverse.real > 0)).any(axis=1)
     _refuse(system, diverges, "the frozen linkage diverges without oscillating")
-    enough: NDArray[np.bool_] = np.take_along_axis(oscillates, order, axis=1).all(axis=1)
+    enough = np.asarray(np.take_along_axis(oscillates, order, axis=1).all(axis=1))
     if real.any():
         enough &= _none_left_out(system, np.abs(unit[:, 0] / chosen))
     _refuse(system, ~enough, f"fewer than {count} of the lowest modes oscillate (overdamped)")
