@@ -176,7 +176,9 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
     relief = np.zeros_like(static)
     relief[inner] = flexibility @ (link.mass @ static)[inner]
     axial_boundary = link.is_axial[boundary]
-    # Both ends of a link move together along it unless it stretches: one axial shape.
+    # A link that no end ties to the ground moves along itself as a whole: one axial shape.
+    # A held one only stretches, far too little for inertia to matter.
+    floats = bool(axial_boundary.any()) and not fixed.any()
     axial_relief = relief[:, axial_boundary].sum(axis=1, keepdims=True)
     bending, bending_frequency = _modes_of(link, inner[~link.is_axial[inner]])
     return _HeldLink(
@@ -187,7 +189,7 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
         bending_frequency=bending_frequency,
         axial_coordinates=inner[link.is_axial[inner]],
         bending_relief=relief[:, ~axial_boundary],
-        axial_relief=axial_relief if axial_boundary.any() else relief[:, :0],
+        axial_relief=axial_relief if floats else relief[:, :0],
     )
 
 

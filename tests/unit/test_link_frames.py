@@ -284,7 +284,9 @@ def test_frequency_and_damping_of_single_oscillators() -> None:
 
 def test_a_linkage_that_does_not_oscillate_is_refused_with_its_place() -> None:
     place = r"crank angle 28.6479 deg and crank speed 3 rad/s"
-    with pytest.raises(ComputationError, match=f"fewer than 1 of the lowest modes oscillate.*{place}"):
+    with pytest.raises(
+        ComputationError, match=f"fewer than 1 of the lowest modes oscillate.*{place}"
+    ):
         solve_modes(oscillator(1.0, 300.0, 50.0), 1)
     with pytest.raises(ComputationError, match=f"diverges without oscillating.*{place}"):
         solve_modes(oscillator(1.0, 0.1, -50.0), 1)
