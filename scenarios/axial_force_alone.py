@@ -11,6 +11,7 @@ against crank speed at two crank angles, and over the turn.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -168,8 +169,14 @@ def _frequencies(
 
     try:
         return solve(angles, speeds), []
-    except ComputationError:
-        pass  # in one position at least: each one apart tells in which
+    except ComputationError:  # in one position at least: each one apart tells in which
+        return _one_by_one(solve, angles, speeds)
+
+
+def _one_by_one(
+    solve: Callable[[FloatArray, FloatArray], FloatArray], angles: FloatArray, speeds: FloatArray
+) -> tuple[FloatArray, list[str]]:
+    """Solve position by position; nan and the reason where that fails."""
     angle, speed = np.broadcast_arrays(angles, speeds)
     values, lost = np.full((*angle.shape, MODES), np.nan), []
     for place in np.ndindex(*angle.shape):

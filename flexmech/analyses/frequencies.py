@@ -174,7 +174,9 @@ def moving_frequencies(
     with one_thread():
         maps = [_map_engine(each, request, report) for each in engines]
         terms = (
-            speed_effect_terms(frequency_map, engines[0], request, report) if speed_effect else None
+            speed_effect_terms(_effect_map(maps[0]), maps[0].engine, request, report)
+            if speed_effect
+            else None
         )
     return MovingFrequencies(build_dataset(engines, request, maps, terms))
 
