@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 import scipy.linalg
@@ -80,14 +79,10 @@ class _HeldLink:
     static: FloatArray
     bending: FloatArray
     bending_frequency: FloatArray
-    axial_coordinates: IntArray
+    axial: FloatArray
+    axial_frequency: FloatArray
     bending_relief: FloatArray
     axial_relief: FloatArray
-
-    @cached_property
-    def axial(self) -> tuple[FloatArray, FloatArray]:
-        """Axial modes and their frequencies; not every reduction takes some."""
-        return _modes_of(self.link, self.axial_coordinates)
 
 
 def component_modes(
@@ -123,7 +118,8 @@ def component_modes(
     held = [_hold_ends(topology, link) for link in links]
     every = np.sort(np.concatenate([h.bending_frequency for h in held]))
     bending_cutoff = detail * BENDING_CUTOFF * every[min(modes, len(every)) - 1]
-    axial_cutoff = detail * AXIAL_CUTOFF * abs(fastest)
+    # Short links stretch at frequencies like those at which they bend.
+    axial_cutoff = max(bending_cutoff, detail * AXIAL_CUTOFF * abs(fastest))
     condensed = round(detail * CONDENSED_AXIAL_MODES) if couples_axially else 0
     return ComponentModes(tuple(_reduce(h, bending_cutoff, axial_cutoff, condensed) for h in held))
 
@@ -132,15 +128,12 @@ def _reduce(
     held: _HeldLink, bending_cutoff: float, axial_cutoff: float, condensed_modes: int
 ) -> ReducedLink:
     bending = held.bending[:, held.bending_frequency <= bending_cutoff]
-    axial, n_axial = np.zeros((held.link.size, 0)), 0
-    if axial_cutoff > 0 or condensed_modes:
-        axial, axial_frequency = held.axial
-        n_axial = int(np.sum(axial_frequency <= axial_cutoff))
-    dynamic = np.concatenate([bending, axial[:, :n_axial]], axis=1)
+    n_axial = int(np.sum(held.axial_frequency <= axial_cutoff))
+    dynamic = np.concatenate([bending, held.axial[:, :n_axial]], axis=1)
     mass = held.link.mass
     relief = np.concatenate([held.bending_relief, held.axial_relief], axis=1)
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=1)
-    candidates = axial[:, n_axial : max(n_axial, condensed_modes)]
+    candidates = held.axial[:, n_axial : max(n_axial, condensed_modes)]
     condensed = _complement(candidates, dynamic, mass)
     basis = np.concatenate([held.static, dynamic, condensed], axis=1)
     follows = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
@@ -180,6 +173,7 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
     # A held one only stretches, far too little for inertia to matter.
     floats = bool(axial_boundary.any()) and not fixed.any()
     axial_relief = relief[:, axial_boundary].sum(axis=1, keepdims=True)
+    axial, axial_frequency = _modes_of(link, inner[link.is_axial[inner]])
     bending, bending_frequency = _modes_of(link, inner[~link.is_axial[inner]])
     return _HeldLink(
         link=link,
@@ -187,7 +181,8 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
         static=static,
         bending=bending,
         bending_frequency=bending_frequency,
-        axial_coordinates=inner[link.is_axial[inner]],
+        axial=axial,
+        axial_frequency=axial_frequency,
         bending_relief=relief[:, ~axial_boundary],
         axial_relief=axial_relief if floats else relief[:, :0],
     )

@@ -77,3 +77,28 @@ def test_a_fast_arm_gets_the_component_modes_that_it_needs(unit_arm):
     reduced = natural_frequencies(engine, 0.0, 50.0, **options)
     exact = natural_frequencies(engine.unreduced(), 0.0, 50.0, **options)
     np.testing.assert_allclose(reduced, exact, rtol=2e-5)
+
+
+@pytest.mark.parametrize("speed", [0.0, 10.0])
+def test_an_axial_mode_among_the_lowest_is_not_lost(unit_arm, speed):
+    """At slenderness 70 the fourth mode stretches: pi / 2 * 70 against 120.9 in bending."""
+    engine = ReferenceEngine(unit_arm(70), 24)
+    options = {"modes": 5, "prestress": "axial"}
+    reduced = natural_frequencies(engine, 0.0, speed, **options)
+    exact = natural_frequencies(engine.unreduced(), 0.0, speed, **options)
+    np.testing.assert_allclose(reduced, exact, rtol=2e-5)
+    if speed == 0.0:
+        assert 2 * np.pi * reduced[3] == pytest.approx(np.pi / 2 * 70, rel=1e-3)
+
+
+def test_the_terms_of_the_speed_effect_add_up(unit_arm):
+    dataset = moving_frequencies(
+        ReferenceEngine(unit_arm(70), 24),
+        [0.0],
+        [0.0, 10.0, 50.0],
+        prestress="axial",
+        speed_effect=True,
+    ).dataset
+    frequency = dataset["frequency"].isel(engine=0)
+    total = dataset["speed_effect"].sum("term")
+    np.testing.assert_allclose(total, frequency - frequency[0], atol=1e-4)
