@@ -1,15 +1,17 @@
-"""Where a link's nodes are."""
+"""Where a link's nodes are, and the stations at which its displacement is read."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 
-__all__ = ["node_positions", "pieces"]
+__all__ = ["STATIONS", "node_positions", "pieces", "station_shapes"]
+
+STATIONS = 21
 
 
 def pieces(length: float, point_positions: Sequence[float]) -> NDArray[np.float64]:
@@ -61,3 +63,34 @@ def node_positions(
         counts[np.argmax(parts / counts)] += 1
     element_lengths = np.repeat(parts / counts, counts)
     return np.concatenate([[0.0], np.cumsum(element_lengths)[:-1], [length]])
+
+
+def station_shapes(
+    nodes: NDArray[np.float64],
+    per_node: int,
+    shape_functions: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]],
+) -> NDArray[np.float64]:
+    """Displacement at evenly spaced stations along a link from its nodal coordinates.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (k,)
+        Node positions in m.
+    per_node : int
+        Coordinates a node.
+    shape_functions : callable
+        ``shape_functions(fraction, length)`` gives the displacement inside elements,
+        (s, 2, 2 per_node), at places from 0 to 1 in elements of given length, both (s,).
+
+    Returns
+    -------
+    ndarray, shape (STATIONS, 2, k * per_node)
+    """
+    places = np.linspace(0.0, nodes[-1], STATIONS)
+    element = np.clip(np.searchsorted(nodes, places, side="right") - 1, 0, len(nodes) - 2)
+    length = np.diff(nodes)[element]
+    values = shape_functions((places - nodes[element]) / length, length)
+    shapes = np.zeros((STATIONS, 2, per_node * len(nodes)))
+    columns = per_node * element[:, None] + np.arange(2 * per_node)
+    np.put_along_axis(shapes, np.repeat(columns[:, None, :], 2, axis=1), values, axis=2)
+    return shapes

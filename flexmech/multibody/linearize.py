@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from flexmech.errors import ComputationError
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import RigidMotion
+from flexmech.mesh import station_shapes
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.model import MultibodyModel
 
 __all__ = [
-    "STATIONS",
     "StaticEquilibrium",
     "link_models",
     "static_equilibrium",
@@ -27,7 +27,6 @@ __all__ = [
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 
-STATIONS = 21
 # Out-of-balance force at which Newton's method stops, relative to the load, and what
 # round-off leaves of the forces between nodes whose absolute positions are subtracted.
 RELATIVE_RESIDUAL = 1e-9
@@ -89,7 +88,7 @@ def link_models(model: MultibodyModel) -> tuple[LinkModel, ...]:
                 end=np.array([last, last + 1]),
                 start_rotation=np.array([kind.clamped]),
                 end_rotation=np.array([last + kind.clamped]),
-                shape=_station_shapes(model, part.positions),
+                shape=station_shapes(part.positions, kind.per_node, kind.shape_functions),
                 fields=kind.rigid_fields(part.positions),
             )
         )
@@ -222,17 +221,6 @@ def _solve_afresh(
         f"speed {motion.crank_speed[number]:.6g} rad/s (residual {residual:.3g} N); lower the "
         "crank speed, or use prestress 'axial'"
     )
-
-
-def _station_shapes(model: MultibodyModel, positions: FloatArray) -> FloatArray:
-    places = np.linspace(0.0, positions[-1], STATIONS)
-    element = np.clip(np.searchsorted(positions, places, side="right") - 1, 0, len(positions) - 2)
-    length = np.diff(positions)[element]
-    values = model.kind.shape_functions((places - positions[element]) / length, length)
-    shapes = np.zeros((STATIONS, 2, model.kind.per_node * len(positions)))
-    columns = model.kind.per_node * element[:, None] + np.arange(2 * model.kind.per_node)
-    np.put_along_axis(shapes, np.repeat(columns[:, None, :], 2, axis=1), values, axis=2)
-    return shapes
 
 
 def _quarter_turn(size: int, x: IntArray, y: IntArray) -> FloatArray:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from flexmech.linear_system import LinkModel, RigidFields
 from flexmech.linkages import LinkMass
-from flexmech.mesh import node_positions
+from flexmech.mesh import node_positions, station_shapes
 from flexmech.reference.elements import (
     gyroscopic_matrix,
     mass_matrix,
@@ -16,11 +16,9 @@ from flexmech.reference.elements import (
 )
 from flexmech.sections import BeamSection
 
-__all__ = ["STATIONS", "assemble_chain", "link_model", "station_places"]
+__all__ = ["assemble_chain", "link_model"]
 
 FloatArray = NDArray[np.float64]
-
-STATIONS = 21
 
 
 def assemble_chain(elements: FloatArray) -> FloatArray:
@@ -35,13 +33,6 @@ def assemble_chain(elements: FloatArray) -> FloatArray:
             total[..., rows, :, columns, :] += blocks[..., i, j]
     size = 3 * (count + 1)
     return total.reshape(*batch, size, size)
-
-
-def station_places(nodes: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
-    """Element number and place in it (0 to 1) of evenly spaced stations along a link."""
-    x = np.linspace(0.0, nodes[-1], STATIONS)
-    element = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, len(nodes) - 2)
-    return element, (x - nodes[element]) / np.diff(nodes)[element]
 
 
 def link_model(
@@ -93,19 +84,10 @@ def link_model(
         end=np.array([size - 3, size - 2]),
         start_rotation=np.array([2]),
         end_rotation=np.array([size - 1]),
-        shape=_station_shapes(nodes),
+        shape=station_shapes(nodes, 3, shape_functions),
         fields=_rigid_fields(nodes),
     )
     return model, nodes
-
-
-def _station_shapes(nodes: FloatArray) -> FloatArray:
-    element, fraction = station_places(nodes)
-    values = shape_functions(fraction, np.diff(nodes)[element])
-    shapes = np.zeros((STATIONS, 2, 3 * len(nodes)))
-    columns = 3 * element[:, None] + np.arange(6)
-    np.put_along_axis(shapes, np.repeat(columns[:, None, :], 2, axis=1), values, axis=2)
-    return shapes
 
 
 def _rigid_fields(nodes: FloatArray) -> RigidFields:

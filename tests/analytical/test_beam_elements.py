@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import LinkFrames
 from flexmech.linkages import LinkMass
-from flexmech.mesh import node_positions, pieces
+from flexmech.mesh import STATIONS, node_positions, pieces
 from flexmech.reference import banded
 from flexmech.reference.corotational import corotational_response
 from flexmech.reference.elements import (
@@ -26,7 +26,7 @@ from flexmech.reference.elements import (
     stiffness_matrix,
 )
 from flexmech.reference.equilibrium import Equilibrium
-from flexmech.reference.link_matrices import STATIONS, assemble_chain, link_model
+from flexmech.reference.link_matrices import assemble_chain, link_model
 from tests.strategies import arm, numbers
 
 FloatArray = NDArray[np.float64]
