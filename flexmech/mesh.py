@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 
-__all__ = ["STATIONS", "node_positions", "pieces", "station_shapes"]
+__all__ = ["STATIONS", "middle_curvature", "node_positions", "pieces", "station_shapes"]
 
 STATIONS = 21
 
@@ -94,3 +94,44 @@ def station_shapes(
     columns = per_node * element[:, None] + np.arange(2 * per_node)
     np.put_along_axis(shapes, np.repeat(columns[:, None, :], 2, axis=1), values, axis=2)
     return shapes
+
+
+def middle_curvature(
+    nodes: NDArray[np.float64], per_node: int, slope: int, deflection: int | None = None
+) -> NDArray[np.float64]:
+    """Bending curvature in the middle of a link from its nodal coordinates.
+
+    The curvature of a polynomial through the three nodes nearest to the middle, which
+    takes their deflections and slopes (a quintic; two orders better than the second
+    derivative of a cubic element) or, where the element shears, their rotations alone.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (k,)
+        Node positions in m.
+    per_node : int
+        Coordinates a node.
+    slope, deflection : int
+        Which of a node's coordinates are its slope (or rotation) and its deflection.
+
+    Returns
+    -------
+    ndarray, shape (k * per_node,)
+        Multiplies the coordinates; 1/m for coordinates in m and rad.
+    """
+    middle = nodes[-1] / 2
+    nearest = np.sort(np.argsort(np.abs(nodes - middle), kind="stable")[:3])
+    scale = float(np.ptp(nodes[nearest]))
+    places = (nodes[nearest] - middle) / scale
+    row = np.zeros(per_node * len(nodes))
+    if deflection is None:
+        powers = places[:, None] ** np.arange(len(nearest))
+        row[per_node * nearest + slope] = np.linalg.inv(powers)[1] / scale
+        return row
+    degree = np.arange(2 * len(nearest))
+    values = places[:, None] ** degree
+    slopes = degree * places[:, None] ** np.maximum(degree - 1, 0) / scale
+    second = 2 * np.linalg.inv(np.concatenate([values, slopes]))[2] / scale**2
+    row[per_node * nearest + deflection] = second[: len(nearest)]
+    row[per_node * nearest + slope] = second[len(nearest) :]
+    return row

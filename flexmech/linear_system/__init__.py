@@ -10,7 +10,8 @@ from flexmech.linear_system.engine import (
 from flexmech.linear_system.link_frames import LinkFrames, RotationTerms
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
 from flexmech.linear_system.posture import refuse_other_postures
-from flexmech.linear_system.system import LinearSystem
+from flexmech.linear_system.stressed_links import StressedLinks
+from flexmech.linear_system.system import LinearSystem, condense
 from flexmech.linear_system.tension import element_tensions
 
 __all__ = [
@@ -24,7 +25,9 @@ __all__ = [
     "Prestress",
     "RigidFields",
     "RotationTerms",
+    "StressedLinks",
     "component_modes",
+    "condense",
     "element_tensions",
     "inertia_loads",
     "refuse_other_postures",

@@ -93,6 +93,7 @@ def component_modes(
     *,
     couples_axially: bool,
     detail: float = 1.0,
+    axial_modes: int | None = None,
 ) -> ComponentModes:
     """Choose and build the component modes of every link.
 
@@ -110,6 +111,9 @@ def component_modes(
         modes are wanted.
     detail : float
         Multiplies the frequencies up to which modes are kept and the number condensed.
+    axial_modes : int, optional
+        Axial modes of each link besides the static shapes, where they couple; chosen by
+        ``detail`` where it is left out.
 
     Returns
     -------
@@ -120,7 +124,9 @@ def component_modes(
     bending_cutoff = detail * BENDING_CUTOFF * every[min(modes, len(every)) - 1]
     # Short links stretch at frequencies like those at which they bend.
     axial_cutoff = max(bending_cutoff, detail * AXIAL_CUTOFF * abs(fastest))
-    condensed = round(detail * CONDENSED_AXIAL_MODES) if couples_axially else 0
+    if axial_modes is None:
+        axial_modes = round(detail * CONDENSED_AXIAL_MODES)
+    condensed = axial_modes if couples_axially else 0
     return ComponentModes(tuple(_reduce(h, bending_cutoff, axial_cutoff, condensed) for h in held))
 
 

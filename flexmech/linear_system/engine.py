@@ -14,6 +14,7 @@ from flexmech.errors import InputError
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
 from flexmech.linear_system.link_frames import LinkFrames, RotationTerms
 from flexmech.linear_system.link_model import LinkModel
+from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem, condense
 from flexmech.linkages import RigidMotion
 from flexmech.mechanism import Mechanism
@@ -100,7 +101,7 @@ class Engine(ABC):
         """Orders of the frequencies' error in the element length."""
 
     @abstractmethod
-    def tangents(self, motion: RigidMotion, prestress: Prestress) -> list[FloatArray]:
+    def stressed_links(self, motion: RigidMotion, prestress: Prestress) -> StressedLinks:
         """Tangent stiffness of each link in its frame under the motion's inertia forces.
 
         Parameters
@@ -111,13 +112,38 @@ class Engine(ABC):
 
         Returns
         -------
-        list of ndarray, shape (n, n) or (B, n, n)
+        StressedLinks
 
         Raises
         ------
         ComputationError
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
+
+    def running_links(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> StressedLinks:
+        """Tangent stiffness of each link in states of the running linkage.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link)
+            Elastic displacement of each link in its frame.
+
+        Returns
+        -------
+        StressedLinks
+
+        Raises
+        ------
+        InputError
+            If the engine does not linearize about given states.
+        """
+        raise InputError(
+            f"the {self.name} engine does not linearize about states of the running linkage"
+        )
 
     def with_elements(self, elements: int) -> Self:
         """The same engine on another mesh."""
@@ -139,6 +165,7 @@ class Engine(ABC):
         crank_speed: ArrayLike = 0.0,
         *,
         prestress: Prestress = "equilibrium",
+        running: Sequence[FloatArray] | None = None,
         rotation_terms: bool | RotationTerms = True,
         modes: int = 6,
         fastest: float | None = None,
@@ -151,6 +178,8 @@ class Engine(ABC):
         crank_angle, crank_speed : array_like
             In rad and rad/s; broadcast against each other and flattened to a batch of B.
         prestress : {"none", "axial", "equilibrium"}
+        running : sequence of ndarray, shape (B, n_link), optional
+            Elastic displacements of states to linearize about, in place of the prestress.
         rotation_terms : bool or RotationTerms
             Terms of the turning frames; at crank speed zero they vanish.
         modes : int
@@ -188,7 +217,12 @@ class Engine(ABC):
         )
         if not motion.crank_speed.any():
             terms = RotationTerms.all_or_none(False)
-        tangents = self.tangents(motion, prestress)
+        stressed = (
+            self.stressed_links(motion, prestress)
+            if running is None
+            else self.running_links(motion, running)
+        )
+        tangents = stressed.tangent
         if not self.component_modes:
             return _unreduced_system(self.mechanism, self.links, motion, tangents, terms)
         greatest = float(np.max(np.abs(motion.angular_velocity), initial=0.0))

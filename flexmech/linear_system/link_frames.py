@@ -273,6 +273,45 @@ class LinkFrames:
             result.append(q)
         return result
 
+    def link_motion(
+        self,
+        motion: RigidMotion,
+        position: FloatArray,
+        velocity: FloatArray,
+        acceleration: FloatArray,
+    ) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
+        """Coordinates of each link and their time derivatives in its frame.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        position, velocity, acceleration : ndarray, shape (B, size)
+            Independent coordinates z and their time derivatives.
+
+        Returns
+        -------
+        list of tuple of ndarray, shape (B, n_link)
+            ``q = N z``, ``N z' + N' z`` and ``N z'' + 2 N' z' + N'' z`` of each link.
+        """
+        result = []
+        for number, link in enumerate(self.links):
+            target = self.targets[number]
+            free = target >= 0
+            q, rate, change = np.zeros((3, len(position), link.size))
+            for values, given in ((q, position), (rate, velocity), (change, acceleration)):
+                values[:, free] = given[:, target[free]]
+            for turning in self.turning_pairs(motion, number):
+                z0, z1, z2 = (v[:, turning.pair, None] for v in (q, rate, change))
+                twice = turning.centripetal + turning.tangential
+                q[:, turning.pair] = (turning.turn @ z0)[..., 0]
+                rate[:, turning.pair] = (turning.turn @ z1 + turning.rate @ z0)[..., 0]
+                change[:, turning.pair] = (turning.turn @ z2 + 2 * turning.rate @ z1 + twice @ z0)[
+                    ..., 0
+                ]
+            result.append((q, rate, change))
+        return result
+
     def gather(self, motion: RigidMotion, loads: Sequence[FloatArray]) -> FloatArray:
         """Generalized force in the independent coordinates, ``N' f``; shape (B, size).
 

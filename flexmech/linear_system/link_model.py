@@ -81,6 +81,8 @@ class LinkModel:
         Coordinate that a clamp at that end holds besides the displacement.
     shape : ndarray, shape (n_stations, 2, n)
         Displacement at evenly spaced stations from start to end.
+    curvature : ndarray, shape (n,)
+        Bending curvature in the middle of the link.
     fields : RigidFields
         Rigid accelerations in these coordinates (of the unreduced link only).
     reduced_ends : EndMatrices, optional
@@ -99,6 +101,7 @@ class LinkModel:
     start_rotation: IntArray
     end_rotation: IntArray
     shape: FloatArray
+    curvature: FloatArray
     fields: RigidFields
     reduced_ends: EndMatrices | None = None
 
@@ -157,6 +160,7 @@ class LinkModel:
             start_rotation=none,
             end_rotation=none,
             shape=self.shape @ basis,
+            curvature=self.curvature @ basis,
             reduced_ends=ends,
         )
 

@@ -1,5 +1,6 @@
 """Rigid linkages: topology, kinematics and inverse dynamics. No elasticity here."""
 
+from flexmech.linkages.drive import CrankDrive
 from flexmech.linkages.fourbar import Branch, FourBar, GrashofClass
 from flexmech.linkages.inverse_dynamics import InverseDynamics, LinkMass, inverse_dynamics
 from flexmech.linkages.linkage import Linkage
@@ -10,6 +11,7 @@ from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topolog
 __all__ = [
     "Branch",
     "Clamp",
+    "CrankDrive",
     "FourBar",
     "GrashofClass",
     "InverseDynamics",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from typing import Any
 
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 
 from flexmech.linear_system import RigidFields
 from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.strains import Strain, cable_strains, exact_beam_strains
 from flexmech.sections import BeamSection
 
 __all__ = ["BEAM_KINDS", "AncfCable", "BeamKind", "GeometricallyExactBeam"]
@@ -28,12 +30,15 @@ class BeamKind(ABC):
     vectors : tuple of tuple of int
         Pairs of a node's coordinates that turn as a vector with the link.
     clamped : int
-        The node's coordinate that a clamp holds besides the position.
+        The node's coordinate that a clamp holds besides the position: slope or rotation.
+    deflection : int or None
+        The node's coordinate across the link if its slope follows from it (no shear).
     """
 
     per_node: int
     vectors: tuple[tuple[int, int], ...]
     clamped: int
+    deflection: int | None
 
     @abstractmethod
     def add_node(self, mbs: Any, x: float) -> int:
@@ -84,6 +89,67 @@ class BeamKind(ABC):
         ndarray, shape (k * per_node,)
         """
 
+    @abstractmethod
+    def add_axis_marker(self, mbs: Any, node: int, element: int, x: float) -> int:
+        """Marker that turns with the beam's axis (its section if it shears) at a node.
+
+        Parameters
+        ----------
+        mbs : exudyn.MainSystem
+        node, element : int
+            Exudyn's numbers of the node and of the element that ends there.
+        x : float
+            The node's distance from the element's start in m.
+
+        Returns
+        -------
+        int
+            Exudyn's number of the marker.
+        """
+
+    @abstractmethod
+    def align(self, node: FloatArray, angle: float) -> None:
+        """Turn a node's axis to an angle in rad, in place; the stretch stays."""
+
+    @abstractmethod
+    def strains(
+        self, place: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
+    ) -> list[Strain]:
+        """The strains by which Exudyn's element stores energy, at its integration points.
+
+        Parameters
+        ----------
+        place, rate : ndarray, shape (m, k * per_node)
+            Coordinates of a chain of nodes, with the reference ones, and their time
+            derivatives, in axes that may turn with the link.
+        length : ndarray, shape (k - 1,)
+            Of the undeformed elements in m.
+        section : BeamSection
+
+        Returns
+        -------
+        list of Strain
+        """
+
+    def turned(self, vectors: FloatArray, angle: FloatArray) -> FloatArray:
+        """Coordinates with every vector turned by an angle; scalars stay.
+
+        Parameters
+        ----------
+        vectors : ndarray, shape (m, k * per_node)
+        angle : ndarray, shape (m,)
+
+        Returns
+        -------
+        ndarray, shape (m, k * per_node)
+        """
+        x, y = self.vector_pairs(vectors.shape[1] // self.per_node)
+        cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+        turned = vectors.copy()
+        turned[:, x] = cosine * vectors[:, x] - sine * vectors[:, y]
+        turned[:, y] = sine * vectors[:, x] + cosine * vectors[:, y]
+        return turned
+
     def is_axial(self, count: int) -> NDArray[np.bool_]:
         """Which coordinates of a chain of ``count`` nodes move it along its axis."""
         axial = np.zeros(self.per_node, dtype=bool)
@@ -103,6 +169,7 @@ class AncfCable(BeamKind):
     per_node = 4
     vectors = ((0, 1), (2, 3))
     clamped = 3
+    deflection = 1
 
     def add_node(self, mbs: Any, x: float) -> int:
         """See :class:`BeamKind`."""
@@ -160,6 +227,23 @@ class AncfCable(BeamKind):
         q[:, 2], q[:, 3] = cosine - 1, sine
         return q.ravel()
 
+    def add_axis_marker(self, mbs: Any, node: int, element: int, x: float) -> int:
+        """See :class:`BeamKind`."""
+        items = load_exudyn().itemInterface
+        marker = items.MarkerBodyRigid(bodyNumber=element, localPosition=[x, 0.0, 0.0])
+        return int(mbs.AddMarker(marker))
+
+    def align(self, node: FloatArray, angle: float) -> None:
+        """See :class:`BeamKind`."""
+        stretch = math.hypot(1 + node[2], node[3])
+        node[2], node[3] = stretch * math.cos(angle) - 1, stretch * math.sin(angle)
+
+    def strains(
+        self, place: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
+    ) -> list[Strain]:
+        """See :class:`BeamKind`."""
+        return cable_strains(place, rate, length, section)
+
 
 class GeometricallyExactBeam(BeamKind):
     """``ObjectBeamGeometricallyExact2D``: position and rotation a node, shear, rotary inertia."""
@@ -167,6 +251,7 @@ class GeometricallyExactBeam(BeamKind):
     per_node = 3
     vectors = ((0, 1),)
     clamped = 2
+    deflection = None
 
     def add_node(self, mbs: Any, x: float) -> int:
         """See :class:`BeamKind`."""
@@ -216,6 +301,21 @@ class GeometricallyExactBeam(BeamKind):
         q[:, 1] = origin[1] + np.sin(angle) * nodes
         q[:, 2] = angle
         return q.ravel()
+
+    def add_axis_marker(self, mbs: Any, node: int, element: int, x: float) -> int:
+        """See :class:`BeamKind`."""
+        items = load_exudyn().itemInterface
+        return int(mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node)))
+
+    def align(self, node: FloatArray, angle: float) -> None:
+        """See :class:`BeamKind`."""
+        node[2] = angle
+
+    def strains(
+        self, place: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
+    ) -> list[Strain]:
+        """See :class:`BeamKind`."""
+        return exact_beam_strains(place, rate, length, section)
 
 
 BEAM_KINDS: dict[str, BeamKind] = {

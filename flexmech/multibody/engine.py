@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import ClassVar
 
@@ -14,17 +15,22 @@ from flexmech.linear_system import (
     Engine,
     LinkModel,
     Prestress,
+    StressedLinks,
     element_tensions,
     inertia_loads,
     refuse_other_postures,
 )
-from flexmech.linkages import RigidMotion
+from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.multibody.linearize import (
     link_models,
+    running_tangents,
     static_equilibrium,
     unit_tension_stiffness,
 )
 from flexmech.multibody.model import MultibodyModel
+from flexmech.multibody.running_model import RunningModel
+from flexmech.multibody.simulation import Simulation
+from flexmech.time_domain import INTEGRATORS, Integrator, LinkState, Recorder, Trajectory
 
 __all__ = ["ExudynEngine"]
 
@@ -71,8 +77,8 @@ class ExudynEngine(Engine):
     def _unit_tension(self) -> list[FloatArray]:
         return unit_tension_stiffness(self.model)
 
-    def tangents(self, motion: RigidMotion, prestress: Prestress) -> list[FloatArray]:
-        """Tangent stiffness of each link; see :meth:`Engine.tangents`."""
+    def stressed_links(self, motion: RigidMotion, prestress: Prestress) -> StressedLinks:
+        """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
         unloaded = not motion.crank_speed.any() and not any(self.mechanism.gravity)
         if prestress == "axial" and self.element != "ancf":
             raise InputError(
@@ -81,14 +87,73 @@ class ExudynEngine(Engine):
                 "'equilibrium'"
             )
         if prestress == "none" or unloaded:
-            return [link.stiffness for link in self.links]
+            return StressedLinks.unloaded(self.links)
         if prestress == "axial":
-            return self._axial_tangents(motion)
+            return StressedLinks(self._axial_tangents(motion))
         loads = inertia_loads(self.links, motion, self.mechanism.gravity)
         equilibrium = static_equilibrium(self.model, motion, loads)
         topology = self.mechanism.linkage.topology
         refuse_other_postures(topology, self.links, motion, equilibrium.displacement)
-        return equilibrium.tangent
+        return StressedLinks(equilibrium.tangent, equilibrium.displacement)
+
+    def simulate(
+        self,
+        drive: CrankDrive,
+        start: LinkState,
+        sample_time: FloatArray,
+        step: float,
+        *,
+        integrator: Integrator = "trapezoidal",
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Trajectory:
+        """Run the linkage with large displacements from time zero to the last sample.
+
+        Parameters
+        ----------
+        drive : CrankDrive
+        start : LinkState
+            State at time zero.
+        sample_time : ndarray, shape (N,)
+            Increasing times in s, zero or later, at which the run is kept.
+        step : float
+            Time step in s.
+        integrator : {"trapezoidal", "generalized-alpha"}
+            The implicit trapezoidal rule with constraints on velocities, which keeps the
+            energy, or generalized-alpha, which damps what is too fast for the step.
+        progress : callable, optional
+            Called with the steps done and their total, every hundred steps.
+
+        Returns
+        -------
+        Trajectory
+
+        Raises
+        ------
+        InputError
+            If the step, a sample or the integrator cannot be, or the start tears a joint.
+        ComputationError
+            If a step does not converge; names its time and the crank angle.
+        """
+        if not (np.isfinite(step) and step > 0):
+            raise InputError(f"the time step must be positive, got {step} s")
+        if integrator not in INTEGRATORS:
+            raise InputError(
+                f"integrator must be one of {', '.join(INTEGRATORS)}, got {integrator!r}"
+            )
+        if len(sample_time) == 0 or sample_time[0] < 0 or np.any(np.diff(sample_time) <= 0):
+            raise InputError("sample times must be zero or later and increase")
+        steps = max(1, int(np.ceil(sample_time[-1] / step - 1e-9)))
+        model = RunningModel(self.mechanism, self.elements, self.element, drive, self.links)
+        recorder = Recorder(sample_time, step)
+        Simulation(model, step, steps, integrator).run(start, recorder, progress)
+        return recorder.finish()
+
+    def running_links(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> StressedLinks:
+        """Tangent stiffness in running states; see :meth:`Engine.running_links`."""
+        tangent = running_tangents(self.model, motion, displacement)
+        return StressedLinks(tangent, list(displacement))
 
     def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
         nodes = [part.positions for part in self.model.parts]

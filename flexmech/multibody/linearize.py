@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,13 +14,14 @@ from numpy.typing import NDArray
 from flexmech.errors import ComputationError
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import RigidMotion
-from flexmech.mesh import station_shapes
+from flexmech.mesh import middle_curvature, station_shapes
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.model import MultibodyModel
 
 __all__ = [
     "StaticEquilibrium",
     "link_models",
+    "running_tangents",
     "static_equilibrium",
     "unit_tension_stiffness",
 ]
@@ -89,6 +91,9 @@ def link_models(model: MultibodyModel) -> tuple[LinkModel, ...]:
                 start_rotation=np.array([kind.clamped]),
                 end_rotation=np.array([last + kind.clamped]),
                 shape=station_shapes(part.positions, kind.per_node, kind.shape_functions),
+                curvature=middle_curvature(
+                    part.positions, kind.per_node, kind.clamped, kind.deflection
+                ),
                 fields=kind.rigid_fields(part.positions),
             )
         )
@@ -135,10 +140,7 @@ def static_equilibrium(
     stiffness = [np.empty((batch, *(2 * (load.shape[1],)))) for load in loads]
     relative = motion.angle - motion.angle[:, model.base, None]
     forces = np.concatenate(
-        [
-            _to_absolute(load, relative[:, link], *_pairs(model, link))
-            for link, load in enumerate(loads)
-        ],
+        [model.kind.turned(load, relative[:, link]) for link, load in enumerate(loads)],
         axis=1,
     )
     round_off = ROUND_OFF * model.nodal_force_scale
@@ -164,6 +166,38 @@ def static_equilibrium(
             for link, k in enumerate(stiffness)
         ],
     )
+
+
+def running_tangents(
+    model: MultibodyModel, motion: RigidMotion, displacement: Sequence[FloatArray]
+) -> list[FloatArray]:
+    """Tangent stiffness of each link in its frame in given states.
+
+    Parameters
+    ----------
+    model : MultibodyModel
+    motion : RigidMotion
+        Batch of shape (B,).
+    displacement : sequence of ndarray, shape (B, n_link)
+        Elastic displacement of each link in its frame.
+
+    Returns
+    -------
+    list of ndarray, shape (B, n_link, n_link)
+    """
+    relative = motion.angle - motion.angle[:, model.base, None]
+    together = np.concatenate(displacement, axis=1)
+    settings = simulation_settings()
+    stiffness = [np.empty((len(q), *(2 * q.shape[1:]))) for q in displacement]
+    for number, q in enumerate(together):
+        state = model.move_to(motion, number) + _turned(model, q, relative[number])
+        tangent = linearized(model, settings, state)[1]
+        for link, part in enumerate(model.parts):
+            stiffness[link][number] = tangent[part.coordinates, part.coordinates]
+    return [
+        _to_link_frame(k, relative[:, link], *_pairs(model, link))
+        for link, k in enumerate(stiffness)
+    ]
 
 
 def unit_tension_stiffness(model: MultibodyModel) -> list[FloatArray]:
@@ -234,19 +268,10 @@ def _pairs(model: MultibodyModel, link: int) -> tuple[IntArray, IntArray]:
     return model.kind.vector_pairs(len(model.parts[link].nodes))
 
 
-def _to_absolute(vectors: FloatArray, angle: FloatArray, x: IntArray, y: IntArray) -> FloatArray:
-    """Vectors (B, n) from frames turned by ``angle`` (B,) to absolute axes."""
-    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    turned = vectors.copy()
-    turned[:, x] = cosine * vectors[:, x] - sine * vectors[:, y]
-    turned[:, y] = sine * vectors[:, x] + cosine * vectors[:, y]
-    return turned
-
-
 def _turned(model: MultibodyModel, vector: FloatArray, angles: FloatArray) -> FloatArray:
     """All links' coordinates (size,), each link's vectors turned by its angle."""
     parts = [
-        _to_absolute(vector[None, p.coordinates], angles[link : link + 1], *_pairs(model, link))[0]
+        model.kind.turned(vector[None, p.coordinates], angles[link : link + 1])[0]
         for link, p in enumerate(model.parts)
     ]
     return np.concatenate(parts)

@@ -61,6 +61,8 @@ class MultibodyModel:
     parts : list of LinkPart
     base : int
         Link in whose frame the model stands: the clamped one.
+    pins : list of int
+        Exudyn's numbers of the pins between links, in the topology's order.
     """
 
     def __init__(self, mechanism: Mechanism, elements: int, kind: str) -> None:
@@ -74,7 +76,7 @@ class MultibodyModel:
         self.size = self.parts[-1].coordinates.stop
         self._loads = self._add_loads()
         self._offsets = self._add_supports()
-        self._add_pins()
+        self.pins = self._add_pins()
         self.mbs.Assemble()
 
     @property
@@ -119,6 +121,14 @@ class MultibodyModel:
         """Generalized forces on all coordinates, shape (size,), in the crank's frame."""
         self.mbs.SetObjectParameter(self._loads, "forceVector", forces)
 
+    def point_masses(self, link: int) -> FloatArray:
+        """Point mass at each node of a link in kg, shape (e + 1,)."""
+        part, points = self.parts[link], self.mechanism.link_mass(self.topology.link_names[link])
+        masses = np.zeros(len(part.nodes))
+        for x, value in zip(points.point_positions, points.point_masses, strict=True):
+            masses[np.argmin(np.abs(part.positions - x))] += value
+        return masses
+
     def _add_links(self, elements: int) -> list[LinkPart]:
         parts, start = [], 0
         for name in self.topology.link_names:
@@ -139,12 +149,9 @@ class MultibodyModel:
         """One object that carries forces on every coordinate and the point masses."""
         items = load_exudyn().itemInterface
         mass = np.zeros((self.size, self.size))
-        for name, part in zip(self.topology.link_names, self.parts, strict=True):
-            points = self.mechanism.link_mass(name)
-            for x, value in zip(points.point_positions, points.point_masses, strict=True):
-                node = int(np.argmin(np.abs(part.positions - x)))
-                at = part.coordinates.start + self.kind.per_node * node
-                mass[[at, at + 1], [at, at + 1]] += value
+        for link, part in enumerate(self.parts):
+            at = part.coordinates.start + self.kind.per_node * np.arange(len(part.nodes))
+            mass[at, at] = mass[at + 1, at + 1] = self.point_masses(link)
         every = [node for part in self.parts for node in part.nodes]
         carrier = items.ObjectGenericODE2(
             nodeNumbers=every,
@@ -155,9 +162,7 @@ class MultibodyModel:
 
     def _add_supports(self) -> list[tuple[int, int]]:
         """Hold clamped and pivoted coordinates; returns constraints and what they hold."""
-        items = load_exudyn().itemInterface
-        ground = self.mbs.AddNode(items.NodePointGround())
-        fixed = self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0))
+        fixed = self._add_fixed_coordinate()
         held: list[tuple[LinkEnd, tuple[int, ...]]] = [
             (clamp.held, (0, 1, self.kind.clamped)) for clamp in self.topology.clamps
         ]
@@ -166,23 +171,36 @@ class MultibodyModel:
         for place, coordinates in held:
             node, first = self._end(place)
             for coordinate in coordinates:
-                marker = self.mbs.AddMarker(
-                    items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate)
-                )
-                constraint = self.mbs.AddObject(
-                    items.CoordinateConstraint(markerNumbers=[fixed, marker])
-                )
-                offsets.append((int(constraint), first + coordinate))
+                constraint = self._hold(fixed, node, coordinate)
+                offsets.append((constraint, first + coordinate))
         return offsets
 
-    def _add_pins(self) -> None:
+    def _add_fixed_coordinate(self) -> int:
+        """Marker of a coordinate that stays zero."""
         items = load_exudyn().itemInterface
+        ground = self.mbs.AddNode(items.NodePointGround())
+        return int(self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0)))
+
+    def _hold(self, fixed: int, node: int, coordinate: int, **offset: Any) -> int:
+        """Constraint that keeps a node's coordinate at an offset from the fixed one."""
+        items = load_exudyn().itemInterface
+        marker = self.mbs.AddMarker(
+            items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate)
+        )
+        return int(
+            self.mbs.AddObject(items.CoordinateConstraint(markerNumbers=[fixed, marker], **offset))
+        )
+
+    def _add_pins(self) -> list[int]:
+        items = load_exudyn().itemInterface
+        joints = []
         for pin in self.topology.pins:
             markers = [
                 self.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=self._end(place)[0]))
                 for place in (self.topology.leader_of(pin.leader), pin.follower)
             ]
-            self.mbs.AddObject(items.RevoluteJoint2D(markerNumbers=markers))
+            joints.append(int(self.mbs.AddObject(items.RevoluteJoint2D(markerNumbers=markers))))
+        return joints
 
     def _end(self, place: LinkEnd) -> tuple[int, int]:
         """Node number at a link end and the first of its coordinates."""

@@ -14,6 +14,7 @@ from flexmech.linear_system import (
     LinkFrames,
     LinkModel,
     Prestress,
+    StressedLinks,
     element_tensions,
     inertia_loads,
     refuse_other_postures,
@@ -72,25 +73,23 @@ class ReferenceEngine(Engine):
         sections = [self.mechanism.sections[name] for name in topology.link_names]
         return Equilibrium(LinkFrames(topology, self.links), self.nodes, sections)
 
-    def tangents(self, motion: RigidMotion, prestress: Prestress) -> list[FloatArray]:
-        """Tangent stiffness of each link; see :meth:`Engine.tangents`."""
+    def stressed_links(self, motion: RigidMotion, prestress: Prestress) -> StressedLinks:
+        """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
         unloaded = not motion.crank_speed.any() and not any(self.mechanism.gravity)
         if prestress == "none" or unloaded:
-            return [link.stiffness for link in self.links]
+            return StressedLinks.unloaded(self.links)
         if prestress == "axial":
-            return self._axial_tangents(motion)
-        return self._equilibrium_tangents(motion)
+            return StressedLinks(self._axial_tangents(motion))
+        return self._equilibrium(motion)
 
-    def _equilibrium_tangents(self, motion: RigidMotion) -> list[FloatArray]:
+    def _equilibrium(self, motion: RigidMotion) -> StressedLinks:
         varying = self._geometric(motion, varying_part_only=True)
         loads = inertia_loads(self.links, motion, self.mechanism.gravity)
         displacement = self.equilibrium.solve(motion, loads, varying)
         topology = self.mechanism.linkage.topology
         refuse_other_postures(topology, self.links, motion, displacement)
-        return [
-            assemble_chain(tangent + extra)
-            for tangent, extra in zip(self.equilibrium.tangents(displacement), varying, strict=True)
-        ]
+        force, tangent = self.equilibrium.response(displacement, varying)
+        return StressedLinks([assemble_chain(k) for k in tangent], displacement, force)
 
     def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
         geometric = self._geometric(motion, varying_part_only=False)

@@ -149,11 +149,39 @@ class Equilibrium:
                 z, residual, band, error = self._advance(motion, z, change, outer, extra, error)
         return _State(z, error, factors, converged)
 
-    def tangents(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
-        """Element tangents (B, e, 6, 6) of each link at given displacements (B, n_link)."""
-        return [self._response(i, element_ends(q))[1] for i, q in enumerate(displacement)]
+    def response(
+        self, displacement: Sequence[FloatArray], extra: Sequence[FloatArray]
+    ) -> tuple[list[FloatArray], list[FloatArray]]:
+        """Internal forces and tangents of the links at given displacements.
 
-    def _response(self, link: int, ends: FloatArray) -> tuple[FloatArray, FloatArray]:
+        Parameters
+        ----------
+        displacement : sequence of ndarray, shape (B, n_link)
+        extra : sequence of ndarray, shape (B, e, 6, 6)
+            Stiffness of each element besides that of the corotational beam.
+
+        Returns
+        -------
+        list of ndarray, shape (B, n_link)
+            Forces on the nodes.
+        list of ndarray, shape (B, e, 6, 6)
+            Tangent of each element.
+        """
+        parts = [self._response(i, q, extra[i]) for i, q in enumerate(displacement)]
+        return [force for force, _ in parts], [tangent for _, tangent in parts]
+
+    def _response(
+        self, link: int, displacement: FloatArray, extra: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        ends = element_ends(displacement)
+        force, tangent = self._beam_response(link, ends)
+        force = force + (extra @ ends[..., None])[..., 0]
+        total = np.zeros((len(ends), force.shape[1] + 1, 3))
+        total[:, :-1] += force[..., :3]
+        total[:, 1:] += force[..., 3:]
+        return total.reshape(len(ends), -1), tangent + extra
+
+    def _beam_response(self, link: int, ends: FloatArray) -> tuple[FloatArray, FloatArray]:
         section, length = self.sections[link], self.lengths[link]
         return corotational_response(
             ends,
@@ -197,14 +225,8 @@ class Equilibrium:
         """Outer minus inner forces (B, size) and the tangent in band form."""
         inner, entries = [], []
         for number, q in enumerate(self._link_displacement(motion, z)):
-            ends = element_ends(q)
-            force, tangent = self._response(number, ends)
-            force = force + (extra[number] @ ends[..., None])[..., 0]
-            tangent = tangent + extra[number]
-            total = np.zeros((len(z), force.shape[1] + 1, 3))
-            total[:, :-1] += force[..., :3]
-            total[:, 1:] += force[..., 3:]
-            inner.append(total.reshape(len(z), -1))
+            force, tangent = self._response(number, q, extra[number])
+            inner.append(force)
             self._turn_followers(motion, number, tangent)
             entries.append(tangent.reshape(len(z), -1))
         residual = outer - self.frames.gather(motion, inner)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from flexmech.linear_system import LinkModel, RigidFields
 from flexmech.linkages import LinkMass
-from flexmech.mesh import node_positions, station_shapes
+from flexmech.mesh import middle_curvature, node_positions, station_shapes
 from flexmech.reference.elements import (
     gyroscopic_matrix,
     mass_matrix,
@@ -85,6 +85,7 @@ def link_model(
         start_rotation=np.array([2]),
         end_rotation=np.array([size - 1]),
         shape=station_shapes(nodes, 3, shape_functions),
+        curvature=middle_curvature(nodes, 3, slope=2, deflection=1),
         fields=_rigid_fields(nodes),
     )
     return model, nodes

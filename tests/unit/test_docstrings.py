@@ -278,16 +278,20 @@ MAY_IMPORT: dict[str, set[str]] = {
     "mechanism": {"errors", "linkages", "materials", "sections"},
 }
 MAY_IMPORT["linear_system"] = {*MAY_IMPORT["mechanism"], "mechanism", "mesh", "threads"}
+MAY_IMPORT["time_domain"] = {*MAY_IMPORT["linear_system"], "linear_system"}
 MAY_IMPORT["reference"] = {*MAY_IMPORT["linear_system"], "linear_system"}
-MAY_IMPORT["multibody"] = {*MAY_IMPORT["linear_system"], "linear_system"}
-MAY_IMPORT["analyses"] = {*MAY_IMPORT["linear_system"], "linear_system", "files"}
+MAY_IMPORT["multibody"] = {*MAY_IMPORT["time_domain"], "time_domain"}
+MAY_IMPORT["analyses"] = {*MAY_IMPORT["time_domain"], "time_domain", "files"}
 MAY_IMPORT["plots"] = {"errors", "files", "units"}
 MAY_IMPORT["modelfile"] = {*MAY_IMPORT["mechanism"], "mechanism", "units", "files"}
 MAY_IMPORT["cli"] = set(MAY_IMPORT)
 MAY_IMPORT["__main__"] = {"cli"}
 
 # Drawing is a convenience of the result; the library is loaded only when asked for.
-ALLOWED_LAZILY = {("flexmech.analyses.result", "MovingFrequencies.plot", "flexmech.plots")}
+ALLOWED_LAZILY = {
+    ("flexmech.analyses.result", "MovingFrequencies.plot", "flexmech.plots"),
+    ("flexmech.analyses.response.result", "Response.plot", "flexmech.plots"),
+}
 
 
 class Import(NamedTuple):

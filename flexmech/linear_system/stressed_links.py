@@ -1,0 +1,43 @@
+"""Links at the stress that the motion puts them under."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system.link_model import LinkModel
+
+__all__ = ["StressedLinks"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class StressedLinks:
+    """What small displacements from a stressed state of the links meet, link by link.
+
+    The internal force of a link near that state is
+    ``internal_force + tangent @ (q - displacement)``, all in its link frame.
+
+    Parameters
+    ----------
+    tangent : list of ndarray, shape (n, n) or (B, n, n)
+    displacement : list of ndarray, shape (B, n), or None
+        Displacement of the state; None for links taken as straight.
+    internal_force : list of ndarray, shape (B, n), or None
+        Internal force of the state; None for straight links, where there is none, and
+        where an engine does not tell.
+    """
+
+    tangent: list[FloatArray]
+    displacement: list[FloatArray] | None = None
+    internal_force: list[FloatArray] | None = None
+
+    @classmethod
+    def unloaded(cls, links: Sequence[LinkModel]) -> Self:
+        """Straight links without stress."""
+        return cls([link.stiffness for link in links])

@@ -1,0 +1,92 @@
+"""How the shaft turns the crank: a constant speed, reached at once or by a smooth run-up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexmech.errors import InputError
+
+__all__ = ["CrankDrive"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class CrankDrive:
+    """Prescribed crank angle: constant speed after an optional cycloidal run-up.
+
+    During the run-up of duration ``T`` the speed is
+    ``speed * (t / T - sin(2 pi t / T) / (2 pi))``, whose acceleration starts and ends at
+    zero (Simo & Vu-Quoc 1986, the spin-up maneuver).
+
+    Parameters
+    ----------
+    speed : float
+        Final crank speed in rad/s; negative turns backwards.
+    run_up_time : float
+        Duration of the run-up in s; zero turns at the final speed from the start.
+    start_angle : float
+        Crank angle at time zero in rad.
+
+    Raises
+    ------
+    InputError
+        If the speed is zero or not finite, or the run-up time is negative.
+    """
+
+    speed: float
+    run_up_time: float = 0.0
+    start_angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not np.isfinite(self.speed) or self.speed == 0:
+            raise InputError(
+                f"crank speed must be a finite number other than zero, got {self.speed}"
+            )
+        if not (np.isfinite(self.run_up_time) and self.run_up_time >= 0):
+            raise InputError(f"run-up time must be zero or positive, got {self.run_up_time} s")
+        if not np.isfinite(self.start_angle):
+            raise InputError(f"start angle must be finite, got {self.start_angle} rad")
+
+    @property
+    def revolution_time(self) -> float:
+        """Time of a revolution at the final speed in s."""
+        return 2 * np.pi / abs(self.speed)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the crank turns at its final speed from the start."""
+        return self.run_up_time == 0
+
+    def crank_angle(self, time: ArrayLike) -> FloatArray:
+        """Crank angle in rad at times in s; shape (...) -> (...)."""
+        t = np.asarray(time, dtype=float)
+        total = self.run_up_time
+        if not total:
+            return np.asarray(self.start_angle + self.speed * t)
+        inside = np.minimum(t, total)
+        phase = 2 * np.pi * inside / total
+        rising = inside**2 / (2 * total) - total * (1 - np.cos(phase)) / (2 * np.pi) ** 2
+        after = np.maximum(t - total, 0.0)
+        return np.asarray(self.start_angle + self.speed * (rising + after))
+
+    def crank_speed(self, time: ArrayLike) -> FloatArray:
+        """Crank speed in rad/s at times in s; shape (...) -> (...)."""
+        t = np.asarray(time, dtype=float)
+        total = self.run_up_time
+        if not total:
+            return np.full_like(t, self.speed)
+        part = np.minimum(t, total) / total
+        return np.asarray(self.speed * (part - np.sin(2 * np.pi * part) / (2 * np.pi)))
+
+    def crank_acceleration(self, time: ArrayLike) -> FloatArray:
+        """Crank acceleration in rad/s^2 at times in s; shape (...) -> (...)."""
+        t = np.asarray(time, dtype=float)
+        total = self.run_up_time
+        if not total:
+            return np.zeros_like(t)
+        part = np.minimum(t, total) / total
+        return np.asarray(self.speed / total * (1 - np.cos(2 * np.pi * part)))

@@ -1,0 +1,242 @@
+"""A mechanism as a running Exudyn system, in ground axes, with its shaft driven.
+
+The shaft is a hub without mass that turns about the ground's origin. The clamped link's
+start is pinned to it and the link's axis there is kept parallel to it, so that the one
+constraint on the hub's angle carries the whole driving torque.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system import LinkModel
+from flexmech.linkages import Clamp, CrankDrive, LinkEnd
+from flexmech.mechanism import Mechanism
+from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.model import MultibodyModel
+
+__all__ = ["RunningModel"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+
+class RunningModel(MultibodyModel):
+    """Exudyn system of a running mechanism.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    elements : int
+        Elements a link.
+    kind : str
+        Key of :data:`flexmech.multibody.beams.BEAM_KINDS`.
+    drive : CrankDrive
+    links : sequence of LinkModel
+        The links' matrices in the same coordinates, for their weight.
+
+    Attributes
+    ----------
+    total_size : int
+        Coordinates of the links and the hub, which come last.
+    """
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        elements: int,
+        kind: str,
+        drive: CrankDrive,
+        links: Sequence[LinkModel],
+    ) -> None:
+        self.drive = drive
+        self.links = links
+        self._start = mechanism.linkage.motion(drive.crank_angle(0.0))
+        self._connections: list[tuple[str, list[int]]] = []
+        super().__init__(mechanism, elements, kind)
+        for pin, number in zip(self.topology.pins, self.pins, strict=True):
+            self._connections.append((pin.joint, [number]))
+        self.total_size = self.size + 3
+        first = self._end(self._clamp.held)[1]
+        self._clamped = slice(first, first + self.kind.per_node)
+        self._clamped_x = float(self._straight_place(self._clamp.held)[0])
+
+    def shaft_angle(self, time: float) -> float:
+        """Angle of the clamped link at its clamp in rad."""
+        turned = self.drive.crank_angle(time) - self.drive.start_angle
+        return float(self._start.angle[self.base] + turned)
+
+    @property
+    def joint_multipliers(self) -> IntArray:
+        """Multipliers that are minus the force at each joint, shape (n_joints, 2)."""
+        names = self.topology.joint_names
+        found = np.zeros((len(names), 2), dtype=np.intp)
+        for joint, constraints in self._connections:
+            found[names.index(joint)] = np.concatenate([self._multipliers(c) for c in constraints])
+        return found
+
+    @property
+    def multiplier_count(self) -> int:
+        """Number of all multipliers."""
+        return len(self.mbs.systemData.GetAECoordinates())
+
+    @property
+    def torque_multiplier(self) -> int:
+        """Multiplier that is minus the torque of the shaft."""
+        return self._multipliers(self._shaft)[0]
+
+    def weight(self, link: int) -> FloatArray:
+        """Generalized weight of a link in ground axes, shape (n_link,)."""
+        x, y = self.mechanism.gravity
+        fields = self.links[link].fields
+        return self.links[link].mass @ (x * fields.along + y * fields.across)
+
+    def set_start(self, position: FloatArray, velocity: FloatArray) -> None:
+        """State at time zero.
+
+        Parameters
+        ----------
+        position, velocity : ndarray, shape (size,)
+        """
+        initial = load_exudyn().ConfigurationType.Initial
+        speed = float(self.drive.crank_speed(0.0))
+        data = self.mbs.systemData
+        data.SetODE2Coordinates([*position, 0.0, 0.0, self.shaft_angle(0.0)], initial)
+        data.SetODE2Coordinates_t([*velocity, 0.0, 0.0, speed], initial)
+
+    def greatest_gap(self, position: FloatArray) -> float:
+        """Greatest displacement between link ends or supports that a joint holds together.
+
+        Parameters
+        ----------
+        position : ndarray, shape (size,)
+            At time zero.
+
+        Returns
+        -------
+        float
+            In m.
+        """
+
+        def place(end: LinkEnd) -> FloatArray:
+            first = self._end(end)[1]
+            return np.asarray(position[first : first + 2] + self._straight_place(end))
+
+        held = [clamp.held for clamp in self.topology.clamps]
+        held += [pivot.held for pivot in self.topology.pivots]
+        gaps = [place(end) - self._place(end) for end in held]
+        gaps += [place(pin.leader) - place(pin.follower) for pin in self.topology.pins]
+        return float(np.max(np.linalg.norm(gaps, axis=1)))
+
+    def put_clamp_in_place(self, position: FloatArray, time: float) -> None:
+        """Put hub and clamp where the shaft has them, shape (total_size,), in place.
+
+        Constraints on velocities leave the place to the integration rule, whose error in
+        the clamped direction, ``(speed * step)**3 / 12`` a step, would add up.
+        """
+        angle = self.shaft_angle(time)
+        cosine, sine = math.cos(angle), math.sin(angle)
+        x, y = self._lever
+        node = position[self._clamped]
+        node[0] = cosine * x - sine * y - self._clamped_x
+        node[1] = sine * x + cosine * y
+        self.kind.align(node, angle)
+        position[-1] = angle
+
+    def _add_supports(self) -> list[tuple[int, int]]:
+        """Hub, shaft and pivots; nothing whose offset moves with the crank angle."""
+        fixed = self._add_fixed_coordinate()
+        hub = self._add_hub(fixed)
+        self._add_clamp(hub)
+        for pivot in self.topology.pivots:
+            node = self._end(pivot.held)[0]
+            offset = self._place(pivot.held) - self._straight_place(pivot.held)
+            held = [self._hold(fixed, node, i, offset=float(offset[i])) for i in (0, 1)]
+            self._connections.append((pivot.joint, held))
+        return []
+
+    def _place(self, held: LinkEnd) -> FloatArray:
+        """Where a link end is at time zero, shape (2,)."""
+        link = self.topology.index(held.link)
+        x = 0.0 if held.end == "start" else self.topology.links[link].length
+        return self._start.position(link, x)
+
+    def _straight_place(self, held: LinkEnd) -> FloatArray:
+        """Where a link end is in the reference configuration, shape (2,)."""
+        node = self._end(held)[0]
+        return np.asarray(self.mbs.GetNodeParameter(node, "referenceCoordinates")[:2])
+
+    def _add_loads(self) -> int:
+        """Point masses and weight, node by node; returns their number.
+
+        One object over all nodes, as in the base class, would make each tangent dense.
+        """
+        items = load_exudyn().itemInterface
+        carriers = 0
+        for link, part in enumerate(self.parts):
+            masses = self.point_masses(link)
+            weights = self.weight(link).reshape(len(part.nodes), -1)
+            for node, mass, weight in zip(part.nodes, masses, weights, strict=True):
+                if mass or weight.any():
+                    matrix = np.diag([mass, mass] + [0.0] * (self.kind.per_node - 2))
+                    self.mbs.AddObject(
+                        items.ObjectGenericODE2(
+                            nodeNumbers=[node], massMatrix=matrix, forceVector=weight
+                        )
+                    )
+                    carriers += 1
+        return carriers
+
+    def _add_hub(self, fixed: int) -> int:
+        """Body without mass that turns with the shaft; returns its number."""
+        items = load_exudyn().itemInterface
+        node = self.mbs.AddNode(items.NodeRigidBody2D())
+        for coordinate in (0, 1):
+            self._hold(fixed, node, coordinate)
+        self._shaft = self._hold(fixed, node, 2, **self._turning())
+        return int(
+            self.mbs.AddObject(items.ObjectRigidBody2D(nodeNumber=node, mass=0.0, inertia=0.0))
+        )
+
+    def _turning(self) -> dict[str, Any]:
+        """Constraint on the hub's angle: a constant speed, or angle and speed of time."""
+        if self.drive.is_constant:
+            return {"velocityLevel": True, "offset": self.drive.speed}
+        return {
+            "offsetUserFunction": lambda mbs, t, item, offset: self.shaft_angle(t),
+            "offsetUserFunction_t": lambda mbs, t, item, offset: float(self.drive.crank_speed(t)),
+        }
+
+    def _add_clamp(self, hub: int) -> None:
+        """Pin the clamped end to the hub and keep the link's axis there parallel to it."""
+        items = load_exudyn().itemInterface
+        place, turn = self._place(self._clamp.held), -float(self._start.angle[self.base])
+        cosine, sine = math.cos(turn), math.sin(turn)
+        self._lever = (cosine * place[0] - sine * place[1], sine * place[0] + cosine * place[1])
+        on_hub = self.mbs.AddMarker(
+            items.MarkerBodyRigid(bodyNumber=hub, localPosition=[*self._lever, 0.0])
+        )
+        node, _ = self._end(self._clamp.held)
+        on_node = self.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
+        pin = self.mbs.AddObject(items.RevoluteJoint2D(markerNumbers=[on_hub, on_node]))
+        self._connections.append((self._clamp.joint, [int(pin)]))
+        part = self.parts[self.base]
+        at_start = self._clamp.held.end == "start"
+        element = part.elements[0 if at_start else -1]
+        x = 0.0 if at_start else float(part.positions[-1] - part.positions[-2])
+        axis = self.kind.add_axis_marker(self.mbs, node, element, x)
+        self.mbs.AddObject(
+            items.GenericJoint(markerNumbers=[on_hub, axis], constrainedAxes=[0, 0, 0, 0, 0, 1])
+        )
+
+    @property
+    def _clamp(self) -> Clamp:
+        return self.topology.clamps[0]
+
+    def _multipliers(self, constraint: int) -> list[int]:
+        return list(self.mbs.systemData.GetObjectLTGAE(constraint))

@@ -1,0 +1,282 @@
+"""The running linkage in Exudyn's implicit integrators, recorded at every step."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import ComputationError, InputError
+from flexmech.linkages import RigidMotion
+from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.linearize import ROUND_OFF
+from flexmech.multibody.moving_frames import MovingFrames
+from flexmech.multibody.running_model import RunningModel
+from flexmech.time_domain import Integrator, LinkState, Recorder, StepBlock
+
+__all__ = ["SPECTRAL_RADIUS", "Simulation"]
+
+FloatArray = NDArray[np.float64]
+
+
+# Generalized-alpha's damping of vibration much faster than the step: 1 none, 0 at once.
+SPECTRAL_RADIUS = 0.9
+
+# Out-of-balance force at which Newton's method stops, relative to that at the step's start.
+# Ten times more moves joint forces by 2e-6 of their peak, the energy error in its fifth digit.
+RELATIVE_RESIDUAL = 1e-8
+# The tangent is kept from step to step until an iteration gains less than this factor.
+CONTRACTIVITY = 0.25
+
+# How far a start may tear a joint apart, relative to the length of all links.
+START_GAP = 1e-6
+
+BLOCK_STEPS = 2000
+PROGRESS_STEPS = 100
+
+
+class Simulation:
+    """One run of a mechanism from time zero.
+
+    Parameters
+    ----------
+    model : RunningModel
+    step : float
+        Time step in s.
+    steps : int
+        Number of steps.
+    integrator : {"generalized-alpha", "trapezoidal"}
+    """
+
+    def __init__(
+        self, model: RunningModel, step: float, steps: int, integrator: Integrator
+    ) -> None:
+        self.model = model
+        self.step = step
+        self.steps = steps
+        self.integrator = integrator
+        self._frames = MovingFrames(model.kind, model.parts, model.links)
+        self._joints = model.joint_multipliers
+        self._torque = model.torque_multiplier
+
+    def run(
+        self,
+        start: LinkState,
+        recorder: Recorder,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> None:
+        """Integrate and hand every step to a recorder.
+
+        Parameters
+        ----------
+        start : LinkState
+        recorder : Recorder
+        progress : callable, optional
+            Called with the steps done and their total, every hundred steps.
+
+        Raises
+        ------
+        InputError
+            If the start does not keep the joints together.
+        ComputationError
+            If a step does not converge; names its time and the crank angle.
+        """
+        self._set_start(start)
+        steps = _Steps(self, recorder, progress)
+        self.model.mbs.SetPostStepUserFunction(steps.take)
+        exudyn = load_exudyn()
+        refused = False
+        with contextlib.redirect_stdout(io.StringIO()):
+            try:
+                self.model.mbs.SolveDynamic(self._settings())
+            except (exudyn.SolverError, exudyn.InternalError):  # the latter if values overflow
+                refused = True
+        if steps.failure is not None:
+            raise steps.failure
+        steps.hand_over()
+        if refused or steps.last < self.steps:
+            raise self._failure(steps.last + 1)
+
+    def block(
+        self, time: FloatArray, position: FloatArray, velocity: FloatArray, multiplier: FloatArray
+    ) -> StepBlock:
+        """Physical quantities of consecutive steps.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+        position, velocity : ndarray, shape (m, size)
+            Coordinates of the links.
+        multiplier : ndarray, shape (m, n_multipliers)
+
+        Returns
+        -------
+        StepBlock
+        """
+        model, motion = self.model, self._motion(time)
+        displacement, rate = self._frames.to_frames(motion, position, velocity)
+        kinetic, strain, gravity, dissipation = np.zeros((4, len(time)))
+        for number, (part, link) in enumerate(zip(model.parts, model.links, strict=True)):
+            section, lengths = model.mechanism.sections[link.name], np.diff(part.positions)
+            place = displacement[number] + link.fields.centripetal
+            speed = velocity[:, part.coordinates]
+            kinetic += np.sum(speed @ link.mass * speed, axis=1) / 2
+            gravity -= position[:, part.coordinates] @ model.weight(number)
+            for part_of in model.kind.strains(place, rate[number], lengths, section):
+                strain += part_of.energy
+                dissipation += section.damping_time * part_of.power_per_damping_time
+        return StepBlock(
+            time=time,
+            crank_speed=motion.crank_speed,
+            displacement=displacement,
+            rate=rate,
+            joint_force=-multiplier[:, self._joints],
+            driving_torque=-multiplier[:, self._torque],
+            kinetic_energy=kinetic,
+            strain_energy=strain,
+            gravity_energy=gravity,
+            dissipation_power=dissipation,
+            prestress_power=np.zeros(len(time)),
+        )
+
+    def _motion(self, time: FloatArray) -> RigidMotion:
+        drive = self.model.drive
+        return self.model.mechanism.linkage.motion(
+            drive.crank_angle(time), drive.crank_speed(time), drive.crank_acceleration(time)
+        )
+
+    def _set_start(self, start: LinkState) -> None:
+        batch = [[values[None] for values in part] for part in (start.displacement, start.rate)]
+        position, velocity = self._frames.to_absolute(self._motion(np.zeros(1)), *batch)
+        gap = self.model.greatest_gap(position[0])
+        allowed = START_GAP * sum(link.length for link in self.model.topology.links)
+        if gap > allowed:
+            raise InputError(
+                f"the start displaces link ends that a joint holds by {gap:.3g} m (at most "
+                f"{allowed:.3g} m); take a start whose displacements agree at the joints"
+            )
+        self.model.set_start(position[0], velocity[0])
+
+    def _settings(self) -> Any:
+        exudyn = load_exudyn()
+        settings = exudyn.SimulationSettings()
+        settings.solution.file.write = False
+        settings.solution.sensors.active = False
+        settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
+        stepping = settings.timeIntegration
+        stepping.adaptiveStep = False
+        stepping.automaticStepSize = False
+        stepping.verboseMode = 0
+        stepping.numberOfSteps = self.steps
+        stepping.endTime = self.steps * self.step
+        stepping.newton.useModifiedNewton = True
+        stepping.newton.modifiedNewtonContractivity = CONTRACTIVITY
+        stepping.newton.relativeTolerance = RELATIVE_RESIDUAL
+        stepping.newton.absoluteTolerance = ROUND_OFF * self.model.nodal_force_scale
+        # A first iteration may meet forces a million times those of the step.
+        stepping.newton.adaptInitialResidual = False
+        if self.integrator == "trapezoidal":
+            stepping.generalizedAlpha.useNewmark = True
+            stepping.generalizedAlpha.useIndex2Constraints = True
+        else:
+            stepping.generalizedAlpha.spectralRadius = SPECTRAL_RADIUS
+        return settings
+
+    def _failure(self, number: int) -> ComputationError:
+        """What to say of a step that did not converge."""
+        residual = float(self.model.mbs.sys["dynamicSolver"].conv.residual)
+        cause = f"Newton's method does not converge (residual {residual:.3g} N)"
+        if not np.isfinite(residual):
+            cause = "the values are not finite"
+        return _step_error(self, number, cause)
+
+
+class _Steps:
+    """Copies every step into a block and hands full blocks to the recorder."""
+
+    def __init__(
+        self,
+        simulation: Simulation,
+        recorder: Recorder,
+        progress: Callable[[int, int], None] | None,
+    ) -> None:
+        self.failure: BaseException | None = None
+        self._simulation = simulation
+        self._recorder = recorder
+        self._progress = progress
+        self._out = sys.stdout
+        # Velocity constraints alone would let the clamp drift.
+        self._drifts = simulation.integrator == "trapezoidal"
+        self._first = self._count = 0
+        size = simulation.model.total_size
+        multipliers = simulation.model.multiplier_count
+        self._position: FloatArray = np.empty((BLOCK_STEPS, size))
+        self._velocity: FloatArray = np.empty((BLOCK_STEPS, size))
+        self._multiplier: FloatArray = np.empty((BLOCK_STEPS, multipliers))
+
+    @property
+    def last(self) -> int:
+        """Number of the last step taken; 0 is the start."""
+        return self._first + self._count - 1
+
+    def take(self, mbs: Any, time: float) -> bool:
+        """Exudyn's user function after the start and after every step; false stops it.
+
+        An exception must not pass through Exudyn, which would turn it into one of its own.
+        """
+        try:
+            self._copy(mbs.systemData, time)
+            if self._count == BLOCK_STEPS:
+                self.hand_over()
+            if self._progress is not None and self.last % PROGRESS_STEPS == 0:
+                with contextlib.redirect_stdout(self._out):
+                    self._progress(self.last, self._simulation.steps)
+        except BaseException as failure:
+            self.failure = failure
+            return False
+        return True
+
+    def hand_over(self) -> None:
+        """Give the block to the recorder; its last step becomes the first of the next."""
+        count = self._count
+        if count < 2:
+            return
+        blocks = (self._position, self._velocity, self._multiplier)
+        position, velocity, multiplier = (values[:count] for values in blocks)
+        finite = np.isfinite([position.sum(1), velocity.sum(1), multiplier.sum(1)]).all(axis=0)
+        if not finite.all():
+            first_bad = self._first + int(np.argmin(finite))
+            raise _step_error(self._simulation, first_bad, "the values are not finite")
+        time = self._simulation.step * (self._first + np.arange(count, dtype=np.float64))
+        links = slice(0, self._simulation.model.size)
+        self._recorder.add(
+            self._simulation.block(time, position[:, links], velocity[:, links], multiplier)
+        )
+        for values in blocks:
+            values[0] = values[count - 1]
+        self._first, self._count = self._first + count - 1, 1
+
+    def _copy(self, data: Any, time: float) -> None:
+        row = self._count
+        position = data.GetODE2Coordinates()
+        if self._drifts:
+            self._simulation.model.put_clamp_in_place(position, time)
+            data.SetODE2Coordinates(position)
+        self._position[row] = position
+        self._velocity[row] = data.GetODE2Coordinates_t()
+        self._multiplier[row] = data.GetAECoordinates()
+        self._count += 1
+
+
+def _step_error(simulation: Simulation, number: int, cause: str) -> ComputationError:
+    time = number * simulation.step
+    angle = float(np.degrees(simulation.model.drive.crank_angle(time)))
+    return ComputationError(
+        f"the simulation stops at {time:.6g} s, crank angle {angle:.6g} deg: {cause}; take a "
+        f"step smaller than {simulation.step:.3g} s or a lower crank speed"
+    )

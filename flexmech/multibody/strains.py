@@ -1,0 +1,153 @@
+"""The strains by which Exudyn's beam elements store energy, for whole runs at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.sections import BeamSection
+
+__all__ = ["Strain", "cable_strains", "exact_beam_strains"]
+
+FloatArray = NDArray[np.float64]
+
+# Exudyn integrates a cable's axial strain to order 9 and its curvature to order 5.
+AXIAL_POINTS = 5
+BENDING_POINTS = 3
+
+
+@dataclass(frozen=True)
+class Strain:
+    """One strain of a chain of elements at their integration points.
+
+    Parameters
+    ----------
+    value, rate : ndarray, shape (m, e, g)
+        Axial strain, shear angle or curvature (1/m) and its time derivative.
+    weight : ndarray, shape (e, g)
+        Stiffness times the length that the point stands for: half of it times the strain
+        squared is the strain energy in J.
+    """
+
+    value: FloatArray
+    rate: FloatArray
+    weight: FloatArray
+
+    @property
+    def energy(self) -> FloatArray:
+        """Strain energy in J, shape (m,)."""
+        return np.asarray(np.einsum("meg,meg,eg->m", self.value, self.value, self.weight) / 2)
+
+    @property
+    def power_per_damping_time(self) -> FloatArray:
+        """Power in W that Kelvin-Voigt damping takes, over its time in s; shape (m,)."""
+        return np.asarray(np.einsum("meg,meg,eg->m", self.rate, self.rate, self.weight))
+
+
+def cable_strains(
+    place: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
+) -> list[Strain]:
+    """Stretch ``|r'| - 1`` and curvature ``r' x r'' / |r'|**2`` of ``ObjectANCFCable2D``.
+
+    Parameters
+    ----------
+    place, rate : ndarray, shape (m, 4 (e + 1))
+        Positions and slope vectors of the nodes, and their time derivatives.
+    length : ndarray, shape (e,)
+        Of the undeformed elements in m.
+    section : BeamSection
+
+    Returns
+    -------
+    list of Strain
+    """
+    points, weights = np.polynomial.legendre.leggauss(AXIAL_POINTS)
+    first = _cubic_derivatives(points, length)[0]
+    slope, slope_rate = _interpolated(place, first), _interpolated(rate, first)
+    norm = np.sqrt(_dot(slope, slope))
+    stretch = Strain(
+        value=norm - 1,
+        rate=_dot(slope, slope_rate) / norm,
+        weight=section.axial_stiffness * length[:, None] / 2 * weights,
+    )
+    points, weights = np.polynomial.legendre.leggauss(BENDING_POINTS)
+    first, second = _cubic_derivatives(points, length)
+    slope, slope_rate = _interpolated(place, first), _interpolated(rate, first)
+    bend, bend_rate = _interpolated(place, second), _interpolated(rate, second)
+    square = _dot(slope, slope)
+    curvature = _cross(slope, bend) / square
+    change = _cross(slope_rate, bend) + _cross(slope, bend_rate)
+    bending = Strain(
+        value=curvature,
+        rate=(change - 2 * curvature * _dot(slope, slope_rate)) / square,
+        weight=section.bending_stiffness * length[:, None] / 2 * weights,
+    )
+    return [stretch, bending]
+
+
+def exact_beam_strains(
+    place: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
+) -> list[Strain]:
+    """Stretch, shear and curvature of the linear ``ObjectBeamGeometricallyExact2D``.
+
+    All three in the middle of the element, its one integration point.
+
+    Parameters
+    ----------
+    place, rate : ndarray, shape (m, 3 (e + 1))
+        Positions and rotations of the nodes, and their time derivatives.
+    length : ndarray, shape (e,)
+        Of the undeformed elements in m.
+    section : BeamSection
+
+    Returns
+    -------
+    list of Strain
+    """
+    nodes, node_rates = (v.reshape(len(v), -1, 3) for v in (place, rate))
+    turn = (nodes[:, 1:, 2] + nodes[:, :-1, 2]) / 2
+    spin = (node_rates[:, 1:, 2] + node_rates[:, :-1, 2]) / 2
+    slope = np.diff(nodes, axis=1) / length[:, None]
+    slope_rate = np.diff(node_rates, axis=1) / length[:, None]
+    along = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    across = np.stack([-np.sin(turn), np.cos(turn)], axis=-1)
+    stretched, sheared = _dot(slope, along), _dot(slope, across)
+    stretching = _dot(slope_rate, along) + spin * sheared
+    shearing = _dot(slope_rate, across) - spin * stretched
+    return [
+        Strain(value[..., None], change[..., None], stiffness * length[:, None])
+        for value, change, stiffness in (
+            (stretched - 1, stretching, section.axial_stiffness),
+            (sheared, shearing, section.shear_stiffness),
+            (slope[..., 2], slope_rate[..., 2], section.bending_stiffness),
+        )
+    ]
+
+
+def _cubic_derivatives(points: FloatArray, length: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """First and second derivatives of the cubics at points (g,) from -1 to 1, (e, g, 4)."""
+    s = (points + 1) / 2
+    first = np.stack([6 * s**2 - 6 * s, 1 - 4 * s + 3 * s**2, 6 * s - 6 * s**2, 3 * s**2 - 2 * s])
+    second = np.stack([12 * s - 6, 6 * s - 4, 6 - 12 * s, 6 * s - 2])
+    h = length[:, None, None]
+    unit = np.ones_like(h)
+    # A displacement's derivative is divided by the length once more than a slope's.
+    scale = np.concatenate([1 / h, unit, 1 / h, unit], axis=-1)
+    return first.T * scale, second.T * scale / h
+
+
+def _interpolated(chain: FloatArray, shapes: FloatArray) -> FloatArray:
+    """Vectors (m, e, g, 2) from nodal positions and slopes (m, 4 (e + 1))."""
+    nodes = chain.reshape(len(chain), -1, 2, 2)
+    ends = np.concatenate([nodes[:, :-1], nodes[:, 1:]], axis=2)
+    return np.asarray(shapes @ ends)
+
+
+def _dot(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1])
+
+
+def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])

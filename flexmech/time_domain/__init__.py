@@ -1,0 +1,29 @@
+"""Motion in time: linear time-varying systems, their periodic motion, and recorded runs."""
+
+from flexmech.time_domain.driven_linkage import DrivenLinkage, Equations
+from flexmech.time_domain.linear_run import linear_run
+from flexmech.time_domain.orbit import PeriodicOrbit, simulated_orbit
+from flexmech.time_domain.periodic import TurnMap, periodic_state, turn_map
+from flexmech.time_domain.recording import EnergyHistory, Recorder, StepBlock, Trajectory
+from flexmech.time_domain.simulator import INTEGRATORS, Integrator, Simulator
+from flexmech.time_domain.state import LinkState, VibrationState
+
+__all__ = [
+    "INTEGRATORS",
+    "DrivenLinkage",
+    "EnergyHistory",
+    "Equations",
+    "Integrator",
+    "LinkState",
+    "PeriodicOrbit",
+    "Recorder",
+    "Simulator",
+    "StepBlock",
+    "Trajectory",
+    "TurnMap",
+    "VibrationState",
+    "linear_run",
+    "periodic_state",
+    "simulated_orbit",
+    "turn_map",
+]

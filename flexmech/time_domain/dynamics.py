@@ -1,0 +1,152 @@
+"""Forces, torque and energies of a moving linkage whose links follow linear equations.
+
+Everything is that of the model whose equations are integrated: velocities and accelerations
+of the points of each link are exact for small displacements in turning frames, so that the
+work of the shaft's torque is the change of kinetic and strain energy and what damping
+takes, up to the error of the time step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system import LinkModel
+from flexmech.linkages import RigidMotion
+from flexmech.linkages.motion import direction, normal
+from flexmech.time_domain.driven_linkage import DrivenLinkage, Equations
+from flexmech.time_domain.link_inertia import LinkInertia, MovingLink, dot
+from flexmech.time_domain.recording import StepBlock
+from flexmech.time_domain.state import VibrationState
+from flexmech.time_domain.stress_history import LinkStress
+
+__all__ = ["LinkageDynamics"]
+
+FloatArray = NDArray[np.float64]
+
+
+class LinkageDynamics:
+    """What a driven linkage's motion asks of its joints and its shaft.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    """
+
+    def __init__(self, linkage: DrivenLinkage) -> None:
+        self.linkage = linkage
+        self._inertias = [
+            LinkInertia.of(model, full, basis)
+            for model, full, basis in zip(
+                linkage.links, linkage.engine.links, linkage.bases, strict=True
+            )
+        ]
+
+    def step_block(
+        self, time: FloatArray, equations: Equations, vibration: VibrationState
+    ) -> StepBlock:
+        """What is recorded of consecutive steps.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+        equations : Equations
+            At these times.
+        vibration : VibrationState
+            Arrays of shape (m, n).
+
+        Returns
+        -------
+        StepBlock
+        """
+        linkage, motion = self.linkage, equations.motion
+        frames, gravity = linkage.frames, np.asarray(linkage.engine.mechanism.gravity)
+        coordinates = linkage.expanded(equations, vibration)
+        elastic = frames.link_motion(motion, *coordinates)
+        unit = linkage.engine.mechanism.linkage.motion(motion.crank_angle, 1.0)
+        moving = [
+            MovingLink.of(number, parts, motion, unit, gravity)
+            for number, parts in enumerate(elastic)
+        ]
+        # How each link's coordinates change at unit crank speed while z stands still.
+        still = np.zeros_like(coordinates[0])
+        turned = [rate for _, rate, _ in frames.link_motion(unit, coordinates[0], still, still)]
+        totals = np.zeros((6, len(time)))
+        ends, fields = [], []
+        for number, (inertia, link, stress) in enumerate(
+            zip(self._inertias, moving, equations.stress, strict=True)
+        ):
+            shapes = inertia.shape_forces(link) + _internal_force(inertia.model, stress, link)
+            rigid = inertia.field_forces(link)
+            ends.append(shapes)
+            fields.append(rigid)
+            # Virtual power at unit crank speed: the rigid link, its pins' displacements as
+            # they turn, and the rest of its displacement as it turns with the frame.
+            torque = (
+                dot(link.virtual_velocity, rigid)
+                + dot(turned[number], shapes)
+                + link.virtual_turn * inertia.turning_power(link)
+            )
+            weight = inertia.gravity_energy(
+                motion.origin[:, number], motion.angle[:, number], link.displacement, gravity
+            )
+            totals += np.stack(
+                [
+                    torque,
+                    inertia.kinetic_energy(link),
+                    stress.potential(link.displacement),
+                    weight,
+                    dot(link.rate, link.rate @ inertia.model.damping),
+                    stress.power(link.displacement),
+                ]
+            )
+        torque, kinetic, strain, weight, dissipated, prestress = totals
+        pairs = list(zip(elastic, linkage.bases, strict=True))
+        return StepBlock(
+            time=time,
+            crank_speed=motion.crank_speed,
+            displacement=[q @ basis.T for (q, _, _), basis in pairs],
+            rate=[rate @ basis.T for (_, rate, _), basis in pairs],
+            joint_force=self._joint_forces(motion, ends, fields),
+            driving_torque=torque,
+            kinetic_energy=kinetic,
+            strain_energy=strain,
+            gravity_energy=weight,
+            dissipation_power=dissipated,
+            prestress_power=prestress,
+        )
+
+    def _joint_forces(
+        self, motion: RigidMotion, ends: list[FloatArray], fields: list[FloatArray]
+    ) -> FloatArray:
+        """Force on the held or following link at each joint in ground axes, (m, joints, 2).
+
+        A pin carries what its follower's end is short of; a clamp or pivot carries the rest
+        of what its link needs as a whole.
+        """
+        topology = self.linkage.engine.mechanism.linkage.topology
+        forces = {}
+        needed = [_to_ground(f[:, :2], motion.angle[:, i]) for i, f in enumerate(fields)]
+        for pin in topology.pins:
+            link = topology.index(pin.follower.link)
+            pair = self.linkage.links[link].end_displacement(pin.follower.end)
+            force = _to_ground(ends[link][:, pair], motion.angle[:, link])
+            forces[pin.joint] = force
+            needed[link] = needed[link] - force
+            leader = topology.index(pin.leader.link)
+            needed[leader] = needed[leader] + force
+        held = [(clamp.joint, clamp.held) for clamp in topology.clamps]
+        held += [(pivot.joint, pivot.held) for pivot in topology.pivots]
+        for joint, end in held:
+            forces[joint] = needed[topology.index(end.link)]
+        return np.stack([forces[name] for name in topology.joint_names], axis=1)
+
+
+def _internal_force(model: LinkModel, stress: LinkStress, link: MovingLink) -> FloatArray:
+    elastic = (stress.stiffness @ link.displacement[..., None])[..., 0]
+    return np.asarray(elastic + stress.prestress + link.rate @ model.damping)
+
+
+def _to_ground(vector: FloatArray, angle: FloatArray) -> FloatArray:
+    """Vectors (m, 2) from a link's frame to ground axes."""
+    return vector[:, :1] * direction(angle) + vector[:, 1:] * normal(angle)

@@ -1,0 +1,215 @@
+"""Inertia of a link that moves with its frame and vibrates in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system import LinkModel
+from flexmech.linkages import RigidMotion
+from flexmech.linkages.motion import direction, normal
+
+__all__ = ["LinkInertia", "MovingLink", "dot"]
+
+FloatArray = NDArray[np.float64]
+
+# Rigid fields of a link, in this order: unit translation along and across, unit turn about
+# the start, and the field of points at their distance from the start.
+FIELDS = ("along", "across", "tangential", "centripetal")
+
+
+def dot(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Products of vectors (m, n) with vectors (m, n), one a row."""
+    return np.asarray(np.einsum("mi,mi->m", first, second))
+
+
+@dataclass(frozen=True)
+class MovingLink:
+    """One link's motion at m instants, in its frame.
+
+    Parameters
+    ----------
+    displacement, rate, change : ndarray, shape (m, n)
+        Elastic coordinates and their first and second time derivatives.
+    angular_velocity, angular_acceleration : ndarray, shape (m,)
+    velocity, acceleration : ndarray, shape (m, 4)
+        Coefficients of the rigid fields; weight counts as acceleration.
+    virtual_velocity : ndarray, shape (m, 4)
+        Coefficients of the rigid fields at unit crank speed.
+    virtual_turn : ndarray, shape (m,)
+        Angular velocity at unit crank speed.
+    """
+
+    displacement: FloatArray
+    rate: FloatArray
+    change: FloatArray
+    angular_velocity: FloatArray
+    angular_acceleration: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    virtual_velocity: FloatArray
+    virtual_turn: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        link: int,
+        elastic: tuple[FloatArray, FloatArray, FloatArray],
+        motion: RigidMotion,
+        unit_motion: RigidMotion,
+        gravity: FloatArray,
+    ) -> Self:
+        """Take a link's rigid motion apart.
+
+        Parameters
+        ----------
+        link : int
+        elastic : tuple of ndarray, shape (m, n)
+            Displacement, rate and change.
+        motion, unit_motion : RigidMotion
+            Batches of shape (m,): as it is, and at unit crank speed.
+        gravity : ndarray, shape (2,)
+
+        Returns
+        -------
+        MovingLink
+        """
+        omega, alpha = motion.angular_velocity[:, link], motion.angular_acceleration[:, link]
+        angle, nothing = motion.angle[:, link], np.zeros_like(omega)
+        pull = motion.origin_acceleration[:, link] - gravity
+        return cls(
+            *elastic,
+            angular_velocity=omega,
+            angular_acceleration=alpha,
+            velocity=_fields(angle, motion.origin_velocity[:, link], omega, nothing),
+            acceleration=_fields(angle, pull, alpha, -(omega**2)),
+            virtual_velocity=_fields(
+                angle,
+                unit_motion.origin_velocity[:, link],
+                unit_motion.angular_velocity[:, link],
+                nothing,
+            ),
+            virtual_turn=unit_motion.angular_velocity[:, link],
+        )
+
+
+def _fields(
+    angle: FloatArray, origin: FloatArray, turn: FloatArray, distance: FloatArray
+) -> FloatArray:
+    """Coefficients (m, 4) of the rigid fields; ``origin`` (m, 2) is in ground axes."""
+    along, across = direction(angle), normal(angle)
+    return np.stack([dot(origin, along), dot(origin, across), turn, distance], axis=1)
+
+
+@dataclass(frozen=True)
+class LinkInertia:
+    """Integrals over a reduced link of its shapes and rigid fields.
+
+    Parameters
+    ----------
+    model : LinkModel
+        Reduced, n coordinates.
+    rigid : ndarray, shape (4, 4)
+        Field with field.
+    mass, turned, translational : ndarray, shape (n, 4)
+        Shape with field, by the mass matrix, by S and by M_t.
+    """
+
+    model: LinkModel
+    rigid: FloatArray
+    mass: FloatArray
+    turned: FloatArray
+    translational: FloatArray
+
+    @classmethod
+    def of(cls, model: LinkModel, full: LinkModel, basis: FloatArray) -> Self:
+        """Integrate.
+
+        Parameters
+        ----------
+        model, full : LinkModel
+            Reduced and not.
+        basis : ndarray, shape (n_full, n)
+
+        Returns
+        -------
+        LinkInertia
+        """
+        fields = np.stack([getattr(full.fields, name) for name in FIELDS], axis=1)
+        return cls(
+            model,
+            fields.T @ full.mass @ fields,
+            basis.T @ full.mass @ fields,
+            basis.T @ full.gyroscopic @ fields,
+            basis.T @ full.translational_mass @ fields,
+        )
+
+    def shape_forces(self, link: MovingLink) -> FloatArray:
+        """Mass times acceleration, weighted with each shape; (m, n)."""
+        omega, alpha = link.angular_velocity[:, None], link.angular_acceleration[:, None]
+        turned = (2 * omega * link.rate + alpha * link.displacement) @ self.model.gyroscopic.T
+        return np.asarray(
+            link.acceleration @ self.mass.T
+            + link.change @ self.model.mass
+            + turned
+            - omega**2 * (link.displacement @ self.model.translational_mass)
+        )
+
+    def field_forces(self, link: MovingLink) -> FloatArray:
+        """Mass times acceleration, weighted with each rigid field; (m, 4)."""
+        omega, alpha = link.angular_velocity[:, None], link.angular_acceleration[:, None]
+        turned = (2 * omega * link.rate + alpha * link.displacement) @ self.turned
+        return np.asarray(
+            link.acceleration @ self.rigid
+            + link.change @ self.mass
+            - turned
+            - omega**2 * (link.displacement @ self.translational)
+        )
+
+    def turning_power(self, link: MovingLink) -> FloatArray:
+        """Mass times acceleration on the displacement as the frame turns at 1 rad/s, (m,)."""
+        p = link.displacement
+        turning = (
+            2 * link.angular_velocity[:, None] * link.rate + link.angular_acceleration[:, None] * p
+        )
+        return (
+            dot(p, turning @ self.model.translational_mass)
+            - dot(p, link.acceleration @ self.turned.T)
+            - dot(p, link.change @ self.model.gyroscopic.T)
+        )
+
+    def kinetic_energy(self, link: MovingLink) -> FloatArray:
+        """Of the rigid motion and the vibration together, (m,)."""
+        p, rate, c, omega = link.displacement, link.rate, link.velocity, link.angular_velocity
+        return np.asarray(
+            dot(c, c @ self.rigid) / 2
+            + dot(c, rate @ self.mass)
+            + dot(rate, rate @ self.model.mass) / 2
+            + omega * (dot(rate, p @ self.model.gyroscopic.T) - dot(c, p @ self.turned))
+            + omega**2 * dot(p, p @ self.model.translational_mass) / 2
+        )
+
+    def gravity_energy(
+        self, origin: FloatArray, angle: FloatArray, displacement: FloatArray, gravity: FloatArray
+    ) -> FloatArray:
+        """Potential of the weight, zero at the ground's origin.
+
+        Parameters
+        ----------
+        origin : ndarray, shape (m, 2)
+        angle : ndarray, shape (m,)
+        displacement : ndarray, shape (m, n)
+        gravity : ndarray, shape (2,)
+
+        Returns
+        -------
+        ndarray, shape (m,)
+        """
+        along, across = direction(angle), normal(angle)
+        mass, moment = self.rigid[0, 0], self.rigid[0, FIELDS.index("centripetal")]
+        moved = np.stack([along @ gravity, across @ gravity], axis=1)
+        elastic = dot(moved, displacement @ self.mass[:, :2])
+        return np.asarray(-(mass * origin + moment * along) @ gravity - elastic)

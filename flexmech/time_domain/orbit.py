@@ -1,0 +1,116 @@
+"""The periodic motion of a nonlinear simulation, found by shooting.
+
+A simulated turn maps the state at its start to that at its end. The linear equations know
+how the end answers a change of the start (their monodromy matrix), which makes Newton's
+method with an approximate derivative out of one simulated turn an iteration. It finds the
+periodic motion whether or not damping would ever lead there.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import ComputationError
+from flexmech.time_domain.driven_linkage import DrivenLinkage
+from flexmech.time_domain.periodic import periodic_state, turn_map
+from flexmech.time_domain.recording import Trajectory
+from flexmech.time_domain.state import LinkState, VibrationState
+
+__all__ = ["PeriodicOrbit", "simulated_orbit"]
+
+logger = logging.getLogger(__name__)
+
+FloatArray = NDArray[np.float64]
+Turn = Callable[[LinkState], Trajectory]
+
+# The orbit closes when a turn ends within this part of its greatest displacement.
+CLOSURE = 2e-4
+MOST_TURNS = 12
+
+
+@dataclass(frozen=True)
+class PeriodicOrbit:
+    """A simulated turn that ends where it started.
+
+    Parameters
+    ----------
+    start : LinkState
+    turn : Trajectory
+    closure : float
+        How far it ends from its start, over the greatest displacement.
+    turns : int
+        Simulated turns that it took to find it.
+    """
+
+    start: LinkState
+    turn: Trajectory
+    closure: float
+    turns: int
+
+
+def simulated_orbit(linkage: DrivenLinkage, steps: int, simulate_turn: Turn) -> PeriodicOrbit:
+    """Find the periodic motion of a simulation.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+        Linear equations of the same engine at the same, constant speed.
+    steps : int
+        Time steps a turn.
+    simulate_turn : callable
+        Simulates one turn from a state; its samples include start and end.
+
+    Returns
+    -------
+    PeriodicOrbit
+
+    Raises
+    ------
+    ComputationError
+        If the iteration does not close the orbit, or the crank speed is critical.
+    """
+    monodromy, n = turn_map(linkage, steps).monodromy, linkage.size
+    gain = np.linalg.inv(np.eye(2 * n) - monodromy)
+    equations = linkage.equations(np.zeros(1))
+    start = periodic_state(linkage, steps)
+    state = np.concatenate([start.position, start.velocity])
+    best = np.inf
+    for turns in range(1, MOST_TURNS + 1):
+        first = linkage.link_state(
+            equations, VibrationState(state[None, :n], state[None, n:], np.zeros((1, n)))
+        )
+        turn = simulate_turn(first)
+        gap = _state(linkage, _at(turn, -1)) - _state(linkage, _at(turn, 0))
+        closure = _closure(linkage, turn)
+        logger.info("turn %d closes to %.1e of its greatest displacement", turns, closure)
+        if closure <= CLOSURE:
+            return PeriodicOrbit(first, turn, closure, turns)
+        best = min(best, closure)
+        state = state + gain @ gap
+    raise ComputationError(
+        f"no periodic motion found at crank speed {linkage.drive.speed:.6g} rad/s: the nearest "
+        f"of {MOST_TURNS} turns ends {100 * best:.3g} % of its greatest displacement away from "
+        "its start; change the crank speed a little, or give the links damping"
+    )
+
+
+def _closure(linkage: DrivenLinkage, turn: Trajectory) -> float:
+    """Distance of the end from the start over the greatest displacement, at the stations."""
+    gap, size = 0.0, 0.0
+    for link, q in zip(linkage.engine.links, turn.displacement, strict=True):
+        gap = max(gap, float(np.abs(link.shape @ (q[-1] - q[0])).max()))
+        size = max(size, float(np.abs(np.einsum("scn,bn->bsc", link.shape, q)).max()))
+    return gap / size
+
+
+def _at(turn: Trajectory, sample: int) -> LinkState:
+    return LinkState([q[sample] for q in turn.displacement], [r[sample] for r in turn.rate])
+
+
+def _state(linkage: DrivenLinkage, state: LinkState) -> FloatArray:
+    return np.concatenate(linkage.coordinates(state))

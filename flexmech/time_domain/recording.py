@@ -1,0 +1,249 @@
+"""From blocks of time steps to evenly sampled histories and an energy balance.
+
+Both engines hand over their steps block by block, so that the memory of a long run is that
+of its samples. Energies are summed over every step; histories are kept at the samples.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["EnergyHistory", "Recorder", "StepBlock", "Trajectory"]
+
+FloatArray = NDArray[np.float64]
+
+# Samples that fall on a step to this part of the step are read off, not interpolated.
+ON_A_STEP = 1e-6
+
+
+@dataclass(frozen=True)
+class StepBlock:
+    """Consecutive time steps; the first one repeats the last step of the block before.
+
+    Parameters
+    ----------
+    time : ndarray, shape (m,)
+        In s.
+    crank_speed : ndarray, shape (m,)
+    displacement, rate : list of ndarray, shape (m, n_link)
+        Each link's coordinates in the frame of its rigid motion, less those of the
+        undeformed link, and their time derivatives in that frame.
+    joint_force : ndarray, shape (m, n_joints, 2)
+        On the held or following link, ground axes, in the order of the topology's joints.
+    driving_torque : ndarray, shape (m,)
+        Of the shaft on the clamped link about the shaft's axis.
+    kinetic_energy, strain_energy, gravity_energy : ndarray, shape (m,)
+    dissipation_power : ndarray, shape (m,)
+        What damping takes out of the links, positive.
+    prestress_power : ndarray, shape (m,)
+        What a prescribed, changing prestress puts into a linear model; zero in a
+        nonlinear one.
+    """
+
+    time: FloatArray
+    crank_speed: FloatArray
+    displacement: list[FloatArray]
+    rate: list[FloatArray]
+    joint_force: FloatArray
+    driving_torque: FloatArray
+    kinetic_energy: FloatArray
+    strain_energy: FloatArray
+    gravity_energy: FloatArray
+    dissipation_power: FloatArray
+    prestress_power: FloatArray
+
+
+@dataclass(frozen=True)
+class EnergyHistory:
+    """Energies at the samples in J, each of shape (N,).
+
+    Parameters
+    ----------
+    kinetic, strain, gravity : ndarray, shape (N,)
+    dissipated, drive_work, prestress_work : ndarray, shape (N,)
+        Since the start of the run.
+    """
+
+    kinetic: FloatArray
+    strain: FloatArray
+    gravity: FloatArray
+    dissipated: FloatArray
+    drive_work: FloatArray
+    prestress_work: FloatArray
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A run of the linkage at N samples.
+
+    Parameters
+    ----------
+    time : ndarray, shape (N,)
+        In s.
+    displacement, rate : list of ndarray, shape (N, n_link)
+        As in :class:`StepBlock`.
+    joint_force : ndarray, shape (N, n_joints, 2)
+    driving_torque : ndarray, shape (N,)
+    energy : EnergyHistory
+    energy_error : float
+        Greatest ``|work of the drive - change of kinetic, strain and gravity energy -
+        dissipated|`` over all steps, relative to the peak kinetic energy.
+    step : float
+        Time step in s.
+    """
+
+    time: FloatArray
+    displacement: list[FloatArray]
+    rate: list[FloatArray]
+    joint_force: FloatArray
+    driving_torque: FloatArray
+    energy: EnergyHistory
+    energy_error: float
+    step: float
+
+    def __getitem__(self, where: slice) -> Trajectory:
+        """The same run at some of the samples."""
+        energy = EnergyHistory(
+            *(getattr(self.energy, field.name)[where] for field in fields(self.energy))
+        )
+        return replace(
+            self,
+            time=self.time[where],
+            displacement=[q[where] for q in self.displacement],
+            rate=[r[where] for r in self.rate],
+            joint_force=self.joint_force[where],
+            driving_torque=self.driving_torque[where],
+            energy=energy,
+        )
+
+
+class Recorder:
+    """Takes blocks of steps and keeps the samples.
+
+    Parameters
+    ----------
+    sample_time : ndarray, shape (N,)
+        Increasing, inside the run.
+    step : float
+        Time step in s.
+    """
+
+    def __init__(self, sample_time: FloatArray, step: float) -> None:
+        self.sample_time = sample_time
+        self.step = step
+        self._parts: list[dict[str, list[FloatArray]]] = []
+        self._taken = 0
+        self._work = np.zeros(3)  # drive, dissipated, prestress
+        self._balance_start: float | None = None
+        self._worst = 0.0
+        self._peak = 0.0
+
+    def add(self, block: StepBlock) -> None:
+        """Take the next steps."""
+        powers = np.stack(
+            [
+                block.driving_torque * block.crank_speed,
+                block.dissipation_power,
+                block.prestress_power,
+            ]
+        )
+        work = self._work[:, None] + _cumulative(block.time, powers)
+        self._work = work[:, -1]
+        stored = block.kinetic_energy + block.strain_energy + block.gravity_energy
+        if self._balance_start is None:
+            self._balance_start = float(stored[0])
+        gap = stored - self._balance_start - work[0] + work[1] - work[2]
+        self._worst = max(self._worst, float(np.abs(gap).max()))
+        self._peak = max(self._peak, float(block.kinetic_energy.max()))
+        self._sample(block, work)
+
+    def finish(self) -> Trajectory:
+        """The samples of all blocks."""
+
+        def joined(name: str) -> list[FloatArray]:
+            return [
+                np.concatenate(p) for p in zip(*(part[name] for part in self._parts), strict=True)
+            ]
+
+        single = {name: joined(name)[0] for name in ("joint_force", "driving_torque", "energy")}
+        return Trajectory(
+            time=self.sample_time[: self._taken],
+            displacement=joined("displacement"),
+            rate=joined("rate"),
+            joint_force=single["joint_force"],
+            driving_torque=single["driving_torque"],
+            energy=EnergyHistory(*single["energy"].T),
+            energy_error=self._worst / self._peak,
+            step=self.step,
+        )
+
+    def _sample(self, block: StepBlock, work: FloatArray) -> None:
+        reach = block.time[-1] + ON_A_STEP * self.step
+        stop = int(np.searchsorted(self.sample_time, reach, side="right"))
+        at = self.sample_time[self._taken : stop]
+        self._taken = stop
+        before, fraction = _place(block.time, at)
+        cubic = [
+            _hermite(block.time, q, r, before, fraction)
+            for q, r in zip(block.displacement, block.rate, strict=True)
+        ]
+        energy = np.stack(
+            [
+                block.kinetic_energy,
+                block.strain_energy,
+                block.gravity_energy,
+                work[1],
+                work[0],
+                work[2],
+            ],
+            axis=1,
+        )
+        self._parts.append(
+            {
+                "displacement": [value for value, _ in cubic],
+                "rate": [slope for _, slope in cubic],
+                "joint_force": [_linear(block.joint_force, before, fraction)],
+                "driving_torque": [_linear(block.driving_torque, before, fraction)],
+                "energy": [_linear(energy, before, fraction)],
+            }
+        )
+
+
+def _cumulative(time: FloatArray, power: FloatArray) -> FloatArray:
+    """Integral of powers (k, m) from the first time on, by the trapezoidal rule."""
+    work = np.zeros_like(power)
+    np.cumsum((power[:, 1:] + power[:, :-1]) / 2 * np.diff(time), axis=1, out=work[:, 1:])
+    return work
+
+
+def _place(time: FloatArray, at: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
+    """Step before each sample and how far the sample is beyond it, from 0 to 1."""
+    before = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
+    fraction = (at - time[before]) / (time[before + 1] - time[before])
+    nearest = np.round(fraction)
+    return before, np.where(np.abs(fraction - nearest) <= ON_A_STEP, nearest, fraction)
+
+
+def _linear(values: FloatArray, before: NDArray[np.intp], fraction: FloatArray) -> FloatArray:
+    s = fraction.reshape(-1, *(1,) * (values.ndim - 1))
+    return (1 - s) * values[before] + s * values[before + 1]
+
+
+def _hermite(
+    time: FloatArray,
+    value: FloatArray,
+    rate: FloatArray,
+    before: NDArray[np.intp],
+    fraction: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Cubic Hermite interpolation of values and their rates, (m, n) -> (samples, n)."""
+    s, h = fraction[:, None], (time[before + 1] - time[before])[:, None]
+    v0, v1, r0, r1 = value[before], value[before + 1], h * rate[before], h * rate[before + 1]
+    jump = v1 - v0
+    second, third = 3 * jump - 2 * r0 - r1, r0 + r1 - 2 * jump
+    interpolated = v0 + s * (r0 + s * (second + s * third))
+    slope = (r0 + s * (2 * second + s * 3 * third)) / h
+    return interpolated, slope
