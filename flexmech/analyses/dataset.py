@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
-from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -13,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.analyses.mapping import FrequencyRequest
+from flexmech.analyses.provenance import provenance
 from flexmech.analyses.tracking import Branches
 from flexmech.linear_system import Engine
 
@@ -33,6 +32,7 @@ UNITS = {
     "reduction_error": ("1", "relative error of the frequency by component modes"),
     "mode_shape": ("1", "displacement of the mode in ground axes, largest 1"),
     "rigid_position": ("m", "position of the undeformed links"),
+    "quasi_static_frequency": ("Hz", "natural frequency at the quasi-static equilibrium"),
     "speed_effect": ("Hz", "change of the frequency that the term adds"),
     "crank_speed": ("rad/s", "crank speed"),
     "crank_angle": ("rad", "crank angle"),
@@ -87,6 +87,7 @@ def build_dataset(
     request: FrequencyRequest,
     maps: Sequence[EngineMap],
     speed_effect: dict[str, FloatArray] | None,
+    quasi_static: FloatArray | None = None,
 ) -> xr.Dataset:
     """Label the results of all engines.
 
@@ -97,6 +98,8 @@ def build_dataset(
     maps : sequence of EngineMap
         One for each engine.
     speed_effect : dict of str to ndarray, shape (S, A, modes), or None
+    quasi_static : ndarray, shape (E, S, A, modes), or None
+        Frequencies at the quasi-static equilibrium, where others were asked for.
 
     Returns
     -------
@@ -128,6 +131,8 @@ def build_dataset(
     if speed_effect:
         dims = ("term", *MAP_DIMS[1:])
         variables["speed_effect"] = (dims, np.stack(list(speed_effect.values())))
+    if quasi_static is not None:
+        variables["quasi_static_frequency"] = (MAP_DIMS, quasi_static)
     links = list(engines[0].mechanism.linkage.topology.link_names)
     stations = variables["rigid_position"][1].shape[2]
     dataset = xr.Dataset(
@@ -146,7 +151,11 @@ def build_dataset(
             "component": ["x", "y"],
             **({"term": list(speed_effect)} if speed_effect else {}),
         },
-        attrs=_provenance(engines, request),
+        attrs={
+            **provenance(engines),
+            "prestress": request.prestress,
+            "rotation_terms": "on" if request.rotation_terms else "off",
+        },
     )
     for name, (units, long_name) in UNITS.items():
         if name in dataset.variables:
@@ -179,25 +188,3 @@ def _positions(engine: Engine, crank_angles: FloatArray) -> FloatArray:
         places = np.linspace(0.0, length, len(link.shape))
         parts.append(np.stack([motion.position(number, float(x)) for x in places], axis=1))
     return np.stack(parts, axis=1)
-
-
-@cache
-def _version(package: str) -> str:
-    return version(package)
-
-
-def _provenance(engines: Sequence[Engine], request: FrequencyRequest) -> dict[str, str | int]:
-    provenance = engines[0].mechanism.provenance
-    rotation = request.rotation_terms
-    packages = ["flexmech", "numpy", "scipy"]
-    packages += ["exudyn"] if any(e.name == "exudyn" for e in engines) else []
-    return {
-        "mechanism": provenance.name,
-        "source": provenance.source,
-        "model_file": provenance.file,
-        "model_sha256": provenance.sha256,
-        "prestress": request.prestress,
-        "rotation_terms": "on" if rotation else "off",
-        "elements": engines[0].elements,
-        **{f"{name}_version": _version(name) for name in packages},
-    }

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,14 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 from flexmech.analyses.dataset import EngineMap, SpeedMap, build_dataset
 from flexmech.analyses.discretisation import check_angle_indices, discretisation_error
 from flexmech.analyses.eigenproblem import solve_frequencies, solve_modes
-from flexmech.analyses.mapping import FrequencyRequest, Mapping
+from flexmech.analyses.mapping import FrequencyRequest, Mapping, MapPrestress
 from flexmech.analyses.reduction import accurate_reduction
 from flexmech.analyses.result import MovingFrequencies
+from flexmech.analyses.running_states import RunningStates
 from flexmech.analyses.speed_effect import speed_effect_terms
 from flexmech.analyses.tracking import Tracker, same_shapes
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinearSystem, Prestress
 from flexmech.threads import one_thread
+from flexmech.time_domain import Simulator
 
 __all__ = ["frequency_map", "moving_frequencies", "natural_frequencies"]
 
@@ -122,7 +125,7 @@ def moving_frequencies(
     crank_speeds: ArrayLike,
     *,
     modes: int = 4,
-    prestress: Prestress = "equilibrium",
+    prestress: MapPrestress = "equilibrium",
     rotation_terms: bool = True,
     speed_effect: bool = False,
     progress: Progress | None = None,
@@ -139,7 +142,10 @@ def moving_frequencies(
         rad/s.
     modes : int
         Number of natural frequencies.
-    prestress : {"none", "axial", "equilibrium"}
+    prestress : {"none", "axial", "equilibrium", "trajectory"}
+        With ``trajectory`` engines that simulate are linearized in the states of their
+        settled motion, and the result holds the quasi-static frequencies besides; other
+        engines give the quasi-static ones alone.
     rotation_terms : bool
         Terms of the turning link frames; off gives the frozen inertial form. With them,
         frozen eigenvalues depend on the frame in which they are written (Floquet
@@ -172,13 +178,36 @@ def moving_frequencies(
     )
     report = progress or (lambda label, done, total: None)
     with one_thread():
-        maps = [_map_engine(each, request, report) for each in engines]
+        if prestress == "trajectory" and not any(isinstance(e, Simulator) for e in engines):
+            RunningStates.of(engines[0], 1.0)  # says which engine it needs
+        requests = [_request_of(each, request) for each in engines]
+        maps = [_map_engine(e, r, report) for e, r in zip(engines, requests, strict=True)]
+        quasi_static = _quasi_static(maps, requests) if prestress == "trajectory" else None
         terms = (
             speed_effect_terms(_effect_map(maps[0]), maps[0].engine, request, report)
             if speed_effect
             else None
         )
-    return MovingFrequencies(build_dataset(engines, request, maps, terms))
+    return MovingFrequencies(build_dataset(engines, request, maps, terms, quasi_static))
+
+
+def _request_of(engine: Engine, request: FrequencyRequest) -> FrequencyRequest:
+    """What an engine is asked: those that do not simulate have no trajectory."""
+    if isinstance(engine, Simulator):
+        return request
+    return replace(request, prestress=request.quasi_static_prestress)
+
+
+def _quasi_static(maps: Sequence[EngineMap], requests: Sequence[FrequencyRequest]) -> FloatArray:
+    """Frequencies at the quasi-static equilibrium next to those asked for, (E, S, A, modes)."""
+    parts = []
+    for each, request in zip(maps, requests, strict=True):
+        if request.prestress == "trajectory":
+            still = replace(request, prestress=request.quasi_static_prestress)
+            parts.append(frequency_map(each.engine, still, each.detail))
+        else:
+            parts.append(np.stack([s.frequency[:, : request.modes] for s in each.speeds]))
+    return np.stack(parts)
 
 
 def _effect_map(of: EngineMap) -> Callable[[Engine, FrequencyRequest], FloatArray]:
@@ -226,7 +255,7 @@ def _map_engine(engine: Engine, request: FrequencyRequest, report: Progress) -> 
                     request.crank_angles[where],
                     speed,
                     modes=request.modes,
-                    prestress=request.prestress,
+                    prestress=request.quasi_static_prestress,
                     rotation_terms=request.rotation_terms,
                     detail=mapping.detail,
                 ),

@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.analyses.reduction import CheckedModes, accurate_reduction
+from flexmech.analyses.running_states import RunningStates
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinearSystem, Prestress, RotationTerms
 
-__all__ = ["SPARE_MODES", "FrequencyRequest", "Mapping"]
+__all__ = ["SPARE_MODES", "FrequencyRequest", "MapPrestress", "Mapping"]
 
 FloatArray = NDArray[np.float64]
+MapPrestress = Prestress | Literal["trajectory"]
 
 # Modes followed besides those asked for, so that a branch may dip out and come back.
 SPARE_MODES = 2
@@ -31,7 +34,8 @@ class FrequencyRequest:
     crank_speeds : ndarray, shape (S,)
         rad/s.
     modes : int
-    prestress : {"none", "axial", "equilibrium"}
+    prestress : {"none", "axial", "equilibrium", "trajectory"}
+        ``trajectory``: in the states of the simulated, settled motion.
     rotation_terms : bool or RotationTerms
 
     Raises
@@ -44,7 +48,7 @@ class FrequencyRequest:
     crank_angles: FloatArray
     crank_speeds: FloatArray
     modes: int
-    prestress: Prestress
+    prestress: MapPrestress
     rotation_terms: bool | RotationTerms
 
     def __post_init__(self) -> None:
@@ -60,6 +64,11 @@ class FrequencyRequest:
             raise InputError("crank_speeds repeats a speed; give each one once")
         if self.modes < 1:
             raise InputError(f"modes must be 1 or more, got {self.modes}")
+
+    @property
+    def quasi_static_prestress(self) -> Prestress:
+        """The level nearest to the one asked for that needs no simulation."""
+        return "equilibrium" if self.prestress == "trajectory" else self.prestress
 
     @property
     def full_turn(self) -> bool:
@@ -86,6 +95,7 @@ class Mapping:
         self.engine = engine
         self.request = request
         self.detail = detail
+        self._running: dict[float, RunningStates] = {}
         motion = engine.mechanism.linkage.motion(request.crank_angles, 1.0)
         self._speed_ratio = float(np.abs(motion.angular_velocity).max())
 
@@ -125,9 +135,18 @@ class Mapping:
         return engine.linear_system(
             crank_angles,
             crank_speed,
-            prestress=self.request.prestress,
+            prestress=self.request.quasi_static_prestress,
+            running=self._states(crank_angles, crank_speed),
             rotation_terms=self.request.rotation_terms,
             modes=self.request.modes,
             fastest=self._speed_ratio * abs(crank_speed),
             detail=detail,
         )
+
+    def _states(self, crank_angles: FloatArray, crank_speed: float) -> list[FloatArray] | None:
+        """Running states where they are asked for; at rest there is nothing to run."""
+        if self.request.prestress != "trajectory" or not crank_speed:
+            return None
+        if crank_speed not in self._running:
+            self._running[crank_speed] = RunningStates.of(self.engine, crank_speed)
+        return self._running[crank_speed].at(crank_angles, crank_speed)

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from flexmech.errors import InputError
-from flexmech.files import moved_into
+from flexmech.analyses.stored_result import StoredResult
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -42,7 +40,7 @@ class EngineAgreement:
 
 
 @dataclass(frozen=True)
-class MovingFrequencies:
+class MovingFrequencies(StoredResult):
     """Natural frequencies over crank angle and speed, tracked, with their errors.
 
     Parameters
@@ -51,7 +49,8 @@ class MovingFrequencies:
         Variables and units are in the dataset itself; see the README.
     """
 
-    dataset: xr.Dataset
+    stem = "frequencies"
+    hallmark = "frequency"
 
     def extremes(self) -> xr.Dataset:
         """Lowest and highest frequency of each mode and the crank angles where they are.
@@ -109,59 +108,6 @@ class MovingFrequencies:
             "damping_ratio": "damping_ratio",
         }
         return frame[list(columns)].rename(columns=columns)
-
-    def save(self, folder: str | Path) -> list[Path]:
-        """Write ``frequencies.csv`` and ``frequencies.nc``, each whole or not at all.
-
-        Parameters
-        ----------
-        folder : str or Path
-            Made if it is not there.
-
-        Returns
-        -------
-        list of Path
-
-        Raises
-        ------
-        InputError
-            If the folder cannot be written to.
-        """
-        folder = Path(folder)
-        names = ("frequencies.csv", "frequencies.nc")
-        with moved_into(folder) as temporary:
-            self.table().to_csv(temporary / names[0], index=False, float_format="%.10g")
-            self.dataset.to_netcdf(temporary / names[1], engine="h5netcdf")
-        return [folder / name for name in names]
-
-    @classmethod
-    def load(cls, path: str | Path) -> Self:
-        """Read ``frequencies.nc`` back.
-
-        Parameters
-        ----------
-        path : str or Path
-
-        Returns
-        -------
-        MovingFrequencies
-
-        Raises
-        ------
-        InputError
-            If the file is not there or is no result of flexmech.
-        """
-        path = Path(path)
-        if not path.is_file():
-            raise InputError(f"{path}: no such result file")
-        try:
-            with xr.open_dataset(path, engine="h5netcdf") as dataset:
-                loaded = dataset.load()
-        except (OSError, ValueError) as error:
-            raise InputError(f"{path}: not a NetCDF file of flexmech ({error})") from error
-        if "frequency" not in loaded:
-            raise InputError(f"{path}: holds no variable 'frequency'; not a result of flexmech")
-        return cls(loaded)
 
     def plot(self) -> Figure:
         """Natural frequencies against crank angle; see :mod:`flexmech.plots` for others."""

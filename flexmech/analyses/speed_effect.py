@@ -55,10 +55,10 @@ def speed_effect_terms(
     before = frequency_map(engine, replace(request, prestress="none", rotation_terms=False))
     effects: dict[str, FloatArray] = {}
     for number, (term, (prestress, rotation)) in enumerate(TERMS.items()):
-        level: Prestress = request.prestress if prestress == "equilibrium" else prestress
+        level = request.quasi_static_prestress if prestress == "equilibrium" else prestress
         wanted = {
             "geometric": request.prestress != "none",
-            "posture": request.prestress == "equilibrium",
+            "posture": request.quasi_static_prestress == "equilibrium",
         }.get(term, bool(request.rotation_terms))
         if wanted:
             after = frequency_map(

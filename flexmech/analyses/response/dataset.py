@@ -1,0 +1,251 @@
+"""From runs to one labelled dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.analyses.provenance import provenance
+from flexmech.analyses.response.quantities import (
+    bending_strains,
+    constraint_drift,
+    deflections,
+    ground_displacements,
+    probes,
+)
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.response.run import EngineRun
+from flexmech.analyses.response.spectra import amplitude_spectrum, spectrogram
+from flexmech.linear_system import Engine
+from flexmech.linkages import RigidMotion, Topology, inverse_dynamics
+
+__all__ = ["build_dataset"]
+
+FloatArray = NDArray[np.float64]
+Variables = dict[str, tuple[tuple[str, ...], Any]]
+
+# Spectra reach this far above the highest natural frequency asked for.
+SPECTRUM_REACH = 1.5
+
+UNITS = {
+    "deflection": ("m", "deflection, positive along the link frame's y axis"),
+    "strain": ("1", "bending strain in the middle, of the surface on the +y side"),
+    "driving_torque": ("N m", "torque of the shaft"),
+    "rigid_driving_torque": ("N m", "torque of the shaft if the links were rigid"),
+    "joint_force": ("N", "force on the held or following link, ground axes"),
+    "rigid_joint_force": ("N", "force at the joint if the links were rigid, ground axes"),
+    "displacement": ("m", "elastic displacement in ground axes"),
+    "rigid_position": ("m", "position of the undeformed links"),
+    "kinetic_energy": ("J", "kinetic energy"),
+    "strain_energy": ("J", "strain energy"),
+    "gravity_energy": ("J", "potential of the weight"),
+    "dissipated_energy": ("J", "energy that damping has taken"),
+    "drive_work": ("J", "work of the driving torque"),
+    "prestress_work": ("J", "work of the prescribed change of prestress"),
+    "step": ("s", "time step"),
+    "energy_error": ("1", "greatest gap in the energy balance over the peak kinetic energy"),
+    "constraint_drift": ("m", "greatest gap of a pin or held end"),
+    "step_error": ("1", "estimated error by the time step over the peak deflection"),
+    "mesh_error": ("1", "change of the deflection by twice the elements over its peak"),
+    "spectrum": ("m", "amplitude of the deflection"),
+    "spectrogram": ("m", "amplitude of the deflection"),
+    "natural_frequency": ("Hz", "predicted moving natural frequency"),
+    "time": ("s", "time"),
+    "crank_angle": ("rad", "crank angle"),
+    "spectrum_frequency": ("Hz", "frequency"),
+    "window_time": ("s", "middle of the window"),
+    "window_frequency": ("Hz", "frequency"),
+    "station": ("1", "place along the link over its length"),
+}
+
+
+def build_dataset(
+    runs: Sequence[EngineRun],
+    request: ResponseRequest,
+    refinement: int,
+    highest: float,
+    mesh_errors: Sequence[float] | None,
+) -> xr.Dataset:
+    """Label the runs of all engines.
+
+    Parameters
+    ----------
+    runs : sequence of EngineRun
+        At samples ``refinement`` times as dense as asked for.
+    request : ResponseRequest
+    refinement : int
+    highest : float
+        Highest natural frequency asked for in Hz.
+    mesh_errors : sequence of float, or None
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    engines = [run.engine for run in runs]
+    time = request.sample_time()
+    motion = _motion(engines[0], request, time)
+    topology = engines[0].mechanism.linkage.topology
+    variables: Variables = {
+        **_histories(runs, motion, refinement),
+        **_rigid_values(engines[0], motion),
+        **_checks(runs, mesh_errors),
+    }
+    spectra, coordinates = _spectra(runs, request, refinement, highest)
+    variables.update(spectra)
+    dataset = xr.Dataset(
+        variables,
+        coords={
+            "engine": [e.name for e in engines],
+            "element": ("engine", [e.element for e in engines]),
+            "time": time,
+            "crank_angle": ("time", motion.crank_angle),
+            "link": list(topology.link_names),
+            "probe": ("link", probes(engines[0])),
+            "joint": list(topology.joint_names),
+            "joint_kind": ("joint", [_kind(topology, name) for name in topology.joint_names]),
+            "station": np.linspace(0.0, 1.0, engines[0].links[0].shape.shape[0]),
+            "component": ["x", "y"],
+            **coordinates,
+        },
+        attrs={
+            **provenance(engines),
+            "crank_speed": request.drive.speed,
+            "run_up_time": request.drive.run_up_time,
+            "revolutions": request.revolutions,
+            "start": request.start,
+            "integrator": request.integrator,
+            "prestress": request.prestress,
+        },
+    )
+    for name, (units, long_name) in UNITS.items():
+        if name in dataset.variables:
+            dataset[name].attrs.update(units=units, long_name=long_name)
+    return dataset
+
+
+def _kind(topology: Topology, joint: str) -> str:
+    if any(clamp.joint == joint for clamp in topology.clamps):
+        return "clamp"
+    return "pivot" if any(pivot.joint == joint for pivot in topology.pivots) else "pin"
+
+
+def _motion(engine: Engine, request: ResponseRequest, time: FloatArray) -> RigidMotion:
+    drive = request.drive
+    return engine.mechanism.linkage.motion(
+        drive.crank_angle(time), drive.crank_speed(time), drive.crank_acceleration(time)
+    )
+
+
+def _histories(runs: Sequence[EngineRun], motion: RigidMotion, refinement: int) -> Variables:
+    asked = slice(None, None, refinement)
+    energies = {
+        "kinetic_energy": "kinetic",
+        "strain_energy": "strain",
+        "gravity_energy": "gravity",
+        "dissipated_energy": "dissipated",
+        "drive_work": "drive_work",
+        "prestress_work": "prestress_work",
+    }
+    trajectories = [run.trajectory[asked] for run in runs]
+    pairs = [(run.engine, trajectory) for run, trajectory in zip(runs, trajectories, strict=True)]
+    variables: Variables = {
+        "deflection": (("engine", "time", "link"), np.stack([deflections(*p) for p in pairs])),
+        "strain": (("engine", "time", "link"), np.stack([bending_strains(*p) for p in pairs])),
+        "driving_torque": (("engine", "time"), np.stack([t.driving_torque for t in trajectories])),
+        "joint_force": (
+            ("engine", "time", "joint", "component"),
+            np.stack([t.joint_force for t in trajectories]),
+        ),
+        "displacement": (
+            ("engine", "time", "link", "station", "component"),
+            np.stack([ground_displacements(*p, motion) for p in pairs]),
+        ),
+        "constraint_drift": (
+            ("engine",),
+            np.array([constraint_drift(*p, motion) for p in pairs]),
+        ),
+    }
+    for name, field in energies.items():
+        values = np.stack([getattr(t.energy, field) for t in trajectories])
+        variables[name] = (("engine", "time"), values)
+    return variables
+
+
+def _rigid_values(engine: Engine, motion: RigidMotion) -> Variables:
+    mechanism = engine.mechanism
+    topology = mechanism.linkage.topology
+    forces = inverse_dynamics(topology, motion, mechanism.link_masses_in_order, mechanism.gravity)
+    stations = engine.links[0].shape.shape[0]
+    positions = [
+        np.stack([motion.position(i, float(x)) for x in np.linspace(0, link.length, stations)], 1)
+        for i, link in enumerate(topology.links)
+    ]
+    return {
+        "rigid_driving_torque": (("time",), forces.driving_torque),
+        "rigid_joint_force": (
+            ("time", "joint", "component"),
+            np.stack([forces.joint_force[name] for name in topology.joint_names], axis=1),
+        ),
+        "rigid_position": (("time", "link", "station", "component"), np.stack(positions, axis=1)),
+    }
+
+
+def _checks(runs: Sequence[EngineRun], mesh_errors: Sequence[float] | None) -> Variables:
+    checks = {
+        "step": [run.trajectory.step for run in runs],
+        "energy_error": [run.trajectory.energy_error for run in runs],
+        "step_error": [run.step_error for run in runs],
+    }
+    if mesh_errors is not None:
+        checks["mesh_error"] = list(mesh_errors)
+    return {name: (("engine",), np.array(values)) for name, values in checks.items()}
+
+
+def _spectra(
+    runs: Sequence[EngineRun], request: ResponseRequest, refinement: int, highest: float
+) -> tuple[Variables, dict[str, Any]]:
+    """Spectra of the run at its final speed, and their axes."""
+    steady = request.sample_time(refinement) >= request.drive.run_up_time - 1e-12
+    signals = [deflections(run.engine, run.trajectory)[steady].T for run in runs]
+    interval = request.sample_interval / refinement
+    up_to = SPECTRUM_REACH * highest
+    whole = [amplitude_spectrum(signal, interval, up_to) for signal in signals]
+    variables: Variables = {
+        "spectrum": (("engine", "link", "spectrum_frequency"), np.stack([a for _, a in whole]))
+    }
+    coordinates: dict[str, Any] = {"spectrum_frequency": whole[0][0]}
+    turn = request.drive.start_angle + np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+    lowest = float(natural_frequencies(runs[0].engine, turn, modes=1, prestress="none").min())
+    pictures = [spectrogram(signal, interval, lowest, up_to) for signal in signals]
+    shown = [picture for picture in pictures if picture is not None]
+    if not shown:
+        return variables, coordinates
+    start = request.drive.run_up_time
+    middle = shown[0].time + start
+    prediction = [
+        natural_frequencies(
+            run.engine,
+            np.asarray(request.drive.crank_angle(middle)),
+            request.drive.speed,
+            modes=request.modes,
+            prestress=request.prestress,
+        )
+        for run in runs
+    ]
+    variables["spectrogram"] = (
+        ("engine", "link", "window_frequency", "window_time"),
+        np.stack([picture.amplitude for picture in shown]),
+    )
+    variables["natural_frequency"] = (("engine", "window_time", "mode"), np.stack(prediction))
+    coordinates.update(
+        window_frequency=shown[0].frequency,
+        window_time=middle,
+        mode=np.arange(1, request.modes + 1),
+    )
+    return variables, coordinates

@@ -1,0 +1,141 @@
+"""What a strain gauge or a dial gauge on a running linkage would read."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system import Engine
+from flexmech.linkages import LinkEnd, RigidMotion
+from flexmech.linkages.motion import direction, normal
+from flexmech.time_domain import Trajectory
+
+__all__ = ["bending_strains", "constraint_drift", "deflections", "ground_displacements", "probes"]
+
+FloatArray = NDArray[np.float64]
+
+
+def probes(engine: Engine) -> list[str]:
+    """Where each link's deflection is read: the ``tip`` of a clamped link, else the ``middle``."""
+    topology = engine.mechanism.linkage.topology
+    clamped = {clamp.held.link for clamp in topology.clamps}
+    return ["tip" if name in clamped else "middle" for name in topology.link_names]
+
+
+def deflections(engine: Engine, trajectory: Trajectory) -> FloatArray:
+    """Deflection of every link at its probe, positive along the link frame's y axis.
+
+    Of the middle from the straight line between the link's own ends, or of a clamped link's
+    tip from the clamped tangent.
+
+    Parameters
+    ----------
+    engine : Engine
+    trajectory : Trajectory
+        N samples.
+
+    Returns
+    -------
+    ndarray, shape (N, n_links)
+        In m.
+    """
+    parts = []
+    lengths = [link.length for link in engine.mechanism.linkage.topology.links]
+    for link, place, length, q in zip(
+        engine.links, probes(engine), lengths, trajectory.displacement, strict=True
+    ):
+        count = len(link.shape)
+        chosen = link.shape[[0, count // 2, count - 1]]
+        start, middle, end = np.moveaxis(np.einsum("scn,bn->sbc", chosen, q), 0, 0)
+        if place == "tip":
+            parts.append(end[:, 1] - start[:, 1])
+        else:
+            parts.append(_off_chord(start, middle, end, length))
+    return np.stack(parts, axis=1)
+
+
+def _off_chord(start: FloatArray, middle: FloatArray, end: FloatArray, length: float) -> FloatArray:
+    """Distance of the middle from the line between the displaced ends, to its left."""
+    along = np.array([length, 0.0])
+    chord = along + end - start
+    arm = along / 2 + middle - start
+    cross = chord[:, 0] * arm[:, 1] - chord[:, 1] * arm[:, 0]
+    return np.asarray(cross / np.hypot(chord[:, 0], chord[:, 1]))
+
+
+def bending_strains(engine: Engine, trajectory: Trajectory) -> FloatArray:
+    """Bending strain in the middle of every link, of the surface on its frame's +y side.
+
+    Positive where that surface is stretched, as it is by a positive deflection of a pinned
+    link.
+
+    Parameters
+    ----------
+    engine : Engine
+    trajectory : Trajectory
+        N samples.
+
+    Returns
+    -------
+    ndarray, shape (N, n_links)
+    """
+    mechanism = engine.mechanism
+    parts = []
+    for link, q in zip(engine.links, trajectory.displacement, strict=True):
+        thickness = mechanism.sections[link.name].in_plane_thickness
+        parts.append(-thickness / 2 * (q @ link.curvature))
+    return np.stack(parts, axis=1)
+
+
+def ground_displacements(engine: Engine, trajectory: Trajectory, motion: RigidMotion) -> FloatArray:
+    """Elastic displacement at the stations of every link in ground axes.
+
+    Parameters
+    ----------
+    engine : Engine
+    trajectory : Trajectory
+    motion : RigidMotion
+        At the N samples.
+
+    Returns
+    -------
+    ndarray, shape (N, n_links, n_stations, 2)
+    """
+    along, across = direction(motion.angle), normal(motion.angle)
+    parts = []
+    for number, (link, q) in enumerate(zip(engine.links, trajectory.displacement, strict=True)):
+        local = np.einsum("scn,bn->bsc", link.shape, q)
+        axes = np.stack([along[:, number], across[:, number]], axis=1)
+        parts.append(local @ axes)
+    return np.stack(parts, axis=1)
+
+
+def constraint_drift(engine: Engine, trajectory: Trajectory, motion: RigidMotion) -> float:
+    """Greatest distance by which pins gape and held ends leave their place, in m.
+
+    Parameters
+    ----------
+    engine : Engine
+    trajectory : Trajectory
+    motion : RigidMotion
+        At the N samples.
+
+    Returns
+    -------
+    float
+    """
+    moved = ground_displacements(engine, trajectory, motion)
+    topology = engine.mechanism.linkage.topology
+
+    def elastic(end: LinkEnd) -> FloatArray:
+        return moved[:, topology.index(end.link), 0 if end.end == "start" else -1]
+
+    def place(end: LinkEnd) -> FloatArray:
+        link = topology.index(end.link)
+        x = 0.0 if end.end == "start" else topology.links[link].length
+        return elastic(end) + motion.position(link, x)
+
+    gaps = [place(pin.follower) - place(topology.leader_of(pin.leader)) for pin in topology.pins]
+    gaps += [elastic(clamp.held) for clamp in topology.clamps]
+    gaps += [elastic(pivot.held) for pivot in topology.pivots]
+    return float(max(np.hypot(gap[:, 0], gap[:, 1]).max() for gap in gaps))

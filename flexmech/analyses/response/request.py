@@ -1,0 +1,108 @@
+"""What a run of the linkage is asked to be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import InputError
+from flexmech.linear_system import PRESTRESS_LEVELS, Prestress
+from flexmech.linkages import CrankDrive
+from flexmech.time_domain import INTEGRATORS, Integrator
+
+__all__ = ["STARTS", "ResponseRequest", "Start"]
+
+FloatArray = NDArray[np.float64]
+Start = Literal["rigid", "equilibrium", "periodic"]
+STARTS: tuple[Start, ...] = get_args(Start)
+
+# More samples than this are taken for a slip of the keyboard.
+MOST_SAMPLES = 2_000_000
+
+
+@dataclass(frozen=True)
+class ResponseRequest:
+    """A run at constant crank speed, or up to it.
+
+    Parameters
+    ----------
+    drive : CrankDrive
+    revolutions : float
+        Turns at the final speed, after the run-up if there is one.
+    samples : int
+        Samples a turn at the final speed.
+    start : {"rigid", "equilibrium", "periodic"}
+        Undeformed links with the rigid motion's velocities; links bent as the loads bend
+        them quasi-statically; or on the periodic orbit of the linear equations.
+    step : float, optional
+        Time step in s; chosen from ``modes`` and checked by halving where it is left out.
+    integrator : {"trapezoidal", "generalized-alpha"}
+        Of engines that simulate; linear equations are integrated by the trapezoidal rule.
+    prestress : {"none", "axial", "equilibrium"}
+        Of the linear equations.
+    modes : int
+        The highest natural frequency of interest, counted from 1, sets the time step, the
+        component modes and the spectra.
+
+    Raises
+    ------
+    InputError
+        If a value is impossible, or a periodic start is asked for with a run-up.
+    """
+
+    drive: CrankDrive
+    revolutions: float = 4.0
+    samples: int = 720
+    start: Start = "rigid"
+    step: float | None = None
+    integrator: Integrator = "trapezoidal"
+    prestress: Prestress = "equilibrium"
+    modes: int = 4
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.revolutions) and self.revolutions > 0):
+            raise InputError(f"revolutions must be positive, got {self.revolutions}")
+        if self.samples < 8:
+            raise InputError(f"samples must be 8 or more a revolution, got {self.samples}")
+        if self.modes < 1:
+            raise InputError(f"modes must be 1 or more, got {self.modes}")
+        for name, value, choices in (
+            ("start", self.start, STARTS),
+            ("integrator", self.integrator, INTEGRATORS),
+            ("prestress", self.prestress, PRESTRESS_LEVELS),
+        ):
+            if value not in choices:
+                raise InputError(f"{name} must be one of {', '.join(choices)}, got {value!r}")
+        if self.step is not None and not (np.isfinite(self.step) and self.step > 0):
+            raise InputError(f"step must be a positive time in s, got {self.step}")
+        if self.step is not None and self.step > self.duration:
+            raise InputError(
+                f"step {self.step:g} s is longer than the run of {self.duration:g} s; choose a "
+                "shorter one, or leave it out"
+            )
+        if self.start == "periodic" and not self.drive.is_constant:
+            raise InputError("a periodic start needs a constant crank speed: leave out the run-up")
+        if self.duration / self.sample_interval > MOST_SAMPLES:
+            raise InputError(
+                f"the run would take {self.duration / self.sample_interval:.3g} samples, more "
+                f"than {MOST_SAMPLES}; ask for fewer revolutions or samples"
+            )
+
+    @property
+    def duration(self) -> float:
+        """Run-up and turns together in s."""
+        return self.drive.run_up_time + self.revolutions * self.drive.revolution_time
+
+    @property
+    def sample_interval(self) -> float:
+        """Time between samples in s."""
+        return self.drive.revolution_time / self.samples
+
+    def sample_time(self, refinement: int = 1) -> FloatArray:
+        """Times of the samples in s, with ``refinement`` intervals for each one; (N,)."""
+        interval = self.sample_interval / refinement
+        count = int(self.duration / interval + 1e-6) + 1
+        return np.asarray(interval * np.arange(count), dtype=float)

@@ -1,0 +1,206 @@
+"""Runs of one engine: start, time step, and the checks of step and mesh."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.analyses.response.quantities import deflections
+from flexmech.analyses.response.request import ResponseRequest
+from flexmech.errors import ComputationError
+from flexmech.linear_system import Engine
+from flexmech.time_domain import (
+    DrivenLinkage,
+    LinkState,
+    Simulator,
+    Trajectory,
+    VibrationState,
+    linear_run,
+    periodic_state,
+)
+
+__all__ = ["EngineRun", "highest_frequency", "mesh_error", "run_engine"]
+
+logger = logging.getLogger(__name__)
+
+FloatArray = NDArray[np.float64]
+Progress = Callable[[int, int], None]
+
+# Steps in a period of the highest frequency asked for, to begin with.
+STEPS_PER_PERIOD = 40
+# A free vibration runs out of phase in proportion to the time that it has run; the step is
+# halved until the estimated error of the deflections is below this part of their peak.
+STEP_TOLERANCE = 2e-2
+MOST_HALVINGS = 5
+# Times over which a quasi-static start differentiates its displacement, in turns.
+START_INTERVAL = 1e-4
+LEAST_STEPS_OF_A_TURN = 1440
+
+
+@dataclass(frozen=True)
+class EngineRun:
+    """A run and how far its time step may be trusted.
+
+    Parameters
+    ----------
+    engine : Engine
+    trajectory : Trajectory
+        At the refined samples.
+    step_error : float
+        Estimated error of the deflections by the time step (Richardson, from a run with
+        another step), relative to their peak.
+    """
+
+    engine: Engine
+    trajectory: Trajectory
+    step_error: float
+
+
+def highest_frequency(engine: Engine, request: ResponseRequest) -> float:
+    """Greatest value over a turn of the highest natural frequency asked for, at rest; Hz."""
+    turn = request.drive.start_angle + np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+    frequency = natural_frequencies(
+        engine, turn, modes=request.modes, prestress="none", rotation_terms=False
+    )
+    return float(frequency.max())
+
+
+def run_engine(
+    engine: Engine,
+    request: ResponseRequest,
+    sample_time: FloatArray,
+    highest: float,
+    progress: Progress | None = None,
+) -> EngineRun:
+    """Run, and run again with half the step.
+
+    Parameters
+    ----------
+    engine : Engine
+    request : ResponseRequest
+    sample_time : ndarray, shape (N,)
+        Evenly spaced, in s.
+    highest : float
+        Highest frequency of interest in Hz.
+    progress : callable, optional
+
+    Returns
+    -------
+    EngineRun
+        With the step asked for; else with the first whose deflections are estimated to be
+        within two hundredths of their peak.
+
+    Raises
+    ------
+    ComputationError
+        If a run fails, or no step is short enough.
+    """
+    if request.step is not None:
+        asked = _run(engine, request, sample_time, request.step, progress)
+        finer = _run(engine, request, sample_time, request.step / 2, progress)
+        # Second order: the asked run is off by 4/3 of what halving changes.
+        return EngineRun(engine, asked, 4 / 3 * _difference(engine, asked, finer))
+    interval = float(sample_time[1] - sample_time[0])
+    step = interval / np.ceil(interval * highest * STEPS_PER_PERIOD)
+    coarse = _run(engine, request, sample_time, step, progress)
+    for _ in range(MOST_HALVINGS):
+        step /= 2
+        fine = _run(engine, request, sample_time, step, progress)
+        # Second order: the finer run is off by a third of what halving has changed.
+        error = _difference(engine, coarse, fine) / 3
+        if error <= STEP_TOLERANCE:
+            return EngineRun(engine, fine, error)
+        logger.info("%s: step %.3g s, error %.1e of the peak deflection", engine.name, step, error)
+        coarse = fine
+    raise ComputationError(
+        f"no time step is short enough for the {engine.name} run: with {step:.3g} s deflections "
+        f"are still off by about {100 * error:.3g} % of their peak; run fewer revolutions, add "
+        "damping, or give a step of your own"
+    )
+
+
+def mesh_error(run: EngineRun, request: ResponseRequest) -> float:
+    """How much twice the elements change the deflections, relative to their peak.
+
+    Parameters
+    ----------
+    run : EngineRun
+    request : ResponseRequest
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    ComputationError
+        If the run on the finer mesh fails.
+    """
+    finer = run.engine.with_elements(2 * run.engine.elements)
+    trajectory = _run(finer, request, run.trajectory.time, run.trajectory.step, None)
+    first, second = deflections(run.engine, run.trajectory), deflections(finer, trajectory)
+    return float(np.abs(second - first).max() / np.abs(second).max())
+
+
+def _difference(engine: Engine, first: Trajectory, second: Trajectory) -> float:
+    a, b = (deflections(engine, t) for t in (first, second))
+    return float(np.abs(a - b).max() / np.abs(b).max())
+
+
+def _run(
+    engine: Engine,
+    request: ResponseRequest,
+    sample_time: FloatArray,
+    step: float,
+    progress: Progress | None,
+) -> Trajectory:
+    if isinstance(engine, Simulator):
+        start = _link_start(engine, request, step)
+        return engine.simulate(
+            request.drive,
+            start,
+            sample_time,
+            step,
+            integrator=request.integrator,
+            progress=progress,
+        )
+    linkage = _driven(engine, request)
+    state = _start(linkage, request, step)
+    return linear_run(linkage, state.position, state.velocity, sample_time, step, progress)
+
+
+def _driven(engine: Engine, request: ResponseRequest, *, with_energy: bool = True) -> DrivenLinkage:
+    return DrivenLinkage(
+        engine, request.drive, request.prestress, modes=request.modes, with_energy=with_energy
+    )
+
+
+def _link_start(engine: Engine, request: ResponseRequest, step: float) -> LinkState:
+    """Start of a simulation, in the engine's own coordinates."""
+    if request.start == "rigid":
+        return LinkState.rigid(engine.links)
+    linkage = _driven(engine, request, with_energy=False)
+    state = _start(linkage, request, step)
+    parts = (state.position, state.velocity, np.zeros(linkage.size))
+    return linkage.link_state(
+        linkage.equations(np.zeros(1)), VibrationState(*(part[None] for part in parts))
+    )
+
+
+def _start(linkage: DrivenLinkage, request: ResponseRequest, step: float) -> VibrationState:
+    nothing = np.zeros(linkage.size)
+    if request.start == "rigid":
+        return VibrationState(linkage.unstressed(), nothing, nothing)
+    turn = request.drive.revolution_time
+    if request.start == "periodic":
+        return periodic_state(linkage, max(LEAST_STEPS_OF_A_TURN, round(turn / step)))
+    interval = START_INTERVAL * turn
+    times = interval * np.array([0.0, 1.0, 2.0])
+    position = linkage.equations(times, still=True).quasi_static()
+    velocity = (-3 * position[0] + 4 * position[1] - position[2]) / (2 * interval)
+    return VibrationState(position[0], velocity, nothing)
