@@ -121,12 +121,12 @@ def parse_number(text: str) -> Decimal:
     InputError
         If it is anything else.
     """
-    if not re.fullmatch(NUMBER, text.strip()):
-        raise InputError(
-            f"got {text.strip()!r}, which is not a plain number; {_decimal_hint(text)}"
-        )
+    # Only what a keyboard's blanks are: strip() alone also takes off control characters.
+    bare = text.strip(" \t\r\n")
+    if not re.fullmatch(NUMBER, bare):
+        raise InputError(f"got {bare!r}, which is not a plain number; {_decimal_hint(text)}")
     try:
-        number = Decimal(text.strip())
+        number = Decimal(bare)
         finite = math.isfinite(float(number))
     except ArithmeticError:
         finite = False

@@ -109,6 +109,31 @@ class MovingFrequencies(StoredResult):
         }
         return frame[list(columns)].rename(columns=columns)
 
+    def vibration_effect(self) -> xr.DataArray | None:
+        """How much vibration itself moves the frequencies, relative to the quasi-static ones.
+
+        Returns
+        -------
+        xarray.DataArray or None
+            Over (engine, crank_speed, crank_angle, mode); None unless the frequencies are
+            those of running states (prestress ``trajectory``).
+        """
+        if "quasi_static_frequency" not in self.dataset:
+            return None
+        return self.dataset["frequency"] / self.dataset["quasi_static_frequency"] - 1
+
+    def further_tables(self) -> dict[str, pd.DataFrame]:
+        """``vibration_effect``: running and quasi-static frequencies side by side."""
+        effect = self.vibration_effect()
+        if effect is None:
+            return {}
+        beside = self.table().drop(columns=["branch", "damping_ratio"])
+        dims = ("engine", "crank_speed", "crank_angle", "mode")
+        still = self.dataset["quasi_static_frequency"].transpose(*dims)
+        beside["quasi_static_frequency_Hz"] = still.values.ravel()
+        beside["relative_change"] = effect.transpose(*dims).values.ravel()
+        return {"vibration_effect": beside}
+
     def plot(self) -> Figure:
         """Natural frequencies against crank angle; see :mod:`flexmech.plots` for others."""
         from flexmech.plots import plot_frequencies

@@ -37,8 +37,12 @@ class StoredResult(ABC):
     def table(self) -> pd.DataFrame:
         """What the CSV file holds."""
 
+    def further_tables(self) -> dict[str, pd.DataFrame]:
+        """Tables besides the first, by the name of their CSV file without its ending."""
+        return {}
+
     def save(self, folder: str | Path) -> list[Path]:
-        """Write a CSV and a NetCDF file, each whole or not at all.
+        """Write CSV files and a NetCDF file, each whole or not at all.
 
         Parameters
         ----------
@@ -55,10 +59,12 @@ class StoredResult(ABC):
             If the folder cannot be written to.
         """
         folder = Path(folder)
-        names = (f"{self.stem}.csv", f"{self.stem}.nc")
+        tables = {self.stem: self.table(), **self.further_tables()}
+        names = [*(f"{stem}.csv" for stem in tables), f"{self.stem}.nc"]
         with moved_into(folder) as temporary:
-            self.table().to_csv(temporary / names[0], index=False, float_format="%.10g")
-            self.dataset.to_netcdf(temporary / names[1], engine="h5netcdf")
+            for name, table in zip(names, tables.values(), strict=False):
+                table.to_csv(temporary / name, index=False, float_format="%.10g")
+            self.dataset.to_netcdf(temporary / names[-1], engine="h5netcdf")
         return [folder / name for name in names]
 
     @classmethod

@@ -8,13 +8,14 @@ from typing import Annotated
 
 import typer
 
-from flexmech.cli import check, frequencies, new, schema
+from flexmech.cli import check, frequencies, new, response, schema
 
 __all__ = ["app", "main"]
 
 app = typer.Typer(
     name="flexmech",
-    help="Moving natural frequencies of flexible linkages, by two independent engines.",
+    help="Moving natural frequencies and running response of flexible linkages, by two "
+    "independent engines.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -49,6 +50,7 @@ def options(
 
 
 app.command("frequencies", help=frequencies.HELP)(frequencies.frequencies)
+app.command("response", help=response.HELP)(response.response)
 app.command("check", help=check.HELP)(check.check)
 app.command("new", help=new.HELP)(new.new)
 app.command("schema", help=schema.HELP)(schema.schema)

@@ -1,4 +1,4 @@
-"""What users type after an option, to SI values: speeds, angles, engines."""
+"""What users type after an option, to SI values: speeds and angles; and choices."""
 
 from __future__ import annotations
 
@@ -6,17 +6,22 @@ import math
 from decimal import Decimal
 from enum import StrEnum
 from itertools import pairwise
+from pathlib import Path
+from typing import Annotated
+
+import typer
 
 from flexmech.errors import InputError
 from flexmech.units import ANGULAR_SPEED, parse_number, parse_quantity
 
 __all__ = [
     "MOST_ANGLES",
-    "Element",
-    "Engine",
     "LinkageKind",
+    "MapPrestress",
+    "Model",
+    "NoPlots",
+    "Out",
     "Prestress",
-    "element_of_engines",
     "parse_angles",
     "parse_speeds",
 ]
@@ -30,21 +35,9 @@ _HIT = Decimal("1e-5")
 # Speeds nearer to each other than this, relatively, are one speed in two units.
 _SAME_SPEED = 1e-12
 
-
-class Engine(StrEnum):
-    """Choices of ``--engine``."""
-
-    reference = "reference"
-    exudyn = "exudyn"
-    both = "both"
-
-
-class Element(StrEnum):
-    """Choices of ``--element``."""
-
-    euler = "euler"
-    ancf = "ancf"
-    geometrically_exact = "geometrically-exact"
+Model = Annotated[Path, typer.Argument(help="Model file.", metavar="MODEL")]
+Out = Annotated[Path, typer.Option(help="Folder for the files.", metavar="DIR")]
+NoPlots = Annotated[bool, typer.Option("--no-plots", help="Write no pictures.")]
 
 
 class Prestress(StrEnum):
@@ -55,47 +48,20 @@ class Prestress(StrEnum):
     equilibrium = "equilibrium"
 
 
+class MapPrestress(StrEnum):
+    """Choices of ``--prestress`` where a simulation's states count as well."""
+
+    none = "none"
+    axial = "axial"
+    equilibrium = "equilibrium"
+    trajectory = "trajectory"
+
+
 class LinkageKind(StrEnum):
     """Kinds of model files that ``flexmech new`` writes."""
 
     four_bar = "four-bar"
     rotating_arm = "rotating-arm"
-
-
-_ELEMENTS = {
-    Engine.reference: (Element.euler,),
-    Engine.exudyn: (Element.ancf, Element.geometrically_exact),
-}
-
-
-def element_of_engines(engine: Engine, element: Element | None) -> dict[Engine, Element]:
-    """Which engines run, and the element of each.
-
-    Parameters
-    ----------
-    engine : Engine
-    element : Element or None
-        Goes to the engine that has it; the other one keeps its default.
-
-    Returns
-    -------
-    dict
-        Element by engine, the reference first.
-
-    Raises
-    ------
-    InputError
-        If none of the engines chosen has the element.
-    """
-    chosen = list(_ELEMENTS) if engine is Engine.both else [engine]
-    if element is not None and not any(element in _ELEMENTS[one] for one in chosen):
-        owner = next(one for one, elements in _ELEMENTS.items() if element in elements)
-        own = ", ".join(_ELEMENTS[engine])
-        raise InputError(
-            f"--element {element} is not an element of the {engine} engine, which has {own}; "
-            f"choose --engine {owner} or --engine both, or leave --element out"
-        )
-    return {one: element if element in _ELEMENTS[one] else _ELEMENTS[one][0] for one in chosen}
 
 
 def parse_speeds(text: str) -> list[float]:

@@ -13,7 +13,14 @@ if TYPE_CHECKING:
 
     from flexmech.analyses import MovingFrequencies
 
-__all__ = ["agreement_line", "error_lines", "frequency_table", "print_table", "tracking_lines"]
+__all__ = [
+    "agreement_line",
+    "error_lines",
+    "frequency_table",
+    "print_table",
+    "tracking_lines",
+    "vibration_lines",
+]
 
 WIDTH_OF_PIPES = 100
 
@@ -84,6 +91,30 @@ def tracking_lines(dataset: xr.Dataset) -> list[str]:
         lines.append(f"veering, where close modes swap their shapes: {'; '.join(veering)}")
     if torn:
         lines.append(f"branches that are not whole over these angles: {'; '.join(torn)}")
+    return lines
+
+
+def vibration_lines(result: MovingFrequencies) -> list[str]:
+    """Say how much vibration moves the frequencies, where the running states were asked for."""
+    effect = result.vibration_effect()
+    if effect is None:
+        return []
+    lines = []
+    for engine in effect["engine"].values:
+        change = effect.sel(engine=engine)
+        if not abs(change).max() > 0:
+            lines.append(
+                f"trajectory: the {engine} engine runs no simulation; its frequencies are the "
+                "quasi-static ones, at equilibrium"
+            )
+            continue
+        place = change.values[np.unravel_index(int(abs(change).values.argmax()), change.shape)]
+        where = change.where(change == place, drop=True)
+        lines.append(
+            f"trajectory: vibration moves the frequencies of {engine} by at most {place:+.2e} of "
+            f"the quasi-static ones, at {float(where['crank_speed'][0]):.6g} rad/s, "
+            f"{_degrees(where['crank_angle'][0])} deg, mode {int(where['mode'][0])}"
+        )
     return lines
 
 

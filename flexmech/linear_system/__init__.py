@@ -7,7 +7,7 @@ from flexmech.linear_system.engine import (
     Engine,
     Prestress,
 )
-from flexmech.linear_system.link_frames import LinkFrames, RotationTerms
+from flexmech.linear_system.link_frames import LinkDamping, LinkFrames, RotationTerms
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
 from flexmech.linear_system.posture import refuse_other_postures
 from flexmech.linear_system.stressed_links import StressedLinks
@@ -20,6 +20,7 @@ __all__ = [
     "ConvergenceOrders",
     "Engine",
     "LinearSystem",
+    "LinkDamping",
     "LinkFrames",
     "LinkModel",
     "Prestress",

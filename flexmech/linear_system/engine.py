@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexmech.errors import InputError
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
-from flexmech.linear_system.link_frames import LinkFrames, RotationTerms
+from flexmech.linear_system.link_frames import LinkDamping, LinkFrames, RotationTerms
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem, condense
@@ -222,17 +222,16 @@ class Engine(ABC):
             if running is None
             else self.running_links(motion, running)
         )
-        tangents = stressed.tangent
         if not self.component_modes:
-            return _unreduced_system(self.mechanism, self.links, motion, tangents, terms)
+            return _unreduced_system(self.mechanism, self.links, motion, stressed, terms)
         greatest = float(np.max(np.abs(motion.angular_velocity), initial=0.0))
         if not terms.any:
             greatest = 0.0
         elif fastest is not None:
             greatest = abs(fastest)
-        loaded = any(t.ndim == 3 for t in tangents)
+        loaded = any(t.ndim == 3 for t in stressed.tangent)
         reduction = self._reduction(modes, greatest, loaded, detail)
-        return _reduced_system(self.mechanism, reduction, motion, tangents, terms)
+        return _reduced_system(self.mechanism, self.links, reduction, motion, stressed, terms)
 
     def _reduction(self, modes: int, fastest: float, loaded: bool, detail: float) -> ComponentModes:
         key = (modes, fastest, loaded, detail)
@@ -252,27 +251,31 @@ def _unreduced_system(
     mechanism: Mechanism,
     links: Sequence[LinkModel],
     motion: RigidMotion,
-    tangents: Sequence[FloatArray],
+    stressed: StressedLinks,
     terms: RotationTerms,
 ) -> LinearSystem:
     frames = LinkFrames(mechanism.linkage.topology, links)
-    matrices = frames.assemble(motion, tangents, terms)
+    damping = None
+    if stressed.damping is not None:
+        damping = [LinkDamping(matrix, matrix) for matrix in stressed.damping]
+    matrices = frames.assemble(motion, stressed.tangent, terms, damping)
     return LinearSystem(motion, matrices.mass, matrices.damping, matrices.stiffness, terms, frames)
 
 
 def _reduced_system(
     mechanism: Mechanism,
+    links: Sequence[LinkModel],
     reduction: ComponentModes,
     motion: RigidMotion,
-    tangents: Sequence[FloatArray],
+    stressed: StressedLinks,
     terms: RotationTerms,
 ) -> LinearSystem:
     frames = LinkFrames(mechanism.linkage.topology, reduction.models)
     projected = [
         link.basis.T @ (tangent @ link.basis)
-        for link, tangent in zip(reduction.links, tangents, strict=True)
+        for link, tangent in zip(reduction.links, stressed.tangent, strict=True)
     ]
-    matrices = frames.assemble(motion, projected, terms)
+    matrices = frames.assemble(motion, projected, terms, _damping(links, reduction, stressed))
     condensed = np.zeros(frames.size, dtype=bool)
     for target, link in zip(frames.targets, reduction.links, strict=True):
         condensed[target[link.condensed]] = True
@@ -291,3 +294,17 @@ def _reduced_system(
         # Component modes are normalized by the mass; condensed ones bring theirs along.
         unit_mass_from=frames.end_count if expansion is None else None,
     )
+
+
+def _damping(
+    links: Sequence[LinkModel], reduction: ComponentModes, stressed: StressedLinks
+) -> list[LinkDamping] | None:
+    """Damping of the stressed links in component modes."""
+    if stressed.damping is None:
+        return None
+    damping = []
+    for full, link, matrix in zip(links, reduction.links, stressed.damping, strict=True):
+        ends = full.end_basis(link.model.size, {"start": link.model.start, "end": link.model.end})
+        forces = link.basis.T @ matrix
+        damping.append(LinkDamping(forces @ link.basis, forces @ ends))
+    return damping

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import RigidMotion, Topology
 
-__all__ = ["LinkFrames", "RotationTerms", "SystemMatrices", "TurningPair"]
+__all__ = ["LinkDamping", "LinkFrames", "RotationTerms", "SystemMatrices", "TurningPair"]
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -67,6 +67,22 @@ class SystemMatrices:
     mass: FloatArray
     damping: FloatArray
     stiffness: FloatArray
+
+
+@dataclass(frozen=True)
+class LinkDamping:
+    """Damping of one link in its state of stress.
+
+    Parameters
+    ----------
+    matrix : ndarray, shape (n, n) or (B, n, n)
+    ends : ndarray, shape (n, n) or (B, n, n)
+        Forces from the rate of the joined ends alone; see
+        :class:`flexmech.linear_system.link_model.EndMatrices`.
+    """
+
+    matrix: FloatArray
+    ends: FloatArray
 
 
 @dataclass(frozen=True)
@@ -193,6 +209,7 @@ class LinkFrames:
         motion: RigidMotion,
         stiffness: Sequence[FloatArray],
         terms: RotationTerms,
+        damping: Sequence[LinkDamping] | None = None,
     ) -> SystemMatrices:
         """Matrices of the whole linkage in the independent coordinates.
 
@@ -203,13 +220,17 @@ class LinkFrames:
         stiffness : sequence of ndarray, shape (n, n) or (B, n, n)
             Tangent stiffness of each link in its frame, at the prestress wanted.
         terms : RotationTerms
+        damping : sequence of LinkDamping, optional
+            At the prestress wanted; that of the straight links where it is left out.
 
         Returns
         -------
         SystemMatrices
         """
         batch = len(motion.crank_angle)
-        mass, damping, total = (np.zeros((batch, self.size, self.size)) for _ in range(3))
+        if damping is None:
+            damping = [LinkDamping(link.damping, link.ends.damping) for link in self.links]
+        mass, rates, total = (np.zeros((batch, self.size, self.size)) for _ in range(3))
         for number, link in enumerate(self.links):
             pairs = self.turning_pairs(motion, number)
             speed = motion.angular_velocity[:, number, None, None]
@@ -221,13 +242,15 @@ class LinkFrames:
                 tangent = tangent + change * link.gyroscopic
             self._add(mass, number, turn_both(link.mass, pairs, batch))
             link_stiffness = turn_both(tangent, pairs, batch)
-            link_damping = turn_both(link.damping, pairs, batch) if link.damping.any() else None
+            own = damping[number]
+            damped = bool(own.matrix.any())
+            link_damping = turn_both(own.matrix, pairs, batch) if damped else None
             if terms.coriolis:
                 rate = turn_both(2 * speed * link.gyroscopic, pairs, batch)
                 rate += turn_left(2 * times_rate(link.ends.mass, pairs, "rate"), pairs)
                 link_damping = rate if link_damping is None else link_damping + rate
-                if link.damping.any():
-                    link_stiffness += turn_left(times_rate(link.ends.damping, pairs, "rate"), pairs)
+                if damped:
+                    link_stiffness += turn_left(times_rate(own.ends, pairs, "rate"), pairs)
             if terms.centripetal and pairs:
                 link_stiffness += turn_left(
                     times_rate(link.ends.mass, pairs, "centripetal")
@@ -238,8 +261,8 @@ class LinkFrames:
                 link_stiffness += turn_left(times_rate(link.ends.mass, pairs, "tangential"), pairs)
             self._add(total, number, link_stiffness)
             if link_damping is not None:
-                self._add(damping, number, link_damping)
-        return SystemMatrices(mass, damping, total)
+                self._add(rates, number, link_damping)
+        return SystemMatrices(mass, rates, total)
 
     def _add(self, total: FloatArray, link: int, matrix: FloatArray) -> None:
         target = self.targets[link]

@@ -123,6 +123,25 @@ class LinkModel:
         """Coordinate of the rotation at ``"start"`` or ``"end"``."""
         return self.start_rotation if end == "start" else self.end_rotation
 
+    def end_basis(self, size: int, kept: dict[str, IntArray]) -> FloatArray:
+        """Displacements of the ends alone, (n, size), from ``size`` reduced coordinates.
+
+        Parameters
+        ----------
+        size : int
+        kept : dict
+            Which of them move ``start`` and ``end``.
+
+        Returns
+        -------
+        ndarray, shape (n, size)
+        """
+        unit = np.zeros((self.size, size))
+        for end, place in kept.items():
+            if len(place):
+                unit[self.end_displacement(end), place] = 1.0
+        return unit
+
     def projected(self, basis: FloatArray, kept: dict[str, IntArray]) -> LinkModel:
         """The link with ``q = basis @ p``.
 
@@ -137,10 +156,7 @@ class LinkModel:
             return basis.T @ matrix @ basis
 
         none = np.zeros(0, dtype=np.intp)
-        unit = np.zeros_like(basis)
-        for end, place in kept.items():
-            if len(place):
-                unit[self.end_displacement(end), place] = 1.0
+        unit = self.end_basis(basis.shape[1], kept)
         ends = EndMatrices(
             mass=basis.T @ self.mass @ unit,
             gyroscopic=basis.T @ self.gyroscopic @ unit,

@@ -31,11 +31,15 @@ class StressedLinks:
     internal_force : list of ndarray, shape (B, n), or None
         Internal force of the state; None for straight links, where there is none, and
         where an engine does not tell.
+    damping : list of ndarray, shape (B, n, n), or None
+        Damping matrix in the state; None for that of the straight links. A bowed link that
+        bends further is not stretched along its axis, and must not be damped as if it were.
     """
 
     tangent: list[FloatArray]
     displacement: list[FloatArray] | None = None
     internal_force: list[FloatArray] | None = None
+    damping: list[FloatArray] | None = None
 
     @classmethod
     def unloaded(cls, links: Sequence[LinkModel]) -> Self:

@@ -94,7 +94,9 @@ class ExudynEngine(Engine):
         equilibrium = static_equilibrium(self.model, motion, loads)
         topology = self.mechanism.linkage.topology
         refuse_other_postures(topology, self.links, motion, equilibrium.displacement)
-        return StressedLinks(equilibrium.tangent, equilibrium.displacement)
+        return StressedLinks(
+            equilibrium.tangent, equilibrium.displacement, damping=equilibrium.damping
+        )
 
     def simulate(
         self,
@@ -152,8 +154,8 @@ class ExudynEngine(Engine):
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:
         """Tangent stiffness in running states; see :meth:`Engine.running_links`."""
-        tangent = running_tangents(self.model, motion, displacement)
-        return StressedLinks(tangent, list(displacement))
+        tangent, damping = running_tangents(self.model, motion, displacement)
+        return StressedLinks(tangent, list(displacement), damping=damping)
 
     def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
         nodes = [part.positions for part in self.model.parts]

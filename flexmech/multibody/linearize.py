@@ -107,11 +107,12 @@ class StaticEquilibrium:
     Parameters
     ----------
     displacement : list of ndarray, shape (B, n_link)
-    tangent : list of ndarray, shape (B, n_link, n_link)
+    tangent, damping : list of ndarray, shape (B, n_link, n_link)
     """
 
     displacement: list[FloatArray]
     tangent: list[FloatArray]
+    damping: list[FloatArray]
 
 
 def static_equilibrium(
@@ -137,7 +138,7 @@ def static_equilibrium(
         If Exudyn's static solver does not converge; names the crank angle and speed.
     """
     batch = len(motion.crank_angle)
-    stiffness = [np.empty((batch, *(2 * (load.shape[1],)))) for load in loads]
+    tangents = _Tangents(model, batch)
     relative = motion.angle - motion.angle[:, model.base, None]
     forces = np.concatenate(
         [model.kind.turned(load, relative[:, link]) for link, load in enumerate(loads)],
@@ -156,22 +157,19 @@ def static_equilibrium(
             _solve_afresh(model, settings, pose, motion, number)
         state = model.mbs.systemData.GetODE2Coordinates()
         deformation = displacement[number] = _turned(model, state - pose, -relative[number])
-        tangent = linearized(model, settings, state)[1]
-        for link, part in enumerate(model.parts):
-            stiffness[link][number] = tangent[part.coordinates, part.coordinates]
+        tangents.take(number, settings, state)
+    stiffness, damping = tangents.in_link_frames(relative)
     return StaticEquilibrium(
         displacement=[displacement[:, part.coordinates] for part in model.parts],
-        tangent=[
-            _to_link_frame(k, relative[:, link], *_pairs(model, link))
-            for link, k in enumerate(stiffness)
-        ],
+        tangent=stiffness,
+        damping=damping,
     )
 
 
 def running_tangents(
     model: MultibodyModel, motion: RigidMotion, displacement: Sequence[FloatArray]
-) -> list[FloatArray]:
-    """Tangent stiffness of each link in its frame in given states.
+) -> tuple[list[FloatArray], list[FloatArray]]:
+    """Tangent stiffness and damping of each link in its frame in given states.
 
     Parameters
     ----------
@@ -184,20 +182,47 @@ def running_tangents(
     Returns
     -------
     list of ndarray, shape (B, n_link, n_link)
+        Stiffness.
+    list of ndarray, shape (B, n_link, n_link)
+        Damping.
     """
     relative = motion.angle - motion.angle[:, model.base, None]
     together = np.concatenate(displacement, axis=1)
-    settings = simulation_settings()
-    stiffness = [np.empty((len(q), *(2 * q.shape[1:]))) for q in displacement]
+    settings, tangents = simulation_settings(), _Tangents(model, len(together))
     for number, q in enumerate(together):
         state = model.move_to(motion, number) + _turned(model, q, relative[number])
-        tangent = linearized(model, settings, state)[1]
-        for link, part in enumerate(model.parts):
-            stiffness[link][number] = tangent[part.coordinates, part.coordinates]
-    return [
-        _to_link_frame(k, relative[:, link], *_pairs(model, link))
-        for link, k in enumerate(stiffness)
-    ]
+        tangents.take(number, settings, state)
+    return tangents.in_link_frames(relative)
+
+
+class _Tangents:
+    """Stiffness and damping of each link over a batch of states."""
+
+    def __init__(self, model: MultibodyModel, batch: int) -> None:
+        self._model = model
+        sizes = [part.coordinates.stop - part.coordinates.start for part in model.parts]
+        self._stiffness, self._damping = (
+            [np.empty((batch, size, size)) for size in sizes] for _ in range(2)
+        )
+
+    def take(self, number: int, settings: Any, state: FloatArray) -> None:
+        """Linearize about a state."""
+        _, stiffness, damping = linearized(self._model, settings, state)
+        for link, part in enumerate(self._model.parts):
+            own = (part.coordinates, part.coordinates)
+            self._stiffness[link][number] = stiffness[own]
+            self._damping[link][number] = damping[own]
+
+    def in_link_frames(self, angle: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
+        """Both in frames turned by ``angle`` (B, n_links) against the model's."""
+        stiffness, damping = (
+            [
+                _to_link_frame(matrix, angle[:, link], *_pairs(self._model, link))
+                for link, matrix in enumerate(matrices)
+            ]
+            for matrices in (self._stiffness, self._damping)
+        )
+        return stiffness, damping
 
 
 def unit_tension_stiffness(model: MultibodyModel) -> list[FloatArray]:

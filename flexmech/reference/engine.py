@@ -89,7 +89,10 @@ class ReferenceEngine(Engine):
         topology = self.mechanism.linkage.topology
         refuse_other_postures(topology, self.links, motion, displacement)
         force, tangent = self.equilibrium.response(displacement, varying)
-        return StressedLinks([assemble_chain(k) for k in tangent], displacement, force)
+        damping = None
+        if any(section.damping_time for section in self.equilibrium.sections):
+            damping = [assemble_chain(d) for d in self.equilibrium.damping(displacement)]
+        return StressedLinks([assemble_chain(k) for k in tangent], displacement, force, damping)
 
     def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
         geometric = self._geometric(motion, varying_part_only=False)

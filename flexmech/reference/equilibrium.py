@@ -18,7 +18,7 @@ from flexmech.errors import ComputationError
 from flexmech.linear_system import LinkFrames
 from flexmech.linkages import RigidMotion
 from flexmech.reference import banded
-from flexmech.reference.corotational import corotational_response
+from flexmech.reference.corotational import corotational_response, material_stiffness
 from flexmech.sections import BeamSection
 
 __all__ = ["Equilibrium"]
@@ -170,6 +170,22 @@ class Equilibrium:
         parts = [self._response(i, q, extra[i]) for i, q in enumerate(displacement)]
         return [force for force, _ in parts], [tangent for _, tangent in parts]
 
+    def damping(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+        """Kelvin-Voigt damping matrix of each element at given displacements.
+
+        Parameters
+        ----------
+        displacement : sequence of ndarray, shape (B, n_link)
+
+        Returns
+        -------
+        list of ndarray, shape (B, e, 6, 6)
+        """
+        return [
+            section.damping_time * material_stiffness(element_ends(q), *self._stiffnesses(link))
+            for link, (section, q) in enumerate(zip(self.sections, displacement, strict=True))
+        ]
+
     def _response(
         self, link: int, displacement: FloatArray, extra: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
@@ -182,13 +198,13 @@ class Equilibrium:
         return total.reshape(len(ends), -1), tangent + extra
 
     def _beam_response(self, link: int, ends: FloatArray) -> tuple[FloatArray, FloatArray]:
+        return corotational_response(ends, *self._stiffnesses(link))
+
+    def _stiffnesses(self, link: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Length, axial and bending stiffness of a link's elements."""
         section, length = self.sections[link], self.lengths[link]
-        return corotational_response(
-            ends,
-            length,
-            np.full_like(length, section.axial_stiffness),
-            np.full_like(length, section.bending_stiffness),
-        )
+        axial = np.full_like(length, section.axial_stiffness)
+        return length, axial, np.full_like(length, section.bending_stiffness)
 
     def _link_displacement(self, motion: RigidMotion, z: FloatArray) -> list[FloatArray]:
         parts = self.frames.link_coordinates(motion, z[:, :, None])

@@ -1,14 +1,15 @@
 """Motion in time: linear time-varying systems, their periodic motion, and recorded runs."""
 
-from flexmech.time_domain.driven_linkage import DrivenLinkage, Equations
+from flexmech.time_domain.driven_linkage import DETAIL, DrivenLinkage, Equations
 from flexmech.time_domain.linear_run import linear_run
 from flexmech.time_domain.orbit import PeriodicOrbit, simulated_orbit
-from flexmech.time_domain.periodic import TurnMap, periodic_state, turn_map
+from flexmech.time_domain.periodic import TurnMap, periodic_state, periodic_turn, turn_map
 from flexmech.time_domain.recording import EnergyHistory, Recorder, StepBlock, Trajectory
 from flexmech.time_domain.simulator import INTEGRATORS, Integrator, Simulator
 from flexmech.time_domain.state import LinkState, VibrationState
 
 __all__ = [
+    "DETAIL",
     "INTEGRATORS",
     "DrivenLinkage",
     "EnergyHistory",
@@ -24,6 +25,7 @@ __all__ = [
     "VibrationState",
     "linear_run",
     "periodic_state",
+    "periodic_turn",
     "simulated_orbit",
     "turn_map",
 ]

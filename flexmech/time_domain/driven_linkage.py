@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from flexmech.linear_system import (
     Engine,
+    LinkDamping,
     LinkFrames,
     LinkModel,
     Prestress,
@@ -29,7 +30,7 @@ from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.state import LinkState, VibrationState
 from flexmech.time_domain.stress_history import LinkStress, StressHistory
 
-__all__ = ["DrivenLinkage", "Equations"]
+__all__ = ["DETAIL", "DrivenLinkage", "Equations"]
 
 FloatArray = NDArray[np.float64]
 
@@ -161,7 +162,10 @@ class DrivenLinkage:
         """
         motion, stress = self.motion(time), self._stress.at(time)
         matrices = self.frames.assemble(
-            motion, [s.stiffness for s in stress], RotationTerms.all_or_none(not still)
+            motion,
+            [s.stiffness for s in stress],
+            RotationTerms.all_or_none(not still),
+            [LinkDamping(s.damping, s.damping) for s in stress],
         )
         force = self._force(motion, stress)
         gone, kept = np.flatnonzero(self._condensed), np.flatnonzero(~self._condensed)
@@ -275,23 +279,21 @@ class DrivenLinkage:
         parts = [-s.prestress for s in equations.stress]
         inner = self.frames.gather(equations.motion, parts)[0]
         position = np.zeros(self.size)
-        stretching = np.flatnonzero(self._stretching_ends()[~self._condensed])
-        if len(stretching):
+        axial = np.flatnonzero(self._axial()[~self._condensed])
+        if len(axial):
             force = equations.expansion[0].T @ inner
             stiffness = equations.stiffness[0]
-            position[stretching] = np.linalg.solve(
-                stiffness[np.ix_(stretching, stretching)], force[stretching]
-            )
+            position[axial] = np.linalg.solve(stiffness[np.ix_(axial, axial)], force[axial])
         return position
 
-    def _stretching_ends(self) -> NDArray[np.bool_]:
-        """Coordinates of the frames that move an end along the link that leads it."""
-        stretching = np.zeros(self.frames.size, dtype=bool)
+    def _axial(self) -> NDArray[np.bool_]:
+        """Coordinates of the frames that move their own link along its axis."""
+        axial = np.zeros(self.frames.size, dtype=bool)
         for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
-            ends = np.concatenate([link.start, link.end])
-            own = ends[~np.isin(ends, self.frames.following(number)) & link.is_axial[ends]]
-            stretching[target[own][target[own] >= 0]] = True
-        return stretching
+            own = (target >= 0) & link.is_axial
+            own[self.frames.following(number)] = False
+            axial[target[own]] = True
+        return axial
 
     def _force(self, motion: RigidMotion, stress: list[LinkStress]) -> FloatArray:
         parts = [-s.prestress for s in stress]

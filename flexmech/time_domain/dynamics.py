@@ -11,7 +11,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.linear_system import LinkModel
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain.driven_linkage import DrivenLinkage, Equations
@@ -76,7 +75,7 @@ class LinkageDynamics:
         for number, (inertia, link, stress) in enumerate(
             zip(self._inertias, moving, equations.stress, strict=True)
         ):
-            shapes = inertia.shape_forces(link) + _internal_force(inertia.model, stress, link)
+            shapes = inertia.shape_forces(link) + _internal_force(stress, link)
             rigid = inertia.field_forces(link)
             ends.append(shapes)
             fields.append(rigid)
@@ -96,7 +95,7 @@ class LinkageDynamics:
                     inertia.kinetic_energy(link),
                     stress.potential(link.displacement),
                     weight,
-                    dot(link.rate, link.rate @ inertia.model.damping),
+                    dot(link.rate, _damping_force(stress, link)),
                     stress.power(link.displacement),
                 ]
             )
@@ -142,9 +141,13 @@ class LinkageDynamics:
         return np.stack([forces[name] for name in topology.joint_names], axis=1)
 
 
-def _internal_force(model: LinkModel, stress: LinkStress, link: MovingLink) -> FloatArray:
+def _internal_force(stress: LinkStress, link: MovingLink) -> FloatArray:
     elastic = (stress.stiffness @ link.displacement[..., None])[..., 0]
-    return np.asarray(elastic + stress.prestress + link.rate @ model.damping)
+    return np.asarray(elastic + stress.prestress + _damping_force(stress, link))
+
+
+def _damping_force(stress: LinkStress, link: MovingLink) -> FloatArray:
+    return np.asarray((stress.damping @ link.rate[..., None])[..., 0])
 
 
 def _to_ground(vector: FloatArray, angle: FloatArray) -> FloatArray:

@@ -109,3 +109,36 @@ def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
         )
     state = np.linalg.solve(gap, scale * turn.forced) / scale
     return initial_state(linkage.equations(np.zeros(1)), state[:n], state[n:])
+
+
+def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
+    """Displacement of the engine's links along one turn of the periodic motion.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+        At constant crank speed.
+    steps : int
+        Time steps a turn.
+
+    Returns
+    -------
+    list of ndarray, shape (steps, n_link)
+        In the frames of the rigid motion, at evenly spaced times from zero.
+
+    Raises
+    ------
+    InputError, ComputationError
+        As :func:`periodic_state`.
+    """
+    state, step = periodic_state(linkage, steps), linkage.drive.revolution_time / steps
+    parts: list[list[FloatArray]] = [[] for _ in linkage.links]
+    for first in range(0, steps, BLOCK_STEPS):
+        last = min(first + BLOCK_STEPS, steps)
+        equations = linkage.equations(step * np.arange(first, last + 1, dtype=float))
+        history = march(step_operators(equations[1:], step), state)
+        moving = linkage.link_motion(equations, history)
+        for part, basis, (q, _, _) in zip(parts, linkage.bases, moving, strict=True):
+            part.append(q[:-1] @ basis.T)
+        state = history[-1]
+    return [np.concatenate(part) for part in parts]

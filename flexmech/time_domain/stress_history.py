@@ -38,6 +38,7 @@ class LinkStress:
     prestress, prestress_rate : ndarray, shape (m, n)
     offset, offset_rate : ndarray, shape (m,)
         Energy that does not depend on p.
+    damping : ndarray, shape (n, n) or (m, n, n)
     """
 
     stiffness: FloatArray
@@ -46,6 +47,7 @@ class LinkStress:
     prestress_rate: FloatArray
     offset: FloatArray
     offset_rate: FloatArray
+    damping: FloatArray
 
     def potential(self, displacement: FloatArray) -> FloatArray:
         """Strain energy at displacements p of shape (m, n); (m,)."""
@@ -101,6 +103,12 @@ class StressHistory:
         self._with_energy = with_energy
         self.tells_forces = True
         self._sizes = [basis.shape[1] for basis in bases]
+        # Damping changes with the stress only where links are bowed.
+        damped = any(link.damping.any() for link in engine.links)
+        self._damping_varies = damped and prestress == "equilibrium"
+        self._damping = [
+            basis.T @ link.damping @ basis for link, basis in zip(engine.links, bases, strict=True)
+        ]
         angles = drive.start_angle + np.linspace(0.0, 2 * np.pi, SAMPLES_PER_TURN + 1)
         self._turn = self._spline(angles, angles, drive.speed, 0.0, closed=True)
         self._rise: Callable[..., FloatArray] | None = None
@@ -125,11 +133,17 @@ class StressHistory:
             values[rising] = self._rise(time[rising])
             rates[rising] = self._rise(time[rising], 1)
         result, start = [], 0
-        for size in self._sizes:
-            part = slice(start, start + size * size + size + 1)
-            result.append(_unpacked(values[:, part], rates[:, part], size))
+        for size, damping in zip(self._sizes, self._damping, strict=True):
+            part = slice(start, start + self._width(size))
+            stress = _unpacked(values[:, part], rates[:, part], size, damping)
+            result.append(stress)
             start = part.stop
         return result
+
+    def _width(self, size: int) -> int:
+        """Columns of one link: stiffness, prestress, offset and perhaps damping."""
+        square = size * size
+        return square + size + 1 + (square if self._damping_varies else 0)
 
     def _run_up_times(self) -> FloatArray:
         drive = self._drive
@@ -183,6 +197,11 @@ class StressHistory:
                     offset -= np.sum(q * force[number], axis=1, keepdims=True)
             stiffness = np.broadcast_to(basis.T @ tangent @ basis, (batch, *2 * basis.shape[1:]))
             columns += [stiffness.reshape(batch, -1), prestress, offset]
+            if self._damping_varies:
+                damping = self._damping[number]
+                if stressed.damping is not None:
+                    damping = basis.T @ stressed.damping[number] @ basis
+                columns.append(np.broadcast_to(damping, stiffness.shape).reshape(batch, -1))
         return np.concatenate(columns, axis=1)
 
     def _add_bending_work(
@@ -196,20 +215,23 @@ class StressHistory:
             power = CubicSpline(where, np.sum(force[:, own] * path(where, 1), axis=1))
             energy = power.antiderivative()(where) + force[0, own] @ place[0, own] / 2
             values[:, start + size * size + size] += energy
-            start += size * size + size + 1
+            start += self._width(size)
             first = own.stop
 
 
-def _unpacked(values: FloatArray, rates: FloatArray, size: int) -> LinkStress:
-    square = size * size
+def _unpacked(values: FloatArray, rates: FloatArray, size: int, damping: FloatArray) -> LinkStress:
+    """Stress of one link; ``damping`` is that of the straight link, where it does not vary."""
+    square, last = size * size, size * size + size
     shape = (-1, size, size)
+    varying = values[:, last + 1 :]
     return LinkStress(
         stiffness=values[:, :square].reshape(shape),
         stiffness_rate=rates[:, :square].reshape(shape),
-        prestress=values[:, square:-1],
-        prestress_rate=rates[:, square:-1],
-        offset=values[:, -1],
-        offset_rate=rates[:, -1],
+        prestress=values[:, square:last],
+        prestress_rate=rates[:, square:last],
+        offset=values[:, last],
+        offset_rate=rates[:, last],
+        damping=varying.reshape(shape) if varying.shape[1] else damping,
     )
 
 

@@ -74,7 +74,7 @@ def test_version_and_help() -> None:
     assert run("--version").stdout.startswith("flexmech ")
     shown = run("--help")
     assert shown.exit_code == 0
-    for command in ("frequencies", "check", "new", "schema"):
+    for command in ("frequencies", "response", "check", "new", "schema"):
         assert command in shown.stdout
     options = run("frequencies", "--help").stdout
     for option in (

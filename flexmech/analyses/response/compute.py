@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.response.dataset import SPECTRUM_REACH, build_dataset
-from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.response.request import MOST_SAMPLES, ResponseRequest
 from flexmech.analyses.response.result import Response
 from flexmech.analyses.response.run import highest_frequency, mesh_error, run_engine
 from flexmech.errors import InputError
@@ -64,15 +65,43 @@ def response(
     )
     with one_thread():
         highest = highest_frequency(chosen[0], request)
-        fastest = SAMPLES_PER_PERIOD * SPECTRUM_REACH * highest
-        refinement = max(1, int(np.ceil(fastest * request.sample_interval)))
+        _predict(chosen, request)
+        refinement = _refinement(request, highest)
         time = request.sample_time(refinement)
         runs = [run_engine(e, request, time, highest, _labelled(progress, e)) for e in chosen]
-        mesh_errors = [mesh_error(run, request) for run in runs] if check_mesh else None
+        mesh_errors = None
+        if check_mesh:
+            mesh_errors = [
+                mesh_error(run, request, _labelled(progress, run.engine, " on twice the elements"))
+                for run in runs
+            ]
         return Response(build_dataset(runs, request, refinement, highest, mesh_errors))
 
 
-def _labelled(progress: Progress | None, engine: Engine) -> Callable[[int, int], None] | None:
+def _predict(engines: Sequence[Engine], request: ResponseRequest) -> None:
+    """Predict frequencies over a turn: what cannot be done shows itself before the long run."""
+    turn = request.drive.start_angle + np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+    for engine in engines:
+        natural_frequencies(
+            engine, turn, request.drive.speed, modes=request.modes, prestress=request.prestress
+        )
+
+
+def _refinement(request: ResponseRequest, highest: float) -> int:
+    """Samples taken for each one asked for, so that the spectra's frequencies show."""
+    fastest = SAMPLES_PER_PERIOD * SPECTRUM_REACH * highest
+    if not fastest * request.duration <= MOST_SAMPLES:
+        raise InputError(
+            f"a run of {request.duration:.3g} s holds more vibrations of up to "
+            f"{SPECTRUM_REACH * highest:.3g} Hz than {MOST_SAMPLES} samples can show; ask for "
+            "fewer revolutions, or a higher crank speed"
+        )
+    return max(1, int(np.ceil(fastest * request.sample_interval)))
+
+
+def _labelled(
+    progress: Progress | None, engine: Engine, what: str = ""
+) -> Callable[[int, int], None] | None:
     if progress is None:
         return None
-    return lambda done, total: progress(engine.name, done, total)
+    return lambda done, total: progress(engine.name + what, done, total)

@@ -51,6 +51,7 @@ UNITS = {
     "energy_error": ("1", "greatest gap in the energy balance over the peak kinetic energy"),
     "constraint_drift": ("m", "greatest gap of a pin or held end"),
     "step_error": ("1", "estimated error by the time step over the peak deflection"),
+    "reduction_error": ("1", "change by finer component modes over the peak deflection"),
     "mesh_error": ("1", "change of the deflection by twice the elements over its peak"),
     "spectrum": ("m", "amplitude of the deflection"),
     "spectrogram": ("m", "amplitude of the deflection"),
@@ -201,6 +202,7 @@ def _checks(runs: Sequence[EngineRun], mesh_errors: Sequence[float] | None) -> V
         "step": [run.trajectory.step for run in runs],
         "energy_error": [run.trajectory.energy_error for run in runs],
         "step_error": [run.step_error for run in runs],
+        "reduction_error": [run.reduction_error for run in runs],
     }
     if mesh_errors is not None:
         checks["mesh_error"] = list(mesh_errors)

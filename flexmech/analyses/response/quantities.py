@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,7 +12,14 @@ from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain import Trajectory
 
-__all__ = ["bending_strains", "constraint_drift", "deflections", "ground_displacements", "probes"]
+__all__ = [
+    "bending_strains",
+    "constraint_drift",
+    "deflections",
+    "deflections_of",
+    "ground_displacements",
+    "probes",
+]
 
 FloatArray = NDArray[np.float64]
 
@@ -23,10 +32,7 @@ def probes(engine: Engine) -> list[str]:
 
 
 def deflections(engine: Engine, trajectory: Trajectory) -> FloatArray:
-    """Deflection of every link at its probe, positive along the link frame's y axis.
-
-    Of the middle from the straight line between the link's own ends, or of a clamped link's
-    tip from the clamped tangent.
+    """Deflection of every link at its probe along a run; see :func:`deflections_of`.
 
     Parameters
     ----------
@@ -39,10 +45,30 @@ def deflections(engine: Engine, trajectory: Trajectory) -> FloatArray:
     ndarray, shape (N, n_links)
         In m.
     """
+    return deflections_of(engine, trajectory.displacement)
+
+
+def deflections_of(engine: Engine, displacement: Sequence[FloatArray]) -> FloatArray:
+    """Deflection of every link at its probe, positive along the link frame's y axis.
+
+    Of the middle from the straight line between the link's own ends, or of a clamped link's
+    tip from the clamped tangent.
+
+    Parameters
+    ----------
+    engine : Engine
+    displacement : sequence of ndarray, shape (N, n_link)
+        Of each link in the frame of its rigid motion.
+
+    Returns
+    -------
+    ndarray, shape (N, n_links)
+        In m.
+    """
     parts = []
     lengths = [link.length for link in engine.mechanism.linkage.topology.links]
     for link, place, length, q in zip(
-        engine.links, probes(engine), lengths, trajectory.displacement, strict=True
+        engine.links, probes(engine), lengths, displacement, strict=True
     ):
         count = len(link.shape)
         chosen = link.shape[[0, count // 2, count - 1]]

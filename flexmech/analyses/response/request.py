@@ -21,6 +21,7 @@ STARTS: tuple[Start, ...] = get_args(Start)
 
 # More samples than this are taken for a slip of the keyboard.
 MOST_SAMPLES = 2_000_000
+MOST_STEPS = 50_000_000
 
 
 @dataclass(frozen=True)
@@ -85,10 +86,21 @@ class ResponseRequest:
             )
         if self.start == "periodic" and not self.drive.is_constant:
             raise InputError("a periodic start needs a constant crank speed: leave out the run-up")
-        if self.duration / self.sample_interval > MOST_SAMPLES:
+        samples = self.duration / self.sample_interval
+        if not samples <= MOST_SAMPLES:
             raise InputError(
-                f"the run would take {self.duration / self.sample_interval:.3g} samples, more "
-                f"than {MOST_SAMPLES}; ask for fewer revolutions or samples"
+                f"the run would take {samples:.3g} samples, more than {MOST_SAMPLES}; ask for "
+                "fewer revolutions or samples"
+            )
+        if samples < 1:
+            raise InputError(
+                f"the run of {self.duration:g} s is shorter than the {self.sample_interval:g} s "
+                "between two samples; ask for more revolutions or samples"
+            )
+        if self.step is not None and not self.duration / self.step <= MOST_STEPS:
+            raise InputError(
+                f"a step of {self.step:g} s makes more than {MOST_STEPS} steps of a run of "
+                f"{self.duration:g} s; choose a longer one, or leave it out"
             )
 
     @property

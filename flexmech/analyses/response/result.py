@@ -63,7 +63,8 @@ class Response(StoredResult):
         if deflection.sizes["engine"] < 2:
             return None
         first, second = (deflection.isel(engine=i, drop=True) for i in (0, 1))
-        return abs(first - second).max("time") / abs(second).max("time")
+        peak = abs(second).max("time")
+        return (abs(first - second).max("time") / peak).where(peak > 0, 0.0)
 
     def table(self) -> pd.DataFrame:
         """One row for each engine and sample, as in the CSV file."""

@@ -15,6 +15,7 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
 from flexmech.time_domain import (
+    DETAIL,
     DrivenLinkage,
     LinkState,
     Simulator,
@@ -37,6 +38,8 @@ STEPS_PER_PERIOD = 40
 # halved until the estimated error of the deflections is below this part of their peak.
 STEP_TOLERANCE = 2e-2
 MOST_HALVINGS = 5
+# Deflections below this part of the links' lengths are the round-off of none at all.
+NO_DEFLECTION = 1e-12
 # Times over which a quasi-static start differentiates its displacement, in turns.
 START_INTERVAL = 1e-4
 LEAST_STEPS_OF_A_TURN = 1440
@@ -54,11 +57,15 @@ class EngineRun:
     step_error : float
         Estimated error of the deflections by the time step (Richardson, from a run with
         another step), relative to their peak.
+    reduction_error : float
+        How much twice the detail of the component modes changes the deflections, relative
+        to their peak; zero for a simulation, which has no component modes.
     """
 
     engine: Engine
     trajectory: Trajectory
     step_error: float
+    reduction_error: float
 
 
 def highest_frequency(engine: Engine, request: ResponseRequest) -> float:
@@ -104,7 +111,7 @@ def run_engine(
         asked = _run(engine, request, sample_time, request.step, progress)
         finer = _run(engine, request, sample_time, request.step / 2, progress)
         # Second order: the asked run is off by 4/3 of what halving changes.
-        return EngineRun(engine, asked, 4 / 3 * _difference(engine, asked, finer))
+        return _checked(engine, request, asked, 4 / 3 * _difference(engine, asked, finer))
     interval = float(sample_time[1] - sample_time[0])
     step = interval / np.ceil(interval * highest * STEPS_PER_PERIOD)
     coarse = _run(engine, request, sample_time, step, progress)
@@ -114,7 +121,7 @@ def run_engine(
         # Second order: the finer run is off by a third of what halving has changed.
         error = _difference(engine, coarse, fine) / 3
         if error <= STEP_TOLERANCE:
-            return EngineRun(engine, fine, error)
+            return _checked(engine, request, fine, error)
         logger.info("%s: step %.3g s, error %.1e of the peak deflection", engine.name, step, error)
         coarse = fine
     raise ComputationError(
@@ -124,13 +131,24 @@ def run_engine(
     )
 
 
-def mesh_error(run: EngineRun, request: ResponseRequest) -> float:
+def _checked(
+    engine: Engine, request: ResponseRequest, trajectory: Trajectory, step_error: float
+) -> EngineRun:
+    """A run with the error of its component modes."""
+    if isinstance(engine, Simulator) or not engine.component_modes:
+        return EngineRun(engine, trajectory, step_error, 0.0)
+    finer = _linear_run(engine, request, trajectory.time, trajectory.step, None, detail=2 * DETAIL)
+    return EngineRun(engine, trajectory, step_error, _difference(engine, trajectory, finer))
+
+
+def mesh_error(run: EngineRun, request: ResponseRequest, progress: Progress | None = None) -> float:
     """How much twice the elements change the deflections, relative to their peak.
 
     Parameters
     ----------
     run : EngineRun
     request : ResponseRequest
+    progress : callable, optional
 
     Returns
     -------
@@ -142,14 +160,20 @@ def mesh_error(run: EngineRun, request: ResponseRequest) -> float:
         If the run on the finer mesh fails.
     """
     finer = run.engine.with_elements(2 * run.engine.elements)
-    trajectory = _run(finer, request, run.trajectory.time, run.trajectory.step, None)
+    trajectory = _run(finer, request, run.trajectory.time, run.trajectory.step, progress)
     first, second = deflections(run.engine, run.trajectory), deflections(finer, trajectory)
-    return float(np.abs(second - first).max() / np.abs(second).max())
+    return _relative(run.engine, first, second)
 
 
 def _difference(engine: Engine, first: Trajectory, second: Trajectory) -> float:
-    a, b = (deflections(engine, t) for t in (first, second))
-    return float(np.abs(a - b).max() / np.abs(b).max())
+    return _relative(engine, deflections(engine, first), deflections(engine, second))
+
+
+def _relative(engine: Engine, first: FloatArray, second: FloatArray) -> float:
+    """Greatest difference of deflections over their peak; round-off of the lengths is none."""
+    extent = sum(link.length for link in engine.mechanism.linkage.topology.links)
+    peak = max(float(np.abs(second).max()), NO_DEFLECTION * extent)
+    return float(np.abs(first - second).max() / peak)
 
 
 def _run(
@@ -169,22 +193,32 @@ def _run(
             integrator=request.integrator,
             progress=progress,
         )
-    linkage = _driven(engine, request)
+    return _linear_run(engine, request, sample_time, step, progress, detail=DETAIL)
+
+
+def _linear_run(
+    engine: Engine,
+    request: ResponseRequest,
+    sample_time: FloatArray,
+    step: float,
+    progress: Progress | None,
+    *,
+    detail: float,
+) -> Trajectory:
+    linkage = DrivenLinkage(
+        engine, request.drive, request.prestress, modes=request.modes, detail=detail
+    )
     state = _start(linkage, request, step)
     return linear_run(linkage, state.position, state.velocity, sample_time, step, progress)
-
-
-def _driven(engine: Engine, request: ResponseRequest, *, with_energy: bool = True) -> DrivenLinkage:
-    return DrivenLinkage(
-        engine, request.drive, request.prestress, modes=request.modes, with_energy=with_energy
-    )
 
 
 def _link_start(engine: Engine, request: ResponseRequest, step: float) -> LinkState:
     """Start of a simulation, in the engine's own coordinates."""
     if request.start == "rigid":
         return LinkState.rigid(engine.links)
-    linkage = _driven(engine, request, with_energy=False)
+    linkage = DrivenLinkage(
+        engine, request.drive, request.prestress, modes=request.modes, with_energy=False
+    )
     state = _start(linkage, request, step)
     parts = (state.position, state.velocity, np.zeros(linkage.size))
     return linkage.link_state(

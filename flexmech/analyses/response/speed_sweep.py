@@ -1,0 +1,147 @@
+"""Steady-state deflection against crank speed, and the speeds at which a linkage rings.
+
+At constant crank speed every load repeats itself with each turn. Where a natural frequency
+is a whole multiple of the turning frequency, a harmonic of the loads meets it: the critical
+speeds are natural frequencies divided by whole numbers, each a range because the frequencies
+move with the crank angle.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.analyses.provenance import provenance
+from flexmech.analyses.response.quantities import deflections_of, probes
+from flexmech.analyses.stored_result import StoredResult
+from flexmech.errors import InputError
+from flexmech.linear_system import Engine, Prestress
+from flexmech.linkages import CrankDrive
+from flexmech.threads import one_thread
+from flexmech.time_domain import DrivenLinkage, periodic_turn
+
+__all__ = ["SpeedSweep", "speed_sweep"]
+
+FloatArray = NDArray[np.float64]
+Progress = Callable[[str, int, int], None]
+
+STEPS_PER_PERIOD = 40
+LEAST_STEPS = 720
+CHECK_ANGLES = 24
+# A steady state shakes the lowest modes alone: fewer component modes than a start at speed.
+DETAIL = 2.0
+UNITS = {
+    "peak_deflection": ("m", "greatest deflection of the steady state"),
+    "critical_speed_low": ("rad/s", "lowest crank speed at which the harmonic meets the mode"),
+    "critical_speed_high": ("rad/s", "highest crank speed at which the harmonic meets the mode"),
+    "crank_speed": ("rad/s", "crank speed"),
+}
+
+
+class SpeedSweep(StoredResult):
+    """Peak deflections of the periodic motion over crank speeds, with critical speeds.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        ``peak_deflection`` over (crank_speed, link) in m; ``critical_speed_low`` and
+        ``critical_speed_high`` over (mode, order) in rad/s.
+    """
+
+    stem = "speed_sweep"
+    hallmark = "peak_deflection"
+
+    def table(self) -> pd.DataFrame:
+        """One row for each crank speed."""
+        peaks = self.dataset["peak_deflection"]
+        columns = {
+            f"{link}_peak_deflection_m": peaks.sel(link=link).values
+            for link in peaks["link"].values
+        }
+        return pd.DataFrame({"crank_speed_rad_s": peaks["crank_speed"].values, **columns})
+
+
+def speed_sweep(
+    engine: Engine,
+    crank_speeds: ArrayLike,
+    *,
+    modes: int = 3,
+    orders: int = 24,
+    prestress: Prestress = "equilibrium",
+    progress: Progress | None = None,
+) -> SpeedSweep:
+    """Periodic motion at many crank speeds, each found without its transient.
+
+    Parameters
+    ----------
+    engine : Engine
+    crank_speeds : array_like, shape (S,)
+        Increasing, positive, in rad/s.
+    modes : int
+        Natural frequencies whose critical speeds are marked.
+    orders : int
+        Highest harmonic of the crank that is marked.
+    prestress : {"none", "axial", "equilibrium"}
+    progress : callable, optional
+        Called with a label, the speeds done and the speeds to do.
+
+    Returns
+    -------
+    SpeedSweep
+
+    Raises
+    ------
+    InputError
+        If the speeds are not positive and increasing, or the crank cannot turn round.
+    ComputationError
+        At a speed without periodic motion, or without equilibrium.
+    """
+    speeds = np.asarray(crank_speeds, dtype=float)
+    if speeds.ndim != 1 or not len(speeds) or not np.all(speeds > 0):
+        raise InputError("crank_speeds must be a list of positive speeds in rad/s")
+    if np.any(np.diff(speeds) <= 0):
+        raise InputError("crank_speeds must increase; sort them and leave out repetitions")
+    turn = np.linspace(0.0, 2 * np.pi, CHECK_ANGLES, endpoint=False)
+    peaks = []
+    with one_thread():
+        frequency = natural_frequencies(engine, turn, modes=modes, prestress="none")
+        for number, speed in enumerate(speeds.tolist()):
+            peaks.append(_peak(engine, speed, float(frequency.max()), modes, prestress))
+            if progress is not None:
+                progress("crank speeds", number + 1, len(speeds))
+    order = np.arange(1, orders + 1)
+    critical = 2 * np.pi * frequency[:, :, None] / order
+    dataset = xr.Dataset(
+        {
+            "peak_deflection": (("crank_speed", "link"), np.stack(peaks)),
+            "critical_speed_low": (("mode", "order"), critical.min(axis=0)),
+            "critical_speed_high": (("mode", "order"), critical.max(axis=0)),
+        },
+        coords={
+            "crank_speed": speeds,
+            "link": list(engine.mechanism.linkage.topology.link_names),
+            "probe": ("link", probes(engine)),
+            "mode": np.arange(1, modes + 1),
+            "order": order,
+        },
+        attrs={**provenance([engine]), "engine": engine.name, "prestress": prestress},
+    )
+    for name, (units, long_name) in UNITS.items():
+        dataset[name].attrs.update(units=units, long_name=long_name)
+    return SpeedSweep(dataset)
+
+
+def _peak(
+    engine: Engine, speed: float, highest: float, modes: int, prestress: Prestress
+) -> FloatArray:
+    """Greatest deflection of each link over a turn of the periodic motion, (n_links,)."""
+    drive = CrankDrive(speed)
+    steps = max(LEAST_STEPS, int(np.ceil(STEPS_PER_PERIOD * highest * drive.revolution_time)))
+    linkage = DrivenLinkage(engine, drive, prestress, modes=modes, detail=DETAIL, with_energy=False)
+    deflection = deflections_of(engine, periodic_turn(linkage, steps))
+    return np.asarray(np.abs(deflection).max(axis=0), dtype=float)
