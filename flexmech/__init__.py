@@ -1,4 +1,4 @@
-"""Flexible linkages: moving natural frequencies, by two independent engines.
+"""Flexible linkages: moving natural frequencies and response, by two independent engines.
 
 Examples
 --------
@@ -9,6 +9,11 @@ Examples
 >>> result = flexmech.moving_frequencies(engine, np.radians([0, 60, 120]), [0, 20])
 >>> result.dataset["frequency"].shape
 (1, 2, 3, 4)
+
+>>> request = flexmech.ResponseRequest(flexmech.CrankDrive(20.0), revolutions=0.25)
+>>> run = flexmech.response(engine, request)
+>>> [str(name) for name in run.dataset["deflection"].dims]
+['engine', 'time', 'link']
 
 ``result.plot()`` gives a matplotlib figure and ``result.save(folder)`` writes files. The
 Exudyn engine is ``flexmech.ExudynEngine``.
@@ -21,8 +26,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from flexmech.analyses import MovingFrequencies, moving_frequencies, natural_frequencies
+    from flexmech.analyses.response import (
+        Response,
+        ResponseRequest,
+        SpeedSweep,
+        response,
+        speed_sweep,
+    )
     from flexmech.errors import ComputationError, FlexmechError, InputError
-    from flexmech.linkages import FourBar, RotatingArm
+    from flexmech.linkages import CrankDrive, FourBar, RotatingArm
     from flexmech.materials import Material
     from flexmech.mechanism import Mechanism, PointMass
     from flexmech.modelfile import load_mechanism
@@ -33,6 +45,7 @@ if TYPE_CHECKING:
 __all__ = [
     "BeamSection",
     "ComputationError",
+    "CrankDrive",
     "ExudynEngine",
     "FlexmechError",
     "FourBar",
@@ -42,15 +55,21 @@ __all__ = [
     "MovingFrequencies",
     "PointMass",
     "ReferenceEngine",
+    "Response",
+    "ResponseRequest",
     "RotatingArm",
+    "SpeedSweep",
     "load_mechanism",
     "moving_frequencies",
     "natural_frequencies",
+    "response",
+    "speed_sweep",
 ]
 
 _HOMES = {
     "BeamSection": "sections",
     "ComputationError": "errors",
+    "CrankDrive": "linkages",
     "ExudynEngine": "multibody",
     "FlexmechError": "errors",
     "FourBar": "linkages",
@@ -60,10 +79,15 @@ _HOMES = {
     "MovingFrequencies": "analyses",
     "PointMass": "mechanism",
     "ReferenceEngine": "reference",
+    "Response": "analyses.response",
+    "ResponseRequest": "analyses.response",
     "RotatingArm": "linkages",
+    "SpeedSweep": "analyses.response",
     "load_mechanism": "modelfile",
     "moving_frequencies": "analyses",
     "natural_frequencies": "analyses",
+    "response": "analyses.response",
+    "speed_sweep": "analyses.response",
 }
 
 

@@ -13,6 +13,13 @@ import pytest
 
 from flexmech import BeamSection, Mechanism, RotatingArm, load_mechanism
 
+
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
+    """Benchmarks run alone: what runs beside them would be timed with them."""
+    alone = any("benchmarks" in str(argument) for argument in config.args)
+    return 0 if alone else None
+
+
 MODELS = Path(__file__).parents[1] / "models"
 
 

@@ -184,11 +184,6 @@ def _request(
         )
     except InputError as error:
         raise InputError(f"--revolutions, --samples, --run-up: {error}") from error
-    if request.duration < request.sample_interval:
-        raise InputError(
-            f"--revolutions: the run of {request.duration:.4g} s ends before the second sample, "
-            f"at {request.sample_interval:.4g} s; ask for more --revolutions or --samples"
-        )
     try:
         return replace(request, step=step)
     except InputError as error:

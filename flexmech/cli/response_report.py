@@ -74,6 +74,10 @@ def check_lines(dataset: xr.Dataset) -> list[str]:
         f"time step: {step}",
         f"error by the time step (estimated): at most {error} of the peak deflection",
     ]
+    reduced = dataset["reduction_error"].where(dataset["reduction_error"] > 0, drop=True)
+    if reduced.size:
+        error = _of_engines(reduced, ".1e")
+        lines.append(f"component modes: twice the detail changes deflections by {error}")
     if "mesh_error" in dataset:
         mesh = _of_engines(dataset["mesh_error"], ".1e")
         lines.append(f"mesh: twice the elements change deflections by {mesh} of their peak")

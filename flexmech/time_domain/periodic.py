@@ -98,8 +98,11 @@ def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
         grows without limit.
     """
     turn, n = turn_map(linkage, steps), linkage.size
-    # Velocities in units of the crank speed, lest the condition number be one of units.
-    scale = np.concatenate([np.ones(n), np.full(n, 1 / abs(linkage.drive.speed))])
+    equations = linkage.equations(np.zeros(1))
+    # Positions by their stiffness and velocities by their mass: both count as energies, and
+    # the condition number is none of units.
+    energies = (np.diagonal(equations.stiffness[0]), np.diagonal(equations.mass[0]))
+    scale = np.sqrt(np.abs(np.concatenate(energies)))
     gap = scale[:, None] * (np.eye(2 * n) - turn.monodromy) / scale
     if 1 / np.linalg.cond(gap) < RESONANT:
         raise ComputationError(
@@ -108,7 +111,7 @@ def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
             "the speed a little, or give the links damping"
         )
     state = np.linalg.solve(gap, scale * turn.forced) / scale
-    return initial_state(linkage.equations(np.zeros(1)), state[:n], state[n:])
+    return initial_state(equations, state[:n], state[n:])
 
 
 def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:

@@ -17,7 +17,9 @@ SCENARIOS = Path(__file__).parents[2] / "scenarios"
 NAMES = [
     "aluminium_fourbar_frequencies",
     "axial_force_alone",
+    "critical_speeds",
     "mode_shapes",
+    "running_fourbars",
     "steel_fourbar_frequencies",
 ]
 # V1, crank angle in deg -> Hz.
@@ -138,3 +140,31 @@ def test_axial_force_alone_says_where_no_equilibrium_was_found(scenario, monkeyp
     assert np.isfinite(answer.over_turn["equilibrium"]).all()
     assert len(answer.not_found) >= 1
     assert any("180 deg" in reason and "1000 rad/s" in reason for reason in answer.not_found)
+
+
+def test_running_fourbars(scenario, tmp_path, capsys):
+    """V8: 1.225 mm over the first revolution of the aluminium four-bar at 20 rad/s."""
+    answers = scenario("running_fourbars").main(
+        tmp_path, speeds=(20.0,), revolutions=1.0, samples=180
+    )
+    aluminium, steel = answers["aluminium", 20.0], answers["steel", 20.0]
+    assert aluminium.peak == pytest.approx(1.2249e-3, rel=1e-2)
+    assert steel.gap < aluminium.gap < 0.02
+    assert "aluminium four-bar at 20 rad/s" in capsys.readouterr().out
+    kinds = ["response", "forces", "spectrum", "spectrogram"]
+    assert_pictures(tmp_path, *(f"{m}_20_{k}.png" for m in ("steel", "aluminium") for k in kinds))
+
+
+def test_critical_speeds(scenario, tmp_path, capsys):
+    module = scenario("critical_speeds")
+    speeds = np.array([19.0, 20.0, 21.0])
+    answers = module.main(tmp_path, speeds=speeds, simulated=(20.0,), elements=4)
+    for answer in answers.values():
+        assert answer.gap < 0.01
+        # Nearly quasi-static: the deflection goes with the square of the speed.
+        peak = answer.sweep.dataset["peak_deflection"].sel(link="coupler").values
+        assert np.ptp(np.log(peak / speeds**2)) < 0.5
+    low = answers["aluminium"].sweep.dataset["critical_speed_low"].sel(mode=1, order=14)
+    assert float(low) == pytest.approx(2 * np.pi * 43.6 / 14, rel=1e-2)
+    assert "rings most at" in capsys.readouterr().out
+    assert_pictures(tmp_path, *(f"{m}_critical_speeds.png" for m in answers))

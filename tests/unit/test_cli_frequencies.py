@@ -56,6 +56,9 @@ class InventedResult:
             }
         )
 
+    def vibration_effect(self) -> None:
+        return None
+
     def agreement(self) -> Any:
         if self.dataset.sizes["engine"] == 1:
             return None

@@ -168,7 +168,7 @@ WRONG_COMMAND_LINES = [
     (["--revolutions", "nan"], "--revolutions: got 'nan'.*write a number"),
     (["--revolutions", "many"], "--revolutions: got 'many'"),
     (["--revolutions", "1e9"], "--revolutions.*take .* samples, more than 2000000; ask for fewer"),
-    (["--revolutions", "1e-4"], "--revolutions: the run of .* ends before the second sample.*ask"),
+    (["--revolutions", "1e-4"], "--revolutions, .*shorter than .* between two samples; ask"),
     (["--samples", "7"], "--samples.*greater than or equal to 8"),
     (["--samples", "many"], "--samples"),
     (["--step", "0"], "--step: got '0', which is not positive; write a time.* or auto"),

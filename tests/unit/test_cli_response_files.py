@@ -230,10 +230,10 @@ def test_animations_show_their_progress(
     invented: SimpleNamespace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def write_animation(
-        dataset: xr.Dataset, path: Path, *, progress: Callable[[str, int, int], None]
+        dataset: xr.Dataset, path: Path, *, progress: Callable[[int, int], None]
     ) -> None:
         path.write_bytes(b"frames")
-        progress(path.name, 1, 2)
+        progress(1, 2)
 
     monkeypatch.setattr(plots, "write_animation", write_animation, raising=False)
     shown: list[tuple[str, int, int]] = []

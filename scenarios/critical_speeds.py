@@ -1,0 +1,135 @@
+"""At which crank speeds does a four-bar ring?
+
+The steady-state peak deflection of the steel and the aluminium four-bar of Kumar & Chandrakar
+against crank speed, each speed's periodic motion found directly. Loads repeat with every turn,
+so the linkage rings where a natural frequency divided by a whole number is the turning
+frequency; these critical speeds are marked, each as the range over which the frequency moves.
+The paper's links have no damping; Kelvin-Voigt damping of 1 % in the first mode is assumed.
+At a few speeds a periodic motion of Exudyn's nonlinear simulation stands beside.
+
+    python scenarios/critical_speeds.py [--out results/critical_speeds]
+"""  # noqa: D400 - a scenario asks a question
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from _common import four_bar, output_folder, save_pictures
+from numpy.typing import NDArray
+
+from flexmech import ExudynEngine, Mechanism, ReferenceEngine, natural_frequencies
+from flexmech.analyses.response import SpeedSweep, speed_sweep
+from flexmech.analyses.response.quantities import deflections
+from flexmech.linkages import CrankDrive
+from flexmech.plots import plot_speed_sweep
+from flexmech.time_domain import DrivenLinkage, simulated_orbit
+
+FloatArray = NDArray[np.float64]
+
+SPEEDS = np.linspace(8.0, 30.0, 89)
+SIMULATED = (10.0, 15.0, 20.0, 25.0)
+DAMPING_RATIO = 0.01
+STEPS = 2160
+
+
+@dataclass(frozen=True)
+class CriticalSpeedAnswer:
+    """One four-bar over crank speed.
+
+    Parameters
+    ----------
+    sweep : SpeedSweep
+        Linear periodic motion.
+    simulated : ndarray, shape (k, n_links)
+        Peak deflections of the simulated periodic motion in m.
+    gap : float
+        Greatest relative difference of the two at the simulated speeds, coupler and rocker.
+    ringing : float
+        Crank speed in rad/s where the coupler's peak most exceeds the parabola of a
+        quasi-static linkage.
+    """
+
+    sweep: SpeedSweep
+    simulated: FloatArray
+    gap: float
+    ringing: float
+
+
+def main(
+    out: Path,
+    *,
+    speeds: FloatArray = SPEEDS,
+    simulated: tuple[float, ...] = SIMULATED,
+    elements: int = 8,
+) -> dict[str, CriticalSpeedAnswer]:
+    """Sweep the crank speed of both four-bars, print where they ring, draw it.
+
+    Parameters
+    ----------
+    out : Path
+        Folder for the pictures.
+    speeds : ndarray, shape (S,)
+        Crank speeds in rad/s; ``simulated`` lie among them.
+    simulated : tuple of float
+        Speeds at which Exudyn simulates besides.
+    elements : int
+        Elements a link.
+
+    Returns
+    -------
+    dict of str to CriticalSpeedAnswer
+        By ``"steel"`` and ``"aluminium"``.
+    """
+    answers, figures = {}, {}
+    for name in ("steel", "aluminium"):
+        mechanism = with_damping(four_bar(name))
+        sweep = speed_sweep(ReferenceEngine(mechanism, elements), speeds)
+        peaks = np.stack([_simulated_peak(mechanism, elements, speed) for speed in simulated])
+        answer = _answer(sweep, np.array(simulated), peaks)
+        answers[name] = answer
+        data = sweep.dataset.assign_coords(settled_speed=list(simulated))
+        data["settled_peak"] = (("settled_speed", "link"), peaks, {"units": "m"})
+        figures[f"{name}_critical_speeds.png"] = plot_speed_sweep(data)
+        print(
+            f"{name} four-bar: rings most at {answer.ringing:.4g} rad/s; simulated peaks differ "
+            f"from the linear ones by at most {100 * answer.gap:.2f} %"
+        )
+    print("pictures: " + ", ".join(str(path) for path in save_pictures(figures, out)))
+    return answers
+
+
+def with_damping(mechanism: Mechanism) -> Mechanism:
+    """The mechanism with the assumed damping ratio at its lowest natural frequency."""
+    turn = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+    lowest = natural_frequencies(ReferenceEngine(mechanism), turn, modes=1).min()
+    time = 2 * DAMPING_RATIO / (2 * np.pi * lowest)
+    sections = {name: replace(s, damping_time=time) for name, s in mechanism.sections.items()}
+    return replace(mechanism, sections=sections)
+
+
+def _simulated_peak(mechanism: Mechanism, elements: int, speed: float) -> FloatArray:
+    """Greatest deflections over a turn of Exudyn's periodic motion, (n_links,)."""
+    engine, drive = ExudynEngine(mechanism, elements), CrankDrive(speed)
+    turn = drive.revolution_time
+    time = turn / 720 * np.arange(721)
+    linkage = DrivenLinkage(engine, drive, "equilibrium", detail=2.0, with_energy=False)
+    orbit = simulated_orbit(
+        linkage, STEPS, lambda start: engine.simulate(drive, start, time, turn / STEPS)
+    )
+    return np.asarray(np.abs(deflections(engine, orbit.turn)).max(axis=0))
+
+
+def _answer(sweep: SpeedSweep, speeds: FloatArray, peaks: FloatArray) -> CriticalSpeedAnswer:
+    data = sweep.dataset["peak_deflection"]
+    linear = data.sel(crank_speed=speeds, method="nearest").values
+    pinned = (data["probe"] == "middle").values
+    gap = np.abs(linear / peaks - 1)[:, pinned].max()
+    coupler = data.sel(link="coupler")
+    excess = coupler / coupler["crank_speed"] ** 2
+    return CriticalSpeedAnswer(sweep, peaks, float(gap), float(excess.idxmax()))
+
+
+if __name__ == "__main__":
+    main(output_folder(__doc__, "results/critical_speeds"))

@@ -1,0 +1,193 @@
+"""Figures of a response show the numbers of the dataset, with units, inside their frame."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import xarray as xr
+
+from flexmech.plots import plot_forces, plot_response
+from flexmech.plots.response import LENGTH_UNITS, fitting_unit
+from tests.unit.figure_checks import (
+    check_layout,
+    drawn,
+    legend_texts,
+    panels,
+    tick_texts,
+    top_axis,
+    y_labels,
+)
+from tests.unit.response_plot_data import arm_response, response_dataset
+
+ALL_PLOTS = (plot_response, plot_forces)
+COLORS = ("#0072B2", "#D55E00")
+MINUS = "\N{MINUS SIGN}"
+
+
+@pytest.fixture(scope="module")
+def dataset() -> xr.Dataset:
+    return response_dataset()
+
+
+class TestResponse:
+    def test_panels_and_units(self, dataset: xr.Dataset) -> None:
+        figure = plot_response(dataset)
+        assert y_labels(figure) == [
+            "Crank tip deflection (mm)",
+            "Coupler middle deflection (mm)",
+            "Rocker middle deflection (mm)",
+            "Coupler middle strain (µm/m)",
+            "Rocker middle strain (µm/m)",
+        ]
+        assert figure.axes[-1].get_xlabel() == "Time (s)"
+        assert legend_texts(figure) == ["reference (euler)", "exudyn (ancf)"]
+
+    def test_lines_are_the_dataset_s(self, dataset: xr.Dataset) -> None:
+        figure = plot_response(dataset)
+        wanted = [1e3 * dataset["deflection"].sel(link=link) for link in dataset["link"].values]
+        wanted += [1e6 * dataset["strain"].sel(link=link) for link in ("coupler", "rocker")]
+        for axes, values in zip(panels(figure), wanted, strict=True):
+            for engine, color in enumerate(COLORS):
+                np.testing.assert_array_equal(drawn(axes, color), values.isel(engine=engine))
+            np.testing.assert_array_equal(axes.lines[-1].get_xdata(), dataset["time"])
+
+    def test_engines_are_told_apart_without_colour(self, dataset: xr.Dataset) -> None:
+        lines = [
+            line for line in plot_response(dataset).axes[1].lines if line.get_color() in COLORS
+        ]
+        first, second = lines
+        assert first.get_linestyle() == "-"
+        assert second.get_linestyle() == "--"
+        # The lower line shows beside the upper one where both are the same.
+        assert first.get_linewidth() > second.get_linewidth()
+
+    def test_many_vibrations_are_drawn_thinner(self) -> None:
+        widths = [
+            plot_response(response_dataset(turns, ("reference",))).axes[1].lines[-1].get_linewidth()
+            for turns in (1.0, 6.0)
+        ]
+        assert widths[0] > widths[1]
+
+    def test_arm_has_one_panel(self) -> None:
+        assert y_labels(plot_response(arm_response())) == ["Arm tip deflection (mm)"]
+
+    def test_tiny_deflections_have_a_smaller_unit(self) -> None:
+        tiny = arm_response()
+        tiny["deflection"][:] *= 1e-4
+        (axes,) = panels(plot_response(tiny))
+        assert axes.get_ylabel() == "Arm tip\ndeflection (µm)"
+        np.testing.assert_array_equal(drawn(axes, COLORS[0]), 1e6 * tiny["deflection"][0, :, 0])
+
+    @pytest.mark.parametrize(
+        ("largest", "unit"), [(1e-3, "mm"), (9e-6, "µm"), (1e-9, "nm"), (1e-15, "nm"), (0.0, "mm")]
+    )
+    def test_unit_fits_the_values(self, largest: float, unit: str) -> None:
+        assert fitting_unit(np.array([0.0, -largest]), LENGTH_UNITS)[1] == unit
+
+    @pytest.mark.parametrize(
+        ("start", "text"),
+        [
+            ("rigid", "undeformed links"),
+            ("equilibrium", "quasi-static equilibrium"),
+            ("periodic", "periodic motion"),
+        ],
+    )
+    def test_heading_says_how_the_run_started(self, start: str, text: str) -> None:
+        heading = plot_response(response_dataset(start=start)).legends[0].get_title().get_text()
+        assert "20 rad/s" in heading
+        assert text in heading
+
+    def test_heading_says_the_run_up(self) -> None:
+        run_up = response_dataset()
+        run_up.attrs["run_up_time"] = 0.25
+        heading = plot_response(run_up).legends[0].get_title().get_text()
+        assert "run-up of 0.25 s" in heading
+
+
+class TestCrankAngleAxis:
+    def test_one_turn_is_in_degrees(self, dataset: xr.Dataset) -> None:
+        top = top_axis(plot_response(dataset))
+        assert top.get_xlabel() == "Crank angle (deg)"
+        assert tick_texts(top) == ["0", "60", "120", "180", "240", "300", "360"]
+        np.testing.assert_allclose(top.get_xticks(), np.pi / 60 * np.arange(7))
+
+    def test_many_turns_are_counted(self) -> None:
+        figure = plot_response(response_dataset(6.0))
+        top = top_axis(figure)
+        assert top.get_xlabel() == "Crank angle (revolutions)"
+        assert tick_texts(top) == ["0", "1", "2", "3", "4", "5", "6"]
+        marks = [line for line in figure.axes[2].lines if len(line.get_xdata()) == 2]
+        upright = [line for line in marks if line.get_xdata()[0] == line.get_xdata()[1]]
+        assert len(upright) == 7
+
+    def test_crank_that_turns_backwards(self) -> None:
+        top = top_axis(plot_response(response_dataset(4.0, speed=-20.0)))
+        ticks = dict(zip(tick_texts(top), top.get_xticks(), strict=True))
+        assert ticks == {
+            text: pytest.approx(turns * np.pi / 10)
+            for turns, text in enumerate(["0", *(f"{MINUS}{n}" for n in (1, 2, 3, 4))])
+        }
+
+    def test_run_up_stands_at_the_right_times(self) -> None:
+        run_up = response_dataset()
+        time = run_up["time"].values
+        run_up["crank_angle"] = ("time", 2 * np.pi * (time / time[-1]) ** 2)
+        ticks = top_axis(plot_response(run_up)).get_xticks()
+        np.testing.assert_allclose(ticks, time[-1] * np.sqrt(np.arange(7) / 6), rtol=1e-4)
+
+
+class TestForces:
+    def test_panels_and_units(self, dataset: xr.Dataset) -> None:
+        figure = plot_forces(dataset)
+        assert y_labels(figure) == [
+            "Driving torque (N m)",
+            *(f"Force at {place} (N)" for place in ("A, x", "A, y", "B, x", "B, y")),
+        ]
+        assert legend_texts(figure)[-1] == "rigid links"
+        assert y_labels(plot_forces(arm_response()))[1:] == [
+            "Force at O2, x (N)",
+            "Force at O2, y (N)",
+        ]
+
+    def test_lines_are_the_dataset_s(self, dataset: xr.Dataset) -> None:
+        torque, *_, last = panels(plot_forces(dataset))
+        place = {"joint": "B", "component": "y"}
+        for engine, color in enumerate(COLORS):
+            of_engine = dataset.isel(engine=engine)
+            np.testing.assert_array_equal(drawn(torque, color), of_engine["driving_torque"])
+            np.testing.assert_array_equal(drawn(last, color), of_engine["joint_force"].sel(place))
+        np.testing.assert_array_equal(drawn(torque, "0.25"), dataset["rigid_driving_torque"])
+        np.testing.assert_array_equal(drawn(last, "0.25"), dataset["rigid_joint_force"].sel(place))
+
+    def test_ringing_is_all_in_view_and_can_be_seen_through(self, dataset: xr.Dataset) -> None:
+        axes = panels(plot_forces(dataset))[1]
+        ringing, calm, rigid = axes.lines[-3:]
+        low, high = axes.get_ylim()
+        assert low < ringing.get_ydata().min()
+        assert high > ringing.get_ydata().max()
+        assert ringing.get_alpha() < 1.0
+        assert calm.get_alpha() == 1.0
+        assert rigid.get_zorder() > calm.get_zorder()
+
+
+class TestEveryFigure:
+    @pytest.mark.parametrize("plot", ALL_PLOTS)
+    @pytest.mark.parametrize("turns", [0.3, 1.0, 2.0, 10.0])
+    def test_layout(self, plot: Any, turns: float) -> None:
+        check_layout(plot(response_dataset(turns)))
+
+    @pytest.mark.parametrize("plot", ALL_PLOTS)
+    def test_layout_of_one_link(self, plot: Any) -> None:
+        check_layout(plot(arm_response()))
+
+    @pytest.mark.parametrize("plot", ALL_PLOTS)
+    def test_leaves_dataset_and_matplotlib_alone(self, plot: Any, dataset: xr.Dataset) -> None:
+        before, settings = dataset.copy(deep=True), dict(mpl.rcParams)
+        plot(dataset)
+        xr.testing.assert_identical(dataset, before)
+        assert not plt.get_fignums()
+        assert dict(mpl.rcParams) == settings
