@@ -79,6 +79,11 @@ class TestSpectrum:
         assert "predicted natural frequencies" not in legend_texts(figure)
         check_layout(figure)
 
+    def test_names_of_close_bands_do_not_touch(self) -> None:
+        close = response_dataset()
+        close["natural_frequency"][..., 1] = close["natural_frequency"][..., 0] + 0.5
+        check_layout(plot_spectrum(close))
+
     def test_labels_are_moved_apart_and_stay_in_order(self) -> None:
         places = spread(np.array([0.2, 0.201, 0.202, 0.5]), 0.05)
         np.testing.assert_allclose(places, [0.151, 0.201, 0.251, 0.5], atol=1e-12)

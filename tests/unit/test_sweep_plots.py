@@ -1,0 +1,276 @@
+"""Figures of speed sweeps and of the effect of vibration show the dataset's numbers."""
+
+from __future__ import annotations
+
+from itertools import combinations, pairwise
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flexmech.plots.speed_sweep import plot_speed_sweep
+from flexmech.plots.style import SERIES_STYLES
+from flexmech.plots.vibration_effect import plot_vibration_effect
+from tests.unit.test_plots import check_layout, legend_texts, shown_texts, shown_tick_labels
+
+LOWEST = np.array([43.1, 47.3, 112.0, 180.0]) * 2 * np.pi
+HIGHEST = np.array([46.9, 49.7, 175.0, 198.0]) * 2 * np.pi
+MEANS = np.array([44.0, 48.0, 115.0, 190.0, 402.0, 515.0, 760.0, 1120.0])
+
+
+def sweep_dataset(
+    modes: int = 2, links: int = 3, *, settled: bool = True, fastest: float = 40.0
+) -> xr.Dataset:
+    """Peaks with a resonance wherever a multiple of the speed meets a mean frequency."""
+    speed = np.linspace(2.0, fastest, 77)
+    order = np.arange(1, 21)
+    peak = np.array([2e-6, 3e-5, 6e-5])[:links] * (1 + speed[:, None] ** 2 / 40)
+    for centre in ((LOWEST + HIGHEST) / 2)[:2]:
+        for number in range(2, 21):
+            offset = (speed * number / centre - 1) / 0.01
+            peak *= (1 + 6 / number / (1 + offset**2))[:, None]
+    dataset = xr.Dataset(
+        {
+            "peak_deflection": (("crank_speed", "link"), peak),
+            "critical_speed_low": (("mode", "order"), LOWEST[:modes, None] / order),
+            "critical_speed_high": (("mode", "order"), HIGHEST[:modes, None] / order),
+        },
+        coords={
+            "crank_speed": speed,
+            "link": ["crank", "coupler", "rocker"][:links],
+            "probe": ("link", ["tip", "middle", "middle"][:links]),
+            "order": order,
+            "mode": np.arange(1, modes + 1),
+        },
+        attrs={"mechanism": "aluminium four-bar"},
+    )
+    if settled:
+        some = [0, 20, 40, 76]
+        dataset["settled_peak"] = (("settled_speed", "link"), 1.02 * peak[some])
+        dataset = dataset.assign_coords(settled_speed=speed[some])
+    return dataset
+
+
+def vibration_dataset(
+    modes: int = 4,
+    engines: tuple[str, ...] = ("reference", "exudyn"),
+    affected: tuple[int, ...] = (1,),
+    step: float = 5.0,
+) -> xr.Dataset:
+    """Frequencies that the vibration of the affected engines moves by up to 0.4 per cent."""
+    theta = np.radians(np.arange(0.0, 360.1, step))
+    speed = np.array([10.0, -20.0, 5.0])
+    still = MEANS[:modes] * (1 + 0.04 * np.cos(theta[:, None] + np.arange(modes)))
+    still = np.broadcast_to(still, (len(engines), speed.size, *still.shape)).copy()
+    running = still.copy()
+    for engine in affected:
+        wave = np.sin(9 * theta[:, None] + np.arange(modes)) * np.linspace(1, 0.3, modes)
+        running[engine] *= 1 + 1e-5 * speed[:, None, None] ** 2 * wave
+    dims = ("engine", "crank_speed", "crank_angle", "mode")
+    return xr.Dataset(
+        {"frequency": (dims, running), "quasi_static_frequency": (dims, still)},
+        coords={
+            "engine": list(engines),
+            "element": ("engine", ["ancf" if name == "exudyn" else "euler" for name in engines]),
+            "crank_speed": speed,
+            "crank_angle": theta,
+            "mode": np.arange(1, modes + 1),
+        },
+    )
+
+
+def link_panels(figure: Figure) -> list[Axes]:
+    """Panels from top to bottom, without the strip of names above them."""
+    panels = [axes for axes in figure.axes if axes.get_ylabel()]
+    return sorted(panels, key=lambda axes: -axes.get_position().y0)
+
+
+def strip_of(figure: Figure) -> Axes:
+    (strip,) = [axes for axes in figure.axes if not axes.get_ylabel()]
+    return strip
+
+
+def check_sweep(figure: Figure) -> None:
+    """No text of the panels, the strip and the axis in rpm leaves the figure or is touched."""
+    figure.draw_without_rendering()
+    (rpm,) = strip_of(figure).child_axes
+    texts = [*shown_texts(figure), rpm.xaxis.label, *shown_tick_labels(rpm.xaxis)]
+    boxes = [text.get_window_extent() for text in texts]
+    for box in boxes:
+        assert min(box.x0, box.y0) >= -0.5
+        assert box.x1 <= figure.bbox.x1 + 0.5
+        assert box.y1 <= figure.bbox.y1 + 0.5
+    for (one, first), (two, second) in combinations(zip(boxes, texts, strict=True), 2):
+        wide = min(one.x1, two.x1) - max(one.x0, two.x0)
+        tall = min(one.y1, two.y1) - max(one.y0, two.y0)
+        assert min(wide, tall) <= 1, f"{first.get_text()!r} touches {second.get_text()!r}"
+    assert all(axes.bbox.height > 100 for axes in link_panels(figure))
+
+
+class TestSpeedSweep:
+    def test_lines_are_the_peaks_in_millimetres(self) -> None:
+        dataset = sweep_dataset()
+        figure = plot_speed_sweep(dataset)
+        panels = link_panels(figure)
+        assert [axes.get_ylabel() for axes in panels] == [
+            "Crank tip\npeak deflection (mm)",
+            "Coupler middle\npeak deflection (mm)",
+            "Rocker middle\npeak deflection (mm)",
+        ]
+        for link, axes in enumerate(panels):
+            line, marks = axes.lines
+            np.testing.assert_array_equal(line.get_xdata(), dataset["crank_speed"])
+            np.testing.assert_allclose(line.get_ydata(), 1e3 * dataset["peak_deflection"][:, link])
+            np.testing.assert_array_equal(marks.get_xdata(), dataset["settled_speed"])
+            np.testing.assert_allclose(marks.get_ydata(), 1e3 * dataset["settled_peak"][:, link])
+            assert marks.get_linestyle() == "None"
+            assert axes.get_yscale() == "log"
+            low, high = axes.get_ylim()
+            assert low < min(line.get_ydata())
+            assert high > max(marks.get_ydata())
+
+    def test_both_speed_axes(self) -> None:
+        figure = plot_speed_sweep(sweep_dataset(links=1))
+        assert link_panels(figure)[-1].get_xlabel() == "Crank speed (rad/s)"
+        (top,) = strip_of(figure).child_axes
+        assert top.get_xlabel() == "Crank speed (rpm)"
+        figure.draw_without_rendering()
+        ratio = np.divide(top.get_xlim(), link_panels(figure)[0].get_xlim())
+        np.testing.assert_allclose(ratio, 60 / (2 * np.pi))
+
+    def test_shaded_are_the_critical_speeds(self) -> None:
+        dataset = sweep_dataset(modes=1, settled=False)
+        for axes in link_panels(plot_speed_sweep(dataset)):
+            shaded = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in axes.patches]
+            probes = np.linspace(2.0, 40.0, 2001)
+            inside = [any(low <= probe <= high for low, high in shaded) for probe in probes]
+            order = dataset["order"].values
+            bands = zip(LOWEST[0] / order, HIGHEST[0] / order, strict=True)
+            wanted = np.any([(probes >= low) & (probes <= high) for low, high in bands], axis=0)
+            np.testing.assert_array_equal(inside, wanted)
+            # Overlapping shades would look darker than others.
+            assert all(one[1] < two[0] for one, two in pairwise(sorted(shaded)))
+
+    def test_names_stand_in_their_bands_and_do_not_touch(self) -> None:
+        figure = plot_speed_sweep(sweep_dataset(modes=4))
+        texts = strip_of(figure).texts
+        names = [text.get_text() for text in texts]
+        assert {"f₁/7", "f₁/8", "f₂/8", "f₂/12"} < set(names)
+        # Beyond the range of speeds.
+        assert not {"f₁/6", "f₁/1", "f₂/6", "f₄/20"} & set(names)
+        for text in texts:
+            mode, order = text.get_text().translate(str.maketrans("₁₂₃₄", "1234"))[1:].split("/")
+            low = LOWEST[int(mode) - 1] / int(order)
+            high = HIGHEST[int(mode) - 1] / int(order)
+            assert low <= text.get_position()[0] <= high
+        check_sweep(figure)
+
+    def test_without_simulations_and_bands(self) -> None:
+        figure = plot_speed_sweep(sweep_dataset(settled=False, fastest=8.0))
+        assert legend_texts(figure) == ["steady state"]
+        assert not strip_of(figure).texts
+        assert all(len(axes.lines) == 1 for axes in link_panels(figure))
+        check_sweep(figure)
+
+    def test_legend(self) -> None:
+        texts = ", ".join(legend_texts(plot_speed_sweep(sweep_dataset())))
+        assert texts == "steady state, settled simulation, f₁/order, f₂/order"
+
+    @pytest.mark.parametrize(("modes", "links"), [(1, 1), (2, 3)])
+    def test_layout(self, modes: int, links: int) -> None:
+        check_sweep(plot_speed_sweep(sweep_dataset(modes, links)))
+
+    def test_gaps_and_links_that_do_not_bend(self) -> None:
+        dataset = sweep_dataset()
+        dataset["peak_deflection"][10:20] = np.nan
+        dataset["peak_deflection"][:, 0] = 0.0
+        dataset["settled_peak"][:, 0] = 0.0
+        figure = plot_speed_sweep(dataset)
+        assert link_panels(figure)[0].get_yscale() == "linear"
+        assert np.isnan(link_panels(figure)[1].lines[0].get_ydata()).sum() == 10
+
+    def test_order_of_the_speeds_does_not_matter(self) -> None:
+        dataset = sweep_dataset()
+        backwards = plot_speed_sweep(dataset.isel(crank_speed=slice(None, None, -1)))
+        drawn = link_panels(backwards)[1].lines[0].get_ydata()
+        np.testing.assert_allclose(drawn, 1e3 * dataset["peak_deflection"][:, 1])
+
+
+class TestVibrationEffect:
+    def test_draws_the_affected_engine_at_the_highest_speed(self) -> None:
+        dataset = vibration_dataset()
+        figure = plot_vibration_effect(dataset)
+        title = figure.legends[0].get_title().get_text()
+        assert title == "Natural frequencies at \N{MINUS SIGN}20 rad/s, exudyn (ancf)"
+        chosen = dataset.isel(engine=1, crank_speed=1)
+        for mode, axes in enumerate(figure.axes[:-1]):
+            running, still = axes.lines
+            np.testing.assert_array_equal(running.get_ydata(), chosen["frequency"][:, mode])
+            np.testing.assert_array_equal(
+                still.get_ydata(), chosen["quasi_static_frequency"][:, mode]
+            )
+            assert (running.get_linestyle(), still.get_linestyle()) == ("-", "--")
+            np.testing.assert_allclose(running.get_xdata()[[0, -1]], [0.0, 360.0])
+            assert axes.get_title("left") == f"Mode {mode + 1}"
+
+    def test_lowest_panel_is_the_relative_difference(self) -> None:
+        dataset = vibration_dataset()
+        axes = plot_vibration_effect(dataset).axes[-1]
+        chosen = dataset.isel(engine=1, crank_speed=1)
+        ratio = chosen["frequency"] / chosen["quasi_static_frequency"]
+        for mode in range(4):
+            (line,) = [line for line in axes.lines if line.get_color() == SERIES_STYLES[mode].color]
+            np.testing.assert_allclose(line.get_ydata(), 100 * (ratio[:, mode] - 1), atol=1e-12)
+        low, high = axes.get_ylim()
+        assert low < -0.4
+        assert high > 0.4
+
+    def test_labels(self) -> None:
+        figure = plot_vibration_effect(vibration_dataset(modes=2))
+        assert [axes.get_ylabel() for axes in figure.axes] == [
+            "Frequency\n(Hz)",
+            "Frequency\n(Hz)",
+            "Difference\n(%)",
+        ]
+        assert figure.axes[-1].get_xlabel() == "Crank angle (deg)"
+        assert legend_texts(figure) == ["running", "quasi-static", "mode 1", "mode 2"]
+
+    def test_first_engine_if_vibration_changes_nothing(self) -> None:
+        figure = plot_vibration_effect(vibration_dataset(affected=()))
+        assert "reference (euler)" in figure.legends[0].get_title().get_text()
+        assert "exudyn" not in figure.legends[0].get_title().get_text()
+        assert len(figure.axes[0].lines) == 2
+
+    def test_two_affected_engines(self) -> None:
+        dataset = vibration_dataset(2, ("reference", "exudyn", "other"), affected=(1, 2))
+        figure = plot_vibration_effect(dataset)
+        assert {"exudyn (ancf)", "other (euler)"} < set(legend_texts(figure))
+        first, _, second, _ = figure.axes[0].lines
+        assert first.get_marker() != second.get_marker()
+        check_layout(figure)
+
+    @pytest.mark.parametrize("modes", [1, 6])
+    def test_layout(self, modes: int) -> None:
+        check_layout(plot_vibration_effect(vibration_dataset(modes)))
+
+    def test_few_angles_are_marked(self) -> None:
+        figure = plot_vibration_effect(vibration_dataset(step=60.0))
+        line = figure.axes[0].lines[0]
+        assert line.get_marker() not in ("", "None")
+
+
+@pytest.mark.parametrize(
+    ("plot", "dataset"),
+    [(plot_speed_sweep, sweep_dataset()), (plot_vibration_effect, vibration_dataset())],
+)
+def test_leaves_matplotlib_s_state_and_the_dataset_alone(plot, dataset: xr.Dataset) -> None:
+    settings, before = dict(mpl.rcParams), dataset.copy(deep=True)
+    figure = plot(dataset)
+    assert shown_texts(figure)
+    assert not plt.get_fignums()
+    assert dict(mpl.rcParams) == settings
+    xr.testing.assert_identical(dataset, before)
