@@ -8,13 +8,14 @@ of the monodromy matrix are the Floquet multipliers.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError, InputError
-from flexmech.time_domain.driven_linkage import DrivenLinkage
+from flexmech.time_domain.driven_linkage import DrivenLinkage, Equations
 from flexmech.time_domain.state import VibrationState
 from flexmech.time_domain.trapezoidal import initial_state, march, step_operators
 
@@ -62,16 +63,11 @@ def turn_map(linkage: DrivenLinkage, steps: int) -> TurnMap:
     InputError
         If the crank speed is not constant.
     """
-    if not linkage.drive.is_constant:
-        raise InputError("a periodic motion needs a constant crank speed: leave out the run-up")
-    n, step = linkage.size, linkage.drive.revolution_time / steps
-    starts = np.concatenate([np.zeros((2 * n, 1)), np.eye(2 * n)], axis=1)
-    state = initial_state(linkage.equations(np.zeros(1)), starts[:n], starts[n:])
-    for first in range(0, steps, BLOCK_STEPS):
-        time = step * np.arange(first + 1, min(first + BLOCK_STEPS, steps) + 1, dtype=float)
-        state = march(step_operators(linkage.equations(time), step), state)[-1]
-    ends = np.concatenate([state.position, state.velocity])
-    return TurnMap(ends[:, 1:] - ends[:, :1], ends[:, 0])
+    state = None
+    for _, history in _all_motions(linkage, steps):
+        state = history[-1]
+    assert state is not None
+    return _map_to(state)
 
 
 def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
@@ -97,21 +93,9 @@ def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
         If a free vibration fits a turn exactly, so that without damping the forced motion
         grows without limit.
     """
-    turn, n = turn_map(linkage, steps), linkage.size
     equations = linkage.equations(np.zeros(1))
-    # Positions by their stiffness and velocities by their mass: both count as energies, and
-    # the condition number is none of units.
-    energies = (np.diagonal(equations.stiffness[0]), np.diagonal(equations.mass[0]))
-    scale = np.sqrt(np.abs(np.concatenate(energies)))
-    gap = scale[:, None] * (np.eye(2 * n) - turn.monodromy) / scale
-    if 1 / np.linalg.cond(gap) < RESONANT:
-        raise ComputationError(
-            f"crank speed {linkage.drive.speed:.6g} rad/s is critical: a free vibration fits "
-            "one turn of the crank exactly, and without damping no motion is periodic; change "
-            "the speed a little, or give the links damping"
-        )
-    state = np.linalg.solve(gap, scale * turn.forced) / scale
-    return initial_state(equations, state[:n], state[n:])
+    position, velocity = _fixed_point(linkage, turn_map(linkage, steps), equations)
+    return initial_state(equations, position, velocity)
 
 
 def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
@@ -134,14 +118,72 @@ def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
     InputError, ComputationError
         As :func:`periodic_state`.
     """
-    state, step = periodic_state(linkage, steps), linkage.drive.revolution_time / steps
+    blocks = list(_all_motions(linkage, steps))
+    turn = _map_to(blocks[-1][1][-1])
+    start = np.concatenate(_fixed_point(linkage, turn, blocks[0][0]))
+    # Each motion is the forced one plus what a unit of a coordinate at the start adds to it.
+    share = np.concatenate([[1 - start.sum()], start])
     parts: list[list[FloatArray]] = [[] for _ in linkage.links]
+    for equations, history in blocks:
+        motion = VibrationState(
+            history.position @ share, history.velocity @ share, history.acceleration @ share
+        )
+        moving = linkage.link_motion(equations, motion)
+        for part, basis, (q, _, _) in zip(parts, linkage.bases, moving, strict=True):
+            part.append(q[:-1] @ basis.T)
+    return [np.concatenate(part) for part in parts]
+
+
+def _all_motions(linkage: DrivenLinkage, steps: int) -> Iterator[tuple[Equations, VibrationState]]:
+    """March through a turn from zero and from a unit of each coordinate, block by block.
+
+    Yields
+    ------
+    Equations
+        At the start of the block and after each of its m steps.
+    VibrationState
+        At the same times; arrays of shape (m + 1, n, 1 + 2 n).
+
+    Raises
+    ------
+    InputError
+        If the crank speed is not constant.
+    """
+    if not linkage.drive.is_constant:
+        raise InputError("a periodic motion needs a constant crank speed: leave out the run-up")
+    n, step = linkage.size, linkage.drive.revolution_time / steps
+    state: VibrationState | None = None
     for first in range(0, steps, BLOCK_STEPS):
         last = min(first + BLOCK_STEPS, steps)
         equations = linkage.equations(step * np.arange(first, last + 1, dtype=float))
+        if state is None:
+            starts = np.concatenate([np.zeros((2 * n, 1)), np.eye(2 * n)], axis=1)
+            state = initial_state(equations, starts[:n], starts[n:])
         history = march(step_operators(equations[1:], step), state)
-        moving = linkage.link_motion(equations, history)
-        for part, basis, (q, _, _) in zip(parts, linkage.bases, moving, strict=True):
-            part.append(q[:-1] @ basis.T)
         state = history[-1]
-    return [np.concatenate(part) for part in parts]
+        yield equations, history
+
+
+def _map_to(end: VibrationState) -> TurnMap:
+    ends = np.concatenate([end.position, end.velocity])
+    return TurnMap(ends[:, 1:] - ends[:, :1], ends[:, 0])
+
+
+def _fixed_point(
+    linkage: DrivenLinkage, turn: TurnMap, equations: Equations
+) -> tuple[FloatArray, FloatArray]:
+    """Position and velocity that a turn returns to; ``equations`` begin at time zero."""
+    n = linkage.size
+    # Positions by their stiffness and velocities by their mass: both count as energies, and
+    # the condition number is none of units.
+    energies = (np.diagonal(equations.stiffness[0]), np.diagonal(equations.mass[0]))
+    scale = np.sqrt(np.abs(np.concatenate(energies)))
+    gap = scale[:, None] * (np.eye(2 * n) - turn.monodromy) / scale
+    if 1 / np.linalg.cond(gap) < RESONANT:
+        raise ComputationError(
+            f"crank speed {linkage.drive.speed:.6g} rad/s is critical: a free vibration fits "
+            "one turn of the crank exactly, and without damping no motion is periodic; change "
+            "the speed a little, or give the links damping"
+        )
+    state = np.linalg.solve(gap, scale * turn.forced) / scale
+    return state[:n], state[n:]

@@ -21,8 +21,8 @@ __all__ = ["LinkStress", "StressHistory"]
 
 FloatArray = NDArray[np.float64]
 
-# Positions a turn; halving the spacing moves deflections by about 1e-5 of their peak.
-SAMPLES_PER_TURN = 180
+# Positions a turn; halving the spacing moves deflections by less than 1e-4 of their peak.
+SAMPLES_PER_TURN = 120
 LEAST_SAMPLES = 24
 
 

@@ -37,7 +37,7 @@ def exudyn_run(mechanism, elements, turns):
 
 
 @pytest.mark.parametrize("level", ["axial", "equilibrium"])
-@pytest.mark.parametrize("elements", [8, 16])
+@pytest.mark.parametrize("elements", [8, 16, 32])
 def test_transient_against_exudyn(aluminium, against, elements, level):
     against(
         f"transient, 4 turns, {elements} elements, {level}: against Exudyn",
@@ -60,7 +60,7 @@ def test_periodic_motion_against_settling(aluminium, against):
             DrivenLinkage(
                 ReferenceEngine(mechanism, 8), DRIVE, "equilibrium", detail=2.0, with_energy=False
             ),
-            1440,
+            960,
         ),
         lambda: exudyn_run(mechanism, 8, 2),
         rounds=3,
