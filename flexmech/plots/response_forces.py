@@ -72,7 +72,13 @@ def plot_forces(dataset: xr.Dataset) -> Figure:
 def _pins(dataset: xr.Dataset) -> list[str]:
     """Joints between links; of a lone link, its joint with the ground."""
     names = [str(name) for name in dataset["joint"].values]
-    return [name for name in names if not name.startswith("O")] or names
+    if "joint_kind" in dataset.coords:
+        kinds = dataset["joint_kind"].values
+        pins = [name for name, kind in zip(names, kinds, strict=True) if kind == "pin"]
+    else:
+        # Without kinds only the custom is left of naming joints with the ground O2, O4, ...
+        pins = [name for name in names if not name.startswith("O")]
+    return pins or names
 
 
 def _draw_rigid(axes: Axes, values: xr.DataArray) -> None:

@@ -163,6 +163,17 @@ class TestForces:
         np.testing.assert_array_equal(drawn(torque, "0.25"), dataset["rigid_driving_torque"])
         np.testing.assert_array_equal(drawn(last, "0.25"), dataset["rigid_joint_force"].sel(place))
 
+    def test_pins_are_told_by_their_kind_and_not_by_their_name(self, dataset: xr.Dataset) -> None:
+        renamed = dataset.assign_coords(
+            joint=["Q", "Output", "B", "ground"],
+            joint_kind=("joint", ["clamp", "pin", "pin", "pivot"]),
+        )
+        assert y_labels(plot_forces(renamed))[1:] == [
+            f"Force at {place} (N)" for place in ("Output, x", "Output, y", "B, x", "B, y")
+        ]
+        clamped = arm_response().assign_coords(joint_kind=("joint", ["clamp"]))
+        assert y_labels(plot_forces(clamped))[1:] == ["Force at O2, x (N)", "Force at O2, y (N)"]
+
     def test_ringing_is_all_in_view_and_can_be_seen_through(self, dataset: xr.Dataset) -> None:
         axes = panels(plot_forces(dataset))[1]
         ringing, calm, rigid = axes.lines[-3:]
