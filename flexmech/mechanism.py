@@ -130,6 +130,7 @@ class Mechanism:
             mass_per_length=self.sections[link].mass_per_length,
             point_positions=tuple(p for p, _ in points),
             point_masses=tuple(m for _, m in points),
+            offset=self.sections[link].mass_axis,
         )
 
     @property

@@ -105,7 +105,7 @@ def with_damping(mechanism: Mechanism) -> Mechanism:
     turn = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
     lowest = natural_frequencies(ReferenceEngine(mechanism), turn, modes=1).min()
     time = 2 * DAMPING_RATIO / (2 * np.pi * lowest)
-    sections = {name: replace(s, damping_time=time) for name, s in mechanism.sections.items()}
+    sections = {name: s.with_damping_time(time) for name, s in mechanism.sections.items()}
     return replace(mechanism, sections=sections)
 
 

@@ -91,7 +91,7 @@ def _link_table(mechanism: Mechanism) -> Table:
     table.add_row("kGA (N)", *(f"{s.shear_stiffness:.6g}" for s in sections))
     table.add_row("rho A (kg/m)", *(f"{s.mass_per_length:.6g}" for s in sections))
     table.add_row("rho I (kg m)", *(f"{s.rotary_inertia:.6g}" for s in sections))
-    table.add_row("damping time (s)", *(f"{s.damping_time:.6g}" for s in sections))
+    table.add_row("damping time (s)", *(f"{s.damping.bending:.6g}" for s in sections))
     return table
 
 

@@ -36,6 +36,8 @@ class Element(StrEnum):
     """Choices of ``--element``."""
 
     euler = "euler"
+    timoshenko = "timoshenko"
+    reddy = "reddy"
     ancf = "ancf"
     geometrically_exact = "geometrically-exact"
 
@@ -44,31 +46,44 @@ EngineOption = Annotated[Engine, typer.Option(help="Which engine computes.")]
 ElementOption = Annotated[
     Element | None,
     typer.Option(
-        help="Beam element, for the engine that has it. Left out: euler in the reference, "
-        "ancf in Exudyn."
+        help="Beam element: euler, timoshenko or reddy in the reference, ancf or "
+        "geometrically-exact in Exudyn; the other engine takes its element of the same theory. "
+        "Left out: euler and ancf, or timoshenko and geometrically-exact where a link's neutral "
+        "axis is off its pins."
     ),
 ]
 Elements = Annotated[int, typer.Option(min=1, help="Elements on each link.")]
 
 _ELEMENTS = {
-    Engine.reference: (Element.euler,),
+    Engine.reference: (Element.euler, Element.timoshenko, Element.reddy),
     Engine.exudyn: (Element.ancf, Element.geometrically_exact),
 }
 
 
-def element_of_engines(engine: Engine, element: Element | None) -> dict[Engine, Element]:
+# The other engine's element of the same beam theory, or of the nearest that it has.
+_COUNTERPARTS = {
+    Element.euler: Element.ancf,
+    Element.timoshenko: Element.geometrically_exact,
+    Element.reddy: Element.geometrically_exact,
+    Element.ancf: Element.euler,
+    Element.geometrically_exact: Element.timoshenko,
+}
+
+
+def element_of_engines(engine: Engine, element: Element | None) -> dict[Engine, Element | None]:
     """Which engines run, and the element of each.
 
     Parameters
     ----------
     engine : Engine
     element : Element or None
-        Goes to the engine that has it; the other one keeps its default.
+        Goes to the engine that has it; the other one takes the element of the same theory,
+        so that the two can be held against each other.
 
     Returns
     -------
     dict
-        Element by engine, the reference first.
+        Element by engine, the reference first; None where the engine shall choose.
 
     Raises
     ------
@@ -83,11 +98,13 @@ def element_of_engines(engine: Engine, element: Element | None) -> dict[Engine, 
             f"--element {element} is not an element of the {engine} engine, which has {own}; "
             f"choose --engine {owner} or --engine both, or leave --element out"
         )
-    return {one: element if element in _ELEMENTS[one] else _ELEMENTS[one][0] for one in chosen}
+    if element is None:
+        return dict.fromkeys(chosen)
+    return {one: element if element in _ELEMENTS[one] else _COUNTERPARTS[element] for one in chosen}
 
 
 def make_engines(
-    mechanism: Mechanism, chosen: dict[Engine, Element], elements: int
+    mechanism: Mechanism, chosen: dict[Engine, Element | None], elements: int
 ) -> list[AnyEngine]:
     """Make the engines chosen, each with its element.
 
@@ -109,10 +126,10 @@ def make_engines(
         from flexmech.reference import ReferenceEngine
 
         element = chosen[Engine.reference]
-        engines.append(ReferenceEngine(mechanism, elements=elements, element=element.value))
+        engines.append(ReferenceEngine(mechanism, elements=elements, element=element))
     if Engine.exudyn in chosen:
         from flexmech.multibody import ExudynEngine
 
         element = chosen[Engine.exudyn]
-        engines.append(ExudynEngine(mechanism, elements=elements, element=element.value))
+        engines.append(ExudynEngine(mechanism, elements=elements, element=element))
     return engines

@@ -3,10 +3,11 @@
 A link keeps the displacement of its joined ends, with the static shapes that they impose;
 the static answer to the inertia of those shapes, which stands for the modes left out
 (quasi-static compensation, MacNeal 1971; Rubin 1975); and its lowest vibration modes with
-the joined ends held. Bending and stretching are reduced apart. Axial modes are far above
-the frequencies asked for, but a bowed link stretches when it bends: some are kept in the
-basis and condensed statically in each position, unless the crank is so fast that Coriolis
-forces excite them.
+the joined ends held. Bending and stretching are reduced apart; where the neutral axis is
+off the pins' axis, bending brings along the stretch that leaves no axial force. Axial modes
+are far above the frequencies asked for, but a bowed link stretches when it bends: some are
+kept in the basis and condensed statically in each position, unless the crank is so fast
+that Coriolis forces excite them.
 """
 
 from __future__ import annotations
@@ -179,8 +180,9 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
     # A held one only stretches, far too little for inertia to matter.
     floats = bool(axial_boundary.any()) and not fixed.any()
     axial_relief = relief[:, axial_boundary].sum(axis=1, keepdims=True)
-    axial, axial_frequency = _modes_of(link, inner[link.is_axial[inner]])
-    bending, bending_frequency = _modes_of(link, inner[~link.is_axial[inner]])
+    stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
+    axial, axial_frequency = _modes_of(link, _unit_shapes(link, stretching))
+    bending, bending_frequency = _modes_of(link, _free_bending(link, turning, stretching))
     return _HeldLink(
         link=link,
         ends=ends,
@@ -215,12 +217,28 @@ def _boundary(topology: Topology, link: LinkModel) -> tuple[NDArray[np.bool_], d
     return fixed, ends
 
 
-def _modes_of(link: LinkModel, inner: IntArray) -> tuple[FloatArray, FloatArray]:
-    """Mass-normalized modes (n, m) and angular frequencies of the given coordinates."""
-    modes = np.zeros((link.size, len(inner)))
-    if not len(inner):
-        return modes, np.zeros(0)
-    where = (inner[:, None], inner)
-    values, vectors = scipy.linalg.eigh(link.stiffness[where], link.mass[where], check_finite=False)
-    modes[inner] = vectors
-    return modes, np.sqrt(np.abs(values))
+def _unit_shapes(link: LinkModel, which: IntArray) -> FloatArray:
+    """Shapes (n, m) that move one coordinate each."""
+    shapes = np.zeros((link.size, len(which)))
+    shapes[which, np.arange(len(which))] = 1.0
+    return shapes
+
+
+def _free_bending(link: LinkModel, turning: IntArray, stretching: IntArray) -> FloatArray:
+    """Shapes (n, m) that move one bending coordinate each, without axial force."""
+    shapes = _unit_shapes(link, turning)
+    coupling = link.stiffness[stretching[:, None], turning]
+    if coupling.any():
+        along = link.stiffness[stretching[:, None], stretching]
+        shapes[stretching] = -np.linalg.solve(along, coupling)
+    return shapes
+
+
+def _modes_of(link: LinkModel, shapes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mass-normalized modes (n, m) and angular frequencies in the space of shapes (n, m)."""
+    if not shapes.shape[1]:
+        return shapes, np.zeros(0)
+    values, vectors = scipy.linalg.eigh(
+        shapes.T @ link.stiffness @ shapes, shapes.T @ link.mass @ shapes, check_finite=False
+    )
+    return shapes @ vectors, np.sqrt(np.abs(values))

@@ -68,6 +68,11 @@ class LinkModel:
         and the tangential one ``alpha S``.
     translational_mass : ndarray, shape (n, n)
         ``M_t``, the integral of ``rho N^T N``; the centripetal matrix is ``-omega^2 M_t``.
+        Without rotary inertia: a section that turns about its centre of mass keeps its
+        centrifugal potential.
+    first_moment : ndarray, shape (2, n)
+        Integral of ``rho y N`` along and across, with y the distance from the pins' axis;
+        zero where the centres of mass lie on it.
     stiffness : ndarray, shape (n, n)
         Elastic stiffness of the unloaded, straight link.
     damping : ndarray, shape (n, n)
@@ -77,8 +82,8 @@ class LinkModel:
     start, end : ndarray of int, shape (2,) or (0,)
         Coordinates that are the displacement of the two ends; empty where a reduction has
         removed an end that is not joined.
-    start_rotation, end_rotation : ndarray of int, shape (0,) or (1,)
-        Coordinate that a clamp at that end holds besides the displacement.
+    start_rotation, end_rotation : ndarray of int, shape (k,)
+        Coordinates that a clamp at that end holds besides the displacement.
     shape : ndarray, shape (n_stations, 2, n)
         Displacement at evenly spaced stations from start to end.
     curvature : ndarray, shape (n,)
@@ -93,6 +98,7 @@ class LinkModel:
     mass: FloatArray
     gyroscopic: FloatArray
     translational_mass: FloatArray
+    first_moment: FloatArray
     stiffness: FloatArray
     damping: FloatArray
     is_axial: NDArray[np.bool_]
@@ -168,6 +174,7 @@ class LinkModel:
             mass=project(self.mass),
             gyroscopic=project(self.gyroscopic),
             translational_mass=project(self.translational_mass),
+            first_moment=self.first_moment @ basis,
             stiffness=project(self.stiffness),
             damping=project(self.damping),
             is_axial=axial,
@@ -213,5 +220,7 @@ def inertia_loads(
             - motion.angular_velocity[:, number, None] ** 2 * fields.centripetal
             + motion.angular_acceleration[:, number, None] * fields.tangential
         )
-        loads.append(-acceleration @ link.mass)
+        # Matter off the pins' axis is also pulled across it.
+        turning = motion.angular_velocity[:, number, None] ** 2
+        loads.append(turning * link.first_moment[1] - acceleration @ link.mass)
     return loads

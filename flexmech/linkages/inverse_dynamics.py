@@ -23,7 +23,7 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class LinkMass:
-    """Mass of one link, all of it on the line between its ends.
+    """Mass of one link: point masses on the line between its ends, and distributed mass.
 
     Parameters
     ----------
@@ -33,16 +33,26 @@ class LinkMass:
         Distributed mass in kg/m.
     point_positions, point_masses : tuple of float
         Point masses in kg and their distances from the link's start in m.
+    offset : float
+        Distance of the distributed mass from the line between the ends in m.
     """
 
     length: float
     mass_per_length: float
     point_positions: tuple[float, ...] = ()
     point_masses: tuple[float, ...] = ()
+    offset: float = 0.0
+
+    @property
+    def moment_across(self) -> float:
+        """Integral of the distance from the line between the ends over the mass in kg m."""
+        return self.mass_per_length * self.length * self.offset
 
     def moment(self, order: int) -> float:
-        """Integral of ``x**order`` over the mass: mass, first or second moment."""
+        """Integral of ``x**order`` over the mass: mass, first or polar second moment."""
         distributed = self.mass_per_length * self.length ** (order + 1) / (order + 1)
+        if order == 2:
+            distributed += self.moment_across * self.offset
         points = zip(self.point_positions, self.point_masses, strict=True)
         return distributed + sum(mass * x**order for x, mass in points)
 
@@ -113,7 +123,9 @@ class InverseDynamics:
         ]
         mass_before = mass.mass_per_length * x + sum(m for _, m in near)
         first_before = mass.mass_per_length * x**2 / 2 + sum(m * p for p, m in near)
-        inertia = -(mass_before * start - first_before * turning)
+        beside = mass.mass_per_length * x * mass.offset
+        change = self.motion.angular_acceleration[..., link]
+        inertia = -(mass_before * start - first_before * turning - beside * change)
         tension: FloatArray = -np.sum(self.start_force[..., link, :] * along, axis=-1) - inertia
         return tension
 
@@ -207,12 +219,15 @@ def _inertia_loads(
 ) -> tuple[FloatArray, FloatArray]:
     """Inertia force and moment about each link's start, weight included."""
     mass, first, second = (np.array([m.moment(order) for m in masses]) for order in (0, 1, 2))
+    beside = np.array([m.moment_across for m in masses])
     pull = motion.origin_acceleration - np.asarray(gravity)
     along, across = direction(motion.angle), normal(motion.angle)
     turning = motion.angular_acceleration[..., None] * across
     turning = turning - motion.angular_velocity[..., None] ** 2 * along
-    force = -(mass[:, None] * pull + first[:, None] * turning)
-    moment = -(first * np.sum(pull * across, axis=-1) + second * motion.angular_acceleration)
+    quarter = np.stack([-turning[..., 1], turning[..., 0]], axis=-1)
+    force = -(mass[:, None] * pull + first[:, None] * turning + beside[:, None] * quarter)
+    lever = first * np.sum(pull * across, axis=-1) - beside * np.sum(pull * along, axis=-1)
+    moment = -(lever + second * motion.angular_acceleration)
     return force, moment
 
 

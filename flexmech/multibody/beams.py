@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from flexmech.linear_system import RigidFields
 from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.node_bodies import BeamInertia
 from flexmech.multibody.strains import Strain, cable_strains, exact_beam_strains
 from flexmech.sections import BeamSection
 
@@ -33,19 +34,35 @@ class BeamKind(ABC):
         The node's coordinate that a clamp holds besides the position: slope or rotation.
     deflection : int or None
         The node's coordinate across the link if its slope follows from it (no shear).
+    turns_arms : bool
+        Whether a node's section is rigid and turns what sits off the neutral axis.
     """
 
     per_node: int
     vectors: tuple[tuple[int, int], ...]
     clamped: int
     deflection: int | None
+    turns_arms: bool
 
     @abstractmethod
-    def add_node(self, mbs: Any, x: float) -> int:
-        """Node at ``x`` on a link along the global x axis; returns its number."""
+    def add_node(self, mbs: Any, x: float, y: float) -> int:
+        """Node of a link along the global x axis; returns its number.
+
+        Parameters
+        ----------
+        mbs : exudyn.MainSystem
+        x, y : float
+            Place along the link and distance of the neutral axis from the pins' axis in m.
+
+        Returns
+        -------
+        int
+        """
 
     @abstractmethod
-    def add_element(self, mbs: Any, nodes: list[int], length: float, section: BeamSection) -> int:
+    def add_element(
+        self, mbs: Any, nodes: list[int], length: float, section: BeamSection, inertia: BeamInertia
+    ) -> int:
         """Beam element between two nodes.
 
         Parameters
@@ -56,6 +73,9 @@ class BeamKind(ABC):
         length : float
             In m.
         section : BeamSection
+            Its stiffness and damping.
+        inertia : BeamInertia
+            Mass that the element carries on its axis.
 
         Returns
         -------
@@ -131,6 +151,28 @@ class BeamKind(ABC):
         list of Strain
         """
 
+    def internal_force(
+        self, place: FloatArray, length: FloatArray, section: BeamSection
+    ) -> FloatArray:
+        """Elastic forces on the nodes, the derivative of the strain energy.
+
+        Parameters
+        ----------
+        place : ndarray, shape (m, k * per_node)
+            Coordinates of a chain of nodes, with the reference ones.
+        length : ndarray, shape (k - 1,)
+            Of the undeformed elements in m.
+        section : BeamSection
+
+        Returns
+        -------
+        ndarray, shape (m, k * per_node)
+        """
+        size = place.shape[1]
+        unit_rates = np.tile(np.eye(size), (len(place), 1))
+        strains = self.strains(np.repeat(place, size, axis=0), unit_rates, length, section)
+        return np.asarray(sum(strain.power for strain in strains)).reshape(place.shape)
+
     def turned(self, vectors: FloatArray, angle: FloatArray) -> FloatArray:
         """Coordinates with every vector turned by an angle; scalars stay.
 
@@ -170,13 +212,16 @@ class AncfCable(BeamKind):
     vectors = ((0, 1), (2, 3))
     clamped = 3
     deflection = 1
+    turns_arms = False
 
-    def add_node(self, mbs: Any, x: float) -> int:
+    def add_node(self, mbs: Any, x: float, y: float) -> int:
         """See :class:`BeamKind`."""
         items = load_exudyn().itemInterface
-        return int(mbs.AddNode(items.NodePoint2DSlope1(referenceCoordinates=[x, 0.0, 1.0, 0.0])))
+        return int(mbs.AddNode(items.NodePoint2DSlope1(referenceCoordinates=[x, y, 1.0, 0.0])))
 
-    def add_element(self, mbs: Any, nodes: list[int], length: float, section: BeamSection) -> int:
+    def add_element(
+        self, mbs: Any, nodes: list[int], length: float, section: BeamSection, inertia: BeamInertia
+    ) -> int:
         """See :class:`BeamKind`."""
         items = load_exudyn().itemInterface
         return int(
@@ -184,11 +229,11 @@ class AncfCable(BeamKind):
                 items.ObjectANCFCable2D(
                     nodeNumbers=nodes,
                     length=length,
-                    massPerLength=section.mass_per_length,
+                    massPerLength=inertia.mass_per_length,
                     bendingStiffness=section.bending_stiffness,
                     axialStiffness=section.axial_stiffness,
-                    bendingDamping=section.damping_time * section.bending_stiffness,
-                    axialDamping=section.damping_time * section.axial_stiffness,
+                    bendingDamping=section.damping.bending * section.bending_stiffness,
+                    axialDamping=section.damping.axial * section.axial_stiffness,
                 )
             )
         )
@@ -252,13 +297,16 @@ class GeometricallyExactBeam(BeamKind):
     vectors = ((0, 1),)
     clamped = 2
     deflection = None
+    turns_arms = True
 
-    def add_node(self, mbs: Any, x: float) -> int:
+    def add_node(self, mbs: Any, x: float, y: float) -> int:
         """See :class:`BeamKind`."""
         items = load_exudyn().itemInterface
-        return int(mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[x, 0.0, 0.0])))
+        return int(mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[x, y, 0.0])))
 
-    def add_element(self, mbs: Any, nodes: list[int], length: float, section: BeamSection) -> int:
+    def add_element(
+        self, mbs: Any, nodes: list[int], length: float, section: BeamSection, inertia: BeamInertia
+    ) -> int:
         """See :class:`BeamKind`."""
         items = load_exudyn().itemInterface
         return int(
@@ -266,14 +314,14 @@ class GeometricallyExactBeam(BeamKind):
                 items.ObjectBeamGeometricallyExact2D(
                     nodeNumbers=nodes,
                     length=length,
-                    massPerLength=section.mass_per_length,
-                    crossSectionInertia=section.rotary_inertia,
+                    massPerLength=inertia.mass_per_length,
+                    crossSectionInertia=inertia.rotary_inertia,
                     bendingStiffness=section.bending_stiffness,
                     axialStiffness=section.axial_stiffness,
                     shearStiffness=section.shear_stiffness,
-                    bendingDamping=section.damping_time * section.bending_stiffness,
-                    axialDamping=section.damping_time * section.axial_stiffness,
-                    shearDamping=section.damping_time * section.shear_stiffness,
+                    bendingDamping=section.damping.bending * section.bending_stiffness,
+                    axialDamping=section.damping.axial * section.axial_stiffness,
+                    shearDamping=section.damping.shear * section.shear_stiffness,
                 )
             )
         )

@@ -83,6 +83,7 @@ def link_models(model: MultibodyModel) -> tuple[LinkModel, ...]:
                 mass=inertia,
                 gyroscopic=quarter.T @ inertia @ quarter @ quarter,
                 translational_mass=quarter.T @ inertia @ quarter,
+                first_moment=np.zeros((2, size)),
                 stiffness=stiffness[part.coordinates, part.coordinates],
                 damping=damping[part.coordinates, part.coordinates],
                 is_axial=kind.is_axial(count),

@@ -129,7 +129,7 @@ class Simulation:
             gravity -= position[:, part.coordinates] @ model.weight(number)
             for part_of in model.kind.strains(place, rate[number], lengths, section):
                 strain += part_of.energy
-                dissipation += section.damping_time * part_of.power_per_damping_time
+                dissipation += part_of.dissipation
         return StepBlock(
             time=time,
             crank_speed=motion.crank_speed,

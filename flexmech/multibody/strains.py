@@ -29,11 +29,14 @@ class Strain:
     weight : ndarray, shape (e, g)
         Stiffness times the length that the point stands for: half of it times the strain
         squared is the strain energy in J.
+    damping_time : float
+        Kelvin-Voigt time of this strain in s.
     """
 
     value: FloatArray
     rate: FloatArray
     weight: FloatArray
+    damping_time: float
 
     @property
     def energy(self) -> FloatArray:
@@ -41,9 +44,15 @@ class Strain:
         return np.asarray(np.einsum("meg,meg,eg->m", self.value, self.value, self.weight) / 2)
 
     @property
-    def power_per_damping_time(self) -> FloatArray:
-        """Power in W that Kelvin-Voigt damping takes, over its time in s; shape (m,)."""
-        return np.asarray(np.einsum("meg,meg,eg->m", self.rate, self.rate, self.weight))
+    def power(self) -> FloatArray:
+        """Power in W that the elastic stress takes, the rate of :attr:`energy`; (m,)."""
+        return np.asarray(np.einsum("meg,meg,eg->m", self.value, self.rate, self.weight))
+
+    @property
+    def dissipation(self) -> FloatArray:
+        """Power in W that Kelvin-Voigt damping takes, shape (m,)."""
+        power = np.einsum("meg,meg,eg->m", self.rate, self.rate, self.weight)
+        return np.asarray(self.damping_time * power)
 
 
 def cable_strains(
@@ -71,6 +80,7 @@ def cable_strains(
         value=norm - 1,
         rate=_dot(slope, slope_rate) / norm,
         weight=section.axial_stiffness * length[:, None] / 2 * weights,
+        damping_time=section.damping.axial,
     )
     points, weights = np.polynomial.legendre.leggauss(BENDING_POINTS)
     first, second = _cubic_derivatives(points, length)
@@ -83,6 +93,7 @@ def cable_strains(
         value=curvature,
         rate=(change - 2 * curvature * _dot(slope, slope_rate)) / square,
         weight=section.bending_stiffness * length[:, None] / 2 * weights,
+        damping_time=section.damping.bending,
     )
     return [stretch, bending]
 
@@ -114,14 +125,15 @@ def exact_beam_strains(
     along = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
     across = np.stack([-np.sin(turn), np.cos(turn)], axis=-1)
     stretched, sheared = _dot(slope, along), _dot(slope, across)
+    damping = section.damping
     stretching = _dot(slope_rate, along) + spin * sheared
     shearing = _dot(slope_rate, across) - spin * stretched
     return [
-        Strain(value[..., None], change[..., None], stiffness * length[:, None])
-        for value, change, stiffness in (
-            (stretched - 1, stretching, section.axial_stiffness),
-            (sheared, shearing, section.shear_stiffness),
-            (slope[..., 2], slope_rate[..., 2], section.bending_stiffness),
+        Strain(value[..., None], change[..., None], stiffness * length[:, None], time)
+        for value, change, stiffness, time in (
+            (stretched - 1, stretching, section.axial_stiffness, damping.axial),
+            (sheared, shearing, section.shear_stiffness, damping.shear),
+            (slope[..., 2], slope_rate[..., 2], section.bending_stiffness, damping.bending),
         )
     ]
 

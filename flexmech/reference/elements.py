@@ -1,137 +1,205 @@
-"""The two-node plane beam of Euler and Bernoulli: linear along, Hermite across.
+"""Matrices of two-node plane beam elements, integrated from their shape functions.
 
-Coordinates of an element: (u1, v1, phi1, u2, v2, phi2), displacement along and across the
-element and rotation at its two nodes. All functions take element lengths of shape (e,)
-and return matrices of shape (e, 6, 6).
+Coordinates of an element are those of its two nodes, one node after the other: displacement
+of the pins' axis along and across, rotation of the section, and what else the element has
+(:mod:`flexmech.reference.beam_shapes`). Gauss points integrate every product exactly.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "geometric_stiffness",
-    "gyroscopic_matrix",
-    "mass_matrix",
-    "shape_functions",
-    "stiffness_matrix",
-]
+from flexmech.reference.beam_shapes import BeamFields, BeamShapes
+from flexmech.sections import BeamSection
+
+__all__ = ["BeamElements"]
 
 FloatArray = NDArray[np.float64]
 
-AXIAL = (0, 3)
-BENDING = (1, 2, 4, 5)
+# Exact to degree 9; products of quartics, and of squared cubics with a quadratic tension, have 8.
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 
-def _from_blocks(axial: FloatArray, bending: FloatArray) -> FloatArray:
-    matrix = np.zeros((len(bending), 6, 6))
-    matrix[:, np.array(AXIAL)[:, None], AXIAL] = axial
-    matrix[:, np.array(BENDING)[:, None], BENDING] = bending
-    return matrix
-
-
-def _scaled(rows: list[list[int]], length: FloatArray, power: float) -> FloatArray:
-    """Hermite matrix: rotations carry one more power of the length each."""
-    scale = np.stack([np.ones_like(length), length, np.ones_like(length), length], axis=-1)
-    return np.array(rows) * scale[:, :, None] * scale[:, None, :] * length[:, None, None] ** power
-
-
-def stiffness_matrix(
-    length: FloatArray, axial_stiffness: float, bending_stiffness: float
-) -> FloatArray:
-    """Elastic stiffness; Kumar & Chandrakar, eq. 1.53, corrected (k36 = k63 = +2EI/L).
+@dataclass(frozen=True)
+class BeamElements:
+    """Elements of one kind along a link, p coordinates a node.
 
     Parameters
     ----------
+    shapes : BeamShapes
+    section : BeamSection
     length : ndarray, shape (e,)
         In m.
-    axial_stiffness, bending_stiffness : float
-        EA in N and EI in N m^2.
-
-    Returns
-    -------
-    ndarray, shape (e, 6, 6)
     """
-    rows = [[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]]
-    axial = np.array([[1.0, -1], [-1, 1]]) * (axial_stiffness / length)[:, None, None]
-    return _from_blocks(axial, bending_stiffness * _scaled(rows, length, -3))
+
+    shapes: BeamShapes
+    section: BeamSection
+    length: FloatArray
+
+    @cached_property
+    def stiffness(self) -> FloatArray:
+        """Elastic stiffness, (e, 2 p, 2 p).
+
+        Of Euler-Bernoulli beams: Kumar & Chandrakar, eq. 1.53, corrected (k36 = k63 = +2EI/L).
+        """
+        return self._at_the_pins(self.neutral_stiffness)
+
+    @cached_property
+    def damping(self) -> FloatArray:
+        """Kelvin-Voigt damping, (e, 2 p, 2 p)."""
+        return self._at_the_pins(self.neutral_damping)
+
+    @cached_property
+    def neutral_stiffness(self) -> FloatArray:
+        """Elastic stiffness by the neutral axis's nodes, (e, 2 p, 2 p)."""
+        return self._from_strains(self.shapes.strain_stiffness(self.section))
+
+    @cached_property
+    def neutral_damping(self) -> FloatArray:
+        """Kelvin-Voigt damping by the neutral axis's nodes, (e, 2 p, 2 p)."""
+        times = self.section.damping
+        of_strain = np.array([times.axial, times.bending, times.bending, times.shear])
+        return self._from_strains(of_strain[:, None] * self.shapes.strain_stiffness(self.section))
+
+    @cached_property
+    def mass(self) -> FloatArray:
+        """Consistent mass, (e, 2 p, 2 p).
+
+        Of Euler-Bernoulli beams: Kumar & Chandrakar, eq. 1.52, corrected (m22 = 13/35).
+        """
+        along = self._along
+        inertia = self.shapes.inertia(self.section)
+        moved = self._integral(np.einsum("aegi,ab,begj->egij", along, inertia, along))
+        return moved + self._integral(inertia[0, 0] * _product(self._inside.deflection))
+
+    @cached_property
+    def translational_mass(self) -> FloatArray:
+        """Mass of the displacements alone, as centripetal acceleration meets it.
+
+        A section that turns about its centre keeps its centrifugal potential: rotary inertia
+        is not in it, the coupling of displacement and rotation by the first moment is.
+        """
+        inertia = self.shapes.inertia(self.section)
+        along = self._along
+        displaced = inertia.copy()
+        displaced[1:, 1:] = 0.0
+        moved = self._integral(np.einsum("aegi,ab,begj->egij", along, displaced, along))
+        return moved + self._integral(inertia[0, 0] * _product(self._inside.deflection))
+
+    @cached_property
+    def gyroscopic(self) -> FloatArray:
+        """``S``, the integral of ``rho A N^T J N``; K, eq. 1.54 with ``m_vel = omega S``."""
+        momentum = np.einsum("b,begi->egi", self.shapes.inertia(self.section)[0], self._along)
+        across = self._inside.deflection
+        product = self._integral(across[..., :, None] * momentum[..., None, :])
+        return np.asarray(product - np.swapaxes(product, 1, 2))
+
+    @cached_property
+    def first_moment(self) -> FloatArray:
+        """Integral of ``rho y N`` along and across, (2, e, 2 p)."""
+        moment = self.section.first_moment_of_mass * self._weights[..., None]
+        fields = np.stack([self._along[0], self._inside.deflection])
+        return np.asarray((moment * fields).sum(axis=2))
+
+    def geometric_stiffness(self, tension: FloatArray) -> FloatArray:
+        """Geometric stiffness of elements whose tension varies along them.
+
+        With a constant tension, of Euler-Bernoulli beams, Kumar & Chandrakar, eq. 1.58.
+        Inertia forces make the tension quadratic in place; its mean alone would cost two
+        orders of convergence.
+
+        Parameters
+        ----------
+        tension : ndarray, shape (..., e, 3)
+            Legendre coefficients in N: mean, linear and quadratic part.
+
+        Returns
+        -------
+        ndarray, shape (..., e, 2 p, 2 p)
+        """
+        return np.asarray(np.einsum("...ek,ekij->...eij", tension, self._unit_geometric))
+
+    @cached_property
+    def arch(self) -> FloatArray:
+        """Mean of ``s s^T`` over each element, (e, 2 p, 2 p): its half is an axial strain."""
+        return np.asarray(self._integral(_product(self._inside.slope)) / self.length[:, None, None])
+
+    def displacement_shapes(self, fraction: FloatArray, length: FloatArray) -> FloatArray:
+        """Displacement of the pins' axis inside elements.
+
+        Parameters
+        ----------
+        fraction, length : ndarray, shape (s,)
+            Place in the element from 0 to 1, and the element's length.
+
+        Returns
+        -------
+        ndarray, shape (s, 2, 2 p)
+        """
+        fields = self.shapes.fields(fraction, length, self.section)
+        return np.stack([self._at_pins_axis(fields), fields.deflection], axis=1)
+
+    @cached_property
+    def to_neutral_axis(self) -> FloatArray:
+        """Displacements of the neutral axis's nodes from those of the pins' axis, (2 p, 2 p)."""
+        size = self.shapes.per_node
+        turn = np.eye(2 * size)
+        for angle, arm in zip(self.shapes.angles, self.shapes.arms(self.section), strict=True):
+            for first in (0, size):
+                turn[first, first + angle] = -arm
+        return turn
+
+    @cached_property
+    def _inside(self) -> BeamFields:
+        """Fields at the Gauss points, each (e, 5, 2 p), by the neutral axis's nodes."""
+        places = np.tile((_POINTS + 1) / 2, len(self.length))
+        fields = self.shapes.fields(places, np.repeat(self.length, len(_POINTS)), self.section)
+        shape = (len(self.length), len(_POINTS), -1)
+        return BeamFields(*(values.reshape(shape) for values in vars(fields).values()))
+
+    @cached_property
+    def _along(self) -> FloatArray:
+        """Displacement along at the pins' axis, rotation and shear angle, (3, e, 5, 2 p)."""
+        fields = self._inside
+        return np.stack([self._at_pins_axis(fields), fields.rotation, fields.shear])
+
+    def _at_pins_axis(self, fields: BeamFields) -> FloatArray:
+        """Displacement along at the pins' axis, where rigid arms lead from the neutral axis."""
+        along = fields.axial @ self.to_neutral_axis
+        turning = (fields.rotation, fields.slope)
+        arms = self.shapes.arms(self.section)
+        return along + sum(
+            arm * angle for arm, angle in zip(arms, turning[: len(arms)], strict=True)
+        )
+
+    @cached_property
+    def _weights(self) -> FloatArray:
+        return self.length[:, None] / 2 * _WEIGHTS
+
+    def _integral(self, values: FloatArray) -> FloatArray:
+        """Integral over each element of values (e, 5, ...) at the Gauss points."""
+        return np.asarray(np.einsum("eg,eg...->e...", self._weights, values))
+
+    def _from_strains(self, stiffness: FloatArray) -> FloatArray:
+        f = self._inside
+        strains = np.stack([f.axial_strain, f.curvature, f.shear_change, f.shear])
+        return self._integral(np.einsum("aegi,ab,begj->egij", strains, stiffness, strains))
+
+    def _at_the_pins(self, matrix: FloatArray) -> FloatArray:
+        """A matrix by the neutral axis's nodes in coordinates of the pins' axis."""
+        return np.asarray(self.to_neutral_axis.T @ matrix @ self.to_neutral_axis)
+
+    @cached_property
+    def _unit_geometric(self) -> FloatArray:
+        """Geometric stiffness of unit tension, by Legendre polynomial, (e, 3, 2 p, 2 p)."""
+        polynomials = np.stack([np.ones_like(_POINTS), _POINTS, (3 * _POINTS**2 - 1) / 2])
+        square = _product(self._inside.slope)
+        return np.stack([self._integral(p[:, None, None] * square) for p in polynomials], axis=1)
 
 
-def mass_matrix(length: FloatArray, mass_per_length: float) -> FloatArray:
-    """Consistent mass; Kumar & Chandrakar, eq. 1.52, corrected (m22 = 13/35)."""
-    rows = [[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]
-    axial = np.array([[2.0, 1], [1, 2]]) * (mass_per_length * length / 6)[:, None, None]
-    return _from_blocks(axial, mass_per_length / 420 * _scaled(rows, length, 1))
-
-
-def gyroscopic_matrix(length: FloatArray, mass_per_length: float) -> FloatArray:
-    """``S``, the integral of ``rho A N^T J N``; K, eq. 1.54 with ``m_vel = omega S``."""
-    product = np.array([[21.0, 3, 9, -2], [9, 2, 21, -3]]) / 60
-    scale = np.stack([np.ones_like(length), length, np.ones_like(length), length], axis=-1)
-    coupling = mass_per_length * product * scale[:, None, :] * length[:, None, None]
-    matrix = np.zeros((len(length), 6, 6))
-    matrix[:, np.array(AXIAL)[:, None], BENDING] = -coupling
-    matrix[:, np.array(BENDING)[:, None], AXIAL] = np.swapaxes(coupling, 1, 2)
-    return matrix
-
-
-def geometric_stiffness(length: FloatArray, tension: FloatArray) -> FloatArray:
-    """Geometric stiffness of elements whose tension varies along them.
-
-    With a constant tension this is Kumar & Chandrakar, eq. 1.58. Inertia forces make the
-    tension quadratic in place; its mean alone would cost two orders of convergence.
-
-    Parameters
-    ----------
-    length : ndarray, shape (e,)
-    tension : ndarray, shape (..., e, 3)
-        Legendre coefficients in N: mean, linear and quadratic part.
-
-    Returns
-    -------
-    ndarray, shape (..., e, 6, 6)
-    """
-    scale = np.stack([np.ones_like(length), length, np.ones_like(length), length], axis=-1)
-    unit = _UNIT_GEOMETRIC * (scale[:, None, :, None] * scale[:, None, None, :])
-    unit = unit / length[:, None, None, None]
-    matrix = np.zeros((*tension.shape[:-1], 6, 6))
-    matrix[..., np.array(BENDING)[:, None], BENDING] = np.einsum(
-        "...ek,ekij->...eij", tension, unit
-    )
-    return matrix
-
-
-def _unit_geometric() -> FloatArray:
-    """Integrals of P_k H'^T H' over a unit element for the Legendre polynomials k = 0, 1, 2."""
-    points, weights = np.polynomial.legendre.leggauss(4)  # exact to degree 7; degree 6 is met
-    s = (points + 1) / 2
-    slopes = np.stack([6 * s**2 - 6 * s, 1 - 4 * s + 3 * s**2, 6 * s - 6 * s**2, 3 * s**2 - 2 * s])
-    polynomials = np.stack([np.ones_like(s), points, (3 * points**2 - 1) / 2])
-    integrals: FloatArray = np.einsum("kg,ig,jg,g->kij", polynomials, slopes, slopes, weights / 2)
-    return integrals
-
-
-_UNIT_GEOMETRIC = _unit_geometric()
-
-
-def shape_functions(fraction: FloatArray, length: FloatArray) -> FloatArray:
-    """Displacement inside elements.
-
-    Parameters
-    ----------
-    fraction, length : ndarray, shape (s,)
-        Place in the element from 0 to 1, and the element's length.
-
-    Returns
-    -------
-    ndarray, shape (s, 2, 6)
-    """
-    s = fraction
-    values = np.zeros((len(s), 2, 6))
-    values[:, 0, 0], values[:, 0, 3] = 1 - s, s
-    values[:, 1, 1] = 1 - 3 * s**2 + 2 * s**3
-    values[:, 1, 2] = length * (s - 2 * s**2 + s**3)
-    values[:, 1, 4] = 3 * s**2 - 2 * s**3
-    values[:, 1, 5] = length * (s**3 - s**2)
-    return values
+def _product(rows: FloatArray) -> FloatArray:
+    return rows[..., :, None] * rows[..., None, :]

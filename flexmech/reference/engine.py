@@ -1,4 +1,4 @@
-"""The reference engine: Euler-Bernoulli beams on NumPy and SciPy alone."""
+"""The reference engine: plane beams of three theories on NumPy and SciPy alone."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from flexmech.linear_system import (
     refuse_other_postures,
 )
 from flexmech.linkages import RigidMotion
-from flexmech.reference.elements import geometric_stiffness
+from flexmech.reference.beam_shapes import BEAM_SHAPES
 from flexmech.reference.equilibrium import Equilibrium
-from flexmech.reference.link_matrices import assemble_chain, link_model
+from flexmech.reference.link_matrices import Chain, assemble_chain, build_chain
 
 __all__ = ["ReferenceEngine"]
 
@@ -30,48 +30,53 @@ FloatArray = NDArray[np.float64]
 
 
 class ReferenceEngine(Engine):
-    """Axial and Hermite beam elements with consistent mass, in link frames.
+    """Beam elements with consistent mass, in link frames.
+
+    Elements: ``euler`` (Euler-Bernoulli, without rotary inertia), ``timoshenko`` (shear and
+    rotary inertia) and ``reddy`` (third-order shear; sections whose layers are known).
 
     Prestress levels: ``none``; ``axial`` (Turcic & Midha 1984: tension of each element
     from the linear static solution, geometric stiffness of eq. 1.58); ``equilibrium``
     (corotational beams and Newton's method). Parameters as for
-    :class:`flexmech.linear_system.Engine`; the element is ``"euler"``.
+    :class:`flexmech.linear_system.Engine`.
     """
 
     name: ClassVar[str] = "reference"
-    element_kinds: ClassVar[tuple[str, ...]] = ("euler",)
+    element_kinds: ClassVar[tuple[str, ...]] = tuple(BEAM_SHAPES)
 
     def convergence(self, prestress: Prestress) -> ConvergenceOrders:
-        """Hermite elements: fourth order, prestressed or not."""
+        """Cubic elements: fourth order, prestressed or not."""
         return ConvergenceOrders(elastic=4, prestress=4)
 
     @cached_property
-    def _built(self) -> tuple[tuple[LinkModel, ...], list[FloatArray]]:
-        models, nodes = [], []
-        for name in self.mechanism.linkage.topology.link_names:
-            model, positions = link_model(
-                name, self.mechanism.sections[name], self.mechanism.link_mass(name), self.elements
+    def chains(self) -> tuple[Chain, ...]:
+        """Links of beam elements, in the topology's order."""
+        return tuple(
+            build_chain(
+                name,
+                self.mechanism.sections[name],
+                self.mechanism.link_mass(name),
+                self.elements,
+                BEAM_SHAPES[self.element],
             )
-            models.append(model)
-            nodes.append(positions)
-        return tuple(models), nodes
+            for name in self.mechanism.linkage.topology.link_names
+        )
 
-    @property
+    @cached_property
     def links(self) -> tuple[LinkModel, ...]:
-        """Unreduced link models, coordinates (u, v, phi) node by node."""
-        return self._built[0]
+        """Unreduced link models, coordinates (u, v, phi, ...) node by node."""
+        return tuple(chain.model for chain in self.chains)
 
     @property
     def nodes(self) -> list[FloatArray]:
         """Node positions of each link in m."""
-        return self._built[1]
+        return [chain.nodes for chain in self.chains]
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
         """Solver for the quasi-static equilibrium on this mesh."""
-        topology = self.mechanism.linkage.topology
-        sections = [self.mechanism.sections[name] for name in topology.link_names]
-        return Equilibrium(LinkFrames(topology, self.links), self.nodes, sections)
+        frames = LinkFrames(self.mechanism.linkage.topology, self.links)
+        return Equilibrium(frames, [chain.elements for chain in self.chains])
 
     def stressed_links(self, motion: RigidMotion, prestress: Prestress) -> StressedLinks:
         """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
@@ -90,7 +95,7 @@ class ReferenceEngine(Engine):
         refuse_other_postures(topology, self.links, motion, displacement)
         force, tangent = self.equilibrium.response(displacement, varying)
         damping = None
-        if any(section.damping_time for section in self.equilibrium.sections):
+        if any(section.damping.any for section in self.mechanism.sections.values()):
             damping = [assemble_chain(d) for d in self.equilibrium.damping(displacement)]
         return StressedLinks([assemble_chain(k) for k in tangent], displacement, force, damping)
 
@@ -108,10 +113,10 @@ class ReferenceEngine(Engine):
         inside it is the varying part.
         """
         matrices = []
-        for nodes, tension in zip(
-            self.nodes, element_tensions(self.mechanism, self.nodes, motion), strict=True
+        for chain, tension in zip(
+            self.chains, element_tensions(self.mechanism, self.nodes, motion), strict=True
         ):
             if varying_part_only:
                 tension[..., 0] = 0.0
-            matrices.append(geometric_stiffness(np.diff(nodes), tension))
+            matrices.append(chain.elements.geometric_stiffness(tension))
         return matrices

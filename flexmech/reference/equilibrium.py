@@ -18,14 +18,15 @@ from flexmech.errors import ComputationError
 from flexmech.linear_system import LinkFrames
 from flexmech.linkages import RigidMotion
 from flexmech.reference import banded
-from flexmech.reference.corotational import corotational_response, material_stiffness
-from flexmech.sections import BeamSection
+from flexmech.reference.corotational import CorotationalElements
+from flexmech.reference.elements import BeamElements
 
 __all__ = ["Equilibrium"]
 
 logger = logging.getLogger(__name__)
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
 
 MAX_ITERATIONS = 40
 # Where the whole load at once leads nowhere, it is brought on in steps.
@@ -60,28 +61,25 @@ class Equilibrium:
     ----------
     frames : LinkFrames
         Of the unreduced links.
-    nodes : sequence of ndarray, shape (e + 1,)
-        Node positions of each link.
-    sections : sequence of BeamSection
-        One a link.
+    links : sequence of BeamElements
+        Of each link, all of one kind.
     """
 
-    def __init__(
-        self, frames: LinkFrames, nodes: Sequence[FloatArray], sections: Sequence[BeamSection]
-    ) -> None:
+    def __init__(self, frames: LinkFrames, links: Sequence[BeamElements]) -> None:
         self.frames = frames
-        self.lengths = [np.diff(n) for n in nodes]
-        self.sections = list(sections)
-        self._order, self._width = _narrow_band(frames, self.lengths)
-        self._scatter = _band_scatter(frames, self.lengths, self._order, self._width)
+        self._links = [CorotationalElements(elements) for elements in links]
+        self._per_node = links[0].shapes.per_node
+        counts = [len(elements.length) for elements in links]
+        rows, columns = _entries(frames, counts, self._per_node)
+        self._order, self._width = _narrow_band(frames.size, rows, columns)
+        self._scatter = _band_scatter(rows, columns, self._order, self._width)
         self._force_scale = min(
-            s.bending_stiffness / float(n[-1]) ** 2 for s, n in zip(sections, nodes, strict=True)
+            e.section.bending_stiffness / float(e.length.sum()) ** 2 for e in links
         )
         self._nodal_stiffness = max(
-            float(np.max(np.maximum(12 * s.bending_stiffness / h**3, s.axial_stiffness / h)))
-            for s, h in zip(sections, self.lengths, strict=True)
+            float(np.abs(e.neutral_stiffness[:, [0, 1], [0, 1]]).max()) for e in links
         )
-        self._moves = _translations(frames)
+        self._moves = _translations(frames, self._per_node)
 
     def solve(
         self, motion: RigidMotion, loads: Sequence[FloatArray], extra: Sequence[FloatArray]
@@ -94,7 +92,7 @@ class Equilibrium:
             Batch of shape (B,).
         loads : sequence of ndarray, shape (B, n_link)
             Forces on each link in its frame.
-        extra : sequence of ndarray, shape (B, e, 6, 6)
+        extra : sequence of ndarray, shape (B, e, 2 p, 2 p)
             Stiffness of each element besides that of the corotational beam.
 
         Returns
@@ -157,14 +155,14 @@ class Equilibrium:
         Parameters
         ----------
         displacement : sequence of ndarray, shape (B, n_link)
-        extra : sequence of ndarray, shape (B, e, 6, 6)
+        extra : sequence of ndarray, shape (B, e, 2 p, 2 p)
             Stiffness of each element besides that of the corotational beam.
 
         Returns
         -------
         list of ndarray, shape (B, n_link)
             Forces on the nodes.
-        list of ndarray, shape (B, e, 6, 6)
+        list of ndarray, shape (B, e, 2 p, 2 p)
             Tangent of each element.
         """
         parts = [self._response(i, q, extra[i]) for i, q in enumerate(displacement)]
@@ -179,32 +177,24 @@ class Equilibrium:
 
         Returns
         -------
-        list of ndarray, shape (B, e, 6, 6)
+        list of ndarray, shape (B, e, 2 p, 2 p)
         """
         return [
-            section.damping_time * material_stiffness(element_ends(q), *self._stiffnesses(link))
-            for link, (section, q) in enumerate(zip(self.sections, displacement, strict=True))
+            link.damping(element_ends(q, self._per_node))
+            for link, q in zip(self._links, displacement, strict=True)
         ]
 
     def _response(
         self, link: int, displacement: FloatArray, extra: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        ends = element_ends(displacement)
-        force, tangent = self._beam_response(link, ends)
+        size = self._per_node
+        ends = element_ends(displacement, size)
+        force, tangent = self._links[link].response(ends)
         force = force + (extra @ ends[..., None])[..., 0]
-        total = np.zeros((len(ends), force.shape[1] + 1, 3))
-        total[:, :-1] += force[..., :3]
-        total[:, 1:] += force[..., 3:]
+        total = np.zeros((len(ends), force.shape[1] + 1, size))
+        total[:, :-1] += force[..., :size]
+        total[:, 1:] += force[..., size:]
         return total.reshape(len(ends), -1), tangent + extra
-
-    def _beam_response(self, link: int, ends: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return corotational_response(ends, *self._stiffnesses(link))
-
-    def _stiffnesses(self, link: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Length, axial and bending stiffness of a link's elements."""
-        section, length = self.sections[link], self.lengths[link]
-        axial = np.full_like(length, section.axial_stiffness)
-        return length, axial, np.full_like(length, section.bending_stiffness)
 
     def _link_displacement(self, motion: RigidMotion, z: FloatArray) -> list[FloatArray]:
         parts = self.frames.link_coordinates(motion, z[:, :, None])
@@ -251,9 +241,11 @@ class Equilibrium:
         return residual, band
 
     def _turn_followers(self, motion: RigidMotion, link: int, tangent: FloatArray) -> None:
-        last = self.frames.links[link].size - 3
+        size = self._per_node
+        last = self.frames.links[link].size - size
         for turning in self.frames.turning_pairs(motion, link):
-            element, pair = (0, slice(0, 2)) if turning.pair[0] == 0 else (-1, slice(3, 5))
+            at_start = turning.pair[0] == 0
+            element, pair = (0, slice(0, 2)) if at_start else (-1, slice(size, size + 2))
             assert turning.pair[0] in (0, last)
             tangent[:, element, :, pair] = tangent[:, element, :, pair] @ turning.turn
             back = np.swapaxes(turning.turn, 1, 2)
@@ -278,9 +270,9 @@ class Equilibrium:
         )
 
 
-def element_ends(q: FloatArray) -> FloatArray:
-    """Displacements of both nodes of each element; (B, 3 (e + 1)) -> (B, e, 6)."""
-    nodal = q.reshape(len(q), -1, 3)
+def element_ends(q: FloatArray, per_node: int) -> FloatArray:
+    """Coordinates of both nodes of each element; (B, p (e + 1)) -> (B, e, 2 p)."""
+    nodal = q.reshape(len(q), -1, per_node)
     return np.concatenate([nodal[:, :-1], nodal[:, 1:]], axis=2)
 
 
@@ -290,32 +282,30 @@ def _place(motion: RigidMotion, where: NDArray[np.bool_]) -> str:
     return f"crank angle {angle:.6g} deg and crank speed {motion.crank_speed[first]:.6g} rad/s"
 
 
-def _translations(frames: LinkFrames) -> NDArray[np.intp]:
+def _translations(frames: LinkFrames, per_node: int) -> NDArray[np.intp]:
     """Coordinates of z that are displacements rather than rotations."""
-    moves = [t[np.arange(len(t)) % 3 != 2] for t in frames.targets]
+    moves = [t[np.arange(len(t)) % per_node < 2] for t in frames.targets]
     every = np.unique(np.concatenate(moves))
     return every[every >= 0]
 
 
-def _entries(
-    frames: LinkFrames, lengths: Sequence[FloatArray]
-) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _entries(frames: LinkFrames, counts: Sequence[int], per_node: int) -> tuple[IntArray, IntArray]:
     """Row and column in z of every entry of every element matrix; -1 where held."""
     rows, columns = [], []
-    for link, length in enumerate(lengths):
-        local = 3 * np.arange(len(length))[:, None] + np.arange(6)
+    for link, count in enumerate(counts):
+        local = per_node * np.arange(count)[:, None] + np.arange(2 * per_node)
         target = frames.targets[link][local]
-        rows.append(np.broadcast_to(target[:, :, None], (len(length), 6, 6)).ravel())
-        columns.append(np.broadcast_to(target[:, None, :], (len(length), 6, 6)).ravel())
+        shape = (count, 2 * per_node, 2 * per_node)
+        rows.append(np.broadcast_to(target[:, :, None], shape).ravel())
+        columns.append(np.broadcast_to(target[:, None, :], shape).ravel())
     return np.concatenate(rows), np.concatenate(columns)
 
 
-def _narrow_band(frames: LinkFrames, lengths: Sequence[FloatArray]) -> tuple[NDArray[np.intp], int]:
+def _narrow_band(size: int, rows: IntArray, columns: IntArray) -> tuple[IntArray, int]:
     """Order of the coordinates (reverse Cuthill-McKee) and half band width in it."""
-    rows, columns = _entries(frames, lengths)
     free = (rows >= 0) & (columns >= 0)
     graph = scipy.sparse.csr_matrix(
-        (np.ones(free.sum()), (rows[free], columns[free])), shape=(frames.size, frames.size)
+        (np.ones(free.sum()), (rows[free], columns[free])), shape=(size, size)
     )
     order = scipy.sparse.csgraph.reverse_cuthill_mckee(graph, symmetric_mode=True)
     place = np.argsort(order)
@@ -324,18 +314,14 @@ def _narrow_band(frames: LinkFrames, lengths: Sequence[FloatArray]) -> tuple[NDA
 
 
 def _band_scatter(
-    frames: LinkFrames,
-    lengths: Sequence[FloatArray],
-    order: NDArray[np.intp],
-    width: int,
+    rows: IntArray, columns: IntArray, order: IntArray, width: int
 ) -> scipy.sparse.csr_matrix:
     """Sparse map from stacked element entries to the lower band, row-major (n, width + 1)."""
-    rows, columns = _entries(frames, lengths)
     place = np.argsort(order)
     used = np.flatnonzero((rows >= 0) & (columns >= 0))
     below = place[rows[used]] - place[columns[used]]
     used, below = used[below >= 0], below[below >= 0]
     slot = place[columns[used]] * (width + 1) + below
     return scipy.sparse.csr_matrix(
-        (np.ones(len(used)), (slot, used)), shape=(frames.size * (width + 1), len(rows))
+        (np.ones(len(used)), (slot, used)), shape=(len(order) * (width + 1), len(rows))
     )

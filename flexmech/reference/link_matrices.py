@@ -2,43 +2,69 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.linear_system import LinkModel, RigidFields
 from flexmech.linkages import LinkMass
 from flexmech.mesh import middle_curvature, node_positions, station_shapes
-from flexmech.reference.elements import (
-    gyroscopic_matrix,
-    mass_matrix,
-    shape_functions,
-    stiffness_matrix,
-)
+from flexmech.reference.beam_shapes import BeamShapes
+from flexmech.reference.elements import BeamElements
 from flexmech.sections import BeamSection
 
-__all__ = ["assemble_chain", "link_model"]
+__all__ = ["Chain", "assemble_chain", "build_chain"]
 
 FloatArray = NDArray[np.float64]
 
 
 def assemble_chain(elements: FloatArray) -> FloatArray:
-    """Sum the matrices of consecutive elements; (..., e, 6, 6) -> (..., n, n), n = 3 (e + 1)."""
-    count = elements.shape[-3]
+    """Sum the matrices of consecutive elements of p coordinates a node.
+
+    Parameters
+    ----------
+    elements : ndarray, shape (..., e, 2 p, 2 p)
+
+    Returns
+    -------
+    ndarray, shape (..., n, n)
+        With n = p (e + 1).
+    """
+    count, size = elements.shape[-3], elements.shape[-1] // 2
     batch = elements.shape[:-3]
-    total = np.zeros((*batch, count + 1, 3, count + 1, 3))
+    total = np.zeros((*batch, count + 1, size, count + 1, size))
     first, second = np.arange(count), np.arange(1, count + 1)
     blocks = np.moveaxis(elements, -3, 0)
-    for rows, i in ((first, slice(0, 3)), (second, slice(3, 6))):
-        for columns, j in ((first, slice(0, 3)), (second, slice(3, 6))):
+    for rows, i in ((first, slice(0, size)), (second, slice(size, None))):
+        for columns, j in ((first, slice(0, size)), (second, slice(size, None))):
             total[..., rows, :, columns, :] += blocks[..., i, j]
-    size = 3 * (count + 1)
-    return total.reshape(*batch, size, size)
+    order = size * (count + 1)
+    return total.reshape(*batch, order, order)
 
 
-def link_model(
-    name: str, section: BeamSection, mass: LinkMass, elements: int
-) -> tuple[LinkModel, FloatArray]:
-    """Build one link of Euler-Bernoulli beam elements.
+@dataclass(frozen=True)
+class Chain:
+    """One link of the reference engine.
+
+    Parameters
+    ----------
+    model : LinkModel
+        Coordinates (u, v, phi, ...) node by node.
+    nodes : ndarray, shape (e + 1,)
+        Node positions in m.
+    elements : BeamElements
+    """
+
+    model: LinkModel
+    nodes: FloatArray
+    elements: BeamElements
+
+
+def build_chain(
+    name: str, section: BeamSection, mass: LinkMass, elements: int, shapes: BeamShapes
+) -> Chain:
+    """Build one link of beam elements.
 
     Parameters
     ----------
@@ -47,56 +73,71 @@ def link_model(
     mass : LinkMass
         Distributed and point masses of the link.
     elements : int
+    shapes : BeamShapes
+        Kind of element.
 
     Returns
     -------
-    LinkModel
-        Coordinates (u, v, phi) node by node.
-    ndarray, shape (e + 1,)
-        Node positions in m.
+    Chain
     """
     nodes = node_positions(mass.length, elements, mass.point_positions)
-    lengths = np.diff(nodes)
-    size = 3 * len(nodes)
-    inertia, gyroscopic, stiffness = assemble_chain(
+    beams = BeamElements(shapes, section, np.diff(nodes))
+    per_node = shapes.per_node
+    size = per_node * len(nodes)
+    inertia, translational, gyroscopic, stiffness, damping = assemble_chain(
         np.stack(
             [
-                mass_matrix(lengths, mass.mass_per_length),
-                gyroscopic_matrix(lengths, mass.mass_per_length),
-                stiffness_matrix(lengths, section.axial_stiffness, section.bending_stiffness),
+                beams.mass,
+                beams.translational_mass,
+                beams.gyroscopic,
+                beams.stiffness,
+                beams.damping,
             ]
         )
     )
     for position, value in zip(mass.point_positions, mass.point_masses, strict=True):
-        u = 3 * int(np.argmin(np.abs(nodes - position)))
-        inertia[[u, u + 1], [u, u + 1]] += value
+        u = per_node * int(np.argmin(np.abs(nodes - position)))
+        for matrix in (inertia, translational):
+            matrix[[u, u + 1], [u, u + 1]] += value
         gyroscopic[u, u + 1] -= value
         gyroscopic[u + 1, u] += value
+    last, held = size - per_node, np.array(shapes.clamped)
     model = LinkModel(
         name=name,
         mass=inertia,
         gyroscopic=gyroscopic,
-        translational_mass=inertia,
+        translational_mass=translational,
+        first_moment=_summed(beams.first_moment, per_node),
         stiffness=stiffness,
-        damping=section.damping_time * stiffness,
-        is_axial=np.arange(size) % 3 == 0,
+        damping=damping,
+        is_axial=np.arange(size) % per_node == 0,
         start=np.array([0, 1]),
-        end=np.array([size - 3, size - 2]),
-        start_rotation=np.array([2]),
-        end_rotation=np.array([size - 1]),
-        shape=station_shapes(nodes, 3, shape_functions),
-        curvature=middle_curvature(nodes, 3, slope=2, deflection=1),
-        fields=_rigid_fields(nodes),
+        end=np.array([last, last + 1]),
+        start_rotation=held,
+        end_rotation=last + held,
+        shape=station_shapes(nodes, per_node, beams.displacement_shapes),
+        curvature=middle_curvature(
+            nodes, per_node, slope=2, deflection=1 if shapes.stiff_in_shear else None
+        ),
+        fields=_rigid_fields(nodes, shapes),
     )
-    return model, nodes
+    return Chain(model, nodes, beams)
 
 
-def _rigid_fields(nodes: FloatArray) -> RigidFields:
-    zero = np.zeros((len(nodes), 3))
-    along, across, centripetal, tangential = (zero.copy() for _ in range(4))
+def _summed(vectors: FloatArray, per_node: int) -> FloatArray:
+    """Sum vectors (2, e, 2 p) of consecutive elements; (2, p (e + 1))."""
+    count = vectors.shape[1]
+    total = np.zeros((2, count + 1, per_node))
+    total[:, :-1] += vectors[..., :per_node]
+    total[:, 1:] += vectors[..., per_node:]
+    return total.reshape(2, -1)
+
+
+def _rigid_fields(nodes: FloatArray, shapes: BeamShapes) -> RigidFields:
+    along, across, centripetal, tangential = np.zeros((4, len(nodes), shapes.per_node))
     along[:, 0] = 1.0
     across[:, 1] = 1.0
     centripetal[:, 0] = nodes
     tangential[:, 1] = nodes
-    tangential[:, 2] = 1.0
+    tangential[:, shapes.angles] = 1.0
     return RigidFields(*(field.ravel() for field in (along, across, centripetal, tangential)))

@@ -139,13 +139,15 @@ class LinkInertia:
         LinkInertia
         """
         fields = np.stack([getattr(full.fields, name) for name in FIELDS], axis=1)
-        return cls(
-            model,
-            fields.T @ full.mass @ fields,
-            basis.T @ full.mass @ fields,
-            basis.T @ full.gyroscopic @ fields,
-            basis.T @ full.translational_mass @ fields,
-        )
+        rigid, mass = fields.T @ full.mass @ fields, basis.T @ full.mass @ fields
+        turned = basis.T @ full.gyroscopic @ fields
+        # Points off the pins' axis have a distance from the start across it as well.
+        distance = FIELDS.index("centripetal")
+        along, across = full.first_moment
+        rigid[distance] += across @ fields
+        mass[:, distance] += basis.T @ across
+        turned[:, distance] -= basis.T @ along
+        return cls(model, rigid, mass, turned, basis.T @ full.translational_mass @ fields)
 
     def shape_forces(self, link: MovingLink) -> FloatArray:
         """Mass times acceleration, weighted with each shape; (m, n)."""
@@ -209,7 +211,9 @@ class LinkInertia:
         ndarray, shape (m,)
         """
         along, across = direction(angle), normal(angle)
-        mass, moment = self.rigid[0, 0], self.rigid[0, FIELDS.index("centripetal")]
+        distance = FIELDS.index("centripetal")
+        mass, moment, lifted = self.rigid[0, 0], self.rigid[0, distance], self.rigid[distance, 1]
         moved = np.stack([along @ gravity, across @ gravity], axis=1)
         elastic = dot(moved, displacement @ self.mass[:, :2])
-        return np.asarray(-(mass * origin + moment * along) @ gravity - elastic)
+        centre = mass * origin + moment * along + lifted * across
+        return np.asarray(-centre @ gravity - elastic)

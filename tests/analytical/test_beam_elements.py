@@ -17,16 +17,12 @@ from flexmech.linear_system import LinkFrames
 from flexmech.linkages import LinkMass
 from flexmech.mesh import STATIONS, node_positions, pieces
 from flexmech.reference import banded
-from flexmech.reference.corotational import corotational_response
-from flexmech.reference.elements import (
-    geometric_stiffness,
-    gyroscopic_matrix,
-    mass_matrix,
-    shape_functions,
-    stiffness_matrix,
-)
+from flexmech.reference.beam_shapes import BEAM_SHAPES
+from flexmech.reference.corotational import CorotationalElements
+from flexmech.reference.elements import BeamElements
 from flexmech.reference.equilibrium import Equilibrium
-from flexmech.reference.link_matrices import assemble_chain, link_model
+from flexmech.reference.link_matrices import assemble_chain, build_chain
+from flexmech.sections import BeamSection
 from tests.strategies import arm, numbers
 
 FloatArray = NDArray[np.float64]
@@ -36,17 +32,22 @@ PINNED = ("v0", "v1")
 CANTILEVER = ("v0", "phi0")
 CLAMPED_PINNED = ("v0", "phi0", "v1")
 CLAMPED = ("v0", "phi0", "v1", "phi1")
+EULER = BEAM_SHAPES["euler"]
+
+
+def beams(
+    length: FloatArray, axial: float = 1.0, bending: float = 1.0, mass: float = 1.0
+) -> BeamElements:
+    """Euler-Bernoulli elements."""
+    return BeamElements(EULER, BeamSection(axial, bending, 1.0, mass, 1.0, 1.0), length)
 
 
 def bending(elements: int, held: tuple[str, ...], tension: float = 0.0) -> tuple[FloatArray, ...]:
     """Mass, elastic and geometric stiffness of a beam with rho A = EI = L = 1."""
     lengths = np.full(elements, 1 / elements)
     constant = np.outer(np.ones(elements), [1.0, 0.0, 0.0])
-    matrices = (
-        mass_matrix(lengths, 1.0),
-        stiffness_matrix(lengths, 1.0, 1.0),
-        geometric_stiffness(lengths, constant),
-    )
+    unit = beams(lengths)
+    matrices = (unit.mass, unit.stiffness, unit.geometric_stiffness(constant))
     size = 3 * (elements + 1)
     names = {"v0": 1, "phi0": 2, "v1": size - 2, "phi1": size - 1}
     gone = {names[name] for name in held}
@@ -118,15 +119,35 @@ def test_tension_raises_and_compression_lowers_the_frequencies(load: float) -> N
 
 
 LENGTH = np.array([0.7, 1.3])
+BEAMS = beams(LENGTH, axial=5.0, bending=3.0, mass=2.0)
 
 
 def test_corrected_entries_of_the_element_matrices() -> None:
-    mass = mass_matrix(LENGTH, 2.0)
-    stiffness = stiffness_matrix(LENGTH, 5.0, 3.0)
-    assert mass[:, 1, 1] == pytest.approx(13 / 35 * 2.0 * LENGTH)
-    assert stiffness[:, 2, 5] == pytest.approx(2 * 3.0 / LENGTH)
-    for matrix in (mass, stiffness):
-        assert np.array_equal(matrix, np.swapaxes(matrix, 1, 2))
+    assert BEAMS.mass[:, 1, 1] == pytest.approx(13 / 35 * 2.0 * LENGTH)
+    assert BEAMS.stiffness[:, 2, 5] == pytest.approx(2 * 3.0 / LENGTH)
+
+
+def test_element_matrices_of_equations_1_52_to_1_54() -> None:
+    """Kumar & Chandrakar, with m22 = 13/35 and k36 = k63 = 2EI/L corrected."""
+    for number, l in enumerate(LENGTH):  # noqa: E741
+        one = np.array([[156, 22 * l, 54, -13 * l], [0, 4 * l**2, 13 * l, -3 * l**2]])
+        two = np.array([[0, 0, 156, -22 * l], [0, 0, 0, 4 * l**2]])
+        upper = np.triu(np.concatenate([one, two]))
+        mass = 2.0 * l / 420 * (upper + np.triu(upper, 1).T)
+        rows = [[12, 6 * l, -12, 6 * l], [0, 4 * l**2, -6 * l, 2 * l**2]]
+        rest = [[0, 0, 12, -6 * l], [0, 0, 0, 4 * l**2]]
+        upper = np.triu(np.array(rows + rest))
+        stiffness = 3.0 / l**3 * (upper + np.triu(upper, 1).T)
+        across = np.ix_([1, 2, 4, 5], [1, 2, 4, 5])
+        assert BEAMS.mass[number][across] == pytest.approx(mass, rel=1e-13)
+        assert BEAMS.stiffness[number][across] == pytest.approx(stiffness, rel=1e-13)
+        turned = 2.0 * l / 60 * np.array([[21, 3 * l, 9, -2 * l], [9, 2 * l, 21, -3 * l]])
+        gyroscopic = BEAMS.gyroscopic[number]
+        assert gyroscopic[np.ix_([0, 3], [1, 2, 4, 5])] == pytest.approx(-turned, rel=1e-13)
+        along = np.ix_([0, 3], [0, 3])
+        unit = np.array([[1.0, -1], [-1, 1]])
+        assert BEAMS.stiffness[number][along] == pytest.approx(5.0 / l * unit)
+        assert BEAMS.mass[number][along] == pytest.approx(2.0 * l / 6 * np.array([[2, 1], [1, 2]]))
 
 
 def rigid_motions(length: float) -> FloatArray:
@@ -135,13 +156,13 @@ def rigid_motions(length: float) -> FloatArray:
 
 
 def test_rigid_motion_gives_no_elastic_force() -> None:
-    for length, stiffness in zip(LENGTH, stiffness_matrix(LENGTH, 5.0, 3.0), strict=True):
-        assert np.abs(stiffness @ rigid_motions(length)).max() < 1e-14 * stiffness.max()
-        assert np.linalg.matrix_rank(stiffness) == 3
+    for length, stiffness in zip(LENGTH, BEAMS.stiffness, strict=True):
+        assert np.abs(stiffness @ rigid_motions(length)).max() < 3e-14 * stiffness.max()
+        assert np.linalg.matrix_rank(stiffness, tol=1e-12 * stiffness.max()) == 3
 
 
 def test_rigid_motion_has_the_mass_and_inertia_of_a_bar() -> None:
-    for length, mass in zip(LENGTH, mass_matrix(LENGTH, 2.0), strict=True):
+    for length, mass in zip(LENGTH, BEAMS.mass, strict=True):
         moves = rigid_motions(length)
         total, first = 2.0 * length, 2.0 * length**2 / 2
         expected = [[total, 0, 0], [0, total, first], [0, first, 2.0 * length**3 / 3]]
@@ -150,7 +171,7 @@ def test_rigid_motion_has_the_mass_and_inertia_of_a_bar() -> None:
 
 def displacement(length: float) -> FloatArray:
     """Shape functions at the Gauss points; (8, 2, 6)."""
-    return shape_functions(PLACES, np.full(8, length))
+    return BEAMS.displacement_shapes(PLACES, np.full(8, length))
 
 
 def test_shape_functions_are_linear_along_and_cubic_across() -> None:
@@ -171,8 +192,8 @@ def test_mass_and_gyroscopic_matrices_are_integrals_of_the_shape_functions() -> 
         shape, weight = displacement(length), 2.0 * length * WEIGHTS
         mass = np.einsum("gci,gcj,g->ij", shape, shape, weight)
         gyroscopic = np.einsum("gci,cd,gdj,g->ij", shape, quarter_turn, shape, weight)
-        assert mass_matrix(LENGTH, 2.0)[number] == pytest.approx(mass, abs=1e-15)
-        assert gyroscopic_matrix(LENGTH, 2.0)[number] == pytest.approx(gyroscopic, abs=1e-15)
+        assert BEAMS.mass[number] == pytest.approx(mass, abs=1e-15)
+        assert BEAMS.gyroscopic[number] == pytest.approx(gyroscopic, abs=1e-15)
 
 
 def hermite(length: float) -> list[Polynomial]:
@@ -187,7 +208,7 @@ def hermite(length: float) -> list[Polynomial]:
 
 @given(st.tuples(*[numbers(-5, 5)] * 3))
 def test_geometric_stiffness_of_a_varying_tension(tension: tuple[float, float, float]) -> None:
-    matrices = geometric_stiffness(LENGTH, np.array([tension, tension]))
+    matrices = BEAMS.geometric_stiffness(np.array([tension, tension]))
     force = np.polynomial.legendre.legval(POINTS, tension)
     for length, matrix in zip(LENGTH, matrices, strict=True):
         slopes = np.array([h.deriv()(PLACES) / length for h in hermite(length)])
@@ -204,7 +225,7 @@ def test_geometric_stiffness_of_equation_1_58() -> None:
         [-6 / 5 / l, -1 / 10, 6 / 5 / l, -1 / 10],
         [1 / 10, -l / 30, -1 / 10, 2 * l / 15],
     ]
-    matrix = geometric_stiffness(np.array([l]), np.array([[p, 0.0, 0.0]]))[0]
+    matrix = beams(np.array([l])).geometric_stiffness(np.array([[p, 0.0, 0.0]]))[0]
     assert matrix[np.ix_([1, 2, 4, 5], [1, 2, 4, 5])] == pytest.approx(p * np.array(rows))
 
 
@@ -212,9 +233,8 @@ AXIAL, BENDING = 40.0, 0.3
 
 
 def respond(q: FloatArray, length: float = 0.7) -> tuple[FloatArray, FloatArray]:
-    force, tangent = corotational_response(
-        q[None, None], np.array([length]), np.array([AXIAL]), np.array([BENDING])
-    )
+    elements = beams(np.array([length]), AXIAL, BENDING)
+    force, tangent = CorotationalElements(elements).response(q[None, None])
     return force[0, 0], tangent[0, 0]
 
 
@@ -285,14 +305,12 @@ def test_corotational_tangent_of_a_straight_element_is_elastic_plus_geometric() 
     force, tangent = respond(np.array([0, 0, 0, stretch * 0.7, 0, 0]))
     tension = AXIAL * stretch
     assert force == pytest.approx([-tension, 0, 0, tension, 0, 0], abs=1e-14)
-    one = np.array([0.7])
-    expected = stiffness_matrix(one, AXIAL, BENDING) + geometric_stiffness(
-        one, np.array([[tension, 0.0, 0.0]])
-    )
+    one = beams(np.array([0.7]), AXIAL, BENDING)
+    expected = one.stiffness + one.geometric_stiffness(np.array([[tension, 0.0, 0.0]]))
     # The chord is 0.3 % longer than the element.
     assert tangent == pytest.approx(expected[0], rel=0.01, abs=1e-12)
     unloaded = respond(np.zeros(6))[1]
-    assert unloaded == pytest.approx(stiffness_matrix(one, AXIAL, BENDING)[0], abs=1e-12)
+    assert unloaded == pytest.approx(one.stiffness[0], abs=1e-12)
 
 
 def cantilever(
@@ -301,10 +319,11 @@ def cantilever(
     """A cantilever of length 1 under a force and moment (in units of EI) at its tip."""
     mechanism = arm()
     section = mechanism.sections["arm"]
-    model, nodes = link_model("arm", section, LinkMass(1.0, section.mass_per_length), elements)
+    mass = LinkMass(1.0, section.mass_per_length)
+    chain = build_chain("arm", section, mass, elements, EULER)
     linkage = mechanism.linkage
-    solver = Equilibrium(LinkFrames(linkage.topology, [model]), [nodes], [section])
-    load = np.zeros((1, model.size))
+    solver = Equilibrium(LinkFrames(linkage.topology, [chain.model]), [chain.elements])
+    load = np.zeros((1, chain.model.size))
     load[0, -3:] = section.bending_stiffness * np.array(force)
     return solver, load, linkage.motion(np.array([0.0]), np.array([0.0]))
 
@@ -403,7 +422,8 @@ def test_too_few_elements_for_the_point_masses_are_refused() -> None:
 def test_a_link_keeps_its_point_masses() -> None:
     section = arm().sections["arm"]
     mass = LinkMass(1.0, section.mass_per_length, (0.0, 0.37, 1.0), (0.1, 0.2, 0.3))
-    model, nodes = link_model("arm", section, mass, 5)
+    chain = build_chain("arm", section, mass, 5, EULER)
+    model, nodes = chain.model, chain.nodes
     fields = model.fields
     along, across, turn = fields.along, fields.across, fields.tangential
     assert along @ model.mass @ along == pytest.approx(mass.moment(0))
@@ -416,7 +436,8 @@ def test_a_link_keeps_its_point_masses() -> None:
 
 def test_stations_follow_a_cubic_exactly() -> None:
     section = arm().sections["arm"]
-    model, nodes = link_model("arm", section, LinkMass(1.0, 1.0, (0.37,), (0.1,)), 3)
+    chain = build_chain("arm", section, LinkMass(1.0, 1.0, (0.37,), (0.1,)), 3, EULER)
+    model, nodes = chain.model, chain.nodes
     cubic = Polynomial([0.3, -1.0, 2.0, 0.5])
     q = np.stack([2 * nodes, cubic(nodes), cubic.deriv()(nodes)], axis=1).ravel()
     x = np.linspace(0, 1, STATIONS)

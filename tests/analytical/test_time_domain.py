@@ -31,7 +31,7 @@ def quasi_static_start(linkage):
 
 
 def damped(mechanism, time):
-    sections = {k: replace(s, damping_time=time) for k, s in mechanism.sections.items()}
+    sections = {k: s.with_damping_time(time) for k, s in mechanism.sections.items()}
     return replace(mechanism, sections=sections)
 
 

@@ -51,7 +51,7 @@ def test_transient_against_exudyn(aluminium, against, elements, level):
 def test_periodic_motion_against_settling(aluminium, against):
     """Damping of 0.3 % in the first mode: 1 % of the start is left after 80 turns."""
     time = 2e-5
-    sections = {k: replace(s, damping_time=time) for k, s in aluminium.sections.items()}
+    sections = {k: s.with_damping_time(time) for k, s in aluminium.sections.items()}
     mechanism = replace(aluminium, sections=sections)
     turns = np.log(100) / (np.pi * time * (2 * np.pi * 45.0) * 45.0 * TURN)
     against(

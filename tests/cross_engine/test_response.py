@@ -21,7 +21,7 @@ from flexmech.time_domain import (
 
 
 def damped(mechanism, time):
-    sections = {k: replace(s, damping_time=time) for k, s in mechanism.sections.items()}
+    sections = {k: s.with_damping_time(time) for k, s in mechanism.sections.items()}
     return replace(mechanism, sections=sections)
 
 

@@ -312,7 +312,10 @@ WRONG_COMMAND_LINES = [
     (["--elements", "0"], "--elements"),
     (["--elements", "2.5"], "--elements"),
     (["--engine", "ansys"], "--engine.*'reference', 'exudyn', 'both'"),
-    (["--element", "shell"], "--element.*'euler', 'ancf', 'geometrically-exact'"),
+    (
+        ["--element", "shell"],
+        "--element.*'euler', 'timoshenko', 'reddy', 'ancf', 'geometrically-exact'",
+    ),
     (["--prestress", "some"], "--prestress.*'none', 'axial', 'equilibrium'"),
     (
         ["--engine", "reference", "--element", "ancf"],

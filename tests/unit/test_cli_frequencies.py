@@ -176,7 +176,7 @@ def test_pictures_are_those_that_there_is_data_for(
     [
         (["--element", "euler"], ["euler", "ancf"]),
         (["--element", "ancf"], ["euler", "ancf"]),
-        (["--element", "geometrically-exact"], ["euler", "geometrically-exact"]),
+        (["--element", "geometrically-exact"], ["timoshenko", "geometrically-exact"]),
         (["--engine", "exudyn"], ["ancf"]),
         (["--engine", "exudyn", "--element", "geometrically-exact"], ["geometrically-exact"]),
         (["--engine", "reference", "--element", "euler"], ["euler"]),

@@ -126,7 +126,7 @@ def test_defaults_are_those_of_the_manual(
     ("arguments", "elements"),
     [
         (["--element", "euler"], ["euler", "ancf"]),
-        (["--element", "geometrically-exact"], ["euler", "geometrically-exact"]),
+        (["--element", "geometrically-exact"], ["timoshenko", "geometrically-exact"]),
         (["--engine", "exudyn"], ["ancf"]),
         (["--engine", "exudyn", "--element", "geometrically-exact"], ["geometrically-exact"]),
         (["--engine", "reference", "--element", "euler"], ["euler"]),

@@ -32,7 +32,6 @@ from flexmech.linkages import (
 )
 from flexmech.mechanism import Mechanism
 from flexmech.reference import ReferenceEngine
-from flexmech.reference.elements import shape_functions
 from tests.strategies import Running, arm, fourbar, running_mechanisms
 
 FloatArray = NDArray[np.float64]
@@ -68,13 +67,14 @@ def weighted_displacement(engine: ReferenceEngine, angle: FloatArray) -> FloatAr
     rows = []
     for number, q in enumerate(frames.link_coordinates(motion, unit)):
         mass, nodes = engine.mechanism.link_masses_in_order[number], engine.nodes[number]
+        beams = engine.chains[number].elements
         turn = np.exp(1j * motion.angle[:, number])[:, None, None]
         places = list(zip(mass.point_positions, mass.point_masses, strict=True))
         for x, value in places:
             node = int(np.argmin(np.abs(nodes - x)))
             rows.append(np.sqrt(value) * turn * (q[:, [3 * node]] + 1j * q[:, [3 * node + 1]]))
         for element, length in enumerate(np.diff(nodes)):
-            shape = shape_functions((POINTS + 1) / 2, np.full(6, length))
+            shape = beams.displacement_shapes((POINTS + 1) / 2, np.full(6, length))
             local = shape @ q[:, None, 3 * element : 3 * element + 6]
             weight = np.sqrt(mass.mass_per_length * length * WEIGHTS / 2)[:, None]
             rows.append(weight * turn * (local[:, :, 0] + 1j * local[:, :, 1]))

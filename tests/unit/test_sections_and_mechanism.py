@@ -12,7 +12,7 @@ from flexmech.errors import FlexmechError, InputError
 from flexmech.linkages import RotatingArm
 from flexmech.materials import Material
 from flexmech.mechanism import Mechanism, PointMass
-from flexmech.sections import BeamSection
+from flexmech.sections import BeamSection, DampingTimes
 from tests.strategies import LINKS, STEEL, fourbar, numbers
 
 
@@ -23,7 +23,7 @@ def test_rectangle_of_the_steel_links() -> None:
     assert section.mass_per_length == pytest.approx(7800 * 25.925e-6)
     assert section.rotary_inertia == pytest.approx(7800 * 6.1e-3 * 4.25e-3**3 / 12)
     assert section.in_plane_thickness == 4.25e-3
-    assert section.damping_time == 0.0
+    assert not section.damping.any
 
 
 def test_shear_stiffness_uses_cowpers_coefficient() -> None:
@@ -42,9 +42,9 @@ def test_bending_stiffness_over_axial_is_the_squared_radius_of_gyration(h: float
 
 def test_damping_ratio_at_a_frequency() -> None:
     section = BeamSection.rectangle(STEEL, 0.01, 0.02).with_damping_ratio(0.02, 50.0)
-    assert section.damping_time * 2 * np.pi * 50.0 / 2 == pytest.approx(0.02)
-    assert section.with_damping_time(3e-5).damping_time == 3e-5
-    assert replace(section, damping_time=0.0) == BeamSection.rectangle(STEEL, 0.01, 0.02)
+    assert section.damping.bending * 2 * np.pi * 50.0 / 2 == pytest.approx(0.02)
+    assert section.with_damping_time(3e-5).damping == DampingTimes(3e-5, 3e-5, 3e-5)
+    assert replace(section, damping=DampingTimes()) == BeamSection.rectangle(STEEL, 0.01, 0.02)
 
 
 SECTION = BeamSection.rectangle(STEEL, 0.01, 0.02)

@@ -1,4 +1,4 @@
-"""Beam sections: what a link's cross-section is to a beam."""
+"""A beam section: stiffness, mass and damping per length."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from flexmech.errors import InputError
 from flexmech.materials import Material
+from flexmech.sections.damping import DampingTimes, SpecificDamping
 
 __all__ = ["BeamSection"]
 
@@ -16,27 +17,38 @@ __all__ = ["BeamSection"]
 class BeamSection:
     """Stiffness, mass and damping of a beam per length, for bending in the linkage's plane.
 
+    The pins sit on the section's reference axis. An unsymmetric section has its neutral axis
+    and its centre of mass off it, at distances along the link frame's y.
+
     Parameters
     ----------
     axial_stiffness : float
         EA in N.
     bending_stiffness : float
-        EI in N m^2.
+        EI about the neutral axis in N m^2.
     shear_stiffness : float
         kGA in N, with the shear correction factor k.
     mass_per_length : float
         rho A in kg/m.
     rotary_inertia : float
-        rho I in kg m.
+        rho I about the mass axis in kg m.
     in_plane_thickness : float
         Extent of the section in the plane of the linkage in m (surface strain, drawings).
-    damping_time : float
-        Kelvin-Voigt time tau in s: stress = E (strain + tau d(strain)/dt).
+    neutral_axis : float
+        Distance of the neutral axis from the reference axis in m: an axial force on it does
+        not bend.
+    mass_axis : float
+        Distance of the centre of mass from the reference axis in m.
+    damping : DampingTimes
+        Kelvin-Voigt damping.
+    specific_damping : SpecificDamping, optional
+        Loss in a cycle, where the material tells it.
 
     Raises
     ------
     InputError
-        If a value is not a number or not positive (``damping_time`` may be zero).
+        If a value is not a number, a stiffness or mass not positive, or an axis outside the
+        section.
     """
 
     axial_stiffness: float
@@ -45,7 +57,10 @@ class BeamSection:
     mass_per_length: float
     rotary_inertia: float
     in_plane_thickness: float
-    damping_time: float = 0.0
+    neutral_axis: float = 0.0
+    mass_axis: float = 0.0
+    damping: DampingTimes = DampingTimes()
+    specific_damping: SpecificDamping | None = None
 
     def __post_init__(self) -> None:
         for name in (
@@ -59,8 +74,10 @@ class BeamSection:
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):
                 raise InputError(f"{name} of a beam section must be positive, got {value}")
-        if not (np.isfinite(self.damping_time) and self.damping_time >= 0):
-            raise InputError(f"damping_time must be zero or positive, got {self.damping_time} s")
+        for name in ("neutral_axis", "mass_axis"):
+            value = getattr(self, name)
+            if not abs(value) < self.in_plane_thickness / 2:
+                raise InputError(f"{name} must lie inside the section, got {value} m")
 
     @classmethod
     def rectangle(
@@ -101,9 +118,32 @@ class BeamSection:
             in_plane_thickness=in_plane_thickness,
         )
 
+    @property
+    def is_eccentric(self) -> bool:
+        """Whether the neutral axis or the centre of mass is off the pins' axis."""
+        return self.neutral_axis != 0.0 or self.mass_axis != 0.0
+
+    @property
+    def coupling_stiffness(self) -> float:
+        """Integral of E y in N m about the reference axis: N = EA e - B kappa there."""
+        return self.axial_stiffness * self.neutral_axis
+
+    @property
+    def first_moment_of_mass(self) -> float:
+        """Integral of rho y in kg about the reference axis."""
+        return self.mass_per_length * self.mass_axis
+
+    def without_coupling(self) -> BeamSection:
+        """The section with its axial-bending coupling left out.
+
+        The bending stiffness is then that about the reference axis, which is too stiff.
+        """
+        added = self.axial_stiffness * self.neutral_axis**2
+        return replace(self, bending_stiffness=self.bending_stiffness + added, neutral_axis=0.0)
+
     def with_damping_time(self, damping_time: float) -> BeamSection:
-        """The same section with Kelvin-Voigt time ``damping_time`` in s."""
-        return replace(self, damping_time=damping_time)
+        """The same section with one Kelvin-Voigt time ``damping_time`` in s."""
+        return replace(self, damping=DampingTimes.uniform(damping_time))
 
     def with_damping_ratio(self, ratio: float, frequency: float) -> BeamSection:
         """The same section, damped by ``ratio`` of critical at ``frequency`` in Hz.

@@ -1,0 +1,200 @@
+"""Rigid arms between the pins' axis and the nodes of beams whose neutral axis is off it.
+
+A beam stretches and bends without coupling about its neutral axis, so its nodes sit there.
+Everything else knows displacements of the pins' axis. With the neutral axis at the distance
+n and the section turned by phi, a node is at ``u - n sin(phi)``, ``v + n (cos(phi) - 1)``.
+The map holds in every frame if phi is the angle against that frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["Arms", "LinkArms"]
+
+FloatArray = NDArray[np.float64]
+
+# Coordinates of a node: place along and across, rotation.
+PER_NODE = 3
+
+
+@dataclass(frozen=True)
+class Arms:
+    """Arms of one link, from axis points to nodes, each turned by its node's rotation.
+
+    Parameters
+    ----------
+    length : float
+        Distance of the nodes from the axis along the link frame's y in m.
+    """
+
+    length: float
+
+    @property
+    def back(self) -> Arms:
+        """From the nodes to the axis points."""
+        return Arms(-self.length)
+
+    def moved(self, axis: FloatArray) -> FloatArray:
+        """Coordinates of the nodes, less the reference ones.
+
+        Parameters
+        ----------
+        axis : ndarray, shape (..., n)
+            Coordinates of the axis points, less the reference ones.
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+        """
+        nodes = axis.copy()
+        angle = axis[..., 2::PER_NODE]
+        nodes[..., 0::PER_NODE] -= self.length * np.sin(angle)
+        nodes[..., 1::PER_NODE] -= 2 * self.length * np.sin(angle / 2) ** 2
+        return nodes
+
+    def moved_rate(self, axis: FloatArray, rate: FloatArray) -> FloatArray:
+        """Velocities of the nodes.
+
+        Parameters
+        ----------
+        axis, rate : ndarray, shape (..., n)
+            Coordinates and velocities of the axis points.
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+        """
+        nodes = rate.copy()
+        angle, spin = axis[..., 2::PER_NODE], rate[..., 2::PER_NODE]
+        nodes[..., 0::PER_NODE] -= self.length * np.cos(angle) * spin
+        nodes[..., 1::PER_NODE] -= self.length * np.sin(angle) * spin
+        return nodes
+
+    def matrix(self, axis: FloatArray, matrix: FloatArray) -> FloatArray:
+        """A matrix of the nodes' coordinates in those of the axis points, ``J' X J``.
+
+        Parameters
+        ----------
+        axis : ndarray, shape (..., n)
+        matrix : ndarray, shape (..., n, n)
+
+        Returns
+        -------
+        ndarray, shape (..., n, n)
+        """
+        size = axis.shape[-1]
+        gradient = np.zeros((*axis.shape, size))
+        every, angles = np.arange(size), np.arange(2, size, PER_NODE)
+        gradient[..., every, every] = 1.0
+        gradient[..., angles - 2, angles] = -self.length * np.cos(axis[..., angles])
+        gradient[..., angles - 1, angles] = -self.length * np.sin(axis[..., angles])
+        return np.asarray(np.swapaxes(gradient, -1, -2) @ matrix @ gradient)
+
+    def tangent(self, axis: FloatArray, stiffness: FloatArray, force: FloatArray) -> FloatArray:
+        """Tangent stiffness in coordinates of the axis points.
+
+        Parameters
+        ----------
+        axis : ndarray, shape (..., n)
+        stiffness : ndarray, shape (..., n, n)
+            Of the nodes.
+        force : ndarray, shape (..., n)
+            Internal forces on the nodes; the arms that turn change their moments.
+
+        Returns
+        -------
+        ndarray, shape (..., n, n)
+        """
+        tangent = self.matrix(axis, stiffness)
+        angles = np.arange(2, axis.shape[-1], PER_NODE)
+        along, across = force[..., angles - 2], force[..., angles - 1]
+        turn = axis[..., angles]
+        tangent[..., angles, angles] += self.length * (along * np.sin(turn) - across * np.cos(turn))
+        return tangent
+
+
+class LinkArms:
+    """Arms of all links of a mechanism, over the coordinates of all links together.
+
+    Parameters
+    ----------
+    arms : sequence of Arms or None
+        None for a link whose nodes are on the pins' axis.
+    coordinates : sequence of slice
+        Where each link's coordinates are.
+    """
+
+    def __init__(self, arms: Sequence[Arms | None], coordinates: Sequence[slice]) -> None:
+        self._links = [(a, own) for a, own in zip(arms, coordinates, strict=True) if a is not None]
+
+    def to_nodes(self, axis: FloatArray) -> FloatArray:
+        """Exudyn's coordinates, less the reference ones, of points on the pins' axis.
+
+        Parameters
+        ----------
+        axis : ndarray, shape (..., size)
+
+        Returns
+        -------
+        ndarray, shape (..., size)
+        """
+        if not self._links:
+            return axis
+        nodes = axis.copy()
+        for arms, own in self._links:
+            nodes[..., own] = arms.moved(axis[..., own])
+        return nodes
+
+    def to_axis(self, nodes: FloatArray) -> FloatArray:
+        """Undo :meth:`to_nodes`.
+
+        Parameters
+        ----------
+        nodes : ndarray, shape (..., size)
+
+        Returns
+        -------
+        ndarray, shape (..., size)
+        """
+        return LinkArms._of([(arms.back, own) for arms, own in self._links]).to_nodes(nodes)
+
+    def rate_to_nodes(self, axis: FloatArray, rate: FloatArray) -> FloatArray:
+        """Exudyn's velocities of points on the pins' axis.
+
+        Parameters
+        ----------
+        axis, rate : ndarray, shape (..., size)
+
+        Returns
+        -------
+        ndarray, shape (..., size)
+        """
+        if not self._links:
+            return rate
+        nodes = rate.copy()
+        for arms, own in self._links:
+            nodes[..., own] = arms.moved_rate(axis[..., own], rate[..., own])
+        return nodes
+
+    def rate_to_axis(self, nodes: FloatArray, rate: FloatArray) -> FloatArray:
+        """Undo :meth:`rate_to_nodes`.
+
+        Parameters
+        ----------
+        nodes, rate : ndarray, shape (..., size)
+
+        Returns
+        -------
+        ndarray, shape (..., size)
+        """
+        back = LinkArms._of([(arms.back, own) for arms, own in self._links])
+        return back.rate_to_nodes(nodes, rate)
+
+    @classmethod
+    def _of(cls, links: Sequence[tuple[Arms, slice]]) -> LinkArms:
+        return cls([arms for arms, _ in links], [own for _, own in links])

@@ -1,0 +1,313 @@
+"""Displacement inside two-node plane beam elements: Euler-Bernoulli, Timoshenko, Reddy.
+
+Every element moves by four fields along it: the displacement of its neutral axis along the
+link, the deflection v, the rotation phi of its sections and the slope s = v' of its axis.
+What they strain is the axial strain, the curvature phi', the shear angle s - phi and, in
+the third-order theory, the change of the shear angle along the beam.
+
+All coordinates are those of the pins' axis. Where the neutral axis is off it, its nodes are
+moved by rigid arms that turn with the sections.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.sections import BeamSection
+
+__all__ = ["BEAM_SHAPES", "BeamFields", "BeamShapes"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BeamFields:
+    """Fields inside elements at s places, each of shape (s, 2 p): one row a place.
+
+    Parameters
+    ----------
+    axial, deflection, rotation, slope : ndarray
+        Displacement along at the neutral axis and across in m, rotation of the section and
+        slope of the axis in rad.
+    axial_strain, curvature, slope_change : ndarray
+        First derivatives of ``axial``, ``rotation`` and ``slope``.
+    """
+
+    axial: FloatArray
+    deflection: FloatArray
+    rotation: FloatArray
+    slope: FloatArray
+    axial_strain: FloatArray
+    curvature: FloatArray
+    slope_change: FloatArray
+
+    @property
+    def shear(self) -> FloatArray:
+        """Shear angle at the axis."""
+        return self.slope - self.rotation
+
+    @property
+    def shear_change(self) -> FloatArray:
+        """Derivative of the shear angle along the beam in 1/m."""
+        return self.slope_change - self.curvature
+
+
+class BeamShapes(ABC):
+    """One kind of element: its coordinates a node and its shape functions.
+
+    Attributes
+    ----------
+    per_node : int
+        Coordinates a node; the first two are u and v, the third the section's rotation.
+    angles : tuple of int
+        Coordinates of a node that are angles.
+    clamped : tuple of int
+        Coordinates of a node that a clamp holds besides its displacement.
+    stiff_in_shear : bool
+        Whether the section's rotation is the slope of the axis.
+    """
+
+    per_node: int
+    angles: tuple[int, ...]
+    clamped: tuple[int, ...]
+    stiff_in_shear: bool = False
+
+    @abstractmethod
+    def fields(self, fraction: FloatArray, length: FloatArray, section: BeamSection) -> BeamFields:
+        """Fields by the displacements of the neutral axis's nodes.
+
+        Parameters
+        ----------
+        fraction, length : ndarray, shape (s,)
+            Place in the element from 0 to 1, and the element's length in m.
+        section : BeamSection
+
+        Returns
+        -------
+        BeamFields
+        """
+
+    @abstractmethod
+    def strain_stiffness(self, section: BeamSection) -> FloatArray:
+        """Stiffness of the strains, about the neutral axis.
+
+        Parameters
+        ----------
+        section : BeamSection
+
+        Returns
+        -------
+        ndarray, shape (4, 4)
+            By axial strain, curvature, change of the shear angle, and shear angle.
+        """
+
+    @abstractmethod
+    def inertia(self, section: BeamSection) -> FloatArray:
+        """Mass of the motion along the link, about the pins' axis.
+
+        Parameters
+        ----------
+        section : BeamSection
+
+        Returns
+        -------
+        ndarray, shape (3, 3)
+            By displacement along, rotation and shear angle; its first entry is the mass per
+            length, which the deflection moves too.
+        """
+
+    def arms(self, section: BeamSection) -> tuple[float, ...]:
+        """Distance of the neutral axis that turns with each of :attr:`angles`, in m."""
+        return (section.neutral_axis,)
+
+
+def hermite(s: FloatArray, length: FloatArray) -> tuple[FloatArray, ...]:
+    """Cubic with end values and slopes and its first three derivatives; each (s, 4)."""
+    one = np.ones_like(s)
+    values = (
+        [1 - 3 * s**2 + 2 * s**3, s - 2 * s**2 + s**3, 3 * s**2 - 2 * s**3, s**3 - s**2],
+        [6 * s**2 - 6 * s, 1 - 4 * s + 3 * s**2, 6 * s - 6 * s**2, 3 * s**2 - 2 * s],
+        [12 * s - 6, 6 * s - 4, 6 - 12 * s, 6 * s - 2],
+        [12 * one, 6 * one, -12 * one, 6 * one],
+    )
+    scale = np.stack([one, length, one, length], axis=-1)
+    return tuple(
+        np.stack(rows, axis=-1) * scale / length[:, None] ** order
+        for order, rows in enumerate(values)
+    )
+
+
+def _hermite_integral(s: FloatArray, length: FloatArray) -> FloatArray:
+    """Integral of the cubic from the element's start; (s, 4)."""
+    rows = [
+        s - s**3 + s**4 / 2,
+        s**2 / 2 - 2 * s**3 / 3 + s**4 / 4,
+        s**3 - s**4 / 2,
+        s**4 / 4 - s**3 / 3,
+    ]
+    one = np.ones_like(s)
+    scale = np.stack([one, length, one, length], axis=-1)
+    return np.stack(rows, axis=-1) * scale * length[:, None]
+
+
+def _placed(rows: FloatArray, columns: tuple[int, ...], size: int) -> FloatArray:
+    full = np.zeros((len(rows), size))
+    full[:, columns] = rows
+    return full
+
+
+def _linear(fraction: FloatArray, length: FloatArray, size: int) -> tuple[FloatArray, FloatArray]:
+    """Linear interpolation of the axial displacement, and its derivative; (s, size)."""
+    ends = (0, size // 2)
+    value = np.stack([1 - fraction, fraction], axis=-1)
+    slope = np.stack([-1 / length, 1 / length], axis=-1)
+    return _placed(value, ends, size), _placed(slope, ends, size)
+
+
+class EulerBernoulli(BeamShapes):
+    """Coordinates (u, v, phi): sections stay normal to the axis, cubic deflection."""
+
+    per_node = 3
+    angles = (2,)
+    clamped = (2,)
+    stiff_in_shear = True
+
+    def fields(self, fraction: FloatArray, length: FloatArray, section: BeamSection) -> BeamFields:
+        """See :class:`BeamShapes`."""
+        axial, stretch = _linear(fraction, length, 6)
+        cubic = hermite(fraction, length)[:3]
+        deflection, slope, bend = (_placed(h, (1, 2, 4, 5), 6) for h in cubic)
+        return BeamFields(axial, deflection, slope, slope, stretch, bend, bend)
+
+    def strain_stiffness(self, section: BeamSection) -> FloatArray:
+        """See :class:`BeamShapes`."""
+        return np.diag([section.axial_stiffness, section.bending_stiffness, 0.0, 0.0])
+
+    def inertia(self, section: BeamSection) -> FloatArray:
+        """See :class:`BeamShapes`: all mass is on the line through the centres of mass."""
+        return _inertia_of_the_mass_axis(section)
+
+
+class Timoshenko(BeamShapes):
+    """Coordinates (u, v, phi, phi'): shear deformation and rotary inertia.
+
+    The rotation is cubic, with the curvature at the nodes; the shear angle varies as the
+    equilibrium of the element wants it, ``kGA (v' - phi) = -EI phi''``, up to a constant that
+    the deflections of the nodes settle. No locking, static solutions of beams loaded at
+    nodes are exact, and the slope of the axis may jump where a point mass makes the shear
+    force jump. The common element with three coordinates a node (Przemieniecki, *Theory of
+    Matrix Structural Analysis*, 1968, sec. 5.6) converges in second order only, because its
+    shear angle is constant.
+    """
+
+    per_node = 4
+    angles = (2,)
+    clamped = (2,)
+
+    def fields(self, fraction: FloatArray, length: FloatArray, section: BeamSection) -> BeamFields:
+        """See :class:`BeamShapes`."""
+        s, h = fraction, length[:, None]
+        turning, ends = (2, 3, 6, 7), (1, 5)
+        axial, stretch = _linear(s, length, 8)
+        rotation, curvature, second, third = (_placed(f, turning, 8) for f in hermite(s, length))
+        integral = _placed(_hermite_integral(s, length), turning, 8)
+        mean = _placed(_hermite_integral(np.ones_like(s), length) / h, turning, 8)
+        start = _placed(np.ones((len(s), 1)), (3,), 8)
+        mean_second = _placed(np.stack([-1 / length, 1 / length], axis=-1), (3, 7), 8)
+        chord = _placed(np.stack([-1 / length, 1 / length], axis=-1), ends, 8)
+        soft = section.bending_stiffness / section.shear_stiffness
+        constant = chord - mean + soft * mean_second
+        x = (s * length)[:, None]
+        deflection = integral - soft * (curvature - start) + x * constant
+        deflection[:, 1] += 1.0
+        slope = rotation - soft * second + constant
+        return BeamFields(
+            axial, deflection, rotation, slope, stretch, curvature, curvature - soft * third
+        )
+
+    def strain_stiffness(self, section: BeamSection) -> FloatArray:
+        """See :class:`BeamShapes`."""
+        return np.diag(
+            [section.axial_stiffness, section.bending_stiffness, 0.0, section.shear_stiffness]
+        )
+
+    def inertia(self, section: BeamSection) -> FloatArray:
+        """See :class:`BeamShapes`: with rotary inertia."""
+        inertia = _inertia_of_the_mass_axis(section)
+        inertia[1, 1] += section.rotary_inertia
+        return inertia
+
+
+class Reddy(BeamShapes):
+    """Coordinates (u, v, phi, s, phi'): third-order shear deformation, Bickford's beam.
+
+    Axial displacements vary with the cube of the distance from the axis, so that the shear
+    stress vanishes at the surfaces (Bickford 1982; Reddy 1984). Deflection and rotation are
+    both cubic in each element, with slope and curvature at the nodes: no locking.
+    """
+
+    per_node = 5
+    angles = (2, 3)
+    clamped = (2, 3)
+
+    def fields(self, fraction: FloatArray, length: FloatArray, section: BeamSection) -> BeamFields:
+        """See :class:`BeamShapes`."""
+        axial, stretch = _linear(fraction, length, 10)
+        cubic = hermite(fraction, length)[:3]
+        deflection, slope, slope_change = (_placed(h, (1, 3, 6, 8), 10) for h in cubic)
+        rotation, curvature, _ = (_placed(h, (2, 4, 7, 9), 10) for h in cubic)
+        return BeamFields(axial, deflection, rotation, slope, stretch, curvature, slope_change)
+
+    def strain_stiffness(self, section: BeamSection) -> FloatArray:
+        """See :class:`BeamShapes`."""
+        third, cubic = section.third_order, _cubic(section)
+        axial, along = third.stiffness[0, 0], third.stiffness[0, 1:]
+        # The strains are e0 - y phi' - y^3 c (s' - phi'), with e0 as no axial force has it.
+        bending = third.stiffness[1:, 1:] - np.outer(along, along) / axial
+        scale = np.array([1.0, cubic])
+        shear = third.shear_stiffness @ np.array([1.0, -6 * cubic, 9 * cubic**2])
+        stiffness = np.zeros((4, 4))
+        stiffness[0, 0], stiffness[3, 3] = axial, shear
+        stiffness[1:3, 1:3] = bending * np.outer(scale, scale)
+        return stiffness
+
+    def inertia(self, section: BeamSection) -> FloatArray:
+        """See :class:`BeamShapes`; Elamy et al. 2023, eq. 44, with c = -4 / (3 h^2) corrected."""
+        moment, cubic = section.third_order.inertia, _cubic(section)
+        upper = np.array(
+            [
+                [moment[0], -moment[1], -cubic * moment[3]],
+                [0.0, moment[2], cubic * moment[4]],
+                [0.0, 0.0, cubic**2 * moment[6]],
+            ]
+        )
+        return upper + np.triu(upper, 1).T
+
+    def arms(self, section: BeamSection) -> tuple[float, ...]:
+        """See :class:`BeamShapes`: part of the arm turns with the slope of the axis."""
+        stiffness = section.third_order.stiffness
+        # N = A e0 - B phi' - c E (s' - phi') vanishes for e0 = n phi' + m (s' - phi').
+        sheared = _cubic(section) * stiffness[0, 2] / stiffness[0, 0]
+        return (float(stiffness[0, 1] / stiffness[0, 0] - sheared), float(sheared))
+
+
+def _cubic(section: BeamSection) -> float:
+    """Factor c of the cube of the distance from the axis, 4 / (3 h^2)."""
+    return 4 / (3 * section.third_order.thickness**2)
+
+
+def _inertia_of_the_mass_axis(section: BeamSection) -> FloatArray:
+    arm = np.array([1.0, -section.mass_axis, 0.0])
+    return np.asarray(section.mass_per_length * np.outer(arm, arm))
+
+
+BEAM_SHAPES: dict[str, BeamShapes] = {
+    "euler": EulerBernoulli(),
+    "timoshenko": Timoshenko(),
+    "reddy": Reddy(),
+}
+"""Elements of the reference engine by name."""
