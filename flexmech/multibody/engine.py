@@ -81,10 +81,11 @@ class ExudynEngine(Engine):
         """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
         unloaded = not motion.crank_speed.any() and not any(self.mechanism.gravity)
         if prestress == "axial" and self.element != "ancf":
+            eccentric = any(s.is_eccentric for s in self.mechanism.sections.values())
             raise InputError(
                 "prestress 'axial' needs an element that can carry tension in its straight "
-                "shape; the geometrically exact beam cannot: use element 'ancf' or prestress "
-                "'equilibrium'"
+                "shape; the geometrically exact beam cannot: use "
+                f"{'' if eccentric else "element 'ancf' or "}prestress 'equilibrium'"
             )
         if prestress == "none" or unloaded:
             return StressedLinks.unloaded(self.links)

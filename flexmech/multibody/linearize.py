@@ -53,7 +53,7 @@ def simulation_settings(absolute_tolerance: float = 1e-8) -> Any:
 def linearized(
     model: MultibodyModel, settings: Any, state: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Mass, stiffness and damping of all coordinates at a state of shape (size,).
+    """Mass, stiffness and damping by Exudyn's coordinates at a state of them, shape (size,).
 
     Exudyn linearizes about the initial state, whatever was solved before.
     """
@@ -74,18 +74,21 @@ def link_models(model: MultibodyModel) -> tuple[LinkModel, ...]:
     kind, models = model.kind, []
     for name, part in zip(model.topology.link_names, model.parts, strict=True):
         count, size = len(part.nodes), part.coordinates.stop - part.coordinates.start
-        inertia = mass[part.coordinates, part.coordinates]
-        quarter = _quarter_turn(size, *kind.vector_pairs(count))
+        own = [matrix[part.coordinates, part.coordinates] for matrix in (mass, stiffness, damping)]
+        if part.arms is not None:
+            own = [part.arms.matrix(np.zeros(size), matrix) for matrix in own]
+        fields = kind.rigid_fields(part.positions)
+        inertia = _inertia(own[0], _quarter_turn(size, *kind.vector_pairs(count)))
         last = size - kind.per_node
         models.append(
             LinkModel(
                 name=name,
-                mass=inertia,
-                gyroscopic=quarter.T @ inertia @ quarter @ quarter,
-                translational_mass=quarter.T @ inertia @ quarter,
-                first_moment=np.zeros((2, size)),
-                stiffness=stiffness[part.coordinates, part.coordinates],
-                damping=damping[part.coordinates, part.coordinates],
+                mass=own[0],
+                gyroscopic=inertia.gyroscopic,
+                translational_mass=inertia.translational_mass,
+                first_moment=inertia.first_moment,
+                stiffness=own[1],
+                damping=own[2],
                 is_axial=kind.is_axial(count),
                 start=np.array([0, 1]),
                 end=np.array([last, last + 1]),
@@ -95,7 +98,7 @@ def link_models(model: MultibodyModel) -> tuple[LinkModel, ...]:
                 curvature=middle_curvature(
                     part.positions, kind.per_node, kind.clamped, kind.deflection
                 ),
-                fields=kind.rigid_fields(part.positions),
+                fields=fields,
             )
         )
     return tuple(models)
@@ -154,9 +157,9 @@ def static_equilibrium(
         tolerance = max(RELATIVE_RESIDUAL * float(np.abs(forces[number]).sum()), round_off)
         settings = simulation_settings(tolerance)
         start = pose + _turned(model, deformation, relative[number])
-        if not _solve_static(model, settings, start):
+        if not _solve_static(model, settings, model.arms.to_nodes(start)):
             _solve_afresh(model, settings, pose, motion, number)
-        state = model.mbs.systemData.GetODE2Coordinates()
+        state = model.arms.to_axis(model.mbs.systemData.GetODE2Coordinates())
         deformation = displacement[number] = _turned(model, state - pose, -relative[number])
         tangents.take(number, settings, state)
     stiffness, damping = tangents.in_link_frames(relative)
@@ -205,10 +208,12 @@ class _Tangents:
         self._stiffness, self._damping = (
             [np.empty((batch, size, size)) for size in sizes] for _ in range(2)
         )
+        self._state: FloatArray = np.empty((batch, model.size))
 
     def take(self, number: int, settings: Any, state: FloatArray) -> None:
         """Linearize about a state."""
-        _, stiffness, damping = linearized(self._model, settings, state)
+        _, stiffness, damping = linearized(self._model, settings, self._model.arms.to_nodes(state))
+        self._state[number] = state
         for link, part in enumerate(self._model.parts):
             own = (part.coordinates, part.coordinates)
             self._stiffness[link][number] = stiffness[own]
@@ -216,6 +221,13 @@ class _Tangents:
 
     def in_link_frames(self, angle: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """Both in frames turned by ``angle`` (B, n_links) against the model's."""
+        for link, part in enumerate(self._model.parts):
+            if part.arms is not None:
+                state = self._state[:, part.coordinates]
+                force = _internal_force(self._model, link, part.arms.moved(state))
+                stiff, damped = self._stiffness[link], self._damping[link]
+                self._stiffness[link] = part.arms.tangent(state, stiff, force)
+                self._damping[link] = part.arms.matrix(state, damped)
         stiffness, damping = (
             [
                 _to_link_frame(matrix, angle[:, link], *_pairs(self._model, link))
@@ -272,7 +284,7 @@ def _solve_afresh(
     model: MultibodyModel, settings: Any, pose: FloatArray, motion: RigidMotion, number: int
 ) -> None:
     """Try again from the undeformed links, and say so if that fails as well."""
-    if _solve_static(model, settings, pose):
+    if _solve_static(model, settings, model.arms.to_nodes(pose)):
         return
     residual = float(model.mbs.sys["staticSolver"].conv.residual)
     angle = np.degrees(motion.crank_angle[number])
@@ -281,6 +293,39 @@ def _solve_afresh(
         f"speed {motion.crank_speed[number]:.6g} rad/s (residual {residual:.3g} N); lower the "
         "crank speed, or use prestress 'axial'"
     )
+
+
+@dataclass(frozen=True)
+class _Inertia:
+    """Integrals over a link besides its mass; see :class:`LinkModel`."""
+
+    gyroscopic: FloatArray
+    translational_mass: FloatArray
+    first_moment: FloatArray
+
+
+def _inertia(mass: FloatArray, quarter: FloatArray) -> _Inertia:
+    """Integrals of the same shapes as a straight link's mass matrix.
+
+    Vectors and rotations are coupled in it where the centre of mass is off the pins' axis.
+    """
+    turned = quarter.T @ mass @ quarter
+    coupling = mass - mass @ quarter @ quarter.T  # what rotations exert on vectors
+    coupling = quarter @ quarter.T @ coupling
+    moment = -coupling.sum(axis=1)
+    return _Inertia(
+        gyroscopic=turned @ quarter + quarter @ coupling - (quarter @ coupling).T,
+        translational_mass=turned + coupling + coupling.T,
+        first_moment=np.stack([moment, quarter @ moment]),
+    )
+
+
+def _internal_force(model: MultibodyModel, link: int, nodes: FloatArray) -> FloatArray:
+    """Elastic forces on a link's nodes, (B, n), at coordinates less the reference ones."""
+    part = model.parts[link]
+    section = model.mechanism.sections[model.topology.link_names[link]]
+    place = nodes + model.kind.rigid_fields(part.positions).centripetal
+    return model.kind.internal_force(place, np.diff(part.positions), section)
 
 
 def _quarter_turn(size: int, x: IntArray, y: IntArray) -> FloatArray:

@@ -13,11 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.errors import InputError
 from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.mechanism import Mechanism
 from flexmech.mesh import node_positions
+from flexmech.multibody.arms import Arms, LinkArms
 from flexmech.multibody.beams import BEAM_KINDS, BeamKind
 from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.node_bodies import BeamInertia, NodeBodies
 
 __all__ = ["LinkPart", "MultibodyModel"]
 
@@ -36,16 +39,26 @@ class LinkPart:
         Exudyn's numbers.
     coordinates : slice
         Where the link's coordinates are in the system's.
+    arms : Arms, optional
+        From the pins' axis to the nodes; None where the section is not eccentric and the
+        nodes are on it.
+    bodies : NodeBodies, optional
+        Bodies at the nodes of such a link; its beams carry all mass where there are none.
     """
 
     positions: FloatArray
     nodes: list[int]
     elements: list[int]
     coordinates: slice
+    arms: Arms | None = None
+    bodies: NodeBodies | None = None
 
 
 class MultibodyModel:
     """Exudyn system of a mechanism.
+
+    Coordinates are those of the pins' axis, less the reference ones, unless Exudyn's own are
+    spoken of: these are the nodes', and :attr:`arms` leads from the one to the other.
 
     Parameters
     ----------
@@ -61,19 +74,32 @@ class MultibodyModel:
     parts : list of LinkPart
     base : int
         Link in whose frame the model stands: the clamped one.
+    arms : LinkArms
     pins : list of int
         Exudyn's numbers of the pins between links, in the topology's order.
+
+    Raises
+    ------
+    InputError
+        If a section is eccentric and the element cannot turn arms.
     """
 
     def __init__(self, mechanism: Mechanism, elements: int, kind: str) -> None:
         self.mechanism = mechanism
         self.topology = mechanism.linkage.topology
         self.kind: BeamKind = BEAM_KINDS[kind]
+        if not self.kind.turns_arms:
+            refuse_eccentric_sections(mechanism, kind)
         self._container = load_exudyn().SystemContainer()
         self.mbs: Any = self._container.AddSystem()
         self.base = self.topology.index(self.topology.clamps[0].held.link)
         self.parts = self._add_links(elements)
         self.size = self.parts[-1].coordinates.stop
+        self.arms = LinkArms(
+            [part.arms for part in self.parts], [part.coordinates for part in self.parts]
+        )
+        self._arm_loads: list[tuple[int, int]] = []
+        self._grounds: list[tuple[int, int, float]] = []
         self._loads = self._add_loads()
         self._offsets = self._add_supports()
         self.pins = self._add_pins()
@@ -113,35 +139,49 @@ class MultibodyModel:
             origin = back @ motion.origin[number, link]
             angle = float(motion.angle[number, link] - turn)
             pose[part.coordinates] = self.kind.pose(part.positions, origin, angle)
+        nodes = self.arms.to_nodes(pose)
         for constraint, coordinate in self._offsets:
-            self.mbs.SetObjectParameter(constraint, "offset", float(pose[coordinate]))
+            self.mbs.SetObjectParameter(constraint, "offset", float(nodes[coordinate]))
+        for ground, first, x in self._grounds:
+            place = [float(pose[first]) + x, float(pose[first + 1]), 0.0]
+            self.mbs.SetObjectParameter(ground, "referencePosition", place)
         return pose
 
     def set_forces(self, forces: FloatArray) -> None:
         """Generalized forces on all coordinates, shape (size,), in the crank's frame."""
-        self.mbs.SetObjectParameter(self._loads, "forceVector", forces)
+        at_nodes = forces.copy()
+        for load, first in self._arm_loads:
+            x, y = at_nodes[first : first + 2]
+            self.mbs.SetLoadParameter(load, "loadVector", [float(x), float(y), 0.0])
+            at_nodes[first : first + 2] = 0.0
+        self.mbs.SetObjectParameter(self._loads, "forceVector", at_nodes)
 
     def point_masses(self, link: int) -> FloatArray:
         """Point mass at each node of a link in kg, shape (e + 1,)."""
-        part, points = self.parts[link], self.mechanism.link_mass(self.topology.link_names[link])
-        masses = np.zeros(len(part.nodes))
-        for x, value in zip(points.point_positions, points.point_masses, strict=True):
-            masses[np.argmin(np.abs(part.positions - x))] += value
-        return masses
+        name, part = self.topology.link_names[link], self.parts[link]
+        return point_masses_at(self.mechanism, name, part.positions)
 
     def _add_links(self, elements: int) -> list[LinkPart]:
         parts, start = [], 0
         for name in self.topology.link_names:
             mass, section = self.mechanism.link_mass(name), self.mechanism.sections[name]
             positions = node_positions(mass.length, elements, mass.point_positions)
-            nodes = [self.kind.add_node(self.mbs, float(x)) for x in positions]
-            lengths = np.diff(positions)
+            nodes = [
+                self.kind.add_node(self.mbs, float(x), section.neutral_axis) for x in positions
+            ]
+            inertia = BeamInertia.of(section)
             beams = [
-                self.kind.add_element(self.mbs, nodes[i : i + 2], float(h), section)
-                for i, h in enumerate(lengths)
+                self.kind.add_element(self.mbs, nodes[i : i + 2], float(h), section, inertia)
+                for i, h in enumerate(np.diff(positions))
             ]
             stop = start + self.kind.per_node * len(nodes)
-            parts.append(LinkPart(positions, nodes, beams, slice(start, stop)))
+            arms, bodies = None, None
+            if section.is_eccentric:
+                points = point_masses_at(self.mechanism, name, positions)
+                arms = Arms(section.neutral_axis)
+                bodies = NodeBodies.added(self.mbs, nodes, positions, section, points)
+            part = LinkPart(positions, nodes, beams, slice(start, stop), arms, bodies)
+            parts.append(part)
             start = stop
         return parts
 
@@ -151,7 +191,13 @@ class MultibodyModel:
         mass = np.zeros((self.size, self.size))
         for link, part in enumerate(self.parts):
             at = part.coordinates.start + self.kind.per_node * np.arange(len(part.nodes))
-            mass[at, at] = mass[at + 1, at + 1] = self.point_masses(link)
+            if part.bodies is None:
+                mass[at, at] = mass[at + 1, at + 1] = self.point_masses(link)
+                continue
+            for number, first in enumerate(at):
+                marker = self._axis_point(part, number)
+                load = items.LoadForceVector(markerNumber=marker, loadVector=[0.0, 0.0, 0.0])
+                self._arm_loads.append((int(self.mbs.AddLoad(load)), int(first)))
         every = [node for part in self.parts for node in part.nodes]
         carrier = items.ObjectGenericODE2(
             nodeNumbers=every,
@@ -166,7 +212,13 @@ class MultibodyModel:
         held: list[tuple[LinkEnd, tuple[int, ...]]] = [
             (clamp.held, (0, 1, self.kind.clamped)) for clamp in self.topology.clamps
         ]
-        held += [(pivot.held, (0, 1)) for pivot in self.topology.pivots]
+        for pivot in self.topology.pivots:
+            if self._part(pivot.held).arms is None:
+                held.append((pivot.held, (0, 1)))
+            else:
+                ground = self._pin_to_ground(pivot.held, [0.0, 0.0, 0.0])[0]
+                first, x = self._end(pivot.held)[1], self._straight_place(pivot.held)[0]
+                self._grounds.append((ground, first, float(x)))
         offsets = []
         for place, coordinates in held:
             node, first = self._end(place)
@@ -196,15 +248,97 @@ class MultibodyModel:
         joints = []
         for pin in self.topology.pins:
             markers = [
-                self.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=self._end(place)[0]))
+                self._end_marker(place)
                 for place in (self.topology.leader_of(pin.leader), pin.follower)
             ]
             joints.append(int(self.mbs.AddObject(items.RevoluteJoint2D(markerNumbers=markers))))
         return joints
 
+    def _pin_to_ground(self, held: LinkEnd, place: list[float]) -> tuple[int, int]:
+        """Pin a link end to a point of the ground; returns the ground's number and the pin's."""
+        items = load_exudyn().itemInterface
+        ground = self.mbs.AddObject(items.ObjectGround(referencePosition=place))
+        markers = [
+            self.mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=ground)),
+            self._end_marker(held),
+        ]
+        pin = self.mbs.AddObject(items.RevoluteJoint2D(markerNumbers=markers))
+        return int(ground), int(pin)
+
+    def _end_marker(self, place: LinkEnd) -> int:
+        """Marker of the point on the pins' axis at a link end."""
+        part = self._part(place)
+        if part.arms is not None:
+            return self._axis_point(part, 0 if place.end == "start" else -1)
+        items = load_exudyn().itemInterface
+        node = items.MarkerNodePosition(nodeNumber=self._end(place)[0])
+        return int(self.mbs.AddMarker(node))
+
+    def _axis_point(self, part: LinkPart, number: int) -> int:
+        """Marker of the point on the pins' axis that belongs to a node of an eccentric link."""
+        assert part.arms is not None and part.bodies is not None
+        items = load_exudyn().itemInterface
+        marker = items.MarkerBodyRigid(
+            bodyNumber=part.bodies.numbers[number],
+            localPosition=[0.0, -part.arms.length, 0.0],
+        )
+        return int(self.mbs.AddMarker(marker))
+
+    def _part(self, place: LinkEnd) -> LinkPart:
+        return self.parts[self.topology.index(place.link)]
+
     def _end(self, place: LinkEnd) -> tuple[int, int]:
         """Node number at a link end and the first of its coordinates."""
-        part = self.parts[self.topology.index(place.link)]
+        part = self._part(place)
         if place.end == "start":
             return part.nodes[0], part.coordinates.start
         return part.nodes[-1], part.coordinates.stop - self.kind.per_node
+
+    def _straight_place(self, place: LinkEnd) -> FloatArray:
+        """Where a link end is in the reference configuration, shape (2,)."""
+        positions = self._part(place).positions
+        return np.array([positions[0 if place.end == "start" else -1], 0.0])
+
+
+def point_masses_at(mechanism: Mechanism, link: str, positions: FloatArray) -> FloatArray:
+    """Point mass at each node of a link.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    link : str
+    positions : ndarray, shape (e + 1,)
+        Of the nodes in m.
+
+    Returns
+    -------
+    ndarray, shape (e + 1,)
+        In kg.
+    """
+    points, masses = mechanism.link_mass(link), np.zeros(len(positions))
+    for x, value in zip(points.point_positions, points.point_masses, strict=True):
+        masses[np.argmin(np.abs(positions - x))] += value
+    return masses
+
+
+def refuse_eccentric_sections(mechanism: Mechanism, kind: str) -> None:
+    """Refuse sections whose neutral axis or centre of mass an element would ignore.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    kind : str
+        Key of :data:`flexmech.multibody.beams.BEAM_KINDS`.
+
+    Raises
+    ------
+    InputError
+        If a section is eccentric; names the links.
+    """
+    links = [name for name, section in mechanism.sections.items() if section.is_eccentric]
+    if links:
+        raise InputError(
+            f"Exudyn's {kind!r} element has its neutral axis and its centre of mass on the pins' "
+            f"axis, but the section of {', '.join(links)} has them off it; use element "
+            "'geometrically-exact'"
+        )

@@ -19,6 +19,7 @@ from flexmech.linkages import Clamp, CrankDrive, LinkEnd
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.model import MultibodyModel
+from flexmech.multibody.node_bodies import NodeBodies
 
 __all__ = ["RunningModel"]
 
@@ -96,6 +97,54 @@ class RunningModel(MultibodyModel):
         fields = self.links[link].fields
         return self.links[link].mass @ (x * fields.along + y * fields.across)
 
+    def kinetic_energy(self, link: int, position: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Kinetic energy of a link.
+
+        Parameters
+        ----------
+        link : int
+        position, velocity : ndarray, shape (m, n_link)
+            Its coordinates in ground axes.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+        """
+        mass, arms = self.links[link].mass, self.parts[link].arms
+        if arms is None:
+            return np.asarray(np.sum(velocity @ mass * velocity, axis=1) / 2)
+        # By the nodes only the first moments of the bodies there turn with the sections.
+        rate = arms.moved_rate(position, velocity)
+        mass = arms.back.matrix(np.zeros(len(mass)), mass)
+        angles = np.arange(2, len(mass), self.kind.per_node)
+        moment = -mass[angles - 2, angles]
+        turn, spin = position[:, angles], rate[:, angles]
+        turned = (1 - np.cos(turn)) * rate[:, angles - 2] - np.sin(turn) * rate[:, angles - 1]
+        energy = np.sum(rate @ mass * rate, axis=1) / 2
+        return np.asarray(energy + (spin * turned) @ moment)
+
+    def gravity_energy(self, link: int, position: FloatArray) -> FloatArray:
+        """Potential of a link's weight but for a constant.
+
+        Parameters
+        ----------
+        link : int
+        position : ndarray, shape (m, n_link)
+            Its coordinates in ground axes.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+        """
+        part = self.parts[link]
+        if part.bodies is None or part.arms is None:
+            return np.asarray(-position @ self.weight(link))
+        x, y = self.mechanism.gravity
+        nodes = part.arms.moved(position).reshape(len(position), -1, self.kind.per_node)
+        arm, turn = part.bodies.centre, nodes[..., 2]
+        lifted = x * (nodes[..., 0] - arm * np.sin(turn)) + y * (nodes[..., 1] + arm * np.cos(turn))
+        return np.asarray(-lifted @ part.bodies.mass)
+
     def set_start(self, position: FloatArray, velocity: FloatArray) -> None:
         """State at time zero.
 
@@ -103,10 +152,12 @@ class RunningModel(MultibodyModel):
         ----------
         position, velocity : ndarray, shape (size,)
         """
+        nodes = self.arms.to_nodes(position)
+        velocity = self.arms.rate_to_nodes(position, velocity)
         initial = load_exudyn().ConfigurationType.Initial
         speed = float(self.drive.crank_speed(0.0))
         data = self.mbs.systemData
-        data.SetODE2Coordinates([*position, 0.0, 0.0, self.shaft_angle(0.0)], initial)
+        data.SetODE2Coordinates([*nodes, 0.0, 0.0, self.shaft_angle(0.0)], initial)
         data.SetODE2Coordinates_t([*velocity, 0.0, 0.0, speed], initial)
 
     def greatest_gap(self, position: FloatArray) -> float:
@@ -134,10 +185,17 @@ class RunningModel(MultibodyModel):
         return float(np.max(np.linalg.norm(gaps, axis=1)))
 
     def put_clamp_in_place(self, position: FloatArray, time: float) -> None:
-        """Put hub and clamp where the shaft has them, shape (total_size,), in place.
+        """Put hub and clamp where the shaft has them, in place.
 
         Constraints on velocities leave the place to the integration rule, whose error in
         the clamped direction, ``(speed * step)**3 / 12`` a step, would add up.
+
+        Parameters
+        ----------
+        position : ndarray, shape (total_size,)
+            Exudyn's coordinates.
+        time : float
+            In s.
         """
         angle = self.shaft_angle(time)
         cosine, sine = math.cos(angle), math.sin(angle)
@@ -146,6 +204,9 @@ class RunningModel(MultibodyModel):
         node[0] = cosine * x - sine * y - self._clamped_x
         node[1] = sine * x + cosine * y
         self.kind.align(node, angle)
+        arms = self.parts[self.base].arms
+        if arms is not None:
+            node[:] = arms.moved(node)
         position[-1] = angle
 
     def _add_supports(self) -> list[tuple[int, int]]:
@@ -154,6 +215,10 @@ class RunningModel(MultibodyModel):
         hub = self._add_hub(fixed)
         self._add_clamp(hub)
         for pivot in self.topology.pivots:
+            if self._part(pivot.held).arms is not None:
+                place = [*map(float, self._place(pivot.held)), 0.0]
+                self._connections.append((pivot.joint, [self._pin_to_ground(pivot.held, place)[1]]))
+                continue
             node = self._end(pivot.held)[0]
             offset = self._place(pivot.held) - self._straight_place(pivot.held)
             held = [self._hold(fixed, node, i, offset=float(offset[i])) for i in (0, 1)]
@@ -166,11 +231,6 @@ class RunningModel(MultibodyModel):
         x = 0.0 if held.end == "start" else self.topology.links[link].length
         return self._start.position(link, x)
 
-    def _straight_place(self, held: LinkEnd) -> FloatArray:
-        """Where a link end is in the reference configuration, shape (2,)."""
-        node = self._end(held)[0]
-        return np.asarray(self.mbs.GetNodeParameter(node, "referenceCoordinates")[:2])
-
     def _add_loads(self) -> int:
         """Point masses and weight, node by node; returns their number.
 
@@ -179,6 +239,10 @@ class RunningModel(MultibodyModel):
         items = load_exudyn().itemInterface
         carriers = 0
         for link, part in enumerate(self.parts):
+            if part.bodies is not None:
+                self._add_weight(part.bodies)
+                carriers += len(part.nodes)
+                continue
             masses = self.point_masses(link)
             weights = self.weight(link).reshape(len(part.nodes), -1)
             for node, mass, weight in zip(part.nodes, masses, weights, strict=True):
@@ -191,6 +255,19 @@ class RunningModel(MultibodyModel):
                     )
                     carriers += 1
         return carriers
+
+    def _add_weight(self, bodies: NodeBodies) -> None:
+        """Weight of an eccentric link at the centres of mass of the bodies at its nodes."""
+        items = load_exudyn().itemInterface
+        x, y = self.mechanism.gravity
+        if not (x or y):
+            return
+        for body, mass, arm in zip(bodies.numbers, bodies.mass, bodies.centre, strict=True):
+            centre = items.MarkerBodyRigid(bodyNumber=body, localPosition=[0.0, arm, 0.0])
+            load = items.LoadForceVector(
+                markerNumber=self.mbs.AddMarker(centre), loadVector=[mass * x, mass * y, 0.0]
+            )
+            self.mbs.AddLoad(load)
 
     def _add_hub(self, fixed: int) -> int:
         """Body without mass that turns with the shaft; returns its number."""
@@ -222,8 +299,8 @@ class RunningModel(MultibodyModel):
             items.MarkerBodyRigid(bodyNumber=hub, localPosition=[*self._lever, 0.0])
         )
         node, _ = self._end(self._clamp.held)
-        on_node = self.mbs.AddMarker(items.MarkerNodePosition(nodeNumber=node))
-        pin = self.mbs.AddObject(items.RevoluteJoint2D(markerNumbers=[on_hub, on_node]))
+        on_link = self._end_marker(self._clamp.held)
+        pin = self.mbs.AddObject(items.RevoluteJoint2D(markerNumbers=[on_hub, on_link]))
         self._connections.append((self._clamp.joint, [int(pin)]))
         part = self.parts[self.base]
         at_start = self._clamp.held.end == "start"

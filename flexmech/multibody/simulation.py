@@ -111,7 +111,7 @@ class Simulation:
         ----------
         time : ndarray, shape (m,)
         position, velocity : ndarray, shape (m, size)
-            Coordinates of the links.
+            Exudyn's coordinates of the links.
         multiplier : ndarray, shape (m, n_multipliers)
 
         Returns
@@ -119,15 +119,21 @@ class Simulation:
         StepBlock
         """
         model, motion = self.model, self._motion(time)
+        position, velocity = (
+            model.arms.to_axis(position),
+            model.arms.rate_to_axis(position, velocity),
+        )
         displacement, rate = self._frames.to_frames(motion, position, velocity)
         kinetic, strain, gravity, dissipation = np.zeros((4, len(time)))
         for number, (part, link) in enumerate(zip(model.parts, model.links, strict=True)):
             section, lengths = model.mechanism.sections[link.name], np.diff(part.positions)
-            place = displacement[number] + link.fields.centripetal
-            speed = velocity[:, part.coordinates]
-            kinetic += np.sum(speed @ link.mass * speed, axis=1) / 2
-            gravity -= position[:, part.coordinates] @ model.weight(number)
-            for part_of in model.kind.strains(place, rate[number], lengths, section):
+            own = part.coordinates
+            kinetic += model.kinetic_energy(number, position[:, own], velocity[:, own])
+            gravity += model.gravity_energy(number, position[:, own])
+            place, speed = displacement[number] + link.fields.centripetal, rate[number]
+            if part.arms is not None:
+                place, speed = part.arms.moved(place), part.arms.moved_rate(place, speed)
+            for part_of in model.kind.strains(place, speed, lengths, section):
                 strain += part_of.energy
                 dissipation += part_of.dissipation
         return StepBlock(
