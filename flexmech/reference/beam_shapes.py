@@ -264,20 +264,20 @@ class Reddy(BeamShapes):
 
     def strain_stiffness(self, section: BeamSection) -> FloatArray:
         """See :class:`BeamShapes`."""
-        third, cubic = section.third_order, _cubic(section)
+        third = section.third_order
+        cubic = third.cubic_factor
         axial, along = third.stiffness[0, 0], third.stiffness[0, 1:]
         # The strains are e0 - y phi' - y^3 c (s' - phi'), with e0 as no axial force has it.
         bending = third.stiffness[1:, 1:] - np.outer(along, along) / axial
         scale = np.array([1.0, cubic])
-        shear = third.shear_stiffness @ np.array([1.0, -6 * cubic, 9 * cubic**2])
         stiffness = np.zeros((4, 4))
-        stiffness[0, 0], stiffness[3, 3] = axial, shear
+        stiffness[0, 0], stiffness[3, 3] = axial, third.shear_force_stiffness
         stiffness[1:3, 1:3] = bending * np.outer(scale, scale)
         return stiffness
 
     def inertia(self, section: BeamSection) -> FloatArray:
         """See :class:`BeamShapes`; Elamy et al. 2023, eq. 44, with c = -4 / (3 h^2) corrected."""
-        moment, cubic = section.third_order.inertia, _cubic(section)
+        moment, cubic = section.third_order.inertia, section.third_order.cubic_factor
         upper = np.array(
             [
                 [moment[0], -moment[1], -cubic * moment[3]],
@@ -291,13 +291,8 @@ class Reddy(BeamShapes):
         """See :class:`BeamShapes`: part of the arm turns with the slope of the axis."""
         stiffness = section.third_order.stiffness
         # N = A e0 - B phi' - c E (s' - phi') vanishes for e0 = n phi' + m (s' - phi').
-        sheared = _cubic(section) * stiffness[0, 2] / stiffness[0, 0]
+        sheared = section.third_order.cubic_factor * stiffness[0, 2] / stiffness[0, 0]
         return (float(stiffness[0, 1] / stiffness[0, 0] - sheared), float(sheared))
-
-
-def _cubic(section: BeamSection) -> float:
-    """Factor c of the cube of the distance from the axis, 4 / (3 h^2)."""
-    return 4 / (3 * section.third_order.thickness**2)
 
 
 def _inertia_of_the_mass_axis(section: BeamSection) -> FloatArray:

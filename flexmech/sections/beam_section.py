@@ -7,10 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.materials import Material
+from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.sections.damping import DampingTimes, SpecificDamping
+from flexmech.sections.laminate_section import LaminateSection
+from flexmech.sections.third_order import ThirdOrder
 
 __all__ = ["BeamSection"]
+
+UNDAMPED = DampingTimes()
 
 
 @dataclass(frozen=True)
@@ -43,6 +47,9 @@ class BeamSection:
         Kelvin-Voigt damping.
     specific_damping : SpecificDamping, optional
         Loss in a cycle, where the material tells it.
+    layers : LaminateSection, optional
+        What the section is made of, where that is known: stresses inside it and the
+        third-order theory need it.
 
     Raises
     ------
@@ -59,8 +66,9 @@ class BeamSection:
     in_plane_thickness: float
     neutral_axis: float = 0.0
     mass_axis: float = 0.0
-    damping: DampingTimes = DampingTimes()
+    damping: DampingTimes = UNDAMPED
     specific_damping: SpecificDamping | None = None
+    layers: LaminateSection | None = None
 
     def __post_init__(self) -> None:
         for name in (
@@ -116,7 +124,53 @@ class BeamSection:
             mass_per_length=material.density * area,
             rotary_inertia=material.density * second_moment,
             in_plane_thickness=in_plane_thickness,
+            layers=LaminateSection(
+                Laminate((Layer(Ply.isotropic(material), in_plane_thickness),)), out_of_plane_width
+            ),
         )
+
+    @classmethod
+    def of_laminate(cls, layers: LaminateSection) -> BeamSection:
+        """Section of a laminate stacked in the plane of the linkage.
+
+        Parameters
+        ----------
+        layers : LaminateSection
+
+        Returns
+        -------
+        BeamSection
+            Without Kelvin-Voigt damping; see :meth:`with_damping_frequency`.
+        """
+        damped = any(layer.ply.specific_damping.any for layer in layers.laminate.layers)
+        return cls(
+            axial_stiffness=layers.axial_stiffness,
+            bending_stiffness=layers.bending_stiffness,
+            shear_stiffness=layers.shear_stiffness,
+            mass_per_length=layers.mass_per_length,
+            rotary_inertia=layers.rotary_inertia,
+            in_plane_thickness=layers.laminate.thickness,
+            neutral_axis=layers.neutral_axis,
+            mass_axis=layers.mass_axis,
+            specific_damping=layers.specific_damping if damped else None,
+            layers=layers,
+        )
+
+    @property
+    def third_order(self) -> ThirdOrder:
+        """Integrals of Reddy's third-order theory.
+
+        Raises
+        ------
+        InputError
+            If the layers are not known.
+        """
+        if self.layers is None:
+            raise InputError(
+                "the third-order theory needs the layers of every section; give links of "
+                "section 'rectangle' or 'laminate', or choose element 'timoshenko'"
+            )
+        return self.layers.third_order
 
     @property
     def is_eccentric(self) -> bool:
@@ -139,7 +193,27 @@ class BeamSection:
         The bending stiffness is then that about the reference axis, which is too stiff.
         """
         added = self.axial_stiffness * self.neutral_axis**2
-        return replace(self, bending_stiffness=self.bending_stiffness + added, neutral_axis=0.0)
+        return replace(
+            self,
+            bending_stiffness=self.bending_stiffness + added,
+            neutral_axis=0.0,
+            layers=None,
+        )
+
+    def with_damping_frequency(self, frequency: float) -> BeamSection:
+        """The same section with Kelvin-Voigt times of its specific damping at a frequency in Hz.
+
+        Raises
+        ------
+        InputError
+            If the section has no specific damping or the frequency is not positive.
+        """
+        if self.specific_damping is None:
+            raise InputError(
+                "a damping frequency needs the specific damping of the plies; give that, or "
+                "damping_time"
+            )
+        return replace(self, damping=self.specific_damping.times(2 * np.pi * frequency))
 
     def with_damping_time(self, damping_time: float) -> BeamSection:
         """The same section with one Kelvin-Voigt time ``damping_time`` in s."""

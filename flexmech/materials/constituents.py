@@ -1,0 +1,201 @@
+"""Fibres and resins that plies are made of, with the uncertainty that their sources print."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from importlib import resources
+from typing import Any
+
+import numpy as np
+
+from flexmech.errors import InputError
+
+__all__ = ["Constituent", "Fibre", "Matrix", "propagated_uncertainty", "published_constituents"]
+
+_POSITIVE = ("youngs_modulus", "shear_modulus", "density")
+_NOT_NEGATIVE = ("specific_damping", "moisture_expansion")
+
+
+@dataclass(frozen=True)
+class Constituent:
+    """What fibres and resins have in common.
+
+    Parameters
+    ----------
+    name : str
+    youngs_modulus : float
+        E in Pa; of a fibre, along it.
+    shear_modulus : float
+        G in Pa.
+    density : float
+        In kg/m^3.
+    poisson_ratio : float
+        Between 0 and 0.5.
+    thermal_expansion : float
+        In 1/K.
+    moisture_expansion : float
+        Strain per unit of moisture mass over dry mass.
+    specific_damping : float
+        Energy lost in a cycle over its largest; 0 where it is not known.
+    source : str
+        Where the numbers are from.
+    uncertainty : mapping of str to float
+        Of properties whose source prints one, by their names, in the same units.
+
+    Raises
+    ------
+    InputError
+        If a value is not a number or outside its range, or an uncertainty is of no property.
+    """
+
+    name: str
+    youngs_modulus: float
+    shear_modulus: float
+    density: float
+    poisson_ratio: float
+    thermal_expansion: float = 0.0
+    moisture_expansion: float = 0.0
+    specific_damping: float = 0.0
+    source: str = ""
+    uncertainty: Mapping[str, float] = field(default_factory=dict, hash=False)
+
+    def __post_init__(self) -> None:
+        for name in (*_POSITIVE, *_NOT_NEGATIVE):
+            value = getattr(self, name)
+            least = "positive" if name in _POSITIVE else "zero or positive"
+            if not np.isfinite(value) or value < 0 or (name in _POSITIVE and value == 0):
+                raise InputError(f"{name} of {self.name!r} must be {least}, got {value}")
+        if not np.isfinite(self.thermal_expansion):
+            raise InputError(
+                f"thermal_expansion of {self.name!r} must be a number, got {self.thermal_expansion}"
+            )
+        if not 0 <= self.poisson_ratio < 0.5:
+            raise InputError(
+                f"poisson_ratio of {self.name!r} must lie between 0 and 0.5, got "
+                f"{self.poisson_ratio}"
+            )
+        for name, value in self.uncertainty.items():
+            if not hasattr(self, name) or not (np.isfinite(value) and value >= 0):
+                raise InputError(
+                    f"uncertainty of {self.name!r}: {name} = {value} is no spread of a property"
+                )
+
+
+@dataclass(frozen=True)
+class Fibre(Constituent):
+    """A reinforcing fibre; transversely isotropic where its transverse moduli are given.
+
+    Parameters as for :class:`flexmech.materials.constituents.Constituent`.
+
+    Parameters
+    ----------
+    transverse_modulus, transverse_shear_modulus : float, optional
+        Across the fibre, in Pa; those along it where left out.
+    """
+
+    transverse_modulus: float | None = None
+    transverse_shear_modulus: float | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name in ("transverse_modulus", "transverse_shear_modulus"):
+            value = getattr(self, name)
+            if value is not None and not (np.isfinite(value) and value > 0):
+                raise InputError(f"{name} of {self.name!r} must be positive, got {value}")
+
+    @property
+    def modulus_across(self) -> float:
+        """Young's modulus across the fibre in Pa."""
+        return self.youngs_modulus if self.transverse_modulus is None else self.transverse_modulus
+
+    @property
+    def shear_modulus_across(self) -> float:
+        """Shear modulus in the fibre's cross-section in Pa."""
+        given = self.transverse_shear_modulus
+        return self.shear_modulus if given is None else given
+
+
+@dataclass(frozen=True)
+class Matrix(Constituent):
+    """A resin. Parameters as for :class:`flexmech.materials.constituents.Constituent`."""
+
+
+@lru_cache
+def published_constituents() -> dict[str, Fibre | Matrix]:
+    """Constituents that ship with the package, by name, each with its source.
+
+    ``E-glass``, ``carbon`` and ``polyester`` are Table 1 of Elamy et al. 2023 as printed, with
+    the printed uncertainties. The shear moduli printed there (2400, 1526.5 and 50.3 MPa) are
+    far below those of isotropic materials with the Young's moduli and Poisson's ratios beside
+    them (29, 83 and 0.90 GPa); rows whose names end in ``(isotropic shear)`` have the latter
+    and differ in nothing else.
+
+    Returns
+    -------
+    dict of str to Fibre or Matrix
+    """
+    table = resources.files("flexmech.materials").joinpath("data", "constituents.csv")
+    with table.open(encoding="utf-8") as stream:
+        lines = (line for line in stream if not line.startswith("#"))
+        rows = [_from_row(row) for row in csv.DictReader(lines)]
+    found = {row.name: row for row in rows}
+    for row in rows:
+        shear = row.youngs_modulus / (2 * (1 + row.poisson_ratio))
+        spread = {k: v for k, v in row.uncertainty.items() if k != "shear_modulus"}
+        name = f"{row.name} (isotropic shear)"
+        found[name] = replace(row, name=name, shear_modulus=shear, uncertainty=spread)
+    return found
+
+
+def _from_row(row: dict[str, str]) -> Fibre | Matrix:
+    units = {"youngs_modulus": 1e9, "shear_modulus": 1e6, "density": 1e3}
+    columns = {"youngs_modulus": "E_GPa", "shear_modulus": "G_MPa", "density": "density_g_cm3"}
+    spreads = {"youngs_modulus": "E_pm_GPa", "shear_modulus": "G_pm_MPa"}
+    spreads["density"] = "density_pm_g_cm3"
+    values = {name: float(row[column]) * units[name] for name, column in columns.items()}
+    uncertainty = {
+        name: float(row[column]) * units[name] for name, column in spreads.items() if row[column]
+    }
+    kind = Fibre if row["role"] == "fibre" else Matrix
+    return kind(
+        name=row["name"],
+        poisson_ratio=float(row["poisson"]),
+        source=row["source"],
+        uncertainty=uncertainty,
+        **values,
+    )
+
+
+def propagated_uncertainty(
+    function: Callable[..., float], constituents: Sequence[Fibre | Matrix]
+) -> float:
+    """Uncertainty of a number computed from constituents, to first order.
+
+    The printed uncertainties are taken as independent: the root of the sum of squares of
+    each one's effect, by central differences (JCGM 100:2008, eq. 10).
+
+    Parameters
+    ----------
+    function : callable
+        Of the constituents, in their order.
+    constituents : sequence of Fibre or Matrix
+
+    Returns
+    -------
+    float
+        In the units of the number.
+    """
+    total = 0.0
+    for place, constituent in enumerate(constituents):
+        for name, spread in constituent.uncertainty.items():
+            ends = []
+            for sign in (1.0, -1.0):
+                moved: list[Any] = list(constituents)
+                value = getattr(constituent, name) + sign * spread
+                moved[place] = replace(constituent, **{name: value})
+                ends.append(function(*moved))
+            total += ((ends[0] - ends[1]) / 2) ** 2
+    return float(np.sqrt(total))

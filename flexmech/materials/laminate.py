@@ -1,0 +1,193 @@
+"""Laminates: plies stacked through the thickness, and the integrals that theories need.
+
+Laminate axes: x along the link, z across it in the plane of the plies, y through the
+thickness from the mid-plane, first layer at the lowest y. In-plane strains are written in
+the order x, z, xz (the textbooks' 1, 2, 6), shear through the thickness in the order
+zy, xy (their 4, 5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import InputError
+from flexmech.materials.ply import Ply
+
+__all__ = ["Laminate", "Layer"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Layer:
+    """A ply in its place.
+
+    Parameters
+    ----------
+    ply : Ply
+    thickness : float
+        In m.
+    angle : float
+        Of the fibres against the link's axis in rad, about the thickness direction.
+
+    Raises
+    ------
+    InputError
+        If the thickness is not positive or the angle not a number.
+    """
+
+    ply: Ply
+    thickness: float
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.thickness) and self.thickness > 0):
+            raise InputError(f"thickness of a layer must be positive, got {self.thickness} m")
+        if not np.isfinite(self.angle):
+            raise InputError(f"angle of a layer must be a number, got {self.angle} rad")
+
+    @property
+    def transformed_stiffness(self) -> FloatArray:
+        """Plane-stress stiffness in laminate axes, (3, 3), in Pa.
+
+        Elamy et al. 2023, eqs. 25-26, corrected: D11 has 2 U12 + 4 U33, and the second
+        bracket of D13 is U12 - U22 + 2 U33.
+        """
+        turn = self.strain_turn
+        return np.asarray(turn.T @ self.ply.reduced_stiffness @ turn)
+
+    @property
+    def transformed_shear_stiffness(self) -> FloatArray:
+        """Stiffness against shear through the thickness in laminate axes, (2, 2), in Pa.
+
+        Elamy et al. 2023, eq. 26, corrected: D45 = (U44 - U55) c s with U44 = G13, U55 = G23.
+        """
+        cosine, sine = np.cos(self.angle), np.sin(self.angle)
+        turn = np.array([[cosine, -sine], [sine, cosine]])
+        return np.asarray(turn.T @ self.ply.transverse_shear_stiffness @ turn)
+
+    @property
+    def strain_turn(self) -> FloatArray:
+        """Strains in the ply's axes (1, 2, 12) from those in laminate axes, (3, 3).
+
+        Shear strains are engineering ones.
+        """
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return np.array(
+            [
+                [c**2, s**2, c * s],
+                [s**2, c**2, -c * s],
+                [-2 * c * s, 2 * c * s, c**2 - s**2],
+            ]
+        )
+
+
+@dataclass(frozen=True)
+class Laminate:
+    """Layers from the lowest to the highest, the mid-plane at y = 0.
+
+    Parameters
+    ----------
+    layers : tuple of Layer
+
+    Raises
+    ------
+    InputError
+        If there is no layer.
+    """
+
+    layers: tuple[Layer, ...]
+
+    def __post_init__(self) -> None:
+        if not self.layers:
+            raise InputError("a laminate needs one layer or more, got none")
+
+    @classmethod
+    def stacked(cls, plies: Sequence[Ply], thickness: float, angles: Sequence[float]) -> Self:
+        """Laminate of equally thick layers.
+
+        Parameters
+        ----------
+        plies : sequence of Ply
+        thickness : float
+            Of each layer in m.
+        angles : sequence of float
+            In rad, one a ply.
+
+        Returns
+        -------
+        Laminate
+        """
+        pairs = zip(plies, angles, strict=True)
+        return cls(tuple(Layer(ply, thickness, angle) for ply, angle in pairs))
+
+    @property
+    def thickness(self) -> float:
+        """Of all layers together in m."""
+        return float(sum(layer.thickness for layer in self.layers))
+
+    @property
+    def boundaries(self) -> FloatArray:
+        """Faces of the layers in m, from -h/2 to h/2, shape (N + 1,)."""
+        half = self.thickness / 2
+        upper = np.cumsum([layer.thickness for layer in self.layers])
+        faces = np.concatenate([[-half], upper - half])
+        faces[-1] = half
+        return faces
+
+    @property
+    def transformed_stiffness(self) -> FloatArray:
+        """Plane-stress stiffness of each layer in laminate axes, (N, 3, 3), in Pa."""
+        return np.stack([layer.transformed_stiffness for layer in self.layers])
+
+    @property
+    def transformed_shear_stiffness(self) -> FloatArray:
+        """Stiffness of each layer against shear through the thickness, (N, 2, 2), in Pa."""
+        return np.stack([layer.transformed_shear_stiffness for layer in self.layers])
+
+    def stiffness_moment(self, order: int) -> FloatArray:
+        """Integral of the plane-stress stiffness times ``y**order`` through the thickness.
+
+        Orders 0, 1, 2, 3, 4 and 6 are A, B, D, E, F and H (Elamy et al. 2023, eqs. 29, 31;
+        Reddy, *Mechanics of Laminated Composite Plates and Shells*, eq. 11.2.11).
+
+        Parameters
+        ----------
+        order : int
+
+        Returns
+        -------
+        ndarray, shape (3, 3)
+            In N/m times m to the order.
+        """
+        return np.asarray(np.tensordot(self._weights(order), self.transformed_stiffness, axes=1))
+
+    def shear_moment(self, order: int) -> FloatArray:
+        """Integral of the shear stiffness times ``y**order``: orders 0, 2 and 4 (eq. 29).
+
+        Parameters
+        ----------
+        order : int
+
+        Returns
+        -------
+        ndarray, shape (2, 2)
+            In N/m times m to the order.
+        """
+        return np.asarray(
+            np.tensordot(self._weights(order), self.transformed_shear_stiffness, axes=1)
+        )
+
+    def mass_moment(self, order: int) -> float:
+        """Integral of the density times ``y**order`` in kg/m^2 times m to the order."""
+        density = np.array([layer.ply.density for layer in self.layers])
+        return float(self._weights(order) @ density)
+
+    def _weights(self, order: int) -> FloatArray:
+        """Integral of ``y**order`` over each layer, (N,)."""
+        return np.asarray(np.diff(self.boundaries ** (order + 1)) / (order + 1))

@@ -1,0 +1,234 @@
+"""From fibre and resin to a ply: rule of mixtures, Halpin-Tsai, Chamis; woven plies.
+
+Each modulus P of the ply is a function of the fibre's and the resin's. Three rules differ in
+that function across the fibres and in shear; along the fibres all take the rule of mixtures.
+The loss in a cycle follows by the correspondence principle: the constituent whose modulus
+changes ``log P`` by its share of the strain energy loses in that share (Hashin 1970).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Literal, TypeVar
+
+import numpy as np
+
+from flexmech.errors import InputError
+from flexmech.materials.constituents import Fibre, Matrix
+from flexmech.materials.ply import Ply, PlyDamping
+
+__all__ = ["PACKING_LIMIT", "RULES", "Rule", "ply_from_constituents", "woven_ply"]
+
+Rule = Literal["chamis", "halpin-tsai", "rule-of-mixtures"]
+RULES: tuple[Rule, ...] = ("chamis", "halpin-tsai", "rule-of-mixtures")
+# Round fibres in hexagonal array that touch.
+PACKING_LIMIT = float(np.pi / (2 * np.sqrt(3)))
+
+Number = TypeVar("Number", float, complex)
+# Modulus of the ply from that of fibre and resin and the fibre volume fraction.
+Mixing = Callable[[complex, complex, float], complex]
+
+
+def ply_from_constituents(
+    fibre: Fibre,
+    matrix: Matrix,
+    fibre_volume_fraction: float,
+    rule: Rule = "chamis",
+) -> Ply:
+    """Unidirectional ply.
+
+    Along the fibres, and for Poisson's ratio and density, the rule of mixtures (Jones,
+    *Mechanics of Composite Materials*, 2nd ed., sec. 3.2). Across them and in shear:
+
+    ``rule-of-mixtures``
+        Flexibilities add (Jones, eqs. 3.13 and 3.27).
+    ``halpin-tsai``
+        Halpin & Kardos 1976, with the factor 2 for E2, 1 for G12 and G13, and
+        ``1 / (4 - 3 nu_m)`` for G23.
+    ``chamis``
+        NASA TM-83320 (1983): resin in series with fibres as wide as the root of their share.
+
+    Expansion by Schapery (1968), with Singh & Sanyal 2022, eq. 8, corrected; the moisture
+    expansion is per unit of moisture in the resin.
+
+    Parameters
+    ----------
+    fibre : Fibre
+    matrix : Matrix
+    fibre_volume_fraction : float
+        Above 0, up to that of touching round fibres (0.9069).
+    rule : {"chamis", "halpin-tsai", "rule-of-mixtures"}
+
+    Returns
+    -------
+    Ply
+
+    Raises
+    ------
+    InputError
+        If the volume fraction is out of bounds or the rule unknown.
+    """
+    share = _checked_fraction(fibre_volume_fraction)
+    if rule not in RULES:
+        raise InputError(f"rule must be one of {', '.join(RULES)}, got {rule!r}")
+    across, shear, shear_across = _mixings(rule, matrix.poisson_ratio)
+    young = (fibre.youngs_modulus, matrix.youngs_modulus)
+    young_across = (fibre.modulus_across, matrix.youngs_modulus)
+    shears = (fibre.shear_modulus, matrix.shear_modulus)
+    shears_across = (fibre.shear_modulus_across, matrix.shear_modulus)
+    poisson_ratio = _parallel(fibre.poisson_ratio, matrix.poisson_ratio, share)
+    in_plane = _modulus(shear, shears, share)
+    losses = (fibre.specific_damping, matrix.specific_damping)
+    return Ply(
+        longitudinal_modulus=_modulus(_parallel, young, share),
+        transverse_modulus=_modulus(across, young_across, share),
+        in_plane_shear_modulus=in_plane,
+        longitudinal_shear_modulus=in_plane,
+        transverse_shear_modulus=_modulus(shear_across, shears_across, share),
+        poisson_ratio=poisson_ratio,
+        density=_parallel(fibre.density, matrix.density, share),
+        specific_damping=PlyDamping(
+            longitudinal=_loss(_parallel, young, share, losses),
+            transverse=_loss(across, young_across, share, losses),
+            shear=_loss(shear, shears, share, losses),
+        ),
+        thermal_expansion=_expansion(
+            fibre, matrix, share, (fibre.thermal_expansion, matrix.thermal_expansion)
+        ),
+        moisture_expansion=_expansion(
+            fibre, matrix, share, (fibre.moisture_expansion, matrix.moisture_expansion)
+        ),
+        name=f"{fibre.name}/{matrix.name}",
+    )
+
+
+def woven_ply(unidirectional: Ply) -> Ply:
+    """Balanced fabric as crimp-free crossed layers, half of the fibres each way.
+
+    Two layers at 0 and 90 degrees that stretch alike (Naik & Shembekar 1992, without
+    undulation): the crimp of a real fabric makes it softer along its yarns. The ply is
+    homogeneous through its thickness; that the two halves do not lie on each other in a
+    real stack is part of the idea.
+
+    Parameters
+    ----------
+    unidirectional : Ply
+        With the fabric's fibre volume fraction.
+
+    Returns
+    -------
+    Ply
+        Equal along and across.
+    """
+    stiffness = unidirectional.reduced_stiffness
+    direct = (stiffness[0, 0] + stiffness[1, 1]) / 2
+    cross = stiffness[0, 1]
+    poisson_ratio = float(cross / direct)
+    modulus = float(direct - cross * poisson_ratio)
+    through = (
+        unidirectional.longitudinal_shear_modulus + unidirectional.transverse_shear_modulus
+    ) / 2
+    # Both halves under a stress along the warp: strains 1 and -nu.
+    strain = np.array([1.0, -poisson_ratio, 0.0])
+    energy = np.zeros(3)
+    for half in (strain, strain[[1, 0, 2]]):
+        energy += half * (stiffness @ half)
+    loss = unidirectional.specific_damping
+    stretched = float((energy[0] * loss.longitudinal + energy[1] * loss.transverse) / energy.sum())
+
+    def expanded(own: tuple[float, float]) -> tuple[float, float]:
+        pull = (stiffness[:2, :2] @ np.array(own)).mean()
+        both = float(pull / (direct + cross))
+        return both, both
+
+    return replace(
+        unidirectional,
+        longitudinal_modulus=modulus,
+        transverse_modulus=modulus,
+        poisson_ratio=poisson_ratio,
+        longitudinal_shear_modulus=through,
+        transverse_shear_modulus=through,
+        specific_damping=PlyDamping(stretched, stretched, loss.shear),
+        thermal_expansion=expanded(unidirectional.thermal_expansion),
+        moisture_expansion=expanded(unidirectional.moisture_expansion),
+        name=f"woven {unidirectional.name}".strip(),
+    )
+
+
+def _checked_fraction(value: float) -> float:
+    if not 0 < value <= PACKING_LIMIT:
+        raise InputError(
+            f"fibre_volume_fraction must lie above 0 and not above {PACKING_LIMIT:.4f}, where "
+            f"round fibres touch; got {value}"
+        )
+    return value
+
+
+def _parallel(fibre: Number, matrix: Number, share: float) -> Number:
+    return share * fibre + (1 - share) * matrix
+
+
+def _series(fibre: complex, matrix: complex, share: float) -> complex:
+    return 1 / (share / fibre + (1 - share) / matrix)
+
+
+def _square_packed(fibre: complex, matrix: complex, share: float) -> complex:
+    """Chamis: resin in series with a fibre strip as wide as the root of its share."""
+    return matrix / (1 - np.sqrt(share) * (1 - matrix / fibre))
+
+
+def _halpin_tsai(factor: float) -> Mixing:
+    def mixing(fibre: complex, matrix: complex, share: float) -> complex:
+        ratio = fibre / matrix
+        eta = (ratio - 1) / (ratio + factor)
+        return matrix * (1 + factor * eta * share) / (1 - eta * share)
+
+    return mixing
+
+
+def _mixings(rule: Rule, matrix_poisson_ratio: float) -> tuple[Mixing, Mixing, Mixing]:
+    """Mixing of E2, of G12 and G13, and of G23."""
+    if rule == "halpin-tsai":
+        return (
+            _halpin_tsai(2.0),
+            _halpin_tsai(1.0),
+            _halpin_tsai(1 / (4 - 3 * matrix_poisson_ratio)),
+        )
+    mixing = _square_packed if rule == "chamis" else _series
+    return mixing, mixing, mixing
+
+
+def _modulus(mixing: Mixing, moduli: tuple[float, float], share: float) -> float:
+    return float(np.real(mixing(*moduli, share)))
+
+
+def _loss(
+    mixing: Mixing, moduli: tuple[float, float], share: float, losses: tuple[float, float]
+) -> float:
+    """Specific damping capacity: those of fibre and resin, weighted by their strain energy.
+
+    The share of a constituent is ``d log P / d log P_c``, here by a complex step.
+    """
+    step, total = 1e-30, 0.0
+    whole = _modulus(mixing, moduli, share)
+    for place, loss in enumerate(losses):
+        stepped: list[complex] = list(moduli)
+        stepped[place] *= 1 + 1j * step
+        total += loss * float(np.imag(mixing(*stepped, share))) / step / whole
+    return total
+
+
+def _expansion(
+    fibre: Fibre, matrix: Matrix, share: float, free: tuple[float, float]
+) -> tuple[float, float]:
+    """Along and across the fibres, from the free expansion of fibre and resin (Schapery)."""
+    stiffness = (fibre.youngs_modulus * share, matrix.youngs_modulus * (1 - share))
+    along = (stiffness[0] * free[0] + stiffness[1] * free[1]) / sum(stiffness)
+    poisson_ratio = _parallel(fibre.poisson_ratio, matrix.poisson_ratio, share)
+    across = (
+        share * free[0] * (1 + fibre.poisson_ratio)
+        + (1 - share) * free[1] * (1 + matrix.poisson_ratio)
+        - along * poisson_ratio
+    )
+    return along, across

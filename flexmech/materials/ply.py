@@ -1,0 +1,140 @@
+"""One ply of a laminate: orthotropic, in plane stress."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import InputError
+from flexmech.materials.material import Material
+
+__all__ = ["Ply", "PlyDamping"]
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PlyDamping:
+    """Specific damping capacity of a ply by direction: energy lost in a cycle over its largest.
+
+    Parameters
+    ----------
+    longitudinal, transverse, shear : float
+        Of stress along the fibres, across them, and of shear.
+
+    Raises
+    ------
+    InputError
+        If a value is negative or not a number.
+    """
+
+    longitudinal: float = 0.0
+    transverse: float = 0.0
+    shear: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (np.isfinite(value) and value >= 0):
+                raise InputError(
+                    f"{field.name} specific damping must be zero or positive, got {value}"
+                )
+
+    @property
+    def any(self) -> bool:
+        """Whether anything is lost."""
+        return self.longitudinal > 0 or self.transverse > 0 or self.shear > 0
+
+
+@dataclass(frozen=True)
+class Ply:
+    """Orthotropic ply; direction 1 along the fibres, 2 across them in its plane, 3 normal.
+
+    Parameters
+    ----------
+    longitudinal_modulus, transverse_modulus : float
+        E1 and E2 in Pa.
+    in_plane_shear_modulus : float
+        G12 in Pa.
+    longitudinal_shear_modulus, transverse_shear_modulus : float
+        G13 and G23 in Pa.
+    poisson_ratio : float
+        nu12: contraction across over stretch along the fibres.
+    density : float
+        In kg/m^3.
+    specific_damping : PlyDamping
+    thermal_expansion : tuple of float
+        Along and across the fibres in 1/K.
+    moisture_expansion : tuple of float
+        Along and across the fibres, strain per unit of moisture mass over dry mass.
+    name : str
+
+    Raises
+    ------
+    InputError
+        If a modulus or the density is not positive, or Poisson's ratio lets a stress do
+        negative work.
+    """
+
+    longitudinal_modulus: float
+    transverse_modulus: float
+    in_plane_shear_modulus: float
+    longitudinal_shear_modulus: float
+    transverse_shear_modulus: float
+    poisson_ratio: float
+    density: float
+    specific_damping: PlyDamping = PlyDamping()
+    thermal_expansion: tuple[float, float] = (0.0, 0.0)
+    moisture_expansion: tuple[float, float] = (0.0, 0.0)
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        for name in (
+            "longitudinal_modulus",
+            "transverse_modulus",
+            "in_plane_shear_modulus",
+            "longitudinal_shear_modulus",
+            "transverse_shear_modulus",
+            "density",
+        ):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0):
+                raise InputError(f"{name} of a ply must be positive, got {value}")
+        bound = float(np.sqrt(self.longitudinal_modulus / self.transverse_modulus))
+        if not abs(self.poisson_ratio) < bound:
+            raise InputError(
+                f"poisson_ratio of a ply must lie between -{bound:.6g} and {bound:.6g} "
+                "(the root of E1 / E2), or some stress would do negative work; got "
+                f"{self.poisson_ratio}"
+            )
+
+    @classmethod
+    def isotropic(cls, material: Material) -> Self:
+        """The ply of an isotropic material."""
+        modulus, shear = material.youngs_modulus, material.shear_modulus
+        return cls(modulus, modulus, shear, shear, shear, material.poisson_ratio, material.density)
+
+    @property
+    def reduced_stiffness(self) -> FloatArray:
+        """Plane-stress stiffness by strains along, across and shear, (3, 3), in Pa.
+
+        Elamy et al. 2023, eqs. 23-24; Jones, *Mechanics of Composite Materials*, eq. 2.66.
+        """
+        along, across = self.longitudinal_modulus, self.transverse_modulus
+        nu = self.poisson_ratio
+        rest = 1 - nu**2 * across / along
+        return np.array(
+            [
+                [along / rest, nu * across / rest, 0.0],
+                [nu * across / rest, across / rest, 0.0],
+                [0.0, 0.0, self.in_plane_shear_modulus],
+            ]
+        )
+
+    @property
+    def transverse_shear_stiffness(self) -> FloatArray:
+        """Stiffness against shear through the thickness, (2, 2), in Pa: planes 23, then 13."""
+        return np.diag([self.transverse_shear_modulus, self.longitudinal_shear_modulus])
