@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ACCELERATION",
+    "ANGLE",
     "ANGULAR_SPEED",
     "BENDING_STIFFNESS",
     "DENSITY",
@@ -92,6 +93,7 @@ LENGTH = Dimension("a length", "m", ("279.4 mm", "0.2794 m", "28 cm", "11 inch")
 MASS = Dimension("a mass", "kg", ("25 g", "0.025 kg", "1 lb"))
 TIME = Dimension("a time", "s", ("2e-5 s", "20 µs", "0.02 ms"))
 FREQUENCY = Dimension("a frequency", "Hz", ("50 Hz", "1.2 kHz"))
+ANGLE = Dimension("an angle", "rad", ("45 deg", "0.785 rad"))
 ANGULAR_SPEED = Dimension("an angular speed", "rad/s", ("20 rad/s", "300 rpm", "5 rps", "90 deg/s"))
 ACCELERATION = Dimension("an acceleration", "m/s^2", ("-9.81 m/s^2", "0 m/s^2"))
 STRESS = Dimension("a stress", "Pa", ("68.9 GPa", "200000 MPa", "2e11 Pa", "1e7 psi"))

@@ -61,6 +61,7 @@ class LinkageKind(StrEnum):
     """Kinds of model files that ``flexmech new`` writes."""
 
     four_bar = "four-bar"
+    composite_four_bar = "composite-four-bar"
     rotating_arm = "rotating-arm"
 
 

@@ -136,8 +136,10 @@ def _reduce(
 ) -> ReducedLink:
     bending = held.bending[:, held.bending_frequency <= bending_cutoff]
     n_axial = int(np.sum(held.axial_frequency <= axial_cutoff))
-    dynamic = np.concatenate([bending, held.axial[:, :n_axial]], axis=1)
-    mass = held.link.mass
+    mass, axial = held.link.mass, held.axial[:, :n_axial]
+    if (bending.T @ mass @ axial).any():
+        axial = _complement(axial, bending, mass)
+    dynamic = np.concatenate([bending, axial], axis=1)
     relief = np.concatenate([held.bending_relief, held.axial_relief], axis=1)
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=1)
     candidates = held.axial[:, n_axial : max(n_axial, condensed_modes)]

@@ -175,7 +175,7 @@ def _series(fibre: complex, matrix: complex, share: float) -> complex:
 
 def _square_packed(fibre: complex, matrix: complex, share: float) -> complex:
     """Chamis: resin in series with a fibre strip as wide as the root of its share."""
-    return matrix / (1 - np.sqrt(share) * (1 - matrix / fibre))
+    return matrix / (1 - float(np.sqrt(share)) * (1 - matrix / fibre))
 
 
 def _halpin_tsai(factor: float) -> Mixing:
@@ -200,7 +200,7 @@ def _mixings(rule: Rule, matrix_poisson_ratio: float) -> tuple[Mixing, Mixing, M
 
 
 def _modulus(mixing: Mixing, moduli: tuple[float, float], share: float) -> float:
-    return float(np.real(mixing(*moduli, share)))
+    return complex(mixing(moduli[0], moduli[1], share)).real
 
 
 def _loss(
@@ -215,7 +215,7 @@ def _loss(
     for place, loss in enumerate(losses):
         stepped: list[complex] = list(moduli)
         stepped[place] *= 1 + 1j * step
-        total += loss * float(np.imag(mixing(*stepped, share))) / step / whole
+        total += loss * mixing(stepped[0], stepped[1], share).imag / step / whole
     return total
 
 

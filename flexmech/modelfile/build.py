@@ -6,20 +6,22 @@ from collections.abc import Mapping
 
 from flexmech.errors import InputError
 from flexmech.linkages import FourBar, Linkage, RotatingArm
-from flexmech.materials import Material
+from flexmech.materials import Laminate, Material
 from flexmech.mechanism import Mechanism, PointMass, Provenance
-from flexmech.modelfile.messages import located
+from flexmech.modelfile.laminate_tables import LaminateLinkTable
+from flexmech.modelfile.laminates import build_laminates
+from flexmech.modelfile.messages import known_name, located
+from flexmech.modelfile.table import DampedTable, suggestion
 from flexmech.modelfile.tables import (
-    DampedTable,
     FourBarTable,
     GeneralLinkTable,
+    LinkTable,
     MaterialTable,
     ModelFile,
     RectangleLinkTable,
     RotatingArmTable,
-    suggestion,
 )
-from flexmech.sections import BeamSection
+from flexmech.sections import BeamSection, LaminateSection
 
 __all__ = ["build_mechanism"]
 
@@ -56,11 +58,13 @@ def build_mechanism(tables: ModelFile, shown: str, file: str, sha256: str) -> Me
                 f"{shown}: links.{link.name}: is missing; add a table [links.{link.name}] with "
                 "its section"
             )
+    laminates = build_laminates(tables, shown)
     sections = {}
     for name in topology.link_names:
-        _check_material(shown, name, tables.links[name], tables.materials)
+        table = tables.links[name]
+        _check_material(shown, name, table, tables)
         with located(shown, f"links.{name}"):
-            sections[name] = _section(tables.links[name], tables.materials)
+            sections[name] = _section(table, tables.materials, laminates)
     return Mechanism(
         linkage=linkage,
         sections=sections,
@@ -93,22 +97,15 @@ def _check_names(shown: str, table: str, given: list[str], known: list[str]) -> 
             )
 
 
-def _check_material(
-    shown: str,
-    link: str,
-    table: RectangleLinkTable | GeneralLinkTable,
-    materials: Mapping[str, MaterialTable],
-) -> None:
-    if isinstance(table, RectangleLinkTable) and table.material not in materials:
-        remedy = suggestion(table.material, list(materials)) if materials else "add it"
-        raise InputError(
-            f"{shown}: links.{link}.material: there is no table [materials.{table.material}]; "
-            f"{remedy}"
-        )
+def _check_material(shown: str, link: str, table: LinkTable, tables: ModelFile) -> None:
+    if isinstance(table, RectangleLinkTable):
+        known_name(f"{shown}: links.{link}.material", "materials", table.material, tables.materials)
+    elif isinstance(table, LaminateLinkTable):
+        known_name(f"{shown}: links.{link}.laminate", "laminates", table.laminate, tables.laminates)
 
 
 def _section(
-    table: RectangleLinkTable | GeneralLinkTable, materials: Mapping[str, MaterialTable]
+    table: LinkTable, materials: Mapping[str, MaterialTable], laminates: Mapping[str, Laminate]
 ) -> BeamSection:
     if isinstance(table, GeneralLinkTable):
         section = BeamSection(
@@ -119,6 +116,14 @@ def _section(
             rotary_inertia=table.rotary_inertia,
             in_plane_thickness=table.in_plane_thickness,
         )
+        return _with_damping(section, table)
+    if isinstance(table, LaminateLinkTable):
+        layers = LaminateSection(
+            laminates[table.laminate], table.out_of_plane_width, table.reduction
+        )
+        section = BeamSection.of_laminate(layers)
+        if table.damping_frequency is not None and table.damping_ratio is None:
+            return section.with_damping_frequency(table.damping_frequency)
         return _with_damping(section, table)
     stated = materials[table.material]
     material = Material(stated.youngs_modulus, stated.density, stated.poisson_ratio)

@@ -12,9 +12,10 @@ from pydantic_core import ErrorDetails
 
 from flexmech.errors import InputError
 from flexmech.modelfile.quantities import QuantityField
-from flexmech.modelfile.tables import ModelFile, suggestion
+from flexmech.modelfile.table import suggestion
+from flexmech.modelfile.tables import ModelFile
 
-__all__ = ["input_error", "located"]
+__all__ = ["input_error", "known_name", "located"]
 
 _WANTED_TYPES = {
     "string_type": "text in quotes",
@@ -38,6 +39,29 @@ def located(file: str, key: str) -> Iterator[None]:
         raise InputError(
             f"{file}: {key}: a value here is too large to compute with; check the units"
         ) from error
+
+
+def known_name(place: str, table: str, got: str, known: Mapping[str, Any]) -> None:
+    """Refuse a name that no table has.
+
+    Parameters
+    ----------
+    place : str
+        File and dotted key for the message.
+    table : str
+        Name of the table of tables, such as ``materials``.
+    got : str
+    known : mapping
+        By the names that there are.
+
+    Raises
+    ------
+    InputError
+        Names the nearest one.
+    """
+    if got not in known:
+        remedy = suggestion(got, list(known)) if known else "add it"
+        raise InputError(f"{place}: there is no table [{table}.{got}]; {remedy}")
 
 
 def input_error(error: ValidationError, data: Mapping[str, Any], file: str) -> InputError:
@@ -64,11 +88,15 @@ def _dotted_key(finding: ErrorDetails, data: Mapping[str, Any]) -> str:
     """Key as written in the file; pydantic also puts the tags of unions into its path."""
     key = ""
     place: Any = data
+    tagged = False
     for step in finding["loc"]:
         if isinstance(step, int):
             key += f"[{step}]"
             place = place[step] if isinstance(place, list) and step < len(place) else None
+        elif not tagged and isinstance(place, Mapping) and step in _tags(place):
+            tagged = True  # such as "laminate" of section = "laminate", which is a key as well
         elif isinstance(place, Mapping) and step in place:
+            tagged = False
             key += f".{step}"
             place = place[step]
         elif finding["type"] == "missing" and step == finding["loc"][-1]:
@@ -78,6 +106,10 @@ def _dotted_key(finding: ErrorDetails, data: Mapping[str, Any]) -> str:
     elif finding["type"] == "unknown_key":
         key += f".{finding['ctx']['key']}"
     return key.removeprefix(".")
+
+
+def _tags(table: Mapping[str, Any]) -> list[Any]:
+    return [table.get(name) for name in ("kind", "section", "type")]
 
 
 def _tag_name(finding: ErrorDetails) -> str:
@@ -127,8 +159,13 @@ def _examples() -> dict[str, str]:
         "name": '"my mechanism"',
         "source": '"drawing 12-345"',
         "kind": '"four-bar" or "rotating-arm"',
-        "section": '"rectangle" or "general"',
+        "section": '"rectangle", "laminate" or "general"',
         "material": '"steel"',
+        "type": '"constituents", "orthotropic" or "isotropic"',
+        "fibre": '"carbon"',
+        "matrix": '"polyester"',
+        "laminate": '"hybrid"',
+        "stacking": '"[C/G/C]"',
     }
     for table in _tables(ModelFile):
         for name, field in table.model_fields.items():

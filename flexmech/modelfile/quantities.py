@@ -14,6 +14,7 @@ from flexmech.units import Dimension, parse_quantity
 
 __all__ = [
     "Acceleration",
+    "Angle",
     "AngularSpeed",
     "BendingStiffness",
     "DampingRatio",
@@ -26,7 +27,9 @@ __all__ = [
     "MassPerLength",
     "PoissonRatio",
     "QuantityField",
+    "Ratio",
     "RotaryInertia",
+    "SpecificDamping",
     "Stress",
     "TimeOrZero",
 ]
@@ -117,4 +120,7 @@ BendingStiffness = Annotated[float, QuantityField(units.BENDING_STIFFNESS, above
 MassPerLength = Annotated[float, QuantityField(units.MASS_PER_LENGTH, above=0.0)]
 RotaryInertia = Annotated[float, QuantityField(units.ROTARY_INERTIA, above=0.0)]
 PoissonRatio = Annotated[float, QuantityField(units.RATIO, above=-1.0, below=0.5)]
+Ratio = Annotated[float, QuantityField(units.RATIO)]
+SpecificDamping = Annotated[float, QuantityField(units.RATIO, least=0.0)]
+Angle = Annotated[float, QuantityField(units.ANGLE)]
 DampingRatio = Annotated[float, QuantityField(units.RATIO, least=0.0, below=1.0)]

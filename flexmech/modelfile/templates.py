@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from flexmech.errors import InputError
-from flexmech.modelfile.tables import suggestion
+from flexmech.modelfile.table import suggestion
 
 __all__ = ["KINDS", "template"]
 
@@ -123,8 +123,84 @@ crank_speeds = ["10 rad/s", "300 rpm"]
 """
 )
 
+_COMPOSITE_FOUR_BAR = """
+[linkage]
+kind = "four-bar"      # ground pivots O2 and O4, crank O2-A, coupler A-B, rocker O4-B
+ground = "254 mm"
+crank = "100 mm"
+coupler = "280 mm"
+rocker = "265 mm"
+
+# Plies by their constituents. Published ones: E-glass, carbon, polyester (Elamy et al. 2023).
+[fibres.T300]
+youngs_modulus = "230 GPa"
+transverse_modulus = "15 GPa"
+shear_modulus = "15 GPa"
+transverse_shear_modulus = "7 GPa"
+density = "1760 kg/m^3"
+poisson_ratio = 0.2
+
+[matrices.epoxy]
+youngs_modulus = "4.0 GPa"
+shear_modulus = "1.48 GPa"
+density = "1260 kg/m^3"
+poisson_ratio = 0.35
+specific_damping = "8 %"         # energy lost in a cycle over its largest
+
+[plies.C]
+type = "constituents"
+fibre = "T300"
+matrix = "epoxy"
+fibre_volume_fraction = "60 %"
+rule = "chamis"                  # or "halpin-tsai", "rule-of-mixtures"
+weave = "unidirectional"         # or "woven"
+thickness = "0.5 mm"
+
+# Or by measured constants:
+[plies.G]
+type = "orthotropic"
+longitudinal_modulus = "37.8 GPa"
+transverse_modulus = "10.9 GPa"
+in_plane_shear_modulus = "4.9 GPa"
+poisson_ratio = 0.29
+density = "1814 kg/m^3"
+longitudinal_damping = "0.87 %"
+transverse_damping = "5.05 %"
+shear_damping = "6.91 %"
+thickness = "0.5 mm"
+
+# Layers lie in the plane of the linkage, the first one at the lowest y of the link's frame
+# (to the right when looking from the link's first joint to its second). After @ stands the
+# angle of the fibres to the link's axis in degrees, after * how often the layer is repeated;
+# a final s mirrors the stack.
+[laminates.skin_and_core]
+stacking = "[C@0*2/C@45/C@-45/G*2]s"
+# ply_thickness = "0.5 mm"       # instead of that of the plies
+
+[links.crank]
+section = "laminate"
+laminate = "skin_and_core"
+out_of_plane_width = "25 mm"     # along the joint axes
+reduction = "narrow"             # "wide": held from contracting along the joint axes
+# damping_frequency = "50 Hz"    # runs in time take the plies' specific damping at this frequency
+
+[links.coupler]
+section = "laminate"
+laminate = "skin_and_core"
+out_of_plane_width = "25 mm"
+
+[links.rocker]
+section = "laminate"
+laminate = "skin_and_core"
+out_of_plane_width = "25 mm"
+
+[operation]
+crank_speeds = ["10 rad/s", "300 rpm"]
+"""
+
 _TEMPLATES = {
     "four-bar": _HEAD.format(name="my four-bar") + _FOUR_BAR,
+    "composite-four-bar": _HEAD.format(name="my composite four-bar") + _COMPOSITE_FOUR_BAR,
     "rotating-arm": _HEAD.format(name="my rotating arm") + _ROTATING_ARM,
 }
 

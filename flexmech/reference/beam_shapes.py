@@ -285,7 +285,7 @@ class Reddy(BeamShapes):
                 [0.0, 0.0, cubic**2 * moment[6]],
             ]
         )
-        return upper + np.triu(upper, 1).T
+        return np.asarray(upper + np.triu(upper, 1).T)
 
     def arms(self, section: BeamSection) -> tuple[float, ...]:
         """See :class:`BeamShapes`: part of the arm turns with the slope of the axis."""

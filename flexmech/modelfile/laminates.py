@@ -1,0 +1,218 @@
+"""From the tables of fibres, plies and laminates to laminates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from flexmech.errors import InputError
+from flexmech.materials import (
+    Fibre,
+    Laminate,
+    Layer,
+    Material,
+    Matrix,
+    Ply,
+    PlyDamping,
+    ply_from_constituents,
+    published_constituents,
+    woven_ply,
+)
+from flexmech.modelfile.laminate_tables import (
+    ConstituentPlyTable,
+    ConstituentTable,
+    IsotropicPlyTable,
+    LaminateTable,
+    OrthotropicPlyTable,
+    PlyTable,
+)
+from flexmech.modelfile.messages import known_name, located
+from flexmech.modelfile.stacking import parse_stacking
+from flexmech.modelfile.table import suggestion
+from flexmech.modelfile.tables import MaterialTable, ModelFile
+
+__all__ = ["build_laminates"]
+
+
+def build_laminates(tables: ModelFile, shown: str) -> dict[str, Laminate]:
+    """Laminates of a model file, by name.
+
+    Parameters
+    ----------
+    tables : ModelFile
+    shown : str
+        What messages call the file.
+
+    Returns
+    -------
+    dict of str to Laminate
+
+    Raises
+    ------
+    InputError
+        If a constituent, ply or material is unknown, a stack is malformed, thicknesses or
+        angles do not fit it, or a ply cannot be; names the dotted key.
+    """
+    fibres, matrices = _constituents(tables, shown)
+    plies = {}
+    for name, table in tables.plies.items():
+        _check_names(shown, name, table, fibres, matrices, tables.materials)
+        with located(shown, f"plies.{name}"):
+            plies[name] = _ply(name, table, fibres, matrices, tables.materials)
+    laminates = {}
+    for name, laminate in tables.laminates.items():
+        with located(shown, f"laminates.{name}"):
+            laminates[name] = _laminate(laminate, plies, tables.plies)
+    return laminates
+
+
+def _constituents(tables: ModelFile, shown: str) -> tuple[dict[str, Fibre], dict[str, Matrix]]:
+    published = published_constituents()
+    fibres = {name: c for name, c in published.items() if isinstance(c, Fibre)}
+    matrices = {name: c for name, c in published.items() if isinstance(c, Matrix)}
+    for name, fibre in tables.fibres.items():
+        with located(shown, f"fibres.{name}"):
+            fibres[name] = Fibre(
+                **_common(name, fibre),
+                transverse_modulus=fibre.transverse_modulus,
+                transverse_shear_modulus=fibre.transverse_shear_modulus,
+            )
+    for name, matrix in tables.matrices.items():
+        with located(shown, f"matrices.{name}"):
+            matrices[name] = Matrix(**_common(name, matrix))
+    return fibres, matrices
+
+
+def _common(name: str, table: ConstituentTable) -> dict[str, Any]:
+    return {
+        "name": name,
+        "youngs_modulus": table.youngs_modulus,
+        "shear_modulus": table.shear_modulus,
+        "density": table.density,
+        "poisson_ratio": table.poisson_ratio,
+        "specific_damping": table.specific_damping,
+    }
+
+
+def _check_names(
+    shown: str,
+    name: str,
+    table: PlyTable,
+    fibres: Mapping[str, Fibre],
+    matrices: Mapping[str, Matrix],
+    materials: Mapping[str, MaterialTable],
+) -> None:
+    place = f"{shown}: plies.{name}"
+    if isinstance(table, IsotropicPlyTable):
+        known_name(f"{place}.material", "materials", table.material, materials)
+    elif isinstance(table, ConstituentPlyTable):
+        for key, got, known in (
+            ("fibre", table.fibre, list(fibres)),
+            ("matrix", table.matrix, list(matrices)),
+        ):
+            if got not in known:
+                plural = "fibres" if key == "fibre" else "matrices"
+                raise InputError(
+                    f"{place}.{key}: there is no {key} {got!r}; {suggestion(got, known)}, or add "
+                    f"a table [{plural}.{got}]"
+                )
+
+
+def _ply(
+    name: str,
+    table: PlyTable,
+    fibres: Mapping[str, Fibre],
+    matrices: Mapping[str, Matrix],
+    materials: Mapping[str, MaterialTable],
+) -> Ply:
+    if isinstance(table, IsotropicPlyTable):
+        stated = materials[table.material]
+        ply = Ply.isotropic(Material(stated.youngs_modulus, stated.density, stated.poisson_ratio))
+        return _named(ply, name)
+    if isinstance(table, OrthotropicPlyTable):
+        ply = _orthotropic(table)
+    else:
+        ply = ply_from_constituents(
+            fibres[table.fibre], matrices[table.matrix], table.fibre_volume_fraction, table.rule
+        )
+    return _named(woven_ply(ply) if table.weave == "woven" else ply, name)
+
+
+def _orthotropic(table: OrthotropicPlyTable) -> Ply:
+    in_plane = table.in_plane_shear_modulus
+    isotropic_across = table.transverse_modulus / (2 * (1 + table.poisson_ratio))
+    return Ply(
+        longitudinal_modulus=table.longitudinal_modulus,
+        transverse_modulus=table.transverse_modulus,
+        in_plane_shear_modulus=in_plane,
+        longitudinal_shear_modulus=table.longitudinal_shear_modulus or in_plane,
+        transverse_shear_modulus=table.transverse_shear_modulus or isotropic_across,
+        poisson_ratio=table.poisson_ratio,
+        density=table.density,
+        specific_damping=PlyDamping(
+            table.longitudinal_damping, table.transverse_damping, table.shear_damping
+        ),
+    )
+
+
+def _laminate(
+    table: LaminateTable, plies: Mapping[str, Ply], tables: Mapping[str, PlyTable]
+) -> Laminate:
+    stack = parse_stacking(table.stacking)
+    for name, _ in stack:
+        if name not in plies:
+            remedy = suggestion(name, list(plies)) if plies else f"add a table [plies.{name}]"
+            raise InputError(f"stacking {table.stacking!r} names the ply {name!r}; {remedy}")
+    angles = _angles(table, stack)
+    thicknesses = _thicknesses(table, [tables[name].thickness for name, _ in stack], stack)
+    return Laminate(
+        tuple(
+            Layer(plies[name], thickness, angle)
+            for (name, _), thickness, angle in zip(stack, thicknesses, angles, strict=True)
+        )
+    )
+
+
+def _angles(table: LaminateTable, stack: list[tuple[str, float | None]]) -> list[float]:
+    written = [angle for _, angle in stack]
+    if table.angles is None:
+        return [float(np.radians(angle or 0.0)) for angle in written]
+    if any(angle is not None for angle in written):
+        raise InputError("angles are given in the stacking and in the list; keep one of the two")
+    if len(table.angles) != len(stack):
+        raise InputError(
+            f"angles has {len(table.angles)} values and the stack {len(stack)} layers; give one "
+            "angle for each layer, from the lowest up"
+        )
+    return list(table.angles)
+
+
+def _thicknesses(
+    table: LaminateTable, of_plies: list[float | None], stack: list[tuple[str, float | None]]
+) -> list[float]:
+    given = table.ply_thickness
+    if isinstance(given, list):
+        if len(given) != len(stack):
+            raise InputError(
+                f"ply_thickness has {len(given)} values and the stack {len(stack)} layers; give "
+                "one thickness, or one for each layer from the lowest up"
+            )
+        return given
+    if given is not None:
+        return [given] * len(stack)
+    thicknesses = []
+    for (name, _), thickness in zip(stack, of_plies, strict=True):
+        if thickness is None:
+            raise InputError(
+                f"the thickness of ply {name!r} is not given; add ply_thickness here or "
+                f"thickness in [plies.{name}]"
+            )
+        thicknesses.append(thickness)
+    return thicknesses
+
+
+def _named(ply: Ply, name: str) -> Ply:
+    return replace(ply, name=name)

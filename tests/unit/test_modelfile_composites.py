@@ -1,0 +1,237 @@
+"""Laminates in model files: what they become, and what is refused by name."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+
+from flexmech.errors import InputError
+from flexmech.materials import ply_from_constituents, published_constituents, woven_ply
+from flexmech.modelfile import json_schema, load_mechanism, mechanism_from_toml
+from flexmech.modelfile.stacking import parse_stacking
+
+MODEL = Path(__file__).parents[2] / "models" / "composite_fourbar.toml"
+
+TEXT = """
+name = "laminates"
+source = "none"
+
+[linkage]
+kind = "rotating-arm"
+length = "300 mm"
+
+[materials.aluminium]
+youngs_modulus = "70 GPa"
+density = "2700 kg/m^3"
+poisson_ratio = 0.33
+
+[fibres.own]
+youngs_modulus = "230 GPa"
+shear_modulus = "15 GPa"
+density = "1760 kg/m^3"
+poisson_ratio = 0.2
+transverse_modulus = "15 GPa"
+transverse_shear_modulus = "7 GPa"
+
+[matrices.resin]
+youngs_modulus = "4 GPa"
+shear_modulus = "1.48 GPa"
+density = "1260 kg/m^3"
+poisson_ratio = 0.35
+specific_damping = "8 %"
+
+[plies.C]
+type = "constituents"
+fibre = "carbon"
+matrix = "polyester"
+fibre_volume_fraction = 0.60
+rule = "rule-of-mixtures"
+
+[plies.W]
+type = "constituents"
+fibre = "own"
+matrix = "resin"
+fibre_volume_fraction = "55 %"
+weave = "woven"
+thickness = "0.25 mm"
+
+[plies.A]
+type = "isotropic"
+material = "aluminium"
+
+[plies.T]
+type = "orthotropic"
+longitudinal_modulus = "135 GPa"
+transverse_modulus = "10 GPa"
+in_plane_shear_modulus = "5 GPa"
+poisson_ratio = 0.3
+density = "1600 kg/m^3"
+longitudinal_damping = "0.5 %"
+
+[laminates.mixed]
+stacking = "[C@30/A*2/T]"
+ply_thickness = "1 mm"
+
+[laminates.fabric]
+stacking = "[W/W]s"
+
+[links.arm]
+section = "laminate"
+laminate = "mixed"
+out_of_plane_width = "20 mm"
+"""
+
+
+def changed(old: str, new: str) -> str:
+    assert old in TEXT
+    return TEXT.replace(old, new)
+
+
+def layers_of(text: str) -> list[tuple[str, float, float]]:
+    section = mechanism_from_toml(text).sections["arm"].layers
+    assert section is not None
+    return [(x.ply.name, x.thickness, np.degrees(x.angle)) for x in section.laminate.layers]
+
+
+def test_a_stack_becomes_its_layers_from_the_lowest_up() -> None:
+    names, thicknesses, angles = zip(*layers_of(TEXT), strict=True)
+    assert names == ("C", "A", "A", "T")
+    assert thicknesses == (1e-3,) * 4
+    assert angles == pytest.approx((30.0, 0.0, 0.0, 0.0))
+
+
+def test_plies_are_those_of_the_micromechanics() -> None:
+    section = mechanism_from_toml(TEXT).sections["arm"].layers
+    assert section is not None
+    published = published_constituents()
+    carbon, polyester = published["carbon"], published["polyester"]
+    expected = ply_from_constituents(carbon, polyester, 0.6, "rule-of-mixtures")  # type: ignore[arg-type]
+    ply = section.laminate.layers[0].ply
+    assert ply.longitudinal_modulus == expected.longitudinal_modulus == pytest.approx(121.872e9)
+    assert ply.density == pytest.approx(1542.4)
+    text = changed('laminate = "mixed"', 'laminate = "fabric"')
+    assert layers_of(text) == [("W", 2.5e-4, 0.0)] * 4
+    woven = mechanism_from_toml(text).sections["arm"]
+    assert woven.layers is not None
+    ply = woven.layers.laminate.layers[0].ply
+    assert ply.longitudinal_modulus == ply.transverse_modulus
+    assert woven_ply(ply).longitudinal_modulus == pytest.approx(ply.longitudinal_modulus)
+    assert woven.specific_damping is not None
+    assert 0 < woven.specific_damping.axial < woven.specific_damping.shear < 0.08
+
+
+def test_angles_and_thicknesses_may_stand_in_lists() -> None:
+    text = changed(
+        'stacking = "[C@30/A*2/T]"\nply_thickness = "1 mm"',
+        'stacking = "[C/A/T]"\nangles = ["10 deg", "0 deg", "-0.5 rad"]\n'
+        'ply_thickness = ["1 mm", "2 mm", "0.5 mm"]',
+    )
+    angles = [angle for _, _, angle in layers_of(text)]
+    assert angles == pytest.approx([10, 0, -np.degrees(0.5)])
+    assert [t for _, t, _ in layers_of(text)] == [1e-3, 2e-3, 5e-4]
+
+
+def test_damping_frequency_takes_the_plies_specific_damping() -> None:
+    text = changed('laminate = "mixed"', 'laminate = "fabric"\ndamping_frequency = "50 Hz"')
+    section = mechanism_from_toml(text).sections["arm"]
+    assert section.specific_damping is not None
+    psi = section.specific_damping.bending
+    # The damping ratio of a mode at that frequency is psi / (4 pi).
+    ratio = 2 * np.pi * 50 * section.damping.bending / 2
+    assert ratio == pytest.approx(psi / (4 * np.pi))
+    assert section.damping.shear > section.damping.bending
+
+
+@pytest.mark.parametrize(
+    ("stacking", "expected"),
+    [
+        ("[C/G/C]", [("C", None), ("G", None), ("C", None)]),
+        (" [ C @ 45 / G*2 ] ", [("C", 45.0), ("G", None), ("G", None)]),
+        ("[C@-45.5*2]s", [("C", -45.5)] * 4),
+        ("[C1_a@0/ C1_a@90]S", [("C1_a", a) for a in (0.0, 90.0, 90.0, 0.0)]),
+    ],
+)
+def test_notation_of_stacks(stacking: str, expected: list[tuple[str, float | None]]) -> None:
+    assert parse_stacking(stacking) == expected
+
+
+@pytest.mark.parametrize("stacking", ["C/G", "[C//G]", "[]", "[C/G", "[C@x]", "[C*0]", "[C@4 5]"])
+def test_what_is_no_stack(stacking: str) -> None:
+    with pytest.raises(InputError, match=r"\[C/G@45/C\]|repeated 1 to 1000 times"):
+        parse_stacking(stacking)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('thickness = "0.25 mm"', 'thickness = "-1 mm"', r"plies\.W\.thickness: must be positive"),
+        ('ply_thickness = "1 mm"', 'ply_thickness = "0 mm"', r"laminates\.mixed\.ply_thickness"),
+        ('ply_thickness = "1 mm"', "", r"laminates\.mixed: the thickness of ply 'C' is not given"),
+        ('"55 %"', "0.95", r"plies\.W: fibre_volume_fraction must lie above 0 and not above 0\.9"),
+        ("fraction = 0.60", "fraction = nan", r"plies\.C\.fibre_volume_fraction"),
+        ('fibre = "carbon"', 'fibre = "carbn"', r"plies\.C\.fibre: .*did you mean 'carbon'"),
+        ('matrix = "polyester"', 'matrix = "glue"', r"plies\.C\.matrix: there is no matrix 'glue'"),
+        ('"135 GPa"', '"0.5 GPa"', r"plies\.T: poisson_ratio .* between -0\.22.* got 0\.3"),
+        ('material = "aluminium"', 'material = "steel"', r"plies\.A\.material: there is no table"),
+        ("A*2/T]", "A*2/X]", r"laminates\.mixed: stacking .* names the ply 'X'"),
+        ("[C@30/A*2/T]", "C@30/A", r"laminates\.mixed: got 'C@30/A', which is no stack"),
+        (
+            'laminate = "mixed"',
+            'laminate = "mixd"',
+            r"links\.arm\.laminate: .*did you mean 'mixed'",
+        ),
+        ('width = "20 mm"', 'width = "20 kg"', r"links\.arm\.out_of_plane_width"),
+        (
+            'ply_thickness = "1 mm"',
+            'ply_thickness = "1 mm"\nangles = ["0 deg"]',
+            "keep one of the two",
+        ),
+        (
+            "[C@30/A*2/T]",
+            '[C/A*2/T]"\nangles = ["0 deg"]\nnotation = "',
+            r"laminates\.mixed\.notation",
+        ),
+        (
+            'stacking = "[C@30/A*2/T]"',
+            'stacking = "[C/A/T]"\nangles = ["0 deg"]',
+            r"laminates\.mixed: angles has 1 values and the stack 3 layers",
+        ),
+        (
+            'laminate = "mixed"',
+            'laminate = "mixed"\ndamping_ratio = 0.01',
+            r"links\.arm: damping_ratio is given without damping_frequency",
+        ),
+        ('type = "isotropic"', 'type = "metal"', r"plies\.A\.type: got 'metal'"),
+        ('shear_modulus = "1.48 GPa"', "", r"matrices\.resin\.shear_modulus: is missing"),
+    ],
+)
+def test_bad_laminates_are_refused_by_name(old: str, new: str, message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        mechanism_from_toml(changed(old, new), "bad.toml")
+    assert str(caught.value).startswith("bad.toml: ")
+
+
+def test_a_damping_frequency_without_specific_damping_is_refused() -> None:
+    text = changed("longitudinal_damping", "# ").replace(
+        'laminate = "mixed"', 'laminate = "mixed"\ndamping_frequency = "50 Hz"'
+    )
+    with pytest.raises(InputError, match=r"links\.arm: a damping frequency needs the specific"):
+        mechanism_from_toml(text)
+
+
+def test_the_text_fits_the_schema() -> None:
+    jsonschema.validate(tomllib.loads(TEXT), json_schema(), jsonschema.Draft202012Validator)
+
+
+def test_the_composite_example_has_an_unsymmetric_coupler() -> None:
+    mechanism = load_mechanism(MODEL)
+    crank, coupler, rocker = (mechanism.sections[n] for n in ("crank", "coupler", "rocker"))
+    assert not crank.is_eccentric
+    assert not rocker.is_eccentric
+    # Carbon lies below; glass is softer and heavier.
+    assert coupler.neutral_axis < 0 < coupler.mass_axis
+    assert crank.in_plane_thickness == pytest.approx(10e-3)
