@@ -33,7 +33,7 @@ class Layer:
     thickness : float
         In m.
     angle : float
-        Of the fibres against the link's axis in rad, about the thickness direction.
+        Of the fibres against the link's axis in rad, positive from x towards z.
 
     Raises
     ------

@@ -2,8 +2,12 @@
 
 Each modulus P of the ply is a function of the fibre's and the resin's. Three rules differ in
 that function across the fibres and in shear; along the fibres all take the rule of mixtures.
-The loss in a cycle follows by the correspondence principle: the constituent whose modulus
-changes ``log P`` by its share of the strain energy loses in that share (Hashin 1970).
+The loss in a cycle follows by the correspondence principle (Hashin, *Int. J. Solids Struct.*
+6 (1970) 797): a constituent holds the share ``d log P / d log P_c`` of the strain energy and
+loses its specific damping capacity of it. With P of the rule of mixtures that is Adams &
+Bacon's longitudinal damping (*J. Compos. Mater.* 7 (1973) 402), with Chamis' P Saravanos &
+Chamis' (*J. Compos. Technol. Res.* 12 (1990) 31), and with Halpin-Tsai's G12, which is
+Hashin's composite cylinders, Hashin's in shear.
 """
 
 from __future__ import annotations
@@ -44,13 +48,16 @@ def ply_from_constituents(
     ``rule-of-mixtures``
         Flexibilities add (Jones, eqs. 3.13 and 3.27).
     ``halpin-tsai``
-        Halpin & Kardos 1976, with the factor 2 for E2, 1 for G12 and G13, and
-        ``1 / (4 - 3 nu_m)`` for G23.
+        Halpin & Kardos, *Polym. Eng. Sci.* 16 (1976) 344, with the factor 2 for E2, 1 for
+        G12 and G13, and ``1 / (3 - 4 nu_m)`` for G23 (Tucker & Liang, *Compos. Sci. Technol.*
+        59 (1999) 655), which is Hashin and Hill's lower bound for isotropic constituents.
     ``chamis``
         NASA TM-83320 (1983): resin in series with fibres as wide as the root of their share.
 
-    Expansion by Schapery (1968), with Singh & Sanyal 2022, eq. 8, corrected; the moisture
-    expansion is per unit of moisture in the resin.
+    Expansion by Schapery (*J. Compos. Mater.* 2 (1968) 380), with Singh & Sanyal 2022, eq. 8,
+    corrected; the moisture expansion is per unit of moisture in the dry fibre and resin each,
+    so that of the ply is per unit of moisture in the resin where the fibres take none.
+    Specific damping: see the module. No rule foresees slip, cracks or voids.
 
     Parameters
     ----------
@@ -109,7 +116,9 @@ def woven_ply(unidirectional: Ply) -> Ply:
     Two layers at 0 and 90 degrees that stretch alike (Naik & Shembekar 1992, without
     undulation): the crimp of a real fabric makes it softer along its yarns. The ply is
     homogeneous through its thickness; that the two halves do not lie on each other in a
-    real stack is part of the idea.
+    real stack is part of the idea. Membrane stiffness and expansion are those of the pair;
+    shear through the thickness is averaged as in the integrals of first-order theory; the
+    loss is that of both halves by their strain energies.
 
     Parameters
     ----------
@@ -193,7 +202,7 @@ def _mixings(rule: Rule, matrix_poisson_ratio: float) -> tuple[Mixing, Mixing, M
         return (
             _halpin_tsai(2.0),
             _halpin_tsai(1.0),
-            _halpin_tsai(1 / (4 - 3 * matrix_poisson_ratio)),
+            _halpin_tsai(1 / (3 - 4 * matrix_poisson_ratio)),
         )
     mixing = _square_packed if rule == "chamis" else _series
     return mixing, mixing, mixing

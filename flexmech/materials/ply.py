@@ -69,14 +69,15 @@ class Ply:
     thermal_expansion : tuple of float
         Along and across the fibres in 1/K.
     moisture_expansion : tuple of float
-        Along and across the fibres, strain per unit of moisture mass over dry mass.
+        Along and across the fibres, strain per unit of moisture: mass over the dry mass of
+        the resin.
     name : str
 
     Raises
     ------
     InputError
-        If a modulus or the density is not positive, or Poisson's ratio lets a stress do
-        negative work.
+        If a modulus or the density is not positive, an expansion is not two numbers, or
+        Poisson's ratio lets a stress do negative work.
     """
 
     longitudinal_modulus: float
@@ -103,6 +104,10 @@ class Ply:
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):
                 raise InputError(f"{name} of a ply must be positive, got {value}")
+        for name in ("thermal_expansion", "moisture_expansion"):
+            pair = getattr(self, name)
+            if len(pair) != 2 or not np.all(np.isfinite(pair)):
+                raise InputError(f"{name} of a ply must be two numbers, along and across: {pair}")
         bound = float(np.sqrt(self.longitudinal_modulus / self.transverse_modulus))
         if not abs(self.poisson_ratio) < bound:
             raise InputError(

@@ -201,7 +201,16 @@ class BeamSection:
         )
 
     def with_damping_frequency(self, frequency: float) -> BeamSection:
-        """The same section with Kelvin-Voigt times of its specific damping at a frequency in Hz.
+        """The same section with the Kelvin-Voigt times of its specific damping.
+
+        Parameters
+        ----------
+        frequency : float
+            At which a cycle takes what the specific damping says, in Hz.
+
+        Returns
+        -------
+        BeamSection
 
         Raises
         ------

@@ -78,6 +78,14 @@ class SpecificDamping:
         Viscous damping of a harmonic strain loses ``2 pi omega tau`` of its largest energy
         in a cycle.
 
+        Parameters
+        ----------
+        angular_frequency : float
+
+        Returns
+        -------
+        DampingTimes
+
         Raises
         ------
         InputError
