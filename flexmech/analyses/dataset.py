@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.analyses.mapping import FrequencyRequest
+from flexmech.analyses.modal_damping import links_without_loss
 from flexmech.analyses.provenance import provenance
 from flexmech.analyses.tracking import Branches
 from flexmech.linear_system import Engine
@@ -24,6 +25,7 @@ CHECK_DIMS = ("engine", "crank_speed", "check_angle", "mode")
 UNITS = {
     "frequency": ("Hz", "natural frequency"),
     "damping_ratio": ("1", "damping ratio"),
+    "strain_energy_damping": ("1", "damping ratio by modal strain energy"),
     "branch_of_mode": ("1", "tracked branch of the mode"),
     "mac": ("1", "modal assurance criterion with the same branch at the previous crank angle"),
     "veering": ("1", "branch veers against another here"),
@@ -51,6 +53,8 @@ class SpeedMap:
     branches : Branches
     mode_shape : ndarray, shape (C, modes, n_links, n_stations, 2)
     reduction_error, discretisation_error : ndarray, shape (C, modes)
+    strain_energy_damping : ndarray, shape (A, m), or None
+        Damping ratio by modal strain energy; None where no section tells a loss.
     """
 
     frequency: FloatArray
@@ -59,6 +63,7 @@ class SpeedMap:
     mode_shape: NDArray[Any]
     reduction_error: FloatArray
     discretisation_error: FloatArray
+    strain_energy_damping: FloatArray | None = None
 
 
 @dataclass(frozen=True)
@@ -113,7 +118,7 @@ def build_dataset(
 
     tracked = min(s.frequency.shape[1] for m in maps for s in m.speeds)
     where = maps[0].check_angles
-    variables = {
+    variables: dict[str, tuple[Any, ...]] = {
         "frequency": (MAP_DIMS, stacked("frequency")),
         "damping_ratio": (MAP_DIMS, stacked("damping_ratio")),
         "branch_of_mode": (MAP_DIMS, stacked("branches.branch").astype(np.int64) + 1),
@@ -128,6 +133,10 @@ def build_dataset(
             _positions(engines[0], request.crank_angles[where]),
         ),
     }
+    if all(s.strain_energy_damping is not None for m in maps for s in m.speeds):
+        unknown = {"links_without_data": ", ".join(links_without_loss(engines[0].mechanism))}
+        losses = stacked("strain_energy_damping")
+        variables["strain_energy_damping"] = (MAP_DIMS, losses, unknown)
     if speed_effect:
         dims = ("term", *MAP_DIMS[1:])
         variables["speed_effect"] = (dims, np.stack(list(speed_effect.values())))

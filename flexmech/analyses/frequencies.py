@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexmech.analyses.dataset import EngineMap, SpeedMap, build_dataset
 from flexmech.analyses.discretisation import check_angle_indices, discretisation_error
-from flexmech.analyses.eigenproblem import solve_frequencies, solve_modes
+from flexmech.analyses.eigenproblem import Modes, solve_frequencies, solve_modes
 from flexmech.analyses.mapping import FrequencyRequest, Mapping, MapPrestress
+from flexmech.analyses.modal_damping import StrainEnergyDamping
 from flexmech.analyses.reduction import accurate_reduction
 from flexmech.analyses.result import MovingFrequencies
 from flexmech.analyses.running_states import RunningStates
@@ -222,7 +223,9 @@ def _map_engine(engine: Engine, request: FrequencyRequest, report: Progress) -> 
     start_shapes: NDArray[Any] | None = None
     speeds: list[SpeedMap] = []
     finest = Mapping(engine, request)
-    for number, speed in enumerate(request.crank_speeds.tolist()):
+    losses = StrainEnergyDamping.of(engine)
+    done = 0
+    for speed in request.crank_speeds.tolist():
         mapping = Mapping(engine, request)
         checked = mapping.check(speed, where)
         if mapping.detail > finest.detail or not mapping.engine.component_modes:
@@ -232,14 +235,12 @@ def _map_engine(engine: Engine, request: FrequencyRequest, report: Progress) -> 
             numbering = same_shapes(start_shapes, shapes[0], numbering)
         start_shapes = shapes[0]
         tracker = Tracker(numbering)
-        tracked = checked.modes.frequency.shape[1]
-        frequency, damping = [], []
-        done = number * len(request.crank_angles)
-        for system in mapping.systems(speed):
-            modes = solve_modes(system, tracked)
+        along = _follow(mapping, speed, checked.modes.frequency.shape[1], losses, tracker)
+        frequency, damping, by_strain_energy = [], [], []
+        for modes, energy_ratio in along:
             frequency.append(modes.frequency)
             damping.append(modes.damping_ratio)
-            tracker.add(modes.vectors, system.mass)
+            by_strain_energy.append(energy_ratio)
             done += len(modes.frequency)
             report(engine.name, done, total)
         every = np.concatenate(frequency)
@@ -247,6 +248,7 @@ def _map_engine(engine: Engine, request: FrequencyRequest, report: Progress) -> 
             SpeedMap(
                 frequency=every,
                 damping_ratio=np.concatenate(damping),
+                strain_energy_damping=np.concatenate(by_strain_energy) if losses else None,
                 branches=tracker.finish(every, request.full_turn),
                 mode_shape=shapes[:, : request.modes],
                 reduction_error=checked.reduction_error,
@@ -262,3 +264,21 @@ def _map_engine(engine: Engine, request: FrequencyRequest, report: Progress) -> 
             )
         )
     return EngineMap(engine=finest.engine, detail=finest.detail, check_angles=where, speeds=speeds)
+
+
+def _follow(
+    mapping: Mapping,
+    speed: float,
+    count: int,
+    losses: StrainEnergyDamping | None,
+    tracker: Tracker,
+) -> Iterator[tuple[Modes, FloatArray]]:
+    """Modes along the crank angles, batch by batch, and what their strain energy loses."""
+    for system in mapping.systems(speed):
+        modes = solve_modes(system, count)
+        tracker.add(system.inertial_shapes(modes.vectors))
+        ratio = np.zeros_like(modes.frequency)
+        if losses is not None:
+            states = mapping.states(system.motion.crank_angle, speed)
+            ratio = losses.ratio(system, modes, mapping.request.quasi_static_prestress, states)
+        yield modes, ratio

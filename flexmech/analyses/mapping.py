@@ -136,15 +136,26 @@ class Mapping:
             crank_angles,
             crank_speed,
             prestress=self.request.quasi_static_prestress,
-            running=self._states(crank_angles, crank_speed),
+            running=self.states(crank_angles, crank_speed),
             rotation_terms=self.request.rotation_terms,
             modes=self.request.modes,
             fastest=self._speed_ratio * abs(crank_speed),
             detail=detail,
         )
 
-    def _states(self, crank_angles: FloatArray, crank_speed: float) -> list[FloatArray] | None:
-        """Running states where they are asked for; at rest there is nothing to run."""
+    def states(self, crank_angles: FloatArray, crank_speed: float) -> list[FloatArray] | None:
+        """Running states where they are asked for; at rest there is nothing to run.
+
+        Parameters
+        ----------
+        crank_angles : ndarray, shape (B,)
+        crank_speed : float
+
+        Returns
+        -------
+        list of ndarray, shape (B, n_link), or None
+            Elastic displacements to linearize about in place of the prestress.
+        """
         if self.request.prestress != "trajectory" or not crank_speed:
             return None
         if crank_speed not in self._running:

@@ -123,16 +123,26 @@ class MovingFrequencies(StoredResult):
         return self.dataset["frequency"] / self.dataset["quasi_static_frequency"] - 1
 
     def further_tables(self) -> dict[str, pd.DataFrame]:
-        """``vibration_effect``: running and quasi-static frequencies side by side."""
-        effect = self.vibration_effect()
-        if effect is None:
-            return {}
-        beside = self.table().drop(columns=["branch", "damping_ratio"])
+        """Tables of what the dataset holds besides.
+
+        ``vibration_effect`` has running and quasi-static frequencies side by side,
+        ``damping`` the damping ratio by modal strain energy.
+        """
         dims = ("engine", "crank_speed", "crank_angle", "mode")
-        still = self.dataset["quasi_static_frequency"].transpose(*dims)
-        beside["quasi_static_frequency_Hz"] = still.values.ravel()
-        beside["relative_change"] = effect.transpose(*dims).values.ravel()
-        return {"vibration_effect": beside}
+        tables = {}
+        effect = self.vibration_effect()
+        if effect is not None:
+            beside = self.table().drop(columns=["branch", "damping_ratio"])
+            still = self.dataset["quasi_static_frequency"].transpose(*dims)
+            beside["quasi_static_frequency_Hz"] = still.values.ravel()
+            beside["relative_change"] = effect.transpose(*dims).values.ravel()
+            tables["vibration_effect"] = beside
+        if "strain_energy_damping" in self.dataset:
+            damping = self.table().drop(columns=["branch", "frequency_Hz"])
+            ratio = self.dataset["strain_energy_damping"].transpose(*dims)
+            damping["damping_ratio"] = ratio.values.ravel()
+            tables["damping"] = damping
+        return tables
 
     def plot(self) -> Figure:
         """Natural frequencies against crank angle; see :mod:`flexmech.plots` for others."""

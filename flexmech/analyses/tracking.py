@@ -28,27 +28,21 @@ VEERING_GAP = 0.25
 VEERING_ROTATION = (0.35, 1.6)
 
 
-def cross_amplitude(
-    first: NDArray[Any],
-    first_mass: FloatArray,
-    second: NDArray[Any],
-    second_mass: FloatArray,
-) -> FloatArray:
-    """``|x_i^H M x_j|`` between the modes of paired positions, M the mean of both masses.
+def cross_amplitude(first: NDArray[Any], second: NDArray[Any]) -> FloatArray:
+    """``|x_i^H M x_j|`` between the modes of paired positions.
 
     Parameters
     ----------
     first, second : ndarray, shape (B, n, m)
-        Mode shapes, each normalized by its own mass.
-    first_mass, second_mass : ndarray, shape (B, n, n)
+        Mode shapes of unit mass, in coordinates of unit mass
+        (:meth:`flexmech.linear_system.LinearSystem.inertial_shapes`).
 
     Returns
     -------
     ndarray, shape (B, m, m)
         Square root of the modal assurance criterion.
     """
-    adjoint = np.swapaxes(first.conj(), 1, 2)
-    amplitude: FloatArray = np.abs(adjoint @ ((first_mass + second_mass) / 2) @ second)
+    amplitude: FloatArray = np.abs(np.swapaxes(first.conj(), 1, 2) @ second)
     return amplitude
 
 
@@ -126,19 +120,18 @@ class Tracker:
 
     def __init__(self, numbering: IntArray | None = None) -> None:
         self._numbering = numbering
-        self._last: tuple[NDArray[Any], FloatArray] | None = None
-        self._first: tuple[NDArray[Any], FloatArray] | None = None
+        self._last: NDArray[Any] | None = None
+        self._first: NDArray[Any] | None = None
         self._amplitude: list[FloatArray] = []
 
-    def add(self, vectors: NDArray[Any], mass: FloatArray) -> None:
-        """Take the next positions: mode shapes (B, n, m) and mass (B, n, n)."""
+    def add(self, shapes: NDArray[Any]) -> None:
+        """Take the next positions: mode shapes (B, n, m) in coordinates of unit mass."""
         if self._last is None:
-            self._first = (vectors[:1], mass[:1])
+            self._first = shapes[:1]
         else:
-            vectors = np.concatenate([self._last[0], vectors])
-            mass = np.concatenate([self._last[1], mass])
-        self._amplitude.append(cross_amplitude(vectors[:-1], mass[:-1], vectors[1:], mass[1:]))
-        self._last = (vectors[-1:], mass[-1:])
+            shapes = np.concatenate([self._last, shapes])
+        self._amplitude.append(cross_amplitude(shapes[:-1], shapes[1:]))
+        self._last = shapes[-1:]
 
     def finish(self, frequency: FloatArray, full_turn: bool) -> Branches:
         """Number the branches.
@@ -168,7 +161,7 @@ class Tracker:
         by_branch = np.argsort(branch, axis=1)
         whole = np.take_along_axis(mac, by_branch, axis=1).min(axis=0) >= BROKEN_MAC
         if full_turn:
-            closing = cross_amplitude(*self._last, *self._first)[0]
+            closing = cross_amplitude(self._last, self._first)[0]
             home = closing[by_branch[-1], by_branch[0]] ** 2
             whole &= home >= BROKEN_MAC
         steps = amplitude[

@@ -29,7 +29,8 @@ HELP = (
     "Moving natural frequencies of a mechanism. Over crank angle and crank speed: a table, CSV "
     "and NetCDF files, and pictures."
 )
-TABLES = ("frequencies.csv", "frequencies.nc", "vibration_effect.csv")
+TABLES = ("frequencies.csv", "frequencies.nc")
+FURTHER_TABLES = ("vibration_effect.csv", "damping.csv")
 
 Speeds = Annotated[
     str, typer.Option(help='Crank speeds: rad/s unless a unit is given, as in "0,10,300 rpm".')
@@ -81,7 +82,7 @@ def frequencies(
     from flexmech.modelfile import load_mechanism
 
     mechanism = load_mechanism(model)
-    check_writable(out, (*TABLES, *PICTURES))
+    check_writable(out, (*TABLES, *FURTHER_TABLES, *PICTURES))
 
     from flexmech.analyses import moving_frequencies
 
@@ -107,6 +108,7 @@ def _report(result: MovingFrequencies, mechanism: Mechanism, out: Path, files: l
     from flexmech.cli.pictures import PICTURES, file_lines
     from flexmech.cli.report import (
         agreement_line,
+        damping_lines,
         error_lines,
         frequency_table,
         print_table,
@@ -121,7 +123,8 @@ def _report(result: MovingFrequencies, mechanism: Mechanism, out: Path, files: l
         *error_lines(result.dataset),
         *tracking_lines(result.dataset),
         *vibration_lines(result),
-        *file_lines(out, files, PICTURES),
+        *damping_lines(result.dataset),
+        *file_lines(out, files, (*FURTHER_TABLES, *PICTURES)),
         agreement_line(result),
     ):
         typer.echo(line)

@@ -25,6 +25,7 @@ PICTURES = (
     "frequencies.png",
     "speed_effect.png",
     "vibration_effect.png",
+    "damping.png",
     "mode_shapes.png",
     "agreement.png",
 )
@@ -38,7 +39,8 @@ def write_pictures(dataset: xr.Dataset, folder: Path) -> list[Path]:
     ----------
     dataset : xarray.Dataset
         Of moving frequencies. There are pictures of ``speed_effect``, of
-        ``quasi_static_frequency`` and of two engines' agreement only where it has them.
+        ``quasi_static_frequency``, of ``strain_energy_damping`` and of two engines'
+        agreement only where it has them.
     folder : Path
         The files appear there all together, after the last one is drawn.
 
@@ -54,6 +56,8 @@ def write_pictures(dataset: xr.Dataset, folder: Path) -> list[Path]:
         drawings["speed_effect.png"] = plots.plot_speed_effect
     if "quasi_static_frequency" in dataset:
         drawings["vibration_effect.png"] = plots.plot_vibration_effect
+    if "strain_energy_damping" in dataset:
+        drawings["damping.png"] = plots.plot_modal_damping
     drawings["mode_shapes.png"] = plots.plot_mode_shapes
     if dataset.sizes["engine"] > 1:
         drawings["agreement.png"] = plots.plot_agreement

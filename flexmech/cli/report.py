@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "agreement_line",
+    "damping_lines",
     "error_lines",
     "frequency_table",
     "print_table",
@@ -114,6 +115,28 @@ def vibration_lines(result: MovingFrequencies) -> list[str]:
             f"trajectory: vibration moves the frequencies of {engine} by at most {place:+.2e} of "
             f"the quasi-static ones, at {float(where['crank_speed'][0]):.6g} rad/s, "
             f"{_degrees(where['crank_angle'][0])} deg, mode {int(where['mode'][0])}"
+        )
+    return lines
+
+
+def damping_lines(dataset: xr.Dataset) -> list[str]:
+    """Report damping by modal strain energy, where the mechanism's sections tell a loss."""
+    if "strain_energy_damping" not in dataset:
+        return []
+    ratio = dataset["strain_energy_damping"]
+    over = ["engine", "crank_speed", "crank_angle"]
+    low, high = 100 * ratio.min(over), 100 * ratio.max(over)
+    ranges = [f"{float(a):.3g} % to {float(b):.3g} %" for a, b in zip(low, high, strict=True)]
+    ranges[0] += " over the crank angles" + " and speeds" * (ratio.sizes["crank_speed"] > 1)
+    modes = (f"{r} (mode {m})" for r, m in zip(ranges, ratio["mode"].values, strict=True))
+    lines = [f"damping by modal strain energy: {', '.join(modes)}"]
+    if ratio.sizes["engine"] > 1:
+        apart = float(abs(ratio - ratio.isel(engine=0, drop=True)).max())
+        lines.append(f"damping by modal strain energy: engines differ by at most {apart:.1e}")
+    if ratio.attrs.get("links_without_data"):
+        lines.append(
+            "damping by modal strain energy: no specific damping is known of "
+            f"{ratio.attrs['links_without_data']}; taken as without loss"
         )
     return lines
 

@@ -66,6 +66,25 @@ class LinearSystem:
         full = vectors if self.expansion is None else self.expansion @ vectors
         return self.frames.link_coordinates(self.motion, full)
 
+    def inertial_shapes(self, vectors: NDArray[Any]) -> NDArray[Any]:
+        """Shapes whose products are weighted by the mass of the links, in any position.
+
+        The coordinates z turn with the frames, and their mass matrix changes along the way;
+        the shape of each link in its own frame has the same mass everywhere.
+
+        Parameters
+        ----------
+        vectors : ndarray, shape (B, n, m)
+
+        Returns
+        -------
+        ndarray, shape (B, N, m)
+            ``y`` with ``y^H y`` equal to ``z^H M z`` of the same position.
+        """
+        coordinates = zip(self.frames.links, self.link_coordinates(vectors), strict=True)
+        parts = [np.linalg.cholesky(link.mass).T @ q for link, q in coordinates]
+        return np.concatenate(parts, axis=1)
+
     def unreduced_vectors(self, vectors: NDArray[Any], frames: LinkFrames) -> NDArray[Any]:
         """The same shapes in the coordinates of the unreduced system.
 

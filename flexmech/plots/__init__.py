@@ -7,6 +7,7 @@ figures need no closing and can be drawn in any thread.
 from flexmech.plots.agreement import plot_agreement
 from flexmech.plots.animation import mp4_available, write_animation
 from flexmech.plots.frequencies import plot_frequencies
+from flexmech.plots.modal_damping import plot_modal_damping
 from flexmech.plots.mode_shapes import plot_mode_shapes
 from flexmech.plots.response import plot_response
 from flexmech.plots.response_forces import plot_forces
@@ -22,6 +23,7 @@ __all__ = [
     "plot_agreement",
     "plot_forces",
     "plot_frequencies",
+    "plot_modal_damping",
     "plot_mode_shapes",
     "plot_response",
     "plot_spectrogram",
