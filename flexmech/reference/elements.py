@@ -71,10 +71,7 @@ class BeamElements:
 
         Of Euler-Bernoulli beams: Kumar & Chandrakar, eq. 1.52, corrected (m22 = 13/35).
         """
-        along = self._along
-        inertia = self.shapes.inertia(self.section)
-        moved = self._integral(np.einsum("aegi,ab,begj->egij", along, inertia, along))
-        return moved + self._integral(inertia[0, 0] * _product(self._inside.deflection))
+        return self._moved(self.shapes.inertia(self.section))
 
     @cached_property
     def translational_mass(self) -> FloatArray:
@@ -83,12 +80,9 @@ class BeamElements:
         A section that turns about its centre keeps its centrifugal potential: rotary inertia
         is not in it, the coupling of displacement and rotation by the first moment is.
         """
-        inertia = self.shapes.inertia(self.section)
-        along = self._along
-        displaced = inertia.copy()
+        displaced = self.shapes.inertia(self.section)
         displaced[1:, 1:] = 0.0
-        moved = self._integral(np.einsum("aegi,ab,begj->egij", along, displaced, along))
-        return moved + self._integral(inertia[0, 0] * _product(self._inside.deflection))
+        return self._moved(displaced)
 
     @cached_property
     def gyroscopic(self) -> FloatArray:
@@ -180,6 +174,20 @@ class BeamElements:
     def _weights(self) -> FloatArray:
         return self.length[:, None] / 2 * _WEIGHTS
 
+    def _moved(self, inertia: FloatArray) -> FloatArray:
+        """Mass matrix of the motion along by ``inertia`` (3, 3) and of the deflection."""
+        across = self._inside.deflection[None]
+        return self._quadratic(self._along, inertia) + self._quadratic(across, inertia[:1, :1])
+
+    def _quadratic(self, fields: FloatArray, weight: FloatArray) -> FloatArray:
+        """Integral of ``fields^T weight fields``: fields (a, e, 5, 2 p), weight (a, a)."""
+        count = len(self.length)
+        weighted = np.tensordot(weight, fields, axes=1) * self._weights[..., None]
+        left, right = (
+            np.moveaxis(f, 0, 1).reshape(count, -1, f.shape[-1]) for f in (fields, weighted)
+        )
+        return np.asarray(np.swapaxes(left, 1, 2) @ right)
+
     def _integral(self, values: FloatArray) -> FloatArray:
         """Integral over each element of values (e, 5, ...) at the Gauss points."""
         return np.asarray(np.einsum("eg,eg...->e...", self._weights, values))
@@ -187,7 +195,7 @@ class BeamElements:
     def _from_strains(self, stiffness: FloatArray) -> FloatArray:
         f = self._inside
         strains = np.stack([f.axial_strain, f.curvature, f.shear_change, f.shear])
-        return self._integral(np.einsum("aegi,ab,begj->egij", strains, stiffness, strains))
+        return self._quadratic(strains, stiffness)
 
     def _at_the_pins(self, matrix: FloatArray) -> FloatArray:
         """A matrix by the neutral axis's nodes in coordinates of the pins' axis."""

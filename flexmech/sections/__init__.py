@@ -3,19 +3,22 @@
 from flexmech.sections.beam_section import BeamSection
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.laminate_section import (
-    REDUCTIONS,
+    SHEAR_THEORIES,
     LaminateSection,
-    Reduction,
+    ShearTheory,
     ThroughThickness,
 )
+from flexmech.sections.reduction import REDUCTIONS, Reduction
 from flexmech.sections.third_order import ThirdOrder
 
 __all__ = [
     "REDUCTIONS",
+    "SHEAR_THEORIES",
     "BeamSection",
     "DampingTimes",
     "LaminateSection",
     "Reduction",
+    "ShearTheory",
     "SpecificDamping",
     "ThirdOrder",
     "ThroughThickness",

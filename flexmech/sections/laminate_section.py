@@ -2,14 +2,14 @@
 
 Bending in the plane of the linkage bends the laminate through its thickness. The section
 keeps the axial-bending coupling of an unsymmetric stack: it has a neutral axis off the
-mid-plane, where the pins sit.
+mid-plane, where the pins sit. Strains along the link are ``e - y kappa``.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,16 +17,21 @@ from numpy.typing import NDArray
 from flexmech.errors import InputError
 from flexmech.materials import Laminate
 from flexmech.sections.damping import SpecificDamping
-from flexmech.sections.third_order import ThirdOrder
+from flexmech.sections.plane_state import PlaneState, gauss_points, layer_of
+from flexmech.sections.reduction import (
+    REDUCTIONS,
+    Reduction,
+    laminate_strains,
+    reduced_stiffness,
+    shear_across,
+)
+from flexmech.sections.third_order import ThirdOrder, parabolic_shear, third_order_of
 
-__all__ = ["REDUCTIONS", "LaminateSection", "Reduction", "ThroughThickness"]
+__all__ = ["SHEAR_THEORIES", "LaminateSection", "ShearTheory", "ThroughThickness"]
 
 FloatArray = NDArray[np.float64]
-Reduction = Literal["narrow", "wide"]
-REDUCTIONS: tuple[Reduction, ...] = ("narrow", "wide")
-
-# Exact for the squares of stresses that are quadratic in a layer.
-_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
+ShearTheory = Literal["equilibrium", "third-order"]
+SHEAR_THEORIES: tuple[ShearTheory, ...] = get_args(ShearTheory)
 
 
 @dataclass(frozen=True)
@@ -92,35 +97,31 @@ class LaminateSection:
 
     @cached_property
     def neutral_axis(self) -> float:
-        """Distance of the neutral axis from the mid-plane in m; exactly 0 in a symmetric stack."""
-        scale = np.sqrt(self._classical[0, 0] * self._classical[1, 1])
-        if abs(self.coupling_stiffness) < 1e-12 * scale:
-            return 0.0
+        """Distance of the neutral axis from the mid-plane in m; exactly 0 if symmetric."""
         return self.coupling_stiffness / self.axial_stiffness
 
     @cached_property
     def bending_stiffness(self) -> float:
         """EI about the neutral axis in N m^2."""
-        return float(self._classical[1, 1] - self._classical[0, 1] ** 2 / self._classical[0, 0])
+        return float(self._classical[1, 1]) - self.axial_stiffness * self.neutral_axis**2
 
     @cached_property
     def shear_stiffness(self) -> float:
         """Shear stiffness kGA in N, from the shear energy of the stack.
 
         The shear stress that balances the bending stress of a unit shear force has the
-        complementary energy ``1 / (2 kGA)`` (Whitney 1973 for plates; for one homogeneous
-        layer k = 5/6).
+        complementary energy ``1 / (2 kGA)`` for each metre (Whitney 1973 for plates; one
+        homogeneous layer has k = 5/6). In a narrow link this takes the stress across the
+        link too, which the shear within angle plies asks for; its force is zero.
         """
-        places, weights = self._gauss
-        stress = self._equilibrium_shear(self._pure_bending, places)
-        flexibility = 1 / self._shear_modulus[:, None]
-        return float(1 / np.sum(self.width * weights * flexibility * stress**2))
+        return float(1 / self._shear_flexibility.sum())
 
     @cached_property
     def shear_correction(self) -> float:
-        """Factor k: kGA over the integral of G."""
-        heights = np.diff(self.laminate.boundaries)
-        return float(self.shear_stiffness / (self.width * self._shear_modulus @ heights))
+        """Factor k: kGA over the integral of G, reduced as the section is."""
+        moment = self.laminate.shear_moment(0)
+        along = moment[1, 1] + shear_across(moment, self.reduction) * moment[0, 1]
+        return float(self.shear_stiffness / (self.width * along))
 
     @cached_property
     def mass_per_length(self) -> float:
@@ -130,8 +131,8 @@ class LaminateSection:
     @cached_property
     def mass_axis(self) -> float:
         """Distance of the centre of mass from the mid-plane in m; exactly 0 if symmetric."""
-        moment = self.laminate.mass_moment(1) / self.laminate.mass_moment(0)
-        return moment if abs(moment) > 1e-12 * self.laminate.thickness else 0.0
+        axis = self.laminate.mass_moment(1) / self.laminate.mass_moment(0)
+        return axis if abs(axis) > 1e-12 * self.laminate.thickness else 0.0
 
     @cached_property
     def rotary_inertia(self) -> float:
@@ -141,44 +142,48 @@ class LaminateSection:
     @cached_property
     def third_order(self) -> ThirdOrder:
         """Integrals for Reddy's theory, reduced like the classical ones."""
-        orders = np.array([[0, 1, 3], [1, 2, 4], [3, 4, 6]])
-        moments = self._reduced(
-            [[self.laminate.stiffness_moment(k) for k in row] for row in orders]
-        )
-        thickness = self.laminate.thickness
-        shear = np.stack([self.laminate.shear_moment(k) for k in (0, 2, 4)])
-        along = shear[:, 1, 1]
-        if self.reduction == "narrow":
-            # No shear force across the link: the parabola's energy is least without it.
-            parabola = np.array([1.0, -8 / thickness**2, 16 / thickness**4])
-            across, both = parabola @ shear[:, 0, 0], parabola @ shear[:, 0, 1]
-            ratio = -both / across
-            along = along + 2 * ratio * shear[:, 0, 1] + ratio**2 * shear[:, 0, 0]
-        inertia = np.array([self.laminate.mass_moment(k) for k in range(7)])
-        return ThirdOrder(
-            thickness=thickness,
-            stiffness=self.width * moments,
-            shear_stiffness=self.width * along,
-            inertia=self.width * inertia,
-        )
+        return third_order_of(self.laminate, self.width, self.reduction)
 
     @cached_property
     def specific_damping(self) -> SpecificDamping:
         """Specific damping capacity of stretching, bending and shear.
 
         Strain energies by ply and direction in the material's axes, each with its own
-        capacity (Adams & Bacon 1973; Ni & Adams 1984).
+        capacity (Adams & Bacon 1973; Ni & Adams 1984). All shear through the thickness
+        loses with the ply's capacity in shear.
         """
-        stretched = np.array([1 / self.axial_stiffness, 0.0])
-        stretched = self._at_midplane(stretched)
-        return SpecificDamping(
-            axial=self._loss_of(stretched),
-            bending=self._loss_of(self._pure_bending),
-            shear=self._shear_loss,
+        own = [layer.ply.specific_damping for layer in self.laminate.layers]
+        capacity = np.array([[d.longitudinal, d.transverse, d.shear] for d in own])
+        sheared = np.zeros_like(capacity)
+        sheared[:, 2] = self._shear_flexibility
+        stretched = self._state(self._strains(1.0, 0.0)).energy_by_direction()
+        bent = self._state(self._strains(0.0, 1.0)).energy_by_direction()
+        # Poisson's contraction can give a direction a share below zero.
+        axial, bending, shear = (
+            max(0.0, float(np.sum(capacity * energy) / energy.sum()))
+            for energy in (stretched, bent, sheared)
         )
+        return SpecificDamping(axial, bending, shear)
 
     def places(self, per_layer: int) -> FloatArray:
-        """Places through each layer, faces included, (N, per_layer), in m."""
+        """Places through each layer, its faces included.
+
+        Parameters
+        ----------
+        per_layer : int
+
+        Returns
+        -------
+        ndarray, shape (N, per_layer)
+            In m.
+
+        Raises
+        ------
+        InputError
+            If there are fewer than two a layer.
+        """
+        if per_layer < 2:
+            raise InputError(f"per_layer must be 2 or more, for both faces; got {per_layer}")
         faces = self.laminate.boundaries
         return np.linspace(faces[:-1], faces[1:], per_layer, axis=1)
 
@@ -190,159 +195,90 @@ class LaminateSection:
         shear_force: float = 0.0,
         *,
         coupled: bool = True,
+        theory: ShearTheory = "equilibrium",
     ) -> ThroughThickness:
         """Strain and stress through the thickness under loads on the neutral axis.
 
-        Normal stress by classical theory; shear stress from the equilibrium of the normal
-        stress along the link.
+        Strain and normal stress by classical theory. Both shear stresses have the shear
+        force as their resultant.
 
         Parameters
         ----------
-        place : ndarray, shape (N, m)
-            Places in each layer in m: at an interface each layer has its own stress.
+        place : ndarray, shape (m,) or (N, m)
+            In m. In a list, an interface is of its upper layer; in rows, of which
+            :meth:`places` gives some, each layer has its own stress at it.
         axial_force : float
             In N, on the neutral axis (on the mid-plane if not ``coupled``).
         bending_moment : float
             In N m; positive stretches the side of lower y.
         shear_force : float
-            In N.
+            In N, along y on the face towards higher x.
         coupled : bool
-            Off: the axial-bending coupling is left out, as if the stack were symmetric; the
-            stresses then do not balance the loads.
+            Off: the section's axial-bending coupling is left out, as if the stack were
+            symmetric; the stresses then do not balance the loads, and the shear stress
+            does not vanish at the upper face.
+        theory : {"equilibrium", "third-order"}
+            Shear stress that balances the normal stress along the link, or Reddy's parabola
+            of shear strain ``1 - 4 y^2 / h^2`` with each layer's stiffness, which jumps at
+            interfaces.
 
         Returns
         -------
         ThroughThickness
+
+        Raises
+        ------
+        InputError
+            If a place is outside the laminate, a load not a number or the theory unknown.
         """
-        loads = np.array([axial_force, bending_moment])
-        unit_moment = np.array([0.0, 1.0])
-        if coupled:
-            strains = self._at_midplane(
-                loads / np.array([self.axial_stiffness, self.bending_stiffness])
-            )
-            bending = self._pure_bending
+        loads = np.array([axial_force, bending_moment, shear_force], dtype=float)
+        if not np.all(np.isfinite(loads)):
+            raise InputError(f"loads on a section must be finite, got {loads.tolist()}")
+        if theory not in SHEAR_THEORIES:
+            raise InputError(f"theory must be one of {', '.join(SHEAR_THEORIES)}, got {theory!r}")
+        place = np.asarray(place, dtype=float)
+        layer = layer_of(self.laminate, place)
+        strains = self._strains(axial_force, bending_moment, coupled)
+        if theory == "equilibrium":
+            growing = self._state(self._strains(0.0, 1.0, coupled))
+            shear = growing.balancing_shear(place, layer)[..., 1]
         else:
-            classical = np.diag(self._classical)
-            strains, bending = loads / classical, unit_moment / classical
+            shear = parabolic_shear(self.laminate, self.reduction, place, layer) / self.width
         return ThroughThickness(
             place=place,
-            strain=strains[0] - place * strains[1],
-            normal_stress=self._normal_stress(strains, place),
-            shear_stress=shear_force * self._equilibrium_shear(bending, place),
+            strain=strains[0] + place * strains[1],
+            normal_stress=self._state(strains).stress(place, layer)[..., 0],
+            shear_stress=shear_force * shear,
         )
 
     @cached_property
     def _classical(self) -> FloatArray:
-        """Stiffness by mid-plane strain and curvature, (2, 2), with a minus off the diagonal."""
-        orders = np.array([[0, 1], [1, 2]])
-        moments = [[self.laminate.stiffness_moment(k) for k in row] for row in orders]
-        return self.width * self._reduced(moments)
+        """Stiffness by mid-plane strain and its gradient in y, (2, 2)."""
+        matrix = self.width * reduced_stiffness(self.laminate, self.reduction, (0, 1))
+        # What rounding leaves of a symmetric stack's coupling would move its axis off the pins.
+        if abs(matrix[0, 1]) < 1e-12 * np.sqrt(matrix[0, 0] * matrix[1, 1]):
+            matrix[0, 1] = matrix[1, 0] = 0.0
+        return matrix
 
-    @property
-    def _pure_bending(self) -> FloatArray:
-        """Mid-plane strain and curvature of a unit moment without axial force, (2,)."""
-        return self._at_midplane(np.array([0.0, 1 / self.bending_stiffness]))
+    def _strains(self, axial_force: float, moment: float, coupled: bool = True) -> FloatArray:
+        """Mid-plane strain and its gradient in y under loads on the neutral axis, (2,)."""
+        axis = self.neutral_axis if coupled else 0.0
+        curvature = moment / (self.bending_stiffness if coupled else self._classical[1, 1])
+        return np.array([axial_force / self.axial_stiffness + axis * curvature, -curvature])
 
-    def _at_midplane(self, neutral: FloatArray) -> FloatArray:
-        """Mid-plane strain and curvature from the strain at the neutral axis and curvature."""
-        return np.array([neutral[0] + self.neutral_axis * neutral[1], neutral[1]])
-
-    def _reduced(self, blocks: list[list[FloatArray]]) -> FloatArray:
-        """Stiffness by the strains along the link from blocks of laminate matrices."""
-        matrix = np.block(blocks)
-        along = np.arange(0, len(matrix), 3)
-        reduced = matrix[np.ix_(along, along)]
-        if self.reduction == "narrow":
-            others = np.setdiff1d(np.arange(len(matrix)), along)
-            reduced = reduced - matrix[np.ix_(along, others)] @ np.linalg.solve(
-                matrix[np.ix_(others, others)], matrix[np.ix_(others, along)]
-            )
-        return np.asarray(reduced)
-
-    def _laminate_strains(self, strains: FloatArray) -> FloatArray:
-        """In-plane strains and their gradients in y, (2, 3), of strain and curvature along."""
-        along, gradient = strains[0], -strains[1]
-        if self.reduction == "wide":
-            return np.array([[along, 0.0, 0.0], [gradient, 0.0, 0.0]])
-        moments = [[self.laminate.stiffness_moment(j + k) for j in (0, 1)] for k in (0, 1)]
-        matrix = np.block(moments)
-        others, given = np.array([1, 2, 4, 5]), np.array([0, 3])
-        every = np.zeros(6)
-        every[given] = along, gradient
-        every[others] = -np.linalg.solve(
-            matrix[np.ix_(others, others)], matrix[np.ix_(others, given)] @ every[given]
-        )
-        return every.reshape(2, 3)
-
-    def _in_plane_strains(self, strains: FloatArray, place: FloatArray) -> FloatArray:
-        """In-plane strains in laminate axes at places (N, m), (N, m, 3)."""
-        constant, gradient = self._laminate_strains(strains)
-        return np.asarray(constant + place[..., None] * gradient)
-
-    def _normal_stress(self, strains: FloatArray, place: FloatArray) -> FloatArray:
-        """Stress along the link at places (N, m) of each layer, in Pa."""
-        first_rows = self.laminate.transformed_stiffness[:, 0]
-        return np.asarray(
-            np.einsum("nj,nmj->nm", first_rows, self._in_plane_strains(strains, place))
-        )
-
-    def _equilibrium_shear(self, bending: FloatArray, place: FloatArray) -> FloatArray:
-        """Shear stress of a unit shear force at places (N, m), in Pa.
-
-        ``bending`` is the state of a unit moment, whose stress grows along the link by the
-        shear force; the stress on the cross-section balances what it pulls below y.
-        """
-        faces = self.laminate.boundaries
-        lower = faces[:-1, None]
-        start = self._normal_stress(bending, lower)
-        slope = (self._normal_stress(bending, faces[1:, None]) - start) / np.diff(faces)[:, None]
-
-        def pull(at: FloatArray) -> FloatArray:
-            depth = at - lower
-            return np.asarray(start * depth + slope * depth**2 / 2)
-
-        whole = pull(faces[1:, None])[:, 0]
-        below = np.concatenate([[0.0], np.cumsum(whole)[:-1]])
-        return np.asarray(below[:, None] + pull(place))
+    def _state(self, strains: FloatArray) -> PlaneState:
+        """The laminate under strain along the link and its gradient in y."""
+        return PlaneState(self.laminate, laminate_strains(self.laminate, self.reduction, strains))
 
     @cached_property
-    def _shear_modulus(self) -> FloatArray:
-        """Shear modulus of each layer along the link, (N,), in Pa."""
+    def _shear_flexibility(self) -> FloatArray:
+        """Share of each layer in 1 / kGA, (N,), in 1/N."""
+        places, weights = gauss_points(self.laminate)
+        every = np.arange(len(places))[:, None]
+        stress = self._state(self._strains(0.0, 1.0)).balancing_shear(places, every)
         stiffness = self.laminate.transformed_shear_stiffness
-        along = stiffness[:, 1, 1]
-        if self.reduction == "narrow":
-            # No shear stress across the link either.
-            return np.asarray(along - stiffness[:, 0, 1] ** 2 / stiffness[:, 0, 0])
-        return np.asarray(along)
-
-    @cached_property
-    def _gauss(self) -> tuple[FloatArray, FloatArray]:
-        """Gauss points of the layers and their weights, (N, 3), in m."""
-        faces = self.laminate.boundaries
-        half = np.diff(faces)[:, None] / 2
-        middle = (faces[:-1] + faces[1:])[:, None] / 2
-        return middle + half * _POINTS, half * _WEIGHTS
-
-    def _loss_of(self, strains: FloatArray) -> float:
-        """Specific damping capacity of a state of strain and curvature along the link."""
-        places, weights = self._gauss
-        in_plane = self._in_plane_strains(strains, places)
-        turns = np.stack([layer.strain_turn for layer in self.laminate.layers])
-        own = np.einsum("nij,nmj->nmi", turns, in_plane)
-        stiffness = np.stack([layer.ply.reduced_stiffness for layer in self.laminate.layers])
-        energy = np.einsum("nmi,nij,nmj,nm->ni", own, stiffness, own, weights)
-        return float(np.sum(self._capacities * energy) / energy.sum())
-
-    @cached_property
-    def _shear_loss(self) -> float:
-        """Specific damping capacity of shear through the thickness."""
-        places, weights = self._gauss
-        stress = self._equilibrium_shear(self._pure_bending, places)
-        energy = np.sum(weights * stress**2, axis=1) / self._shear_modulus
-        return float(self._capacities[:, 2] @ energy / energy.sum())
-
-    @cached_property
-    def _capacities(self) -> FloatArray:
-        """Specific damping capacity of each layer along, across and in shear, (N, 3)."""
-        own = [layer.ply.specific_damping for layer in self.laminate.layers]
-        return np.array([[d.longitudinal, d.transverse, d.shear] for d in own])
+        if self.reduction == "wide":
+            squares = stress[..., 1] ** 2 / stiffness[:, 1, 1, None]
+        else:
+            squares = np.einsum("nmi,nij,nmj->nm", stress, np.linalg.inv(stiffness), stress)
+        return np.asarray(self.width * np.sum(weights * squares, axis=1))

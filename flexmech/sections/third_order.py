@@ -7,7 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ThirdOrder"]
+from flexmech.materials import Laminate
+from flexmech.sections.plane_state import IndexArray
+from flexmech.sections.reduction import Reduction, reduced_stiffness, shear_across
+
+__all__ = ["ThirdOrder", "parabolic_shear", "third_order_of"]
 
 FloatArray = NDArray[np.float64]
 
@@ -48,3 +52,67 @@ class ThirdOrder:
         """Stiffness against the shear angle of the axis in N."""
         c = self.cubic_factor
         return float(self.shear_stiffness @ np.array([1.0, -6 * c, 9 * c**2]))
+
+
+def third_order_of(laminate: Laminate, width: float, reduction: Reduction) -> ThirdOrder:
+    """Integrals of a laminate, reduced as for the classical theory.
+
+    In a narrow link the shear strain across it is a parabola too, of the height at which
+    its higher-order shear force (Elamy et al. 2023, eq. 29) vanishes.
+
+    Parameters
+    ----------
+    laminate : Laminate
+    width : float
+        Along the joint axes, in m.
+    reduction : {"narrow", "wide"}
+
+    Returns
+    -------
+    ThirdOrder
+    """
+    tilt = _tilt(laminate, reduction)
+    moments = [laminate.shear_moment(power) for power in (0, 2, 4)]
+    shear = [m[1, 1] + 2 * tilt * m[0, 1] + tilt**2 * m[0, 0] for m in moments]
+    return ThirdOrder(
+        thickness=laminate.thickness,
+        stiffness=width * reduced_stiffness(laminate, reduction, (0, 1, 3)),
+        shear_stiffness=width * np.array(shear),
+        inertia=width * np.array([laminate.mass_moment(power) for power in range(7)]),
+    )
+
+
+def parabolic_shear(
+    laminate: Laminate, reduction: Reduction, place: FloatArray, layer: IndexArray
+) -> FloatArray:
+    """Shear stress of a unit shear force on each metre of width, from the shear strain.
+
+    It vanishes at the surfaces and jumps at interfaces of layers with different stiffness.
+
+    Parameters
+    ----------
+    laminate : Laminate
+    reduction : {"narrow", "wide"}
+    place : ndarray, shape (...)
+        In m.
+    layer : ndarray of int
+        Layers of the places.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        In 1/m: times the shear force over the width it is Pa.
+    """
+    square = 4 / laminate.thickness**2
+    row = np.array([_tilt(laminate, reduction), 1.0])
+    resultant = (laminate.shear_moment(0) - square * laminate.shear_moment(2))[1] @ row
+    along = laminate.transformed_shear_stiffness[:, 1] @ row
+    return np.asarray(along[layer] * (1 - square * place**2) / resultant)
+
+
+def _tilt(laminate: Laminate, reduction: Reduction) -> float:
+    """Shear strain across the link over that along it, both parabolas with y."""
+    square = 4 / laminate.thickness**2
+    factors = ((0, 1.0), (2, -2 * square), (4, square**2))
+    stiffness = sum(factor * laminate.shear_moment(power) for power, factor in factors)
+    return shear_across(np.asarray(stiffness), reduction)

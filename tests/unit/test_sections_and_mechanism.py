@@ -67,6 +67,13 @@ def test_a_section_needs_positive_values(name: str, value: float) -> None:
         replace(SECTION, **{name: value})
 
 
+@pytest.mark.parametrize("name", ["neutral_axis", "mass_axis"])
+@pytest.mark.parametrize("value", [0.005, -0.006, np.nan])
+def test_the_axes_of_a_section_lie_inside_it(name: str, value: float) -> None:
+    with pytest.raises(InputError, match=f"{name} must lie inside the section, got {value} m"):
+        replace(SECTION, **{name: value})
+
+
 @pytest.mark.parametrize("value", [-1e-9, np.nan, np.inf])
 def test_damping_must_not_be_negative(value: float) -> None:
     with pytest.raises(InputError, match="damping_time must be zero or positive"):

@@ -1,0 +1,141 @@
+"""Stress and energy inside a laminate whose strains are linear through the thickness."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import InputError
+from flexmech.materials import Laminate
+
+__all__ = ["PlaneState", "gauss_points", "layer_of"]
+
+FloatArray = NDArray[np.float64]
+IndexArray = NDArray[np.intp]
+
+# Exact for the squares of shear stresses, which are quadratic in a layer.
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
+
+
+@dataclass(frozen=True)
+class PlaneState:
+    """A laminate under in-plane strains, each of its plies in plane stress.
+
+    Places come with the indices of their layers, which broadcast against them: at an
+    interface two layers meet, each with its own stress.
+
+    Parameters
+    ----------
+    laminate : Laminate
+    strains : ndarray, shape (2, 3)
+        Strains x, z and xz at the mid-plane, and their gradients in y.
+    """
+
+    laminate: Laminate
+    strains: FloatArray
+
+    def strain(self, place: FloatArray) -> FloatArray:
+        """Strains x, z and xz at places (...), (..., 3)."""
+        return np.asarray(self.strains[0] + place[..., None] * self.strains[1])
+
+    def stress(self, place: FloatArray, layer: IndexArray) -> FloatArray:
+        """Stresses x, z and xz at places (...) of layers, (..., 3), in Pa."""
+        stiffness = self.laminate.transformed_stiffness[layer]
+        return np.asarray(np.einsum("...ij,...j->...i", stiffness, self.strain(place)))
+
+    def balancing_shear(self, place: FloatArray, layer: IndexArray) -> FloatArray:
+        """Shear stresses zy and xy that balance a loss of this state per metre of the link.
+
+        They are the integrals of the stresses xz and x from the lowest face: if bending
+        decreases along the link by this state in each metre, nothing else holds a slice of
+        it (Jourawski; Whitney, *J. Appl. Mech.* 40 (1973) 302).
+
+        Parameters
+        ----------
+        place : ndarray, shape (...)
+            In m.
+        layer : ndarray of int
+            Layers of the places.
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+            In Pa for a state per metre.
+        """
+        faces = self.laminate.boundaries
+        every = np.arange(len(faces) - 1)
+        heights = np.diff(faces)[:, None]
+        start = self.stress(faces[:-1], every)[:, [2, 0]]
+        end = self.stress(faces[1:], every)[:, [2, 0]]
+        slope = (end - start) / heights
+        above = np.cumsum(heights * (start + end) / 2, axis=0)
+        below = np.concatenate([np.zeros((1, 2)), above[:-1]])
+        depth = (place - faces[layer])[..., None]
+        return np.asarray(below[layer] + start[layer] * depth + slope[layer] * depth**2 / 2)
+
+    def energy_by_direction(self) -> FloatArray:
+        """Twice the strain energy of each layer by the material's axes, (N, 3), in N/m.
+
+        Half the product of stress and strain along the fibres, across them and in shear,
+        over the area of the laminate (Adams & Bacon 1973; Ni & Adams 1984).
+        """
+        layers = self.laminate.layers
+        places, weights = gauss_points(self.laminate)
+        turns = np.stack([layer.strain_turn for layer in layers])
+        stiffness = np.stack([layer.ply.reduced_stiffness for layer in layers])
+        strain = np.einsum("nij,nmj->nmi", turns, self.strain(places))
+        stress = np.einsum("nij,nmj->nmi", stiffness, strain)
+        return np.asarray(np.einsum("nm,nmi,nmi->ni", weights, stress, strain))
+
+
+def gauss_points(laminate: Laminate) -> tuple[FloatArray, FloatArray]:
+    """Points in each layer and their weights, (N, 3) each, in m: exact up to the power 5."""
+    faces = laminate.boundaries
+    half = np.diff(faces)[:, None] / 2
+    middle = (faces[:-1] + faces[1:])[:, None] / 2
+    return middle + half * _POINTS, half * _WEIGHTS
+
+
+def layer_of(laminate: Laminate, place: FloatArray) -> IndexArray:
+    """Layers of places through the thickness.
+
+    Parameters
+    ----------
+    laminate : Laminate
+    place : ndarray, shape (m,) or (N, m)
+        In m. A list of places: at an interface the upper layer is meant. A row a layer:
+        each row belongs to its layer, interfaces included.
+
+    Returns
+    -------
+    ndarray of int
+        Broadcasts against the places.
+
+    Raises
+    ------
+    InputError
+        If a place is not a number or not in the laminate or its row's layer, or the rows
+        are not as many as the layers.
+    """
+    faces = laminate.boundaries
+    count = len(faces) - 1
+    if place.ndim == 2 and len(place) == count:
+        layer = np.arange(count)[:, None]
+    elif place.ndim < 2:
+        layer = np.clip(np.searchsorted(faces, place, side="right") - 1, 0, count - 1)
+    else:
+        raise InputError(
+            f"places must be a list, or have one row for each of the {count} layers; got "
+            f"shape {place.shape}"
+        )
+    slack = 1e-9 * laminate.thickness
+    inside = (place >= faces[layer] - slack) & (place <= faces[layer + 1] + slack)
+    if not np.all(inside):
+        wrong = place[~inside].flat[0]
+        raise InputError(
+            f"place {wrong:.6g} m is outside its layer; the laminate reaches from "
+            f"{faces[0]:.6g} to {faces[-1]:.6g} m"
+        )
+    return np.asarray(layer)
