@@ -7,7 +7,7 @@ the difference, and say in the commit why it moved.
 import numpy as np
 import pytest
 
-from flexmech import ExudynEngine, ReferenceEngine, moving_frequencies
+from flexmech import ExudynEngine, ReferenceEngine, load_mechanism, moving_frequencies
 
 ANGLES = np.radians(np.arange(0, 361, 15))
 
@@ -19,13 +19,28 @@ def test_frequency_against_crank_angle(mechanisms, name, engine, prestress, num_
     result = moving_frequencies(
         engine(mechanisms[name], 8), ANGLES, [0.0, 20.0], modes=4, prestress=prestress
     )
-    frequency = result.dataset["frequency"].sel(engine=engine.name)
-    columns = {
-        f"mode {int(mode)} at {speed:g} rad_s": frequency.sel(crank_speed=speed, mode=mode).values
-        for speed in (0.0, 20.0)
-        for mode in frequency["mode"].values
-    }
+    num_regression.check(columns_of(result), default_tolerance={"rtol": 1e-6, "atol": 0.0})
+
+
+@pytest.mark.parametrize("element", ["euler", "timoshenko", "reddy"])
+def test_composite_frequency_against_crank_angle(models, element, num_regression):
+    """Thick links, one of them unsymmetric; damping by modal strain energy besides."""
+    engine = ReferenceEngine(load_mechanism(models / "composite_fourbar.toml"), 4, element)
+    result = moving_frequencies(engine, ANGLES[::3], [100.0], modes=2)
+    columns = columns_of(result) | columns_of(result, "strain_energy_damping")
     num_regression.check(columns, default_tolerance={"rtol": 1e-6, "atol": 0.0})
+
+
+def columns_of(result, variable="frequency"):
+    values = result.dataset[variable].isel(engine=0)
+    prefix = "" if variable == "frequency" else f"{variable} of "
+    return {
+        f"{prefix}mode {int(mode)} at {speed:g} rad_s": values.sel(
+            crank_speed=speed, mode=mode
+        ).values
+        for speed in values["crank_speed"].values
+        for mode in values["mode"].values
+    }
 
 
 @pytest.mark.parametrize("name", ["aluminium", "steel"])
