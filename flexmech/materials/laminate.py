@@ -154,7 +154,7 @@ class Laminate:
         """Integral of the plane-stress stiffness times ``y**order`` through the thickness.
 
         Orders 0, 1, 2, 3, 4 and 6 are A, B, D, E, F and H (Elamy et al. 2023, eqs. 29, 31;
-        Reddy, *Mechanics of Laminated Composite Plates and Shells*, eq. 11.2.11).
+        Reddy, *Mechanics of Laminated Composite Plates and Shells*, ch. 11).
 
         Parameters
         ----------

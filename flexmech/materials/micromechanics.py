@@ -53,6 +53,8 @@ def ply_from_constituents(
         59 (1999) 655), which is Hashin and Hill's lower bound for isotropic constituents.
     ``chamis``
         NASA TM-83320 (1983): resin in series with fibres as wide as the root of their share.
+        Not for few fibres: if their modulus is r times the resin's, below the volume
+        fraction ``1 / (r - 1)^2`` the ply comes out stiffer than layers in parallel.
 
     Expansion by Schapery (*J. Compos. Mater.* 2 (1968) 380), with Singh & Sanyal 2022, eq. 8,
     corrected; the moisture expansion is per unit of moisture in the dry fibre and resin each,
