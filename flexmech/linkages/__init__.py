@@ -6,12 +6,18 @@ from flexmech.linkages.inverse_dynamics import InverseDynamics, LinkMass, invers
 from flexmech.linkages.linkage import Linkage
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.rotating_arm import RotatingArm
+from flexmech.linkages.synthesis import (
+    CrankRockerProportions,
+    rocker_swing,
+    synthesize_crank_rocker,
+)
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
 
 __all__ = [
     "Branch",
     "Clamp",
     "CrankDrive",
+    "CrankRockerProportions",
     "FourBar",
     "GrashofClass",
     "InverseDynamics",
@@ -25,4 +31,6 @@ __all__ = [
     "RotatingArm",
     "Topology",
     "inverse_dynamics",
+    "rocker_swing",
+    "synthesize_crank_rocker",
 ]

@@ -21,6 +21,7 @@ NAMES = [
     "mode_shapes",
     "running_fourbars",
     "steel_fourbar_frequencies",
+    "transmission_angle",
 ]
 # V1, crank angle in deg -> Hz.
 AT_REST = {
@@ -169,3 +170,12 @@ def test_critical_speeds(scenario, tmp_path, capsys):
     assert float(low) == pytest.approx(2 * np.pi * 43.6 / 14, rel=1e-2)
     assert "rings most at" in capsys.readouterr().out
     assert_pictures(tmp_path, *(f"{m}_critical_speeds.png" for m in answers))
+
+
+def test_transmission_angle(scenario, tmp_path, capsys):
+    answer = scenario("transmission_angle").main(tmp_path)
+    assert answer.limits["case 3 as designed"] == pytest.approx((70.0, 110.0))
+    # Errata of Table 3's text: case 1 is printed 1.2 degrees off.
+    assert answer.largest_gap == pytest.approx(1.21, abs=0.01)
+    assert "printed 58.26 to 115.35" in capsys.readouterr().out
+    assert_pictures(tmp_path, "design_chart.png", "transmission_angle.png")

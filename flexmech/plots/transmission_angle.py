@@ -1,0 +1,77 @@
+"""Transmission angle against crank angle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from flexmech.errors import InputError
+from flexmech.plots.style import (
+    LIGHT_GREY,
+    MID_GREY,
+    SERIES_STYLES,
+    crank_angle_axis,
+    header_height,
+    header_legend,
+    new_figure,
+    publication_style,
+    series_handle,
+    series_style,
+)
+
+__all__ = ["plot_transmission_angle"]
+
+FloatArray = NDArray[np.float64]
+HEIGHT = 3.2
+
+
+def plot_transmission_angle(
+    crank_angle: FloatArray,
+    curves: Mapping[str, FloatArray],
+    recommended: tuple[float, float] | None = None,
+) -> Figure:
+    """Draw transmission angles of linkages over the crank's turn.
+
+    As Elamy et al. 2023, Figure 7.
+
+    Parameters
+    ----------
+    crank_angle : ndarray, shape (A,)
+        In rad.
+    curves : mapping of str to ndarray, shape (A,)
+        Transmission angles in rad, by what the legend calls them.
+    recommended : tuple of float, optional
+        Range to shade, in rad.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If there are no curves, or more than there are styles to tell them apart.
+    """
+    if not 1 <= len(curves) <= len(SERIES_STYLES):
+        raise InputError(f"one to {len(SERIES_STYLES)} curves can be drawn, got {len(curves)}")
+    with publication_style():
+        title = "Transmission angle over a turn of the crank"
+        handles: list[Artist] = [series_handle(n, name) for n, name in enumerate(curves)]
+        figure = new_figure(HEIGHT + header_height(handles, title))
+        axes = figure.subplots()
+        degrees = np.degrees(crank_angle)
+        axes.axhline(90.0, color=MID_GREY, lw=0.6, zorder=1)
+        if recommended is not None:
+            axes.axhspan(*np.degrees(recommended), color=LIGHT_GREY, zorder=0)
+        for number, values in enumerate(curves.values()):
+            style = series_style(number)
+            axes.plot(degrees, np.degrees(values), color=style.color, linestyle=style.linestyle)
+        crank_angle_axis(axes, degrees)
+        axes.set_xlabel("Crank angle (deg)")
+        axes.set_ylabel("Transmission angle (deg)")
+        header_legend(figure, handles, title)
+    return figure

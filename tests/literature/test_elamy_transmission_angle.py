@@ -1,0 +1,91 @@
+"""Transmission angles of Elamy et al. 2023: Table 3, section 2.3 and equations 1-17."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexmech.linkages import FourBar, synthesize_crank_rocker
+
+# Table 3: crank, coupler and rocker over the ground; limits of the transmission angle by
+# equations 2 and 3 in degrees (the text prints 58.26/115.35 for case 1 and 35.65/103.95 for
+# case 2: they do not follow from the table's ratios).
+CASES = {
+    1: ((0.27, 0.83, 0.67), (57.05, 115.29)),
+    2: ((0.42, 1.00, 0.79), (35.41, 104.38)),
+    3: ((0.14, 0.90, 0.46), (70.09, 109.62)),
+    4: ((0.21, 0.91, 0.46), (60.24, 120.46)),
+}
+# Off 0 and 180 degrees, where the arc cosines lose half of the digits.
+TURN = np.radians(np.arange(1.0, 360.0, 7.5))
+
+
+def case(number: int) -> FourBar:
+    return FourBar(1.0, *CASES[number][0])
+
+
+@pytest.mark.parametrize("number", CASES)
+def test_limits_of_the_transmission_angle(number: int) -> None:
+    limits = np.degrees(case(number).transmission_angle_limits())
+    assert limits == pytest.approx(CASES[number][1], abs=5.1e-3)
+    at_ends = np.degrees(case(number).transmission_angle([0.0, np.pi]))
+    assert at_ends == pytest.approx(limits, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("number", "deviation", "rocker_angle", "ratios"),
+    [(3, 20.0, 100.0, (0.1408, 0.9005, 0.4572)), (4, 30.0, 90.0, (0.2087, 0.9137, 0.4569))],
+)
+def test_table_3_follows_from_equations_11_to_17(
+    number: int, deviation: float, rocker_angle: float, ratios: tuple[float, float, float]
+) -> None:
+    found = synthesize_crank_rocker(np.radians(deviation), np.radians(rocker_angle))
+    proportions = (float(found.crank), float(found.coupler), float(found.rocker))
+    assert proportions == pytest.approx(ratios, abs=5e-5)
+    assert proportions == pytest.approx(CASES[number][0], abs=5e-3)
+
+
+@pytest.mark.parametrize("number", CASES)
+def test_angles_of_equations_4_to_6(number: int) -> None:
+    """The second branch holds for crank angles from 180 to 360 degrees, corrected."""
+    linkage = case(number)
+    ground, crank, coupler, rocker = linkage.lengths.values()
+    diagonal = np.sqrt(ground**2 + crank**2 - 2 * ground * crank * np.cos(TURN))
+
+    def corner(a: float, b: np.ndarray, opposite: float) -> np.ndarray:
+        return np.arccos((a**2 + b**2 - opposite**2) / (2 * a * b))
+
+    psi1, psi2 = corner(ground, diagonal, crank), corner(crank, diagonal, ground)
+    psi3, psi4 = corner(rocker, diagonal, coupler), corner(coupler, diagonal, rocker)
+    second = np.where(np.pi < TURN, -1.0, 1.0)
+    rocker_angle = np.pi - second * psi1 - psi3
+    coupler_angle = second * psi2 + psi4 + TURN - np.pi
+    motion = linkage.motion(TURN)
+    for found, expected in ((2, rocker_angle), (1, coupler_angle)):
+        turns = (motion.angle[:, found] - expected) / (2 * np.pi)
+        assert turns == pytest.approx(np.round(turns), abs=1e-12)
+
+
+@pytest.mark.parametrize("number", CASES)
+def test_velocities_and_accelerations_of_equations_8_to_10(number: int) -> None:
+    linkage, speed = case(number), 3.0
+    _, crank, coupler, rocker = linkage.lengths.values()
+    motion = linkage.motion(TURN, speed)
+    theta2, theta3, theta4 = motion.angle.T
+    omega3 = (
+        speed
+        * crank
+        * (np.sin(theta2) - np.cos(theta2) * np.tan(theta4))
+        / (coupler * (np.cos(theta3) * np.tan(theta4) - np.sin(theta3)))
+    )
+    omega4 = (speed * crank * np.cos(theta2) + omega3 * coupler * np.cos(theta3)) / (
+        rocker * np.cos(theta4)
+    )
+    assert motion.angular_velocity[:, 1] == pytest.approx(omega3, rel=1e-8, abs=1e-10)
+    assert motion.angular_velocity[:, 2] == pytest.approx(omega4, rel=1e-8, abs=1e-10)
+    alpha3 = (
+        speed**2 * crank * np.cos(theta2 - theta4)
+        - omega4**2 * rocker
+        + omega3**2 * coupler * np.cos(theta3 - theta4)
+    ) / (coupler * np.sin(theta4 - theta3))
+    assert motion.angular_acceleration[:, 1] == pytest.approx(alpha3, rel=1e-8, abs=1e-9)
