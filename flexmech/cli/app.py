@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from flexmech.cli import check, frequencies, new, response, schema
+from flexmech.cli import check, frequencies, new, response, schema, section, study, synthesize
 
 __all__ = ["app", "main"]
 
@@ -51,6 +51,9 @@ def options(
 
 app.command("frequencies", help=frequencies.HELP)(frequencies.frequencies)
 app.command("response", help=response.HELP)(response.response)
+app.command("section", help=section.HELP)(section.section)
+app.add_typer(study.study_app, name="study", help=study.HELP)
+app.command("synthesize", help=synthesize.HELP)(synthesize.synthesize)
 app.command("check", help=check.HELP)(check.check)
 app.command("new", help=new.HELP)(new.new)
 app.command("schema", help=schema.HELP)(schema.schema)

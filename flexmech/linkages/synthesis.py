@@ -62,8 +62,10 @@ class CrankRockerProportions:
             raise InputError(
                 f"a linkage is made of one design, these are {self.crank.size}; choose one"
             )
-        lengths = (ground * float(np.squeeze(v)) for v in (self.crank, self.coupler, self.rocker))
-        return FourBar(ground, *lengths)
+        crank, coupler, rocker = (
+            ground * float(np.squeeze(v)) for v in (self.crank, self.coupler, self.rocker)
+        )
+        return FourBar(ground, crank, coupler, rocker)
 
 
 def synthesize_crank_rocker(

@@ -6,30 +6,42 @@ figures need no closing and can be drawn in any thread.
 
 from flexmech.plots.agreement import plot_agreement
 from flexmech.plots.animation import mp4_available, write_animation
+from flexmech.plots.composite_study import (
+    plot_composite_damping,
+    plot_composite_frequencies,
+    plot_laminate_factors,
+)
 from flexmech.plots.frequencies import plot_frequencies
 from flexmech.plots.modal_damping import plot_modal_damping
 from flexmech.plots.mode_shapes import plot_mode_shapes
 from flexmech.plots.response import plot_response
 from flexmech.plots.response_forces import plot_forces
+from flexmech.plots.section import plot_section
 from flexmech.plots.spectra import plot_spectrum
 from flexmech.plots.spectrogram import plot_spectrogram
 from flexmech.plots.speed_effect import plot_speed_effect
 from flexmech.plots.speed_sweep import plot_speed_sweep
 from flexmech.plots.style import publication_style
+from flexmech.plots.transmission_angle import plot_transmission_angle
 from flexmech.plots.vibration_effect import plot_vibration_effect
 
 __all__ = [
     "mp4_available",
     "plot_agreement",
+    "plot_composite_damping",
+    "plot_composite_frequencies",
     "plot_forces",
     "plot_frequencies",
+    "plot_laminate_factors",
     "plot_modal_damping",
     "plot_mode_shapes",
     "plot_response",
+    "plot_section",
     "plot_spectrogram",
     "plot_spectrum",
     "plot_speed_effect",
     "plot_speed_sweep",
+    "plot_transmission_angle",
     "plot_vibration_effect",
     "publication_style",
     "write_animation",
