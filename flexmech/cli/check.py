@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from flexmech.mechanism import Mechanism
+    from flexmech.sections import BeamSection
 
 __all__ = ["HELP", "check"]
 
@@ -86,13 +88,37 @@ def _link_table(mechanism: Mechanism) -> Table:
         ),
     )
     table.add_row("in-plane thickness (mm)", *(_milli(s.in_plane_thickness) for s in sections))
-    table.add_row("EA (N)", *(f"{s.axial_stiffness:.6g}" for s in sections))
-    table.add_row("EI (N m^2)", *(f"{s.bending_stiffness:.6g}" for s in sections))
-    table.add_row("kGA (N)", *(f"{s.shear_stiffness:.6g}" for s in sections))
-    table.add_row("rho A (kg/m)", *(f"{s.mass_per_length:.6g}" for s in sections))
-    table.add_row("rho I (kg m)", *(f"{s.rotary_inertia:.6g}" for s in sections))
-    table.add_row("damping time (s)", *(f"{s.damping.bending:.6g}" for s in sections))
+    for heading, values in _section_rows(sections):
+        table.add_row(heading, *values)
     return table
+
+
+def _section_rows(sections: Sequence[BeamSection]) -> Iterator[tuple[str, list[str]]]:
+    """Headings and texts of the sections' properties; what no section has is left out."""
+    for heading, name in (
+        ("EA (N)", "axial_stiffness"),
+        ("EI (N m^2)", "bending_stiffness"),
+        ("kGA (N)", "shear_stiffness"),
+        ("rho A (kg/m)", "mass_per_length"),
+        ("rho I (kg m)", "rotary_inertia"),
+    ):
+        yield heading, [f"{getattr(section, name):.6g}" for section in sections]
+    if any(section.neutral_axis for section in sections):
+        yield "neutral axis y (mm)", [_milli(section.neutral_axis) for section in sections]
+    if any(section.mass_axis for section in sections):
+        yield "mass axis y (mm)", [_milli(section.mass_axis) for section in sections]
+    names = ("axial", "bending", "shear")
+    times = {name: [getattr(section.damping, name) for section in sections] for name in names}
+    if times["axial"] == times["bending"] == times["shear"]:
+        times = {"": times["bending"]}
+    for name, values in times.items():
+        yield f"damping time (s){name and f', {name}'}", [f"{value:.6g}" for value in values]
+    known = [section.specific_damping for section in sections]
+    for name in names if any(known) else ():
+        yield (
+            f"specific damping (%), {name}",
+            ["not known" if loss is None else f"{100 * getattr(loss, name):.4g}" for loss in known],
+        )
 
 
 def _mass_lines(mechanism: Mechanism) -> list[str]:

@@ -57,7 +57,7 @@ class Engine(ABC):
     elements : int
         Finite elements a link.
     element : str, optional
-        Kind of beam element; one of ``element_kinds``, the first by default.
+        Kind of beam element; one of ``element_kinds``, :meth:`default_element` by default.
     component_modes : bool
         Reduce each link to component modes (Craig-Bampton). Off: all coordinates.
 
@@ -79,7 +79,7 @@ class Engine(ABC):
     ) -> None:
         if elements < 1:
             raise InputError(f"elements must be 1 or more a link, got {elements}")
-        element = element or self.element_kinds[0]
+        element = element or self.default_element(mechanism)
         if element not in self.element_kinds:
             raise InputError(
                 f"the {self.name} engine has no element {element!r}; "
@@ -90,6 +90,11 @@ class Engine(ABC):
         self.element = element
         self.component_modes = component_modes
         self._reductions: dict[tuple[int, float, bool, float], ComponentModes] = {}
+
+    @classmethod
+    def default_element(cls, mechanism: Mechanism) -> str:
+        """Kind of element for a mechanism if none is asked for: the first."""
+        return cls.element_kinds[0]
 
     @property
     @abstractmethod

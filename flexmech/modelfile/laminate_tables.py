@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from flexmech.errors import InputError
 from flexmech.modelfile.quantities import (
@@ -110,17 +110,29 @@ PlyTable = Annotated[
 ]
 
 
+def _one_or_each(value: Any) -> str:
+    return "each" if isinstance(value, list) else "one"
+
+
+# Told apart before they are read: what is wrong in a list is then reported of its entry.
+OneOrEach = Annotated[
+    Annotated[Length, Tag("one")] | Annotated[list[Length], Tag("each")],
+    Discriminator(_one_or_each),
+]
+
+
 class LaminateTable(Table):
     """Plies stacked through the thickness of a link, in the plane of the linkage."""
 
     stacking: Text = Field(
-        description="Plies from the lowest y of the link's frame up, as in '[C/G/C]', "
-        "'[C@0/C@45/C@-45]s' (angle in degrees; s mirrors the stack) or '[C@90*2/G]' (twice)"
+        description="Plies from the lowest y of the link's frame up (from the right to the left "
+        "when looking from its first joint along it), as in '[C/G/C]', '[C@0/C@45/C@-45]s' "
+        "(angle in degrees; s mirrors the stack) or '[C@90*2/G]' (twice)"
     )
     angles: list[Angle] | None = Field(
         default=None, description="Of the fibres against the link's axis, instead of '@'"
     )
-    ply_thickness: Length | list[Length] | None = Field(
+    ply_thickness: OneOrEach | None = Field(
         default=None, description="Of every layer, or one for each; else that of the ply's table"
     )
 

@@ -36,6 +36,9 @@ from flexmech.modelfile.tables import MaterialTable, ModelFile
 
 __all__ = ["build_laminates"]
 
+# Thickness of a layer over that of the stack, below which rounding takes over.
+THINNEST = 1e-9
+
 
 def build_laminates(tables: ModelFile, shown: str) -> dict[str, Laminate]:
     """Laminates of a model file, by name.
@@ -143,13 +146,20 @@ def _ply(
 
 def _orthotropic(table: OrthotropicPlyTable) -> Ply:
     in_plane = table.in_plane_shear_modulus
-    isotropic_across = table.transverse_modulus / (2 * (1 + table.poisson_ratio))
+    across = table.transverse_shear_modulus
+    if across is None:
+        if table.poisson_ratio <= -1:
+            raise InputError(
+                "transverse_shear_modulus is missing: with a poisson_ratio of "
+                f"{table.poisson_ratio:g} it does not follow from the transverse modulus; add it"
+            )
+        across = table.transverse_modulus / (2 * (1 + table.poisson_ratio))
     return Ply(
         longitudinal_modulus=table.longitudinal_modulus,
         transverse_modulus=table.transverse_modulus,
         in_plane_shear_modulus=in_plane,
         longitudinal_shear_modulus=table.longitudinal_shear_modulus or in_plane,
-        transverse_shear_modulus=table.transverse_shear_modulus or isotropic_across,
+        transverse_shear_modulus=across,
         poisson_ratio=table.poisson_ratio,
         density=table.density,
         specific_damping=PlyDamping(
@@ -168,6 +178,11 @@ def _laminate(
             raise InputError(f"stacking {table.stacking!r} names the ply {name!r}; {remedy}")
     angles = _angles(table, stack)
     thicknesses = _thicknesses(table, [tables[name].thickness for name, _ in stack], stack)
+    if min(thicknesses) < THINNEST * sum(thicknesses):
+        raise InputError(
+            f"the thinnest layer has {min(thicknesses):g} m of {sum(thicknesses):g} m, too little "
+            "to compute with; check the units"
+        )
     return Laminate(
         tuple(
             Layer(plies[name], thickness, angle)

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
@@ -30,14 +31,23 @@ _WANTED_TYPES = {
 
 @contextmanager
 def located(file: str, key: str) -> Iterator[None]:
-    """Prefix every :class:`InputError` of the block with the file and the dotted key."""
+    """Prefix every :class:`InputError` of the block with the file and the dotted key.
+
+    Values that are too large or too small to compute with become such an error.
+    """
     try:
-        yield
+        # What overflows is no number afterwards, and is refused as such.
+        with np.errstate(all="ignore"):
+            yield
     except InputError as error:
         raise InputError(f"{file}: {key}: {error}") from error
-    except OverflowError as error:
+    except ArithmeticError as error:
         raise InputError(
             f"{file}: {key}: a value here is too large to compute with; check the units"
+        ) from error
+    except np.linalg.LinAlgError as error:
+        raise InputError(
+            f"{file}: {key}: a value here is too small to compute with; check the units"
         ) from error
 
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from itertools import groupby
 
 from flexmech.errors import InputError
 from flexmech.units import NUMBER, parse_number
 
-__all__ = ["parse_stacking"]
+__all__ = ["parse_stacking", "stacking_text"]
 
 _STACK = re.compile(r"\s*\[(?P<inside>[^\[\]]*)\]\s*(?P<mirror>[sS]?)\s*")
 _ITEM = re.compile(
@@ -49,3 +51,27 @@ def parse_stacking(text: str) -> list[tuple[str, float | None]]:
         angle = None if found["angle"] is None else float(parse_number(found["angle"]))
         layers += [(found["ply"], angle)] * count
     return layers + layers[::-1] if whole["mirror"] else layers
+
+
+def stacking_text(layers: Sequence[tuple[str, float]]) -> str:
+    """Write a stack in the notation that :func:`parse_stacking` reads.
+
+    Parameters
+    ----------
+    layers : sequence of tuple
+        Name and angle in degrees of each layer, from the lowest up.
+
+    Returns
+    -------
+    str
+        As short as the notation allows; angles of zero are left out.
+    """
+    half = len(layers) // 2
+    mirrored = len(layers) % 2 == 0 and list(layers[:half]) == list(layers[half:])[::-1]
+    runs = [
+        name + (f"@{angle:.6g}" if angle else "") + (f"*{count}" if count > 1 else "")
+        for (name, angle), count in (
+            (layer, len(list(run))) for layer, run in groupby(layers[:half] if mirrored else layers)
+        )
+    ]
+    return f"[{'/'.join(runs)}]{'s' * mirrored}"

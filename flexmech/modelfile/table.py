@@ -38,7 +38,7 @@ class Table(BaseModel):
                 if key not in known:
                     raise PydanticCustomError(
                         "unknown_key",
-                        "unknown key {key!r}; {remedy}",
+                        "unknown key '{key}'; {remedy}",
                         {"key": key, "remedy": suggestion(str(key), known)},
                     )
         return data

@@ -3,206 +3,29 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.errors import InputError
 from flexmech.linear_system import RigidFields
+from flexmech.mechanism import Mechanism
+from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.node_bodies import BeamInertia
 from flexmech.multibody.strains import Strain, cable_strains, exact_beam_strains
 from flexmech.sections import BeamSection
 
-__all__ = ["BEAM_KINDS", "AncfCable", "BeamKind", "GeometricallyExactBeam"]
+__all__ = [
+    "BEAM_KINDS",
+    "AncfCable",
+    "GeometricallyExactBeam",
+    "eccentric_links",
+    "refuse_eccentric_sections",
+]
 
 FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
-
-
-class BeamKind(ABC):
-    """How a chain of beam elements is built and read.
-
-    Attributes
-    ----------
-    per_node : int
-        Coordinates a node.
-    vectors : tuple of tuple of int
-        Pairs of a node's coordinates that turn as a vector with the link.
-    clamped : int
-        The node's coordinate that a clamp holds besides the position: slope or rotation.
-    deflection : int or None
-        The node's coordinate across the link if its slope follows from it (no shear).
-    turns_arms : bool
-        Whether a node's section is rigid and turns what sits off the neutral axis.
-    """
-
-    per_node: int
-    vectors: tuple[tuple[int, int], ...]
-    clamped: int
-    deflection: int | None
-    turns_arms: bool
-
-    @abstractmethod
-    def add_node(self, mbs: Any, x: float, y: float) -> int:
-        """Node of a link along the global x axis; returns its number.
-
-        Parameters
-        ----------
-        mbs : exudyn.MainSystem
-        x, y : float
-            Place along the link and distance of the neutral axis from the pins' axis in m.
-
-        Returns
-        -------
-        int
-        """
-
-    @abstractmethod
-    def add_element(
-        self, mbs: Any, nodes: list[int], length: float, section: BeamSection, inertia: BeamInertia
-    ) -> int:
-        """Beam element between two nodes.
-
-        Parameters
-        ----------
-        mbs : exudyn.MainSystem
-        nodes : list of int
-            Exudyn's numbers of its two nodes.
-        length : float
-            In m.
-        section : BeamSection
-            Its stiffness and damping.
-        inertia : BeamInertia
-            Mass that the element carries on its axis.
-
-        Returns
-        -------
-        int
-            Exudyn's number of the element.
-        """
-
-    @abstractmethod
-    def shape_functions(self, fraction: FloatArray, length: FloatArray) -> FloatArray:
-        """Displacement inside elements, (s, 2, 2 per_node) for places (s,)."""
-
-    @abstractmethod
-    def rigid_fields(self, nodes: FloatArray) -> RigidFields:
-        """Coordinates of a rigid link's accelerations."""
-
-    @abstractmethod
-    def pose(self, nodes: FloatArray, origin: FloatArray, angle: float) -> FloatArray:
-        """Coordinates, less the reference ones, of a straight link at a place and angle.
-
-        Parameters
-        ----------
-        nodes : ndarray, shape (k,)
-            Node positions along the link in m.
-        origin : ndarray, shape (2,)
-            Its start in m.
-        angle : float
-            In rad.
-
-        Returns
-        -------
-        ndarray, shape (k * per_node,)
-        """
-
-    @abstractmethod
-    def add_axis_marker(self, mbs: Any, node: int, element: int, x: float) -> int:
-        """Marker that turns with the beam's axis (its section if it shears) at a node.
-
-        Parameters
-        ----------
-        mbs : exudyn.MainSystem
-        node, element : int
-            Exudyn's numbers of the node and of the element that ends there.
-        x : float
-            The node's distance from the element's start in m.
-
-        Returns
-        -------
-        int
-            Exudyn's number of the marker.
-        """
-
-    @abstractmethod
-    def align(self, node: FloatArray, angle: float) -> None:
-        """Turn a node's axis to an angle in rad, in place; the stretch stays."""
-
-    @abstractmethod
-    def strains(
-        self, place: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
-    ) -> list[Strain]:
-        """The strains by which Exudyn's element stores energy, at its integration points.
-
-        Parameters
-        ----------
-        place, rate : ndarray, shape (m, k * per_node)
-            Coordinates of a chain of nodes, with the reference ones, and their time
-            derivatives, in axes that may turn with the link.
-        length : ndarray, shape (k - 1,)
-            Of the undeformed elements in m.
-        section : BeamSection
-
-        Returns
-        -------
-        list of Strain
-        """
-
-    def internal_force(
-        self, place: FloatArray, length: FloatArray, section: BeamSection
-    ) -> FloatArray:
-        """Elastic forces on the nodes, the derivative of the strain energy.
-
-        Parameters
-        ----------
-        place : ndarray, shape (m, k * per_node)
-            Coordinates of a chain of nodes, with the reference ones.
-        length : ndarray, shape (k - 1,)
-            Of the undeformed elements in m.
-        section : BeamSection
-
-        Returns
-        -------
-        ndarray, shape (m, k * per_node)
-        """
-        size = place.shape[1]
-        unit_rates = np.tile(np.eye(size), (len(place), 1))
-        strains = self.strains(np.repeat(place, size, axis=0), unit_rates, length, section)
-        return np.asarray(sum(strain.power for strain in strains)).reshape(place.shape)
-
-    def turned(self, vectors: FloatArray, angle: FloatArray) -> FloatArray:
-        """Coordinates with every vector turned by an angle; scalars stay.
-
-        Parameters
-        ----------
-        vectors : ndarray, shape (m, k * per_node)
-        angle : ndarray, shape (m,)
-
-        Returns
-        -------
-        ndarray, shape (m, k * per_node)
-        """
-        x, y = self.vector_pairs(vectors.shape[1] // self.per_node)
-        cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
-        turned = vectors.copy()
-        turned[:, x] = cosine * vectors[:, x] - sine * vectors[:, y]
-        turned[:, y] = sine * vectors[:, x] + cosine * vectors[:, y]
-        return turned
-
-    def is_axial(self, count: int) -> NDArray[np.bool_]:
-        """Which coordinates of a chain of ``count`` nodes move it along its axis."""
-        axial = np.zeros(self.per_node, dtype=bool)
-        axial[[x for x, _ in self.vectors]] = True
-        return np.tile(axial, count)
-
-    def vector_pairs(self, count: int) -> tuple[IntArray, IntArray]:
-        """X and y coordinates of all vectors in a chain of ``count`` nodes."""
-        base = self.per_node * np.arange(count)[:, None]
-        pairs = np.array(self.vectors)
-        return (base + pairs[:, 0]).ravel(), (base + pairs[:, 1]).ravel()
 
 
 class AncfCable(BeamKind):
@@ -370,3 +193,32 @@ BEAM_KINDS: dict[str, BeamKind] = {
     "ancf": AncfCable(),
     "geometrically-exact": GeometricallyExactBeam(),
 }
+
+
+def eccentric_links(mechanism: Mechanism) -> list[str]:
+    """Links whose neutral axis or centre of mass is off the pins' axis, by name."""
+    names = mechanism.linkage.topology.link_names
+    return [name for name in names if mechanism.sections[name].is_eccentric]
+
+
+def refuse_eccentric_sections(mechanism: Mechanism, kind: str) -> None:
+    """Refuse eccentric sections where an element would ignore the eccentricity.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    kind : str
+        Key of :data:`flexmech.multibody.beams.BEAM_KINDS`.
+
+    Raises
+    ------
+    InputError
+        If a section is eccentric; names the links.
+    """
+    links = eccentric_links(mechanism)
+    if links and not BEAM_KINDS[kind].turns_arms:
+        raise InputError(
+            f"the section of {', '.join(links)} has its neutral axis or its centre of mass off "
+            f"the pins' axis, which Exudyn's element {kind!r} cannot have; use element "
+            "'geometrically-exact'"
+        )

@@ -21,15 +21,13 @@ from flexmech.linear_system import (
     refuse_other_postures,
 )
 from flexmech.linkages import CrankDrive, RigidMotion
-from flexmech.multibody.linearize import (
-    link_models,
-    running_tangents,
-    static_equilibrium,
-    unit_tension_stiffness,
-)
+from flexmech.mechanism import Mechanism
+from flexmech.multibody.beams import eccentric_links, refuse_eccentric_sections
+from flexmech.multibody.linearize import running_tangents, static_equilibrium
 from flexmech.multibody.model import MultibodyModel
 from flexmech.multibody.running_model import RunningModel
 from flexmech.multibody.simulation import Simulation
+from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
 from flexmech.time_domain import INTEGRATORS, Integrator, LinkState, Recorder, Trajectory
 
 __all__ = ["ExudynEngine"]
@@ -43,11 +41,32 @@ class ExudynEngine(Engine):
     Mass, stiffness and damping come from Exudyn's linearization, the quasi-static
     equilibrium from its static solver; the transformation to link frames is the one that
     all engines share. Parameters as for :class:`flexmech.linear_system.Engine`; the
-    element is ``"ancf"`` or ``"geometrically-exact"``.
+    element is ``"ancf"``, the default, or ``"geometrically-exact"``, which is the default and
+    the only one for sections whose neutral axis or centre of mass is off the pins' axis.
+
+    Raises
+    ------
+    InputError
+        If the element is unknown or cannot have such a section, or there is no element.
     """
 
     name: ClassVar[str] = "exudyn"
     element_kinds: ClassVar[tuple[str, ...]] = ("ancf", "geometrically-exact")
+
+    def __init__(
+        self,
+        mechanism: Mechanism,
+        elements: int = 8,
+        element: str | None = None,
+        component_modes: bool = True,
+    ) -> None:
+        super().__init__(mechanism, elements, element, component_modes)
+        refuse_eccentric_sections(mechanism, self.element)
+
+    @classmethod
+    def default_element(cls, mechanism: Mechanism) -> str:
+        """ANCF cables, unless a section has its neutral axis or mass off the pins' axis."""
+        return "geometrically-exact" if eccentric_links(mechanism) else "ancf"
 
     def convergence(self, prestress: Prestress) -> ConvergenceOrders:
         """Cubic ANCF: fourth order; linear geometrically exact beam: second.
@@ -81,11 +100,11 @@ class ExudynEngine(Engine):
         """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
         unloaded = not motion.crank_speed.any() and not any(self.mechanism.gravity)
         if prestress == "axial" and self.element != "ancf":
-            eccentric = any(s.is_eccentric for s in self.mechanism.sections.values())
+            other = "" if eccentric_links(self.mechanism) else "element 'ancf' or "
             raise InputError(
                 "prestress 'axial' needs an element that can carry tension in its straight "
                 "shape; the geometrically exact beam cannot: use "
-                f"{'' if eccentric else "element 'ancf' or "}prestress 'equilibrium'"
+                f"{other}prestress 'equilibrium'"
             )
         if prestress == "none" or unloaded:
             return StressedLinks.unloaded(self.links)

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.errors import InputError
 from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.mechanism import Mechanism
 from flexmech.mesh import node_positions
 from flexmech.multibody.arms import Arms, LinkArms
-from flexmech.multibody.beams import BEAM_KINDS, BeamKind
+from flexmech.multibody.beam_kind import BeamKind
+from flexmech.multibody.beams import BEAM_KINDS, refuse_eccentric_sections
 from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.node_bodies import BeamInertia, NodeBodies
+from flexmech.multibody.node_bodies import BeamInertia, NodeBodies, point_masses_at
 
 __all__ = ["LinkPart", "MultibodyModel"]
 
@@ -88,8 +88,7 @@ class MultibodyModel:
         self.mechanism = mechanism
         self.topology = mechanism.linkage.topology
         self.kind: BeamKind = BEAM_KINDS[kind]
-        if not self.kind.turns_arms:
-            refuse_eccentric_sections(mechanism, kind)
+        refuse_eccentric_sections(mechanism, kind)
         self._container = load_exudyn().SystemContainer()
         self.mbs: Any = self._container.AddSystem()
         self.base = self.topology.index(self.topology.clamps[0].held.link)
@@ -276,7 +275,8 @@ class MultibodyModel:
 
     def _axis_point(self, part: LinkPart, number: int) -> int:
         """Marker of the point on the pins' axis that belongs to a node of an eccentric link."""
-        assert part.arms is not None and part.bodies is not None
+        assert part.arms is not None
+        assert part.bodies is not None
         items = load_exudyn().itemInterface
         marker = items.MarkerBodyRigid(
             bodyNumber=part.bodies.numbers[number],
@@ -298,47 +298,3 @@ class MultibodyModel:
         """Where a link end is in the reference configuration, shape (2,)."""
         positions = self._part(place).positions
         return np.array([positions[0 if place.end == "start" else -1], 0.0])
-
-
-def point_masses_at(mechanism: Mechanism, link: str, positions: FloatArray) -> FloatArray:
-    """Point mass at each node of a link.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    link : str
-    positions : ndarray, shape (e + 1,)
-        Of the nodes in m.
-
-    Returns
-    -------
-    ndarray, shape (e + 1,)
-        In kg.
-    """
-    points, masses = mechanism.link_mass(link), np.zeros(len(positions))
-    for x, value in zip(points.point_positions, points.point_masses, strict=True):
-        masses[np.argmin(np.abs(positions - x))] += value
-    return masses
-
-
-def refuse_eccentric_sections(mechanism: Mechanism, kind: str) -> None:
-    """Refuse sections whose neutral axis or centre of mass an element would ignore.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    kind : str
-        Key of :data:`flexmech.multibody.beams.BEAM_KINDS`.
-
-    Raises
-    ------
-    InputError
-        If a section is eccentric; names the links.
-    """
-    links = [name for name, section in mechanism.sections.items() if section.is_eccentric]
-    if links:
-        raise InputError(
-            f"Exudyn's {kind!r} element has its neutral axis and its centre of mass on the pins' "
-            f"axis, but the section of {', '.join(links)} has them off it; use element "
-            "'geometrically-exact'"
-        )

@@ -1,4 +1,4 @@
-"""Between Exudyn's absolute coordinates in motion and the frames of the rigid links."""
+"""Between absolute coordinates of links in motion and the frames of the rigid links."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import RigidMotion
-from flexmech.multibody.beams import BeamKind
+from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.model import LinkPart
 
 __all__ = ["MovingFrames"]
@@ -39,7 +39,10 @@ class MovingFrames:
     def to_absolute(
         self, motion: RigidMotion, displacement: Sequence[FloatArray], rate: Sequence[FloatArray]
     ) -> tuple[FloatArray, FloatArray]:
-        """Exudyn's coordinates and velocities of links displaced in their frames.
+        """Coordinates in ground axes and velocities of links displaced in their frames.
+
+        They are Exudyn's where the nodes are on the pins' axis, and lead to them by
+        :class:`flexmech.multibody.arms.LinkArms` where not.
 
         Parameters
         ----------

@@ -16,10 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.mechanism import Mechanism
 from flexmech.multibody.library import load_exudyn
 from flexmech.sections import BeamSection
 
-__all__ = ["BeamInertia", "NodeBodies"]
+__all__ = ["BeamInertia", "NodeBodies", "point_masses_at"]
 
 FloatArray = NDArray[np.float64]
 
@@ -113,6 +114,27 @@ class NodeBodies:
             removed = np.diag([-twice, -twice, 0.0])
             mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=removed))
         return cls(numbers, mass, centre)
+
+
+def point_masses_at(mechanism: Mechanism, link: str, positions: FloatArray) -> FloatArray:
+    """Point mass at each node of a link.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    link : str
+    positions : ndarray, shape (e + 1,)
+        Of the nodes in m.
+
+    Returns
+    -------
+    ndarray, shape (e + 1,)
+        In kg.
+    """
+    points, masses = mechanism.link_mass(link), np.zeros(len(positions))
+    for x, value in zip(points.point_positions, points.point_masses, strict=True):
+        masses[np.argmin(np.abs(positions - x))] += value
+    return masses
 
 
 def _consistent_share(section: BeamSection) -> float:

@@ -66,6 +66,15 @@ class RunningModel(MultibodyModel):
         first = self._end(self._clamp.held)[1]
         self._clamped = slice(first, first + self.kind.per_node)
         self._clamped_x = float(self._straight_place(self._clamp.held)[0])
+        self._pivots_on_arms = [
+            (pivot.held, self._place(pivot.held))
+            for pivot in self.topology.pivots
+            if self._part(pivot.held).arms is not None
+        ]
+        pins = [(self.topology.leader_of(p.leader), p.follower) for p in self.topology.pins]
+        self._pins_on_arms = [
+            pair for pair in pins if any(self._part(end).arms is not None for end in pair)
+        ]
 
     def shaft_angle(self, time: float) -> float:
         """Angle of the clamped link at its clamp in rad."""
@@ -184,11 +193,12 @@ class RunningModel(MultibodyModel):
         gaps += [place(pin.leader) - place(pin.follower) for pin in self.topology.pins]
         return float(np.max(np.linalg.norm(gaps, axis=1)))
 
-    def put_clamp_in_place(self, position: FloatArray, time: float) -> None:
-        """Put hub and clamp where the shaft has them, in place.
+    def put_joints_in_place(self, position: FloatArray, time: float) -> None:
+        """Put hub and clamp where the shaft has them, and pins on arms together, in place.
 
         Constraints on velocities leave the place to the integration rule, whose error in
-        the clamped direction, ``(speed * step)**3 / 12`` a step, would add up.
+        the clamped direction, ``(speed * step)**3 / 12`` a step, would add up; so would that
+        of pins whose arms vibrate. Pins between nodes are linear in them and do not part.
 
         Parameters
         ----------
@@ -208,6 +218,22 @@ class RunningModel(MultibodyModel):
         if arms is not None:
             node[:] = arms.moved(node)
         position[-1] = angle
+        for held, place in self._pivots_on_arms:
+            self._move_end(position, held, place)
+        for leader, follower in self._pins_on_arms:
+            self._move_end(position, follower, self._axis_place(position, leader))
+
+    def _axis_place(self, position: FloatArray, end: LinkEnd) -> FloatArray:
+        """Where the point on the pins' axis at a link end is, (2,), by Exudyn's coordinates."""
+        first, arms = self._end(end)[1], self._part(end).arms
+        node = position[first : first + self.kind.per_node]
+        axis = node if arms is None else arms.back.moved(node)
+        return np.asarray(axis[:2] + self._straight_place(end))
+
+    def _move_end(self, position: FloatArray, end: LinkEnd, place: FloatArray) -> None:
+        """Move a node so that its point on the pins' axis gets to a place."""
+        first = self._end(end)[1]
+        position[first : first + 2] += place - self._axis_place(position, end)
 
     def _add_supports(self) -> list[tuple[int, int]]:
         """Hub, shaft and pivots; nothing whose offset moves with the crank angle."""

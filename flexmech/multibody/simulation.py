@@ -216,7 +216,7 @@ class _Steps:
         self._recorder = recorder
         self._progress = progress
         self._out = sys.stdout
-        # Velocity constraints alone would let the clamp drift.
+        # Velocity constraints alone would let the clamp and pins on arms drift.
         self._drifts = simulation.integrator == "trapezoidal"
         self._first = self._count = 0
         size = simulation.model.total_size
@@ -271,7 +271,7 @@ class _Steps:
         row = self._count
         position = data.GetODE2Coordinates()
         if self._drifts:
-            self._simulation.model.put_clamp_in_place(position, time)
+            self._simulation.model.put_joints_in_place(position, time)
             data.SetODE2Coordinates(position)
         self._position[row] = position
         self._velocity[row] = data.GetODE2Coordinates_t()

@@ -21,6 +21,7 @@ from flexmech.linear_system import inertia_loads
 from flexmech.linkages import CrankDrive, inverse_dynamics
 from flexmech.multibody import simulation
 from flexmech.multibody.linearize import linearized, simulation_settings, static_equilibrium
+from flexmech.sections import DampingTimes
 from flexmech.time_domain import LinkState
 from tests.cross_engine.test_six_bar import LEFT
 
@@ -116,7 +117,7 @@ def test_static_force_is_the_derivative_of_the_strain_energy(element):
 
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_dissipation_is_that_of_exudyn_s_damping_matrix(element):
-    engine = arm(element, damping_time=0.03)
+    engine = arm(element, damping=DampingTimes(axial=0.02, bending=0.03, shear=0.05))
     random = np.random.default_rng(3)
     bent, rate = random.normal(0, 0.05, (2, engine.model.size))
     damping = linearized(engine.model, simulation_settings(), bent)[2]

@@ -1,0 +1,122 @@
+"""Link models from Exudyn's linearization of the undeformed links."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system import LinkModel
+from flexmech.mesh import middle_curvature, station_shapes
+from flexmech.multibody.linearize import linearized, simulation_settings
+from flexmech.multibody.model import MultibodyModel
+
+__all__ = ["link_models", "unit_tension_stiffness"]
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+
+def link_models(model: MultibodyModel) -> tuple[LinkModel, ...]:
+    """Link models from the linearization of the undeformed system.
+
+    In the reference configuration every link lies along the global x axis, so absolute
+    coordinates are those of the link frames.
+    """
+    straight = np.zeros(model.size)
+    mass, stiffness, damping = linearized(model, simulation_settings(), straight)
+    kind, models = model.kind, []
+    for name, part in zip(model.topology.link_names, model.parts, strict=True):
+        count, size = len(part.nodes), part.coordinates.stop - part.coordinates.start
+        own = [matrix[part.coordinates, part.coordinates] for matrix in (mass, stiffness, damping)]
+        if part.arms is not None:
+            own = [part.arms.matrix(np.zeros(size), matrix) for matrix in own]
+        inertia = _inertia(own[0], _quarter_turn(size, *kind.vector_pairs(count)))
+        last = size - kind.per_node
+        models.append(
+            LinkModel(
+                name=name,
+                mass=own[0],
+                gyroscopic=inertia.gyroscopic,
+                translational_mass=inertia.translational_mass,
+                first_moment=inertia.first_moment,
+                stiffness=own[1],
+                damping=own[2],
+                is_axial=kind.is_axial(count),
+                start=np.array([0, 1]),
+                end=np.array([last, last + 1]),
+                start_rotation=np.array([kind.clamped]),
+                end_rotation=np.array([last + kind.clamped]),
+                shape=station_shapes(part.positions, kind.per_node, kind.shape_functions),
+                curvature=middle_curvature(
+                    part.positions, kind.per_node, kind.clamped, kind.deflection
+                ),
+                fields=kind.rigid_fields(part.positions),
+            )
+        )
+    return tuple(models)
+
+
+def unit_tension_stiffness(model: MultibodyModel) -> list[FloatArray]:
+    """Geometric stiffness that unit tension in each element adds, in link frames.
+
+    A cable element at rest in its straight shape carries tension when its reference axial
+    strain is negative; its stiffness is linear in that tension.
+
+    Parameters
+    ----------
+    model : MultibodyModel
+        Of ANCF cables.
+
+    Returns
+    -------
+    list of ndarray, shape (e, n_link, n_link)
+    """
+    straight = np.zeros(model.size)
+    settings = simulation_settings()
+    relaxed = linearized(model, settings, straight)[1]
+    parts = []
+    for name, part in zip(model.topology.link_names, model.parts, strict=True):
+        axial_stiffness = model.mechanism.sections[name].axial_stiffness
+        unit = []
+        for element in part.elements:
+            model.mbs.SetObjectParameter(element, "referenceAxialStrain", -1.0)
+            tense = linearized(model, settings, straight)[1]
+            model.mbs.SetObjectParameter(element, "referenceAxialStrain", 0.0)
+            change = (tense - relaxed)[part.coordinates, part.coordinates]
+            unit.append(change / axial_stiffness)
+        parts.append(np.stack(unit))
+    return parts
+
+
+@dataclass(frozen=True)
+class _Inertia:
+    """Integrals over a link besides its mass; see :class:`LinkModel`."""
+
+    gyroscopic: FloatArray
+    translational_mass: FloatArray
+    first_moment: FloatArray
+
+
+def _inertia(mass: FloatArray, quarter: FloatArray) -> _Inertia:
+    """Integrals of the same shapes as a straight link's mass matrix.
+
+    Vectors and rotations are coupled in it where the centre of mass is off the pins' axis.
+    """
+    turned = quarter.T @ mass @ quarter
+    coupling = mass - mass @ quarter @ quarter.T  # what rotations exert on vectors
+    coupling = quarter @ quarter.T @ coupling
+    moment = -coupling.sum(axis=1)
+    return _Inertia(
+        gyroscopic=turned @ quarter + quarter @ coupling - (quarter @ coupling).T,
+        translational_mass=turned + coupling + coupling.T,
+        first_moment=np.stack([moment, quarter @ moment]),
+    )
+
+
+def _quarter_turn(size: int, x: IntArray, y: IntArray) -> FloatArray:
+    """Matrix that turns every vector coordinate by a quarter and drops the others."""
+    quarter = np.zeros((size, size))
+    quarter[x, y], quarter[y, x] = -1.0, 1.0
+    return quarter

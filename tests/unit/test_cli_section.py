@@ -1,0 +1,297 @@
+"""``flexmech section``: what it prints, what it writes, and that the stresses balance the loads."""
+
+from __future__ import annotations
+
+import csv
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from flexmech.cli import app
+from flexmech.cli.section_data import in_runs, section_values, unit_load_profile
+from flexmech.materials import Laminate, Layer, Ply, PlyDamping
+from flexmech.modelfile import load_mechanism
+from flexmech.sections import BeamSection, LaminateSection
+from flexmech.units import NUMBER
+
+MODELS = Path(__file__).parents[2] / "models"
+COMPOSITE = MODELS / "composite_fourbar.toml"
+STEEL = MODELS / "steel_fourbar.toml"
+GENERAL = MODELS / "rotating_arm_slender_70.toml"
+LINKS = ["crank", "coupler", "rocker"]
+COLUMNS = (
+    "link,load,coupling,layer,ply,angle_deg,y_m,strain,normal_stress_Pa,shear_stress_Pa,"
+    "third_order_shear_stress_Pa"
+)
+
+
+def run(*arguments: object) -> Any:
+    return CliRunner().invoke(app, ["section", *map(str, arguments)])
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def value_of(output: str, label: str) -> list[float | str]:
+    """Cells of a printed row beside its label."""
+    (row,) = [line for line in output.splitlines() if line.startswith(f"│ {label} ")]
+    cells = [cell.strip() for cell in row.strip("│").split("│")[1:]]
+    return [float(c) if re.fullmatch(NUMBER, c) else c for c in cells]
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, Path]:
+    out = tmp_path_factory.mktemp("section") / "out"
+    return run(COMPOSITE, "--no-plots", "--out", out), out
+
+
+def test_all_links_are_printed_in_the_order_of_the_linkage(written: tuple[Any, Path]) -> None:
+    result, _ = written
+    assert result.exit_code == 0, result.output
+    places = [result.stdout.index(f"{link}: [") for link in LINKS]
+    assert places == sorted(places)
+    assert "coupler: [C*4/G*4], 8 layers" in result.stdout
+    assert "crank: [C*3/C@45/C@-45]s, 10 layers" in result.stdout
+    assert "coupler under unit loads, without coupling" in result.stdout
+    assert "crank under unit loads, without coupling" not in result.stdout
+
+
+def test_files_are_tables_and_a_picture_of_each_link(tmp_path: Path) -> None:
+    file = tmp_path / "mixed.toml"
+    model = COMPOSITE.read_text(encoding="utf-8")
+    start = model.index("[links.crank]")
+    general = """[links.crank]
+section = "general"
+axial_stiffness = "22 MN"
+bending_stiffness = "271 N m^2"
+shear_stiffness = "0.56 MN"
+mass_per_length = "0.31 kg/m"
+rotary_inertia = "2.6e-6 kg m"
+in_plane_thickness = "10 mm"
+
+"""
+    # One picture is enough to see which links have one.
+    text = model[:start] + general + model[model.index("[links.coupler]") :]
+    text = text.replace(text[text.index("[links.rocker]") : text.index("[operation]")], "")
+    text += general.replace("crank", "rocker")
+    file.write_text(text, encoding="utf-8")
+    out = tmp_path / "out"
+    result = run(file, "--out", out)
+    assert result.exit_code == 0, result.output
+    assert names(out) == ["section_coupler.png", "sections.csv", "through_thickness.csv"]
+    assert (out / "section_coupler.png").read_bytes().startswith(b"\x89PNG")
+    line = result.stdout.strip().splitlines()[-1]
+    assert line.startswith("files: ")
+    assert all(name in line for name in names(out))
+    assert result.stdout.count("of strain and stress through its thickness nothing") == 2
+
+
+def test_printed_and_tabulated_numbers_are_those_of_the_section(written: tuple[Any, Path]) -> None:
+    _, out = written
+    coupler = load_mechanism(COMPOSITE).sections["coupler"]
+    printed = run(COMPOSITE, "--link", "coupler").stdout
+    assert value_of(printed, "EI about the neutral axis (N m^2)") == [
+        pytest.approx(coupler.bending_stiffness, rel=1e-5),
+        pytest.approx(coupler.without_coupling().bending_stiffness, rel=1e-5),
+        "+44.54 %",
+    ]
+    assert value_of(printed, "neutral axis y (mm)") == [
+        pytest.approx(1e3 * coupler.neutral_axis, rel=1e-5),
+        0,
+        "",
+    ]
+    assert value_of(printed, "mass axis y (mm)")[0] == pytest.approx(1e3 * coupler.mass_axis, 1e-5)
+    loss = coupler.specific_damping
+    assert loss is not None
+    assert value_of(printed, "specific damping (%), bending")[0] == pytest.approx(
+        100 * loss.bending, rel=1e-5
+    )
+    table = pd.read_csv(out / "sections.csv").set_index(["link", "coupling"])
+    assert list(table.index) == [(link, c) for link in LINKS for c in ("with", "without")]
+    row = table.loc[("coupler", "with")]
+    assert row["coupling_stiffness_Nm"] == pytest.approx(coupler.coupling_stiffness, rel=1e-9)
+    assert row["shear_stiffness_N"] == pytest.approx(coupler.shear_stiffness, rel=1e-9)
+    assert row["damping_time_shear_s"] == pytest.approx(coupler.damping.shear, rel=1e-9)
+    assert table.loc[("coupler", "without"), "neutral_axis_m"] == 0
+    assert table.loc[("crank", "with")].equals(table.loc[("crank", "without")])
+
+
+def resultants(rows: pd.DataFrame, width: float) -> tuple[float, float, float]:
+    """Axial force, moment about the pins' axis and shear force of tabulated stresses."""
+    force = moment = shear = 0.0
+    for _, layer in rows.groupby("layer"):
+        y = layer["y_m"].to_numpy()
+        # Simpson's rule, exact for all that is integrated here.
+        weights = np.ones(y.size)
+        weights[1:-1:2], weights[2:-1:2] = 4, 2
+        weights *= width * (y[1] - y[0]) / 3
+        force += weights @ layer["normal_stress_Pa"]
+        moment -= weights @ (layer["normal_stress_Pa"] * y)
+        shear += weights @ layer["shear_stress_Pa"]
+    return force, moment, shear
+
+
+@pytest.mark.parametrize("link", LINKS)
+def test_tabulated_stresses_balance_the_unit_loads(link: str, written: tuple[Any, Path]) -> None:
+    _, out = written
+    with (out / "through_thickness.csv").open(encoding="utf-8", newline="") as file:
+        assert next(csv.reader(file)) == COLUMNS.split(",")
+    rows = pd.read_csv(out / "through_thickness.csv")
+    rows = rows[(rows["link"] == link) & (rows["coupling"] == "with")]
+    for load, expected in (
+        ("axial_force", (1, 0, 0)),
+        ("bending_moment", (0, 1, 0)),
+        ("shear_force", (0, 0, 1)),
+    ):
+        assert resultants(rows[rows["load"] == load], 0.02) == pytest.approx(expected, abs=1e-7)
+
+
+def test_without_coupling_a_force_stretches_and_does_not_bend(written: tuple[Any, Path]) -> None:
+    _, out = written
+    rows = pd.read_csv(out / "through_thickness.csv")
+    rows = rows[(rows["link"] == "coupler") & (rows["load"] == "axial_force")]
+    with_it, without = (rows[rows["coupling"] == c] for c in ("with", "without"))
+    coupler = load_mechanism(COMPOSITE).sections["coupler"]
+    np.testing.assert_allclose(without["strain"], 1 / coupler.axial_stiffness, rtol=1e-9)
+    slope = np.polyfit(with_it["y_m"], with_it["strain"], 1)[0]
+    # Force times lever over EI: a force on the pins' axis bends the coupler upward.
+    assert slope == pytest.approx(-coupler.neutral_axis / coupler.bending_stiffness, rel=1e-8)
+
+
+def test_one_link_alone_and_no_pictures(tmp_path: Path) -> None:
+    result = run(COMPOSITE, "--link", "rocker", "--no-plots", "--out", tmp_path)
+    assert result.exit_code == 0
+    assert names(tmp_path) == ["sections.csv", "through_thickness.csv"]
+    assert set(pd.read_csv(tmp_path / "sections.csv")["link"]) == {"rocker"}
+    assert "coupler" not in result.stdout
+    (tmp_path / "section_crank.png").touch()
+    again = run(COMPOSITE, "--link", "rocker", "--no-plots", "--out", tmp_path)
+    assert "from an earlier run, not of this one: section_crank.png" in again.stdout
+
+
+def test_nothing_is_written_unasked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = run(COMPOSITE)
+    assert result.exit_code == 0
+    assert names(tmp_path) == []
+    assert "files:" not in result.stdout
+
+
+def test_rectangles_are_sections_of_one_layer() -> None:
+    result = run(STEEL, "--link", "crank")
+    assert result.exit_code == 0
+    assert "crank: rectangle of one material" in result.stdout
+    # Cowper's factor, which the links compute with, not that of the layer.
+    assert value_of(result.stdout, "shear correction k") == [
+        pytest.approx(10 * 1.3 / (12 + 11 * 0.3), rel=1e-5)
+    ]
+    assert value_of(result.stdout, "12 EI / (b h^3) (GPa)") == [200]
+    assert value_of(result.stdout, "specific damping (%), axial") == ["not known"]
+    # Largest shear stress of a rectangle: 3/2 of the mean.
+    assert f"{1.5 / (4.25e-3 * 6.1e-3):.4g}" in result.stdout
+
+
+def test_layers_are_printed_from_the_highest_down() -> None:
+    coupler = load_mechanism(COMPOSITE).sections["coupler"]
+    printed = run(COMPOSITE, "--link", "coupler").stdout
+    table = printed[printed.index("with coupling ", printed.index("under unit loads")) :]
+    rows = [line for line in table.splitlines() if line.startswith("│")][:6]
+    cells = [[cell.strip() for cell in row.strip("│").split("│")] for row in rows]
+    assert [row[0] for row in cells] == ["", "G", "", "", "C", ""]
+    assert [float(row[1]) for row in cells] == [4, 2, 0, 0, -2, -4]
+    assert coupler.layers is not None
+    inside = coupler.layers.stresses(coupler.layers.places(2), 0.0, 1.0, 1.0)
+    # Of eight layers: faces and middle of the upper four, then of the lower four.
+    pick = ([7, 6, 4, 3, 1, 0], [1, 0, 0, 1, 1, 0])
+    for column, values in ((4, inside.strain), (5, inside.normal_stress), (6, inside.shear_stress)):
+        expected = pytest.approx(values[pick], rel=1e-3, abs=1e-9 * np.abs(values).max())
+        assert [float(row[column]) for row in cells] == expected
+
+
+def test_of_general_sections_nothing_is_known_inside(tmp_path: Path) -> None:
+    result = run(GENERAL, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    assert 'arm: section "general" tells its stiffness and mass alone' in result.stdout
+    assert "unit loads" not in result.stdout
+    assert value_of(result.stdout, "EA (N)") == [4900]
+    assert value_of(result.stdout, "out-of-plane width (mm)") == ["not known"]
+    assert names(tmp_path) == ["sections.csv"]
+    table = pd.read_csv(tmp_path / "sections.csv")
+    assert table["shear_correction"].isna().all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--link", "coupla"], "--link: the linkage has no link 'coupla'; did you mean 'coupler'"),
+        (["--link", "A"], "no link 'A'; use one of crank, coupler, rocker"),
+        (["--out", str(COMPOSITE)], "--out: cannot write to"),
+    ],
+)
+def test_wrong_arguments_are_refused(arguments: list[str], message: str) -> None:
+    result = run(COMPOSITE, *arguments)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert message in result.stderr
+
+
+def test_a_bad_laminate_ends_with_exit_code_2(tmp_path: Path) -> None:
+    file = tmp_path / "bad.toml"
+    good = COMPOSITE.read_text(encoding="utf-8")
+    for old, new, message in (
+        ('thickness = "1 mm"', 'thickness = "-1 mm"', "plies.C.thickness: must be positive"),
+        ("poisson_ratio = 0.29", "poisson_ratio = 6", "plies.C: poisson_ratio of a ply must lie"),
+        ("[C*4/G*4]", "[C*4/K*4]", "laminates.carbon_on_glass: stacking '[C*4/K*4]' names"),
+    ):
+        file.write_text(good.replace(old, new), encoding="utf-8")
+        for command in ("section", "check"):
+            result = CliRunner().invoke(app, [command, str(file)])
+            assert result.exit_code == 2
+            assert result.stdout == ""
+            assert f"error: {file}: {message}" in result.stderr
+
+
+def test_check_shows_the_axes_and_the_losses_of_a_laminate() -> None:
+    result = CliRunner().invoke(app, ["check", str(COMPOSITE)])
+    assert result.exit_code == 0
+    coupler = load_mechanism(COMPOSITE).sections["coupler"]
+    loss = coupler.specific_damping
+    assert loss is not None
+    for label, expected in (
+        ("neutral axis y (mm)", 1e3 * coupler.neutral_axis),
+        ("mass axis y (mm)", 1e3 * coupler.mass_axis),
+        ("specific damping (%), shear", 100 * loss.shear),
+        ("damping time (s), bending", coupler.damping.bending),
+    ):
+        crank, middle, rocker = value_of(result.stdout, label)
+        assert middle == pytest.approx(expected, rel=1e-3)
+        if "axis" in label:
+            assert crank == rocker == 0
+    plain = CliRunner().invoke(app, ["check", str(STEEL)]).stdout
+    assert "axis y" not in plain
+    assert "specific damping" not in plain
+    assert value_of(plain, "damping time (s)") == [0, 0, 0]
+
+
+def test_runs_of_equal_layers_are_one_layer_of_the_same_section() -> None:
+    loss = PlyDamping(0.0045, 0.0422, 0.0705)
+    stiff = Ply(172.7e9, 7.2e9, 3.76e9, 3.76e9, 2.57e9, 0.29, 1566.7, loss)
+    layers = [Layer(stiff, 1e-3, angle) for angle in (0.0, 0.0, 0.5, 0.0)]
+    section = LaminateSection(Laminate(tuple(layers)), 0.02)
+    merged = in_runs(section)
+    assert [layer.thickness for layer in merged.laminate.layers] == [2e-3, 1e-3, 1e-3]
+    beam = BeamSection.of_laminate(section)
+    values, of_merged = (section_values(s) for s in (beam, BeamSection.of_laminate(merged)))
+    assert of_merged == pytest.approx(values, rel=1e-9)
+    fine = unit_load_profile("arm", beam, section, per_layer=3)
+    coarse = unit_load_profile("arm", beam, merged, per_layer=3)
+    for name in ("strain", "normal_stress", "shear_stress", "third_order_shear_stress"):
+        np.testing.assert_allclose(
+            coarse[name].isel(layer=0, point=1), fine[name].isel(layer=0, point=2), rtol=1e-9
+        )
