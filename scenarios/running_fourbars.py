@@ -45,6 +45,7 @@ class RunningAnswer:
 def main(
     out: Path,
     *,
+    names: tuple[str, ...] = ("steel", "aluminium"),
     speeds: tuple[float, ...] = SPEEDS,
     revolutions: float = 2.0,
     elements: int = 8,
@@ -56,6 +57,8 @@ def main(
     ----------
     out : Path
         Folder for the pictures.
+    names : tuple of str
+        Which four-bars.
     speeds : tuple of float
         Crank speeds in rad/s.
     revolutions : float
@@ -70,7 +73,7 @@ def main(
         By mechanism and crank speed.
     """
     answers, figures = {}, {}
-    for name in ("steel", "aluminium"):
+    for name in names:
         mechanism = four_bar(name)
         for speed in speeds:
             engines = [ReferenceEngine(mechanism, elements), ExudynEngine(mechanism, elements)]

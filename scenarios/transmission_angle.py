@@ -2,8 +2,9 @@
 
 Elamy et al. 2023 compare four crank-rockers (Table 3, Figure 7). Cases 3 and 4 come from their
 design equations, for 90 degrees plus or minus 20 and 30; the printed proportions are rounded to
-two digits. The limits are set beside the printed ones, and a chart shows the crank length that
-each pair of deviation and rocker angle gives.
+two digits. The limits are set beside the printed ones, each linkage is asked what it was
+designed for, and a chart shows the crank length that each pair of deviation and rocker angle
+gives.
 
     python scenarios/transmission_angle.py [--out results/transmission_angle]
 """  # noqa: D400 - a scenario asks a question
@@ -15,37 +16,96 @@ from pathlib import Path
 
 import numpy as np
 from _common import output_folder, save_pictures
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from flexmech.linkages import FourBar, synthesize_crank_rocker
+from flexmech.analyses.studies import published_case
+from flexmech.linkages import (
+    FourBar,
+    TransmissionDesign,
+    synthesize_crank_rocker,
+    time_ratio,
+    transmission_design,
+)
 from flexmech.plots import plot_transmission_angle, publication_style
-from flexmech.plots.style import new_figure
+from flexmech.plots.style import new_figure, series_style
 
 FloatArray = NDArray[np.float64]
+
 TURN = np.radians(np.arange(361.0))
-# Table 3: crank, coupler and rocker over the ground; limits printed in the text, in degrees.
-BLANK = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
-CASES = {
-    "case 1": ((0.27, 0.83, 0.67), (58.26, 115.35)),
-    "case 2": ((0.42, 1.00, 0.79), (35.65, 103.95)),
-    "case 3": ((0.14, 0.90, 0.46), (70.0, 110.0)),
-    "case 4": ((0.21, 0.91, 0.46), (60.0, 120.0)),
+# Limits of the transmission angle as printed in section 5.1, in degrees.
+PRINTED = {
+    "case 1": (58.26, 115.35),
+    "case 2": (35.65, 103.95),
+    "case 3": (70.0, 110.0),
+    "case 4": (60.0, 120.0),
 }
+# Deviation and rocker angle in degrees.
 DESIGNS = {"case 3": (20.0, 100.0), "case 4": (30.0, 90.0)}
+# "The recommended transmission angle is 90 +- 50 deg" (section 2.1).
+RECOMMENDED = (np.radians(40.0), np.radians(140.0))
+LEAST_ROCKER_ANGLE, LARGEST_DEVIATION = 25.0, 60.0
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """Limits of the transmission angle in degrees, by linkage."""
+    """What was found of each linkage, by its name.
+
+    Parameters
+    ----------
+    limits : dict of str to tuple of float
+        Least and greatest transmission angle in degrees.
+    designs : dict of str to TransmissionDesign
+        What the linkage's proportions are the answer to.
+    largest_gap : float
+        Greatest difference to the printed limits, in degrees.
+    """
 
     limits: dict[str, tuple[float, float]]
+    designs: dict[str, TransmissionDesign]
     largest_gap: float
+
+
+def main(out: Path) -> Outcome:
+    """Print the limits, draw the transmission angles and the design chart.
+
+    Parameters
+    ----------
+    out : Path
+        Folder for the pictures.
+
+    Returns
+    -------
+    Outcome
+    """
+    linkages = published() | designed()
+    limits = {}
+    for name, linkage in linkages.items():
+        least, greatest = np.degrees(linkage.transmission_angle_limits())
+        limits[name] = (float(least), float(greatest))
+    gaps = [np.abs(np.subtract(limits[name], PRINTED[name])).max() for name in PRINTED]
+    outcome = Outcome(
+        limits=limits,
+        designs={name: transmission_design(linkage) for name, linkage in linkages.items()},
+        largest_gap=float(max(gaps)),
+    )
+    curves = {name: linkage.transmission_angle(TURN) for name, linkage in linkages.items()}
+    figures = {
+        "transmission_angle.png": plot_transmission_angle(
+            TURN, curves, RECOMMENDED, "recommended range"
+        ),
+        "design_chart.png": design_chart(),
+    }
+    pictures = save_pictures(figures, out)
+    _report(linkages, outcome)
+    print("pictures: " + ", ".join(str(path) for path in pictures))
+    return outcome
 
 
 def published() -> dict[str, FourBar]:
     """Linkages of Table 3."""
-    return {name: FourBar(1.0, *ratios) for name, (ratios, _) in CASES.items()}
+    return {name: published_case(int(name.removeprefix("case "))) for name in PRINTED}
 
 
 def designed() -> dict[str, FourBar]:
@@ -58,63 +118,79 @@ def designed() -> dict[str, FourBar]:
 
 def design_chart() -> Figure:
     """Crank over ground against deviation and rocker angle."""
-    deviation, rocker_angle = np.linspace(5.0, 60.0, 56), np.linspace(40.0, 160.0, 121)
-    grid = np.meshgrid(deviation, rocker_angle)
-    possible = grid[1] > 90.0 - grid[0] + 0.5
-    crank = np.full(grid[0].shape, np.nan)
-    crank[possible] = synthesize_crank_rocker(*(np.radians(g[possible]) for g in grid)).crank
+    deviation, rocker_angle, crank = _crank_lengths()
     with publication_style():
         figure = new_figure(3.6)
         axes = figure.subplots()
         lines = axes.contour(
-            deviation, rocker_angle, crank, levels=np.arange(0.05, 0.55, 0.05), colors="#0072B2"
+            deviation,
+            rocker_angle,
+            crank,
+            levels=np.arange(0.05, 0.57, 0.05),
+            colors=series_style(0).color,
+            linewidths=1.0,
         )
         axes.clabel(lines, fmt="%.2f", fontsize=8)
         axes.plot(deviation, 90.0 - deviation, color="black", lw=1.2)
-        axes.text(
-            20.0,
-            58.0,
-            "no linkage: rocker angle below\nthe least transmission angle",
-            ha="center",
-            va="top",
-            fontsize=8,
-        )
-        for name, (delta, theta) in DESIGNS.items():
-            axes.plot(delta, theta, "o", color="#D55E00", markersize=4)
-            axes.annotate(
-                name, (delta, theta), (4, 4), textcoords="offset points", fontsize=8, bbox=BLANK
-            )
+        axes.set_ylim(LEAST_ROCKER_ANGLE, rocker_angle[-1])
+        _mark_designs(axes)
         axes.set_xlabel("Greatest deviation of the transmission angle from 90 deg (deg)")
         axes.set_ylabel("Rocker angle at crank angle 0 (deg)")
         axes.set_title("Crank length over ground length")
     return figure
 
 
-def main(out: Path | None = None) -> Outcome:
-    """Print the limits and draw both pictures."""
-    linkages = published() | designed()
-    limits = {}
-    for name, linkage in linkages.items():
-        least, greatest = np.degrees(linkage.transmission_angle_limits())
-        limits[name] = (float(least), float(greatest))
-        printed = CASES.get(name)
-        beside = f" (printed {printed[1][0]:g} to {printed[1][1]:g})" if printed else ""
-        print(f"{name}: {least:.2f} to {greatest:.2f} deg{beside}")
-    gap = max(
-        abs(found - said)
-        for name, (_, printed) in CASES.items()
-        for found, said in zip(limits[name], printed, strict=True)
+def _crank_lengths() -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Deviations and rocker angles in degrees, and L2 over both: not a number where none is."""
+    deviation = np.linspace(5.0, LARGEST_DEVIATION, 111)
+    rocker_angle = np.linspace(LEAST_ROCKER_ANGLE, 160.0, 271)
+    across, up = np.meshgrid(deviation, rocker_angle)
+    possible = up > 90.0 - across + 1e-6
+    crank = np.full(across.shape, np.nan)
+    crank[possible] = synthesize_crank_rocker(
+        np.radians(across[possible]), np.radians(up[possible])
+    ).crank
+    return deviation, rocker_angle, crank
+
+
+def _mark_designs(axes: Axes) -> None:
+    """The two published designs, and where there are none."""
+    axes.text(
+        20.0,
+        58.0,
+        "no linkage: rocker angle below\nthe least transmission angle",
+        ha="center",
+        va="top",
+        fontsize=8,
     )
-    print(f"largest gap to the printed limits: {gap:.2f} deg")
-    if out is not None:
-        curves = {name: each.transmission_angle(TURN) for name, each in linkages.items()}
-        pictures = {
-            "transmission_angle.png": plot_transmission_angle(TURN, curves),
-            "design_chart.png": design_chart(),
-        }
-        for path in save_pictures(pictures, out):
-            print(path)
-    return Outcome(limits, gap)
+    for name, (deviation, rocker_angle) in DESIGNS.items():
+        axes.plot(deviation, rocker_angle, "o", color=series_style(1).color, markersize=4)
+        axes.annotate(
+            name,
+            (deviation, rocker_angle),
+            (-4, -4),
+            textcoords="offset points",
+            ha="right",
+            va="top",
+            fontsize=8,
+            bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5},
+        )
+
+
+def _report(linkages: dict[str, FourBar], outcome: Outcome) -> None:
+    print("transmission angle; greatest deviation from 90 deg; rocker at crank angle 0; imbalance")
+    print("L3^2 + L4^2 - L2^2 - 1, zero by equation 11; time ratio of the rocker's strokes")
+    for name, linkage in linkages.items():
+        (least, greatest), design = outcome.limits[name], outcome.designs[name]
+        printed = PRINTED.get(name)
+        beside = f" (printed {printed[0]:g} to {printed[1]:g})" if printed else ""
+        deviation, rocker_angle = np.degrees([design.deviation, design.rocker_angle])
+        print(
+            f"  {name}: {least:.2f} to {greatest:.2f} deg{beside}; {deviation:.2f} deg; "
+            f"{rocker_angle:.2f} deg; {round(design.imbalance, 12) + 0.0:+.4f}; "
+            f"{time_ratio(linkage):.4f}"
+        )
+    print(f"largest gap to the printed limits: {outcome.largest_gap:.2f} deg")
 
 
 if __name__ == "__main__":

@@ -139,7 +139,8 @@ def _layer_table(profile: xr.Dataset, title: str) -> Table:
     from rich.table import Table
 
     table = Table(title=escape(title))
-    table.add_column("layer")
+    # A cut name would lose the angle behind it.
+    table.add_column("layer", overflow="fold")
     columns = {
         "y (mm)": profile["place"].values * 1e3,
         "N: strain": profile["strain"].sel(load="axial_force").values,

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from flexmech.cli.arguments import NoPlots
 from flexmech.cli.failures import reports_failures
+from flexmech.errors import InputError
 from flexmech.files import check_writable, moved_into
 from flexmech.units import LENGTH, parse_quantity
 
@@ -17,66 +19,92 @@ if TYPE_CHECKING:
 
 __all__ = ["HELP", "synthesize"]
 
-HELP = "Find the proportions of a crank-rocker for a wanted transmission angle."
+HELP = (
+    "Find the proportions of a crank-rocker for a wanted transmission angle. Within 90 deg plus "
+    "or minus a deviation, by the equations of Elamy et al. 2023."
+)
 TABLE, PICTURE = "transmission_angle.csv", "transmission_angle.png"
 
 
 @reports_failures
 def synthesize(
     deviation: Annotated[
-        float, typer.Option(help="Greatest deviation of the transmission angle from 90 deg.")
+        float,
+        typer.Option(help="Greatest deviation of the transmission angle from 90 deg, in deg."),
     ],
     rocker_angle: Annotated[
         float, typer.Option(help="Angle of the rocker at crank angle zero, in deg.")
     ],
     ground: Annotated[
-        str, typer.Option(help="Distance of the ground pivots, for lengths.", metavar="LENGTH")
-    ] = "",
-    out: Annotated[
-        Path | None, typer.Option(help="Folder for the transmission angle over a turn.")
+        str | None,
+        typer.Option(
+            help='Distance of the ground pivots, such as "400 mm": prints the lengths as a table '
+            "for a model file.",
+            metavar="LENGTH",
+        ),
     ] = None,
-    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no picture.")] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Folder for the transmission angle over a turn.", metavar="DIR"),
+    ] = None,
+    no_plots: NoPlots = False,
 ) -> None:
     """Print the proportions of one crank-rocker, and what comes out when they are checked."""
+    length = None if ground is None else _ground_length(ground)
+
     import numpy as np
 
+    from flexmech.cli.pictures import file_lines
     from flexmech.linkages import synthesize_crank_rocker
 
-    length = parse_quantity(ground, LENGTH) if ground else None
     found = synthesize_crank_rocker(np.radians(deviation), np.radians(rocker_angle))
-    linkage = found.linkage(length or 1.0)
-    files = () if out is None else ((TABLE,) if no_plots else (TABLE, PICTURE))
+    linkage = found.linkage(1.0 if length is None else length)
+    lines = _lines(found, linkage)
+    if length is not None:
+        lines += _model_file_table(linkage)
     if out is not None:
-        check_writable(out, files)
-    for line in _lines(found, linkage, length):
+        check_writable(out, (TABLE, PICTURE))
+        files = _write(linkage, np.radians(deviation), out, draw=not no_plots)
+        lines += file_lines(out, files, (TABLE, PICTURE))
+    for line in lines:
         typer.echo(line)
-    if out is not None:
-        _write(linkage, out, draw=not no_plots)
-        typer.echo(f"files: {', '.join(str(out / name) for name in files)}")
 
 
-def _lines(found: CrankRockerProportions, linkage: FourBar, length: float | None) -> list[str]:
+def _ground_length(text: str) -> float:
+    try:
+        length = parse_quantity(text, LENGTH)
+    except InputError as error:
+        raise InputError(f"--ground: {error}") from error
+    if length <= 0:
+        raise InputError(f"--ground: must be positive, got {text!r}")
+    return length
+
+
+def _lines(found: CrankRockerProportions, linkage: FourBar) -> list[str]:
+    """Proportions, and what the linkage made of them has, computed back from its lengths."""
     import numpy as np
 
-    from flexmech.linkages import rocker_swing
+    from flexmech.linkages import rocker_swing, time_ratio, transmission_design
 
-    ratios = (float(found.crank), float(found.coupler), float(found.rocker))
+    design = transmission_design(linkage)
     least, greatest = np.degrees(linkage.transmission_angle_limits())
-    rocker = float(np.degrees(linkage.motion(np.array([0.0])).angle[0, 2]))
-    lines = [
-        "crank {:.4f}, coupler {:.4f}, rocker {:.4f} of the ground".format(*ratios),
-        f"check: transmission angle {least:.6g} to {greatest:.6g} deg, rocker at {rocker:.6g} deg "
-        "at crank angle 0",
+    return [
+        f"crank {float(found.crank):.4f}, coupler {float(found.coupler):.4f}, rocker "
+        f"{float(found.rocker):.4f} of the ground",
+        f"check: transmission angle {least:.6g} to {greatest:.6g} deg, rocker at "
+        f"{np.degrees(design.rocker_angle):.6g} deg at crank angle 0",
         f"Grashof class: {linkage.grashof_class}; the rocker swings through "
-        f"{np.degrees(rocker_swing(linkage)):.5g} deg",
+        f"{np.degrees(rocker_swing(linkage)):.5g} deg, time ratio {time_ratio(linkage):.4g}",
     ]
-    if length is not None:
-        lines += ["", "[linkage]", 'kind = "four-bar"']
-        lines += [f'{name} = "{size * 1e3:.6g} mm"' for name, size in linkage.lengths.items()]
-    return lines
 
 
-def _write(linkage: FourBar, out: Path, *, draw: bool) -> None:
+def _model_file_table(linkage: FourBar) -> list[str]:
+    lengths = [f'{name} = "{size * 1e3:.6g} mm"' for name, size in linkage.lengths.items()]
+    return ["", "[linkage]", 'kind = "four-bar"', *lengths, ""]
+
+
+def _write(linkage: FourBar, deviation: float, out: Path, *, draw: bool) -> list[Path]:
+    """Write the transmission angle at each degree of the crank, and its picture; all or none."""
     import numpy as np
 
     degrees = np.arange(361.0)
@@ -85,11 +113,20 @@ def _write(linkage: FourBar, out: Path, *, draw: bool) -> None:
         with (folder / TABLE).open("w", encoding="utf-8", newline="") as stream:
             table = csv.writer(stream, lineterminator="\n")
             table.writerow(["crank_angle_deg", "transmission_angle_deg"])
-            table.writerows(np.stack([degrees, np.degrees(angle)], axis=1).tolist())
+            table.writerows(
+                [f"{a:g}", f"{b:.10g}"] for a, b in zip(degrees, np.degrees(angle), strict=True)
+            )
         if draw:
+            from flexmech.cli.pictures import DOTS_PER_INCH, without_windows
+
+            without_windows()
             from flexmech.plots import plot_transmission_angle
 
-            limits = linkage.transmission_angle_limits()
-            named = "this linkage, with the range asked for in grey"
-            figure = plot_transmission_angle(np.radians(degrees), {named: angle}, limits)
-            figure.savefig(folder / PICTURE)
+            figure = plot_transmission_angle(
+                np.radians(degrees),
+                {"this linkage": angle},
+                band=(np.pi / 2 - deviation, np.pi / 2 + deviation),
+                band_label="wanted range",
+            )
+            figure.savefig(folder / PICTURE, dpi=DOTS_PER_INCH)
+    return [out / name for name in ((TABLE, PICTURE) if draw else (TABLE,))]

@@ -171,7 +171,7 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
     free = ~fixed
     free[boundary] = False
     inner = np.flatnonzero(free)
-    flexibility = np.linalg.inv(link.stiffness[inner[:, None], inner])
+    flexibility = np.asarray(np.linalg.inv(link.stiffness[inner[:, None], inner]), dtype=float)
     static = np.zeros((link.size, len(boundary)))
     static[boundary, np.arange(len(boundary))] = 1.0
     static[inner] = -flexibility @ link.stiffness[inner[:, None], boundary]
@@ -185,6 +185,7 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
     stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
     axial, axial_frequency = _modes_of(link, _unit_shapes(link, stretching))
     bending, bending_frequency = _modes_of(link, _free_bending(link, turning, stretching))
+    couples = _turning_of_arms(link, inner, flexibility)
     return _HeldLink(
         link=link,
         ends=ends,
@@ -193,9 +194,25 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
         bending_frequency=bending_frequency,
         axial=axial,
         axial_frequency=axial_frequency,
-        bending_relief=relief[:, ~axial_boundary],
+        bending_relief=np.concatenate([relief[:, ~axial_boundary], couples], axis=1),
         axial_relief=axial_relief if floats else relief[:, :0],
     )
+
+
+def _turning_of_arms(link: LinkModel, inner: IntArray, flexibility: FloatArray) -> FloatArray:
+    """Static answer (n, m) of a link off its pins to couples at its free ends.
+
+    The force of a pin on an arm that turns is a spring against the end's rotation, and modes
+    of the link with its ends free to turn converge slowly to that.
+    """
+    coupling = link.stiffness[np.ix_(link.is_axial, ~link.is_axial)].any()
+    if not (coupling or link.first_moment.any()):
+        return np.zeros((link.size, 0))
+    ends = np.concatenate([link.start_rotation[:1], link.end_rotation[:1]])
+    turned = ends[np.isin(ends, inner)]
+    shapes = np.zeros((link.size, len(turned)))
+    shapes[inner] = flexibility[:, np.searchsorted(inner, turned)]
+    return shapes
 
 
 def _boundary(topology: Topology, link: LinkModel) -> tuple[NDArray[np.bool_], dict[str, IntArray]]:

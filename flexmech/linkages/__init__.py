@@ -8,8 +8,11 @@ from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.rotating_arm import RotatingArm
 from flexmech.linkages.synthesis import (
     CrankRockerProportions,
+    TransmissionDesign,
     rocker_swing,
     synthesize_crank_rocker,
+    time_ratio,
+    transmission_design,
 )
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
 
@@ -30,7 +33,10 @@ __all__ = [
     "RigidMotion",
     "RotatingArm",
     "Topology",
+    "TransmissionDesign",
     "inverse_dynamics",
     "rocker_swing",
     "synthesize_crank_rocker",
+    "time_ratio",
+    "transmission_design",
 ]

@@ -1,8 +1,9 @@
-"""Link proportions of crank-rockers from the transmission angle that is wanted.
+"""Link proportions of crank-rockers from the transmission angle that is wanted, and back.
 
 Elamy et al. 2023, eqs. 11-17: the transmission angle deviates from 90 degrees by the same
 angle either way (Gupta's mini-max), and the rocker's angle at the least transmission angle,
-where the crank points along the ground, is chosen.
+where the crank points along the ground, is chosen. L2, L3 and L4 are the lengths of crank,
+coupler and rocker over that of the ground.
 """
 
 from __future__ import annotations
@@ -13,11 +14,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexmech.errors import InputError
-from flexmech.linkages.fourbar import FourBar
+from flexmech.linkages.fourbar import CHANGE_POINT_TOLERANCE, FourBar
 
-__all__ = ["CrankRockerProportions", "rocker_swing", "synthesize_crank_rocker"]
+__all__ = [
+    "CrankRockerProportions",
+    "TransmissionDesign",
+    "rocker_swing",
+    "synthesize_crank_rocker",
+    "time_ratio",
+    "transmission_design",
+]
 
 FloatArray = NDArray[np.float64]
+
+BALANCED = 1e-9
+RIGHT_ANGLE = np.pi / 2
 
 
 @dataclass(frozen=True)
@@ -26,12 +37,12 @@ class CrankRockerProportions:
 
     Parameters
     ----------
-    deviation : ndarray
+    deviation : ndarray, shape (...)
         Greatest deviation of the transmission angle from a right angle, in rad.
-    rocker_angle : ndarray
+    rocker_angle : ndarray, shape (...)
         Angle of the rocker at crank angle zero, in rad.
-    crank, coupler, rocker : ndarray
-        Ratios L2, L3 and L4, all arrays of one shape.
+    crank, coupler, rocker : ndarray, shape (...)
+        Ratios L2, L3 and L4.
     """
 
     deviation: FloatArray
@@ -68,19 +79,46 @@ class CrankRockerProportions:
         return FourBar(ground, crank, coupler, rocker)
 
 
+@dataclass(frozen=True)
+class TransmissionDesign:
+    """What a crank-rocker's proportions were, or could have been, designed for.
+
+    Parameters
+    ----------
+    deviation : float
+        Greatest deviation of the transmission angle from a right angle, in rad.
+    rocker_angle : float
+        Angle of the rocker against the ground at crank angle zero, in rad, between 0 and pi
+        (on the crossed branch its negative).
+    imbalance : float
+        L3^2 + L4^2 - L2^2 - 1, the residual of eq. 11: zero where the limits of the
+        transmission angle add up to pi. It is L3 L4 times the sum of their cosines.
+    """
+
+    deviation: float
+    rocker_angle: float
+    imbalance: float
+
+    @property
+    def is_balanced(self) -> bool:
+        """Whether the limits lie evenly about a right angle (mini-max, eq. 11)."""
+        return abs(self.imbalance) <= BALANCED
+
+
 def synthesize_crank_rocker(
     deviation: ArrayLike, rocker_angle: ArrayLike
 ) -> CrankRockerProportions:
     """Proportions whose transmission angle stays within 90 degrees plus or minus a deviation.
 
-    Elamy et al. 2023, eqs. 14, 15 and 17. Every pair of angles within the bounds gives one
-    crank-rocker.
+    Elamy et al. 2023, eqs. 14, 15 and 17. Every pair of angles inside the bounds gives one
+    crank-rocker: L2 lies between 0 and 1, and the transmission angle reaches neither 0 nor
+    180 degrees, so that the crank, which is shorter than the ground, turns fully.
 
     Parameters
     ----------
-    deviation : array_like
+    deviation : array_like, shape (...)
         Between 0 and pi/2, in rad.
-    rocker_angle : array_like
+    rocker_angle : array_like, shape (...)
         Angle theta_4i of the rocker against the ground at crank angle zero, between the least
         transmission angle (pi/2 less the deviation) and pi, in rad; broadcast against
         ``deviation``.
@@ -92,20 +130,55 @@ def synthesize_crank_rocker(
     Raises
     ------
     InputError
-        If an angle is out of its bounds.
+        If an angle is out of its bounds, or so near to them that the linkage would be at a
+        change point within round-off.
     """
     delta, theta = (np.array(v, dtype=float) for v in np.broadcast_arrays(deviation, rocker_angle))
-    _refuse(delta, (delta > 0) & (delta < np.pi / 2), "deviation", 0.0, 90.0)
-    least = np.pi / 2 - delta
-    low = float(np.degrees(least.max()))
-    _refuse(theta, (theta > least) & (theta < np.pi), "rocker angle", low, 180.0)
+    least = RIGHT_ANGLE - delta
+    _refuse_deviation(delta)
+    _refuse_rocker_angle(delta, theta, (theta > least) & (theta < np.pi))
     ratio_coupler = np.sin(theta) / np.sin(least)
     ratio_rocker = np.sin(theta - least) / np.sin(least)
     square = ratio_coupler**2 + ratio_rocker**2
     # (square - root) / (square - 1), written without the difference of nearly equal numbers.
     crank = (square - 1) / (square + np.sqrt(2 * square - 1))
-    return CrankRockerProportions(
+    found = CrankRockerProportions(
         delta, theta, crank, ratio_coupler * (1 - crank), ratio_rocker * (1 - crank)
+    )
+    _refuse_change_points(found)
+    return found
+
+
+def transmission_design(linkage: FourBar) -> TransmissionDesign:
+    """Deviation and rocker angle of a crank-rocker: the inverse of the synthesis.
+
+    Elamy et al. 2023, eqs. 2, 3, 11 and the triangle of eq. 13. Where the linkage is balanced,
+    :func:`synthesize_crank_rocker` gives its proportions back.
+
+    Parameters
+    ----------
+    linkage : FourBar
+        Balanced or not.
+
+    Returns
+    -------
+    TransmissionDesign
+
+    Raises
+    ------
+    InputError
+        If the linkage is no crank-rocker.
+    """
+    _refuse_other_classes(linkage)
+    crank, coupler, rocker = (
+        length / linkage.ground for length in (linkage.crank, linkage.coupler, linkage.rocker)
+    )
+    least, greatest = linkage.transmission_angle_limits()
+    cosine = (coupler**2 - rocker**2 - (1 - crank) ** 2) / (2 * rocker * (1 - crank))
+    return TransmissionDesign(
+        deviation=float(max(RIGHT_ANGLE - least, greatest - RIGHT_ANGLE)),
+        rocker_angle=float(np.arccos(np.clip(cosine, -1.0, 1.0))),
+        imbalance=coupler**2 + rocker**2 - crank**2 - 1,
     )
 
 
@@ -127,24 +200,102 @@ def rocker_swing(linkage: FourBar) -> float:
     InputError
         If the linkage is no crank-rocker.
     """
-    if linkage.grashof_class != "crank-rocker":
-        raise InputError(
-            f"a swing has the rocker of a crank-rocker; this linkage is a {linkage.grashof_class}"
-        )
-    reach = linkage.coupler + np.array([-1.0, 1.0]) * linkage.crank
-    cosine = (linkage.ground**2 + linkage.rocker**2 - reach**2) / (
-        2 * linkage.ground * linkage.rocker
-    )
-    folded, stretched = np.arccos(cosine)
+    _refuse_other_classes(linkage)
+    folded, stretched = _angles_in_line(linkage, linkage.rocker, _reach(linkage))
     return float(stretched - folded)
 
 
-def _refuse(
-    angle: FloatArray, allowed: NDArray[np.bool_], what: str, low: float, high: float
-) -> None:
-    if not np.all(allowed):
-        got = float(np.degrees(np.asarray(angle)[~allowed].flat[0]))
-        why = "; the least transmission angle bounds it" if what == "rocker angle" else ""
+def time_ratio(linkage: FourBar) -> float:
+    """Duration of the rocker's slower stroke over that of its faster one.
+
+    At constant crank speed. One where the transmission angle is balanced: eq. 11 is also the
+    condition of a unit time ratio.
+
+    Parameters
+    ----------
+    linkage : FourBar
+
+    Returns
+    -------
+    float
+        At least 1.
+
+    Raises
+    ------
+    InputError
+        If the linkage is no crank-rocker.
+    """
+    _refuse_other_classes(linkage)
+    reach = _reach(linkage)
+    # In line, the crank points to B when stretched and away from it when folded.
+    folded, stretched = _angles_in_line(linkage, reach, linkage.rocker)
+    offset = abs(folded - stretched)
+    return float((np.pi + offset) / (np.pi - offset))
+
+
+def _reach(linkage: FourBar) -> FloatArray:
+    """Distance from O2 to B with the coupler folded over the crank and stretched out; (2,)."""
+    return linkage.coupler + np.array([-1.0, 1.0]) * linkage.crank
+
+
+def _angles_in_line(
+    linkage: FourBar, beside: float | FloatArray, opposite: float | FloatArray
+) -> FloatArray:
+    """Angle between the ground and a side in the triangle O2-B-O4, by the cosine rule; (2,)."""
+    cosine = (linkage.ground**2 + beside**2 - opposite**2) / (2 * linkage.ground * beside)
+    return np.asarray(np.arccos(cosine))
+
+
+def _refuse_other_classes(linkage: FourBar) -> None:
+    if linkage.grashof_class != "crank-rocker":
         raise InputError(
-            f"{what} must lie between {low:.6g} and {high:.6g} deg, got {got:.6g} deg{why}"
+            f"the lengths must make a crank-rocker, got a {linkage.grashof_class}: make the crank "
+            "the shortest link, and shortest and longest together shorter than the other two"
         )
+
+
+def _refuse_deviation(delta: FloatArray) -> None:
+    wrong = ~((delta > 0) & (delta < RIGHT_ANGLE))
+    if np.any(wrong):
+        raise InputError(
+            "deviation must lie between 0 and 90 deg (both excluded), got "
+            f"{_degrees(delta[wrong].flat[0])} deg"
+        )
+
+
+def _refuse_rocker_angle(delta: FloatArray, theta: FloatArray, inside: NDArray[np.bool_]) -> None:
+    if np.all(inside):
+        return
+    deviation, got = delta[~inside].flat[0], theta[~inside].flat[0]
+    remedy = ""
+    if got >= np.pi:
+        remedy = "; at 180 deg nothing is left of the coupler: choose a smaller one"
+    elif got <= RIGHT_ANGLE - deviation:
+        remedy = "; it must exceed the least transmission angle: raise it"
+        if got > 0:
+            remedy += f" or choose a deviation above {_degrees(RIGHT_ANGLE - got)} deg"
+    raise InputError(
+        f"rocker angle must lie between {_degrees(RIGHT_ANGLE - deviation)} and 180 deg (both "
+        f"excluded) at a deviation of {_degrees(deviation)} deg, got {_degrees(got)} deg{remedy}"
+    )
+
+
+def _refuse_change_points(found: CrankRockerProportions) -> None:
+    """Refuse what Grashof's criterion cannot tell from a change point."""
+    ratios = np.stack([np.ones_like(found.crank), found.crank, found.coupler, found.rocker])
+    shortest, second, third, longest = np.sort(ratios, axis=0)
+    # Twice: the criterion is asked again with the round-off of lengths in m.
+    enough = 2 * CHANGE_POINT_TOLERANCE * ratios.sum(axis=0)
+    wrong = ~(second + third - shortest - longest > enough)
+    if np.any(wrong):
+        delta, theta = found.deviation[wrong].flat[0], found.rocker_angle[wrong].flat[0]
+        raise InputError(
+            f"deviation of {_degrees(delta)} deg and rocker angle of {_degrees(theta)} deg are "
+            "at a bound within round-off, where the linkage meets a change point; rocker angles "
+            f"between {_degrees(RIGHT_ANGLE - delta)} and 180 deg (both excluded) work, and "
+            "deviations between 0 and 90 deg: move away from the bound"
+        )
+
+
+def _degrees(angle: float) -> str:
+    return f"{np.degrees(angle):.12g}"

@@ -138,7 +138,9 @@ def _runs(dataset: xr.Dataset) -> list[_Run]:
 
 
 def _short(name: str, longest: int = LONGEST_NAME) -> str:
-    return name if len(name) <= longest else f"{name[: longest - 1]}…"
+    """Cut a name to a length; its dollar signs stay, where matplotlib would see a formula."""
+    cut = name if len(name) <= longest else f"{name[: longest - 1]}…"
+    return cut.replace("$", r"\$")
 
 
 def _shades(runs: list[_Run]) -> dict[str, str]:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError
@@ -32,7 +33,8 @@ HEIGHT = 3.2
 def plot_transmission_angle(
     crank_angle: FloatArray,
     curves: Mapping[str, FloatArray],
-    recommended: tuple[float, float] | None = None,
+    band: tuple[float, float] | None = None,
+    band_label: str = "range",
 ) -> Figure:
     """Draw transmission angles of linkages over the crank's turn.
 
@@ -44,8 +46,10 @@ def plot_transmission_angle(
         In rad.
     curves : mapping of str to ndarray, shape (A,)
         Transmission angles in rad, by what the legend calls them.
-    recommended : tuple of float, optional
+    band : tuple of float, optional
         Range to shade, in rad.
+    band_label : str
+        What the legend calls it.
 
     Returns
     -------
@@ -61,12 +65,14 @@ def plot_transmission_angle(
     with publication_style():
         title = "Transmission angle over a turn of the crank"
         handles: list[Artist] = [series_handle(n, name) for n, name in enumerate(curves)]
+        if band is not None:
+            handles.append(Patch(color=LIGHT_GREY, label=band_label))
         figure = new_figure(HEIGHT + header_height(handles, title))
         axes = figure.subplots()
         degrees = np.degrees(crank_angle)
         axes.axhline(90.0, color=MID_GREY, lw=0.6, zorder=1)
-        if recommended is not None:
-            axes.axhspan(*np.degrees(recommended), color=LIGHT_GREY, zorder=0)
+        if band is not None:
+            axes.axhspan(*np.degrees(band), color=LIGHT_GREY, zorder=0)
         for number, values in enumerate(curves.values()):
             style = series_style(number)
             axes.plot(degrees, np.degrees(values), color=style.color, linestyle=style.linestyle)

@@ -124,6 +124,20 @@ class BeamShapes(ABC):
         """Distance of the neutral axis that turns with each of :attr:`angles`, in m."""
         return (section.neutral_axis,)
 
+    def softening(self, section: BeamSection) -> float:
+        """How much of the squared shear angle tension takes off the squared slope.
+
+        Parameters
+        ----------
+        section : BeamSection
+
+        Returns
+        -------
+        float
+            Without unit.
+        """
+        return 0.0
+
 
 def hermite(s: FloatArray, length: FloatArray) -> tuple[FloatArray, ...]:
     """Cubic with end values and slopes and its first three derivatives; each (s, 4)."""
@@ -202,6 +216,9 @@ class Timoshenko(BeamShapes):
     force jump. The common element with three coordinates a node (Przemieniecki, *Theory of
     Matrix Structural Analysis*, 1968, sec. 5.6) converges in second order only, because its
     shear angle is constant.
+
+    Tension acts along the section's normal, as in geometrically exact beams (Reissner 1972;
+    Haringx' column), not along the axis (Engesser's).
     """
 
     per_node = 4
@@ -240,6 +257,15 @@ class Timoshenko(BeamShapes):
         inertia = _inertia_of_the_mass_axis(section)
         inertia[1, 1] += section.rotary_inertia
         return inertia
+
+    def softening(self, section: BeamSection) -> float:
+        """See :class:`BeamShapes`.
+
+        A stretch lambda under a shear angle gamma strains the section's normal by
+        ``lambda cos(gamma) - 1`` and shears it by ``lambda sin(gamma)``: to first order in
+        the tension N, its energy changes by ``N gamma^2 (kGA / EA - 1 / 2)``.
+        """
+        return 1.0 - 2.0 * section.shear_stiffness / section.axial_stiffness
 
 
 class Reddy(BeamShapes):

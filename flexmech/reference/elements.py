@@ -119,8 +119,8 @@ class BeamElements:
 
     @cached_property
     def arch(self) -> FloatArray:
-        """Mean of ``s s^T`` over each element, (e, 2 p, 2 p): its half is an axial strain."""
-        return np.asarray(self._integral(_product(self._inside.slope)) / self.length[:, None, None])
+        """Mean of the squared slope over each element, (e, 2 p, 2 p): half is an axial strain."""
+        return np.asarray(self._integral(self._squared_slope) / self.length[:, None, None])
 
     def displacement_shapes(self, fraction: FloatArray, length: FloatArray) -> FloatArray:
         """Displacement of the pins' axis inside elements.
@@ -205,8 +205,15 @@ class BeamElements:
     def _unit_geometric(self) -> FloatArray:
         """Geometric stiffness of unit tension, by Legendre polynomial, (e, 3, 2 p, 2 p)."""
         polynomials = np.stack([np.ones_like(_POINTS), _POINTS, (3 * _POINTS**2 - 1) / 2])
-        square = _product(self._inside.slope)
+        square = self._squared_slope
         return np.stack([self._integral(p[:, None, None] * square) for p in polynomials], axis=1)
+
+    @cached_property
+    def _squared_slope(self) -> FloatArray:
+        """What tension stretches: the squared slope, less what the shear angle takes off."""
+        square = _product(self._inside.slope)
+        softening = self.shapes.softening(self.section)
+        return square - softening * _product(self._inside.shear) if softening else square
 
 
 def _product(rows: FloatArray) -> FloatArray:

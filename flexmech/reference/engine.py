@@ -20,6 +20,7 @@ from flexmech.linear_system import (
     refuse_other_postures,
 )
 from flexmech.linkages import RigidMotion
+from flexmech.mechanism import Mechanism
 from flexmech.reference.beam_shapes import BEAM_SHAPES
 from flexmech.reference.equilibrium import Equilibrium
 from flexmech.reference.link_matrices import Chain, assemble_chain, build_chain
@@ -47,6 +48,12 @@ class ReferenceEngine(Engine):
     def convergence(self, prestress: Prestress) -> ConvergenceOrders:
         """Cubic elements: fourth order, prestressed or not."""
         return ConvergenceOrders(elastic=4, prestress=4)
+
+    @classmethod
+    def default_element(cls, mechanism: Mechanism) -> str:
+        """Timoshenko beams where a link is off its pins, as in Exudyn; else Euler-Bernoulli."""
+        eccentric = any(section.is_eccentric for section in mechanism.sections.values())
+        return "timoshenko" if eccentric else cls.element_kinds[0]
 
     @cached_property
     def chains(self) -> tuple[Chain, ...]:

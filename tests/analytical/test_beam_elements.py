@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 import pytest
@@ -232,9 +233,13 @@ def test_geometric_stiffness_of_equation_1_58() -> None:
 AXIAL, BENDING = 40.0, 0.3
 
 
+@cache
+def corotational(length: float) -> CorotationalElements:
+    return CorotationalElements(beams(np.array([length]), AXIAL, BENDING))
+
+
 def respond(q: FloatArray, length: float = 0.7) -> tuple[FloatArray, FloatArray]:
-    elements = beams(np.array([length]), AXIAL, BENDING)
-    force, tangent = CorotationalElements(elements).response(q[None, None])
+    force, tangent = corotational(length).response(q[None, None])
     return force[0, 0], tangent[0, 0]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexmech.linkages import FourBar, synthesize_crank_rocker
+from flexmech.linkages import FourBar, synthesize_crank_rocker, transmission_design
 
 # Table 3: crank, coupler and rocker over the ground; limits of the transmission angle by
 # equations 2 and 3 in degrees (the text prints 58.26/115.35 for case 1 and 35.65/103.95 for
@@ -45,9 +45,28 @@ def test_table_3_follows_from_equations_11_to_17(
     assert proportions == pytest.approx(CASES[number][0], abs=5e-3)
 
 
+@pytest.mark.parametrize(("number", "imbalance"), [(1, 0.0649), (2, 0.4477)])
+def test_cases_1_and_2_do_not_follow_from_equation_11(number: int, imbalance: float) -> None:
+    """Of the four cases, 3 and 4 alone lie evenly about 90 degrees."""
+    assert transmission_design(case(number)).imbalance == pytest.approx(imbalance, abs=1e-12)
+
+
+@pytest.mark.parametrize(("number", "angles"), [(3, (20.0, 100.0)), (4, (30.0, 90.0))])
+def test_cases_3_and_4_tell_what_they_were_designed_for(
+    number: int, angles: tuple[float, float]
+) -> None:
+    """As near as proportions that are printed with two digits allow."""
+    design = transmission_design(case(number))
+    assert np.degrees([design.deviation, design.rocker_angle]) == pytest.approx(angles, abs=0.7)
+    assert abs(design.imbalance) < 5e-3
+
+
 @pytest.mark.parametrize("number", CASES)
 def test_angles_of_equations_4_to_6(number: int) -> None:
-    """The second branch holds for crank angles from 180 to 360 degrees, corrected."""
+    """The second branch holds for crank angles from 180 to 360 degrees, corrected.
+
+    With the first branch there, the angles are wrong.
+    """
     linkage = case(number)
     ground, crank, coupler, rocker = linkage.lengths.values()
     diagonal = np.sqrt(ground**2 + crank**2 - 2 * ground * crank * np.cos(TURN))
@@ -61,16 +80,23 @@ def test_angles_of_equations_4_to_6(number: int) -> None:
     rocker_angle = np.pi - second * psi1 - psi3
     coupler_angle = second * psi2 + psi4 + TURN - np.pi
     motion = linkage.motion(TURN)
+    transmission = corner(coupler, np.full_like(TURN, rocker), diagonal)
+    assert linkage.transmission_angle(TURN) == pytest.approx(transmission, abs=1e-12)
     for found, expected in ((2, rocker_angle), (1, coupler_angle)):
         turns = (motion.angle[:, found] - expected) / (2 * np.pi)
         assert turns == pytest.approx(np.round(turns), abs=1e-12)
+    first_branch_alone = np.abs(np.pi - psi1 - psi3 - rocker_angle)
+    assert first_branch_alone[np.pi < TURN].max() > 0.1
 
 
 @pytest.mark.parametrize("number", CASES)
-def test_velocities_and_accelerations_of_equations_8_to_10(number: int) -> None:
+@pytest.mark.parametrize("crank_acceleration", [0.0, -7.0])
+def test_velocities_and_accelerations_of_equations_7_to_10(
+    number: int, crank_acceleration: float
+) -> None:
     linkage, speed = case(number), 3.0
     _, crank, coupler, rocker = linkage.lengths.values()
-    motion = linkage.motion(TURN, speed)
+    motion = linkage.motion(TURN, speed, crank_acceleration)
     theta2, theta3, theta4 = motion.angle.T
     omega3 = (
         speed
@@ -81,11 +107,22 @@ def test_velocities_and_accelerations_of_equations_8_to_10(number: int) -> None:
     omega4 = (speed * crank * np.cos(theta2) + omega3 * coupler * np.cos(theta3)) / (
         rocker * np.cos(theta4)
     )
-    assert motion.angular_velocity[:, 1] == pytest.approx(omega3, rel=1e-8, abs=1e-10)
-    assert motion.angular_velocity[:, 2] == pytest.approx(omega4, rel=1e-8, abs=1e-10)
     alpha3 = (
         speed**2 * crank * np.cos(theta2 - theta4)
         - omega4**2 * rocker
+        - crank_acceleration * crank * np.sin(theta4 - theta2)
         + omega3**2 * coupler * np.cos(theta3 - theta4)
     ) / (coupler * np.sin(theta4 - theta3))
-    assert motion.angular_acceleration[:, 1] == pytest.approx(alpha3, rel=1e-8, abs=1e-9)
+    alpha4 = (
+        crank_acceleration * crank * np.cos(theta2)
+        - speed**2 * crank * np.sin(theta2)
+        - omega3**2 * coupler * np.sin(theta3)
+        + omega4**2 * rocker * np.sin(theta4)
+        + alpha3 * coupler * np.cos(theta3)
+    ) / (rocker * np.cos(theta4))
+    assert motion.angular_velocity[:, 1:] == pytest.approx(
+        np.stack([omega3, omega4], axis=1), rel=1e-8, abs=1e-10
+    )
+    assert motion.angular_acceleration[:, 1:] == pytest.approx(
+        np.stack([alpha3, alpha4], axis=1), rel=1e-8, abs=1e-9
+    )

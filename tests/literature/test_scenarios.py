@@ -146,15 +146,14 @@ def test_axial_force_alone_says_where_no_equilibrium_was_found(scenario, monkeyp
 def test_running_fourbars(scenario, tmp_path, capsys):
     """V8: 1.225 mm over the first revolution of the aluminium four-bar at 20 rad/s."""
     answers = scenario("running_fourbars").main(
-        tmp_path, speeds=(20.0,), revolutions=1.0, samples=180
+        tmp_path, names=("aluminium",), speeds=(20.0,), revolutions=1.0, samples=180
     )
-    aluminium, steel = answers["aluminium", 20.0], answers["steel", 20.0]
+    aluminium = answers["aluminium", 20.0]
     assert aluminium.peak == pytest.approx(1.2249e-3, rel=1e-2)
     assert aluminium.gap < 0.02
-    assert steel.gap < 0.02
     assert "aluminium four-bar at 20 rad/s" in capsys.readouterr().out
     kinds = ["response", "forces", "spectrum", "spectrogram"]
-    assert_pictures(tmp_path, *(f"{m}_20_{k}.png" for m in ("steel", "aluminium") for k in kinds))
+    assert_pictures(tmp_path, *(f"aluminium_20_{k}.png" for k in kinds))
 
 
 def test_critical_speeds(scenario, tmp_path, capsys):

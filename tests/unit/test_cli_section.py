@@ -122,6 +122,58 @@ def test_printed_and_tabulated_numbers_are_those_of_the_section(written: tuple[A
     assert table.loc[("crank", "with")].equals(table.loc[("crank", "without")])
 
 
+def test_every_row_is_the_property_that_it_names() -> None:
+    rocker = load_mechanism(COMPOSITE).sections["rocker"]
+    layers, loss = rocker.layers, rocker.specific_damping
+    assert layers is not None
+    assert loss is not None
+    printed = run(COMPOSITE, "--link", "rocker").stdout
+    for label, expected in (
+        ("in-plane thickness (mm)", 6),
+        ("out-of-plane width (mm)", 20),
+        ("EA (N)", rocker.axial_stiffness),
+        ("kGA (N)", rocker.shear_stiffness),
+        ("shear correction k", layers.shear_correction),
+        ("EA / (b h) (GPa)", 1e-9 * rocker.axial_stiffness / 120e-6),
+        ("density (kg/m^3)", rocker.mass_per_length / 120e-6),
+        ("rho A (kg/m)", rocker.mass_per_length),
+        ("rho I about the mass axis (kg m)", rocker.rotary_inertia),
+        ("specific damping (%), axial", 100 * loss.axial),
+        ("specific damping (%), shear", 100 * loss.shear),
+        ("damping time (s), axial", rocker.damping.axial),
+        ("damping time (s), bending", rocker.damping.bending),
+    ):
+        assert value_of(printed, label) == [pytest.approx(expected, rel=1e-5)], label
+
+
+def test_angles_are_tabulated_in_degrees(written: tuple[Any, Path]) -> None:
+    _, out = written
+    rows = pd.read_csv(out / "through_thickness.csv")
+    crank = rows[rows["link"] == "crank"].groupby("layer")["angle_deg"].unique()
+    expected = [0, 0, 0, 45, -45, -45, 45, 0, 0, 0]
+    assert [angles.tolist() for angles in crank] == [[angle] for angle in expected]
+
+
+def test_a_wide_section_says_so(tmp_path: Path) -> None:
+    file = tmp_path / "wide.toml"
+    narrow = 'laminate = "carbon_on_glass"'
+    text = COMPOSITE.read_text(encoding="utf-8").replace(narrow, f'{narrow}\nreduction = "wide"')
+    file.write_text(text, encoding="utf-8")
+    assert "coupler: [C*4/G*4], 8 layers, wide" in run(file, "--link", "coupler").stdout
+
+
+def test_a_long_name_keeps_its_angle(tmp_path: Path) -> None:
+    file, name = tmp_path / "long.toml", "T300_carbon_in_5208_epoxy_woven_fabric"
+    text = COMPOSITE.read_text(encoding="utf-8").replace("[plies.C]", f"[plies.{name}]")
+    text = re.sub(r"(?<=[\[/])C(?=[@*/\]])", name, text)
+    file.write_text(text, encoding="utf-8")
+    printed = run(file, "--link", "crank").stdout
+    table = printed[printed.index("crank under unit loads") :]
+    rows = [line.strip("│").split("│")[0].strip() for line in table.splitlines() if "│" in line]
+    assert f"{name}@-45" in "".join(rows)
+    assert "…" not in table
+
+
 def resultants(rows: pd.DataFrame, width: float) -> tuple[float, float, float]:
     """Axial force, moment about the pins' axis and shear force of tabulated stresses."""
     force = moment = shear = 0.0

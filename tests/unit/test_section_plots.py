@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -149,6 +151,16 @@ def test_layers_too_many_to_name_are_in_the_legend() -> None:
     figure = plot_section(profile([Layer(p, 2e-4) for p in (CARBON, GLASS)] * 15))
     assert not panel(figure, "Layers").texts
     assert {"C", "G"} <= set(legend_texts(figure))
+
+
+def test_names_of_plies_are_no_formulas() -> None:
+    plies = (replace(CARBON, name="C$x^$"), GLASS)
+    named = plot_section(profile([Layer(ply, 2e-4) for ply in plies]))
+    # Between two dollar signs matplotlib would read a formula, here a broken one.
+    named.draw_without_rendering()
+    assert [t.get_text() for t in panel(named, "Layers").texts] == [r"C\$x^\$", "G"]
+    in_legend = plot_section(profile([Layer(ply, 2e-4) for ply in plies] * 15))
+    assert r"C\$x^\$" in legend_texts(in_legend)
 
 
 @pytest.mark.parametrize("name", TO_LAY_OUT)

@@ -2,103 +2,145 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
-from typer.testing import CliRunner
 
-from flexmech.cli.app import app
 from flexmech.errors import InputError
-from flexmech.linkages import FourBar, rocker_swing, synthesize_crank_rocker
+from flexmech.linkages import (
+    FourBar,
+    rocker_swing,
+    synthesize_crank_rocker,
+    time_ratio,
+    transmission_design,
+)
 from flexmech.plots import plot_transmission_angle
 from tests.strategies import numbers
+from tests.unit.figure_checks import check_layout, legend_texts
+
+# Deviation in degrees, and the rocker angle as a part of the way between its bounds.
+designs = settings(max_examples=30)(given(numbers(0.5, 89.5), numbers(0.01, 0.99)))
+TURN = np.linspace(0, 2 * np.pi, 7201)
 
 
-@given(numbers(0.5, 89.5), numbers(0.01, 0.99))
-def test_angles_that_are_asked_for_come_back(deviation: float, part: float) -> None:
+def rocker_angle_at(deviation: float, part: float) -> float:
     least = 90 - deviation
-    rocker_angle = least + part * (180 - least)
+    return least + part * (180 - least)
+
+
+@designs
+def test_angles_that_are_asked_for_come_back(deviation: float, part: float) -> None:
+    rocker_angle = rocker_angle_at(deviation, part)
     linkage = synthesize_crank_rocker(*np.radians([deviation, rocker_angle])).linkage(0.4)
     limits = np.degrees(linkage.transmission_angle_limits())
-    assert limits == pytest.approx([least, 180 - least], abs=1e-6)
+    assert limits == pytest.approx([90 - deviation, 90 + deviation], abs=1e-6)
     assert np.degrees(linkage.motion(0.0).angle[2]) == pytest.approx(rocker_angle, abs=1e-5)
     assert linkage.grashof_class == "crank-rocker"
-    # Equation 11: the limits lie evenly about a right angle.
-    ratios = np.array(list(linkage.lengths.values())[1:]) / linkage.ground
-    assert ratios[2] ** 2 + ratios[1] ** 2 - ratios[0] ** 2 == pytest.approx(1.0)
+
+
+@designs
+def test_design_is_the_inverse_of_synthesis(deviation: float, part: float) -> None:
+    rocker_angle = rocker_angle_at(deviation, part)
+    found = synthesize_crank_rocker(*np.radians([deviation, rocker_angle]))
+    design = transmission_design(found.linkage(0.4))
+    assert design.is_balanced
+    assert np.degrees(design.deviation) == pytest.approx(deviation, abs=1e-6)
+    assert np.degrees(design.rocker_angle) == pytest.approx(rocker_angle, abs=1e-5)
+    again = synthesize_crank_rocker(design.deviation, design.rocker_angle)
+    for name in ("crank", "coupler", "rocker"):
+        assert getattr(again, name) == pytest.approx(getattr(found, name), rel=1e-6)
+
+
+@designs
+def test_balanced_crank_rockers_have_a_unit_time_ratio(deviation: float, part: float) -> None:
+    """And the swing of a centric crank-rocker, 2 asin(r2/r4)."""
+    angles = np.radians([deviation, rocker_angle_at(deviation, part)])
+    linkage = synthesize_crank_rocker(*angles).linkage(0.4)
+    assert time_ratio(linkage) == pytest.approx(1.0, abs=1e-6)
+    sine = linkage.crank / linkage.rocker
+    assert np.sin(rocker_swing(linkage) / 2) == pytest.approx(sine, abs=1e-8)
+
+
+@pytest.mark.parametrize("ratios", [(0.27, 0.83, 0.67), (0.42, 1.0, 0.79)])
+@pytest.mark.parametrize("branch", ["open", "crossed"])
+def test_design_swing_and_time_ratio_are_those_of_the_motion(ratios, branch) -> None:
+    crank, coupler, rocker = 0.3 * np.array(ratios)
+    linkage = FourBar(0.3, crank, coupler, rocker, branch)
+    angle = np.unwrap(linkage.motion(TURN).angle[:, 2])
+    assert rocker_swing(linkage) == pytest.approx(np.ptp(angle), abs=1e-6)
+    stroke = np.abs(TURN[angle.argmax()] - TURN[angle.argmin()])
+    slower, faster = max(stroke, 2 * np.pi - stroke), min(stroke, 2 * np.pi - stroke)
+    assert time_ratio(linkage) == pytest.approx(slower / faster, abs=2e-3)
+    design = transmission_design(linkage)
+    assert design.rocker_angle == pytest.approx(abs(angle[0]))
+    transmission = linkage.transmission_angle(TURN)
+    assert design.deviation == pytest.approx(np.abs(transmission - np.pi / 2).max())
+    cosines = np.cos(transmission[[0, 3600]]).sum()
+    assert design.imbalance == pytest.approx(cosines * ratios[1] * ratios[2])
+    assert not design.is_balanced
 
 
 def test_designs_are_computed_at_once() -> None:
     deviation, rocker_angle = np.radians([20.0, 30.0])[:, None], np.radians([90.0, 100, 120])
     found = synthesize_crank_rocker(deviation, rocker_angle)
-    assert found.crank.shape == (2, 3)
+    assert found.crank.shape == found.deviation.shape == (2, 3)
     one = synthesize_crank_rocker(deviation[1, 0], rocker_angle[2])
     assert found.crank[1, 2] == one.crank
     with pytest.raises(InputError, match="one design, these are 6"):
         found.linkage()
 
 
-def test_the_swing_is_what_the_motion_covers() -> None:
-    linkage = FourBar(1.0, 0.27, 0.83, 0.67)
-    angles = linkage.motion(np.linspace(0, 2 * np.pi, 20001)).angle[:, 2]
-    assert rocker_swing(linkage) == pytest.approx(np.ptp(angles), abs=1e-6)
-    with pytest.raises(InputError, match="double-crank"):
-        rocker_swing(FourBar(0.2, 1.0, 0.9, 0.8))
-
-
 @pytest.mark.parametrize(
     ("deviation", "rocker_angle", "message"),
     [
-        (0.0, 100.0, "deviation must lie between 0 and 90 deg, got 0 deg"),
-        (95.0, 100.0, "deviation must lie between 0 and 90 deg, got 95"),
+        (0.0, 100.0, r"deviation must lie between 0 and 90 deg \(both excluded\), got 0 deg"),
+        (90.0, 100.0, "deviation must lie between 0 and 90 deg .* got 90 deg"),
         (np.nan, 100.0, "deviation .* got nan"),
-        (20.0, 60.0, "rocker angle must lie between 70 and 180 deg, got 60 deg"),
-        (20.0, 180.0, "rocker angle must lie between 70 and 180 deg"),
+        (20.0, 60.0, "between 70 and 180 deg .* of 20 deg, got 60 deg; .* deviation above 30 deg"),
+        (20.0, 70.0, "rocker angle must lie between 70 and 180 deg .* got 70 deg; .* raise it"),
+        (20.0, -5.0, "got -5 deg; .* raise it$"),
+        (20.0, 180.0, "rocker angle must lie between 70 and 180 deg .* choose a smaller one"),
+        (20.0, np.nan, "rocker angle .* got nan"),
+        # The bounds named are those of the design that breaks them.
+        ([10.0, 40.0], [100.0, 40.0], "between 50 and 180 deg .* of 40 deg, got 40 deg"),
+        # Inside the bounds, and yet a change point to Grashof's criterion.
+        (20.0, 70.0000000001, "at a bound within round-off.* between 70 and 180 deg"),
+        (20.0, 179.99999999, "at a bound within round-off"),
+        (89.99999999, 100.0, "at a bound within round-off"),
     ],
 )
-def test_what_cannot_be(deviation: float, rocker_angle: float, message: str) -> None:
+def test_what_cannot_be(deviation, rocker_angle, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        synthesize_crank_rocker(*np.radians([deviation, rocker_angle]))
+        synthesize_crank_rocker(np.radians(deviation), np.radians(rocker_angle))
 
 
-def test_command(tmp_path: Path) -> None:
-    arguments = ["--deviation", "20", "--rocker-angle", "100", "--ground", "400 mm"]
-    result = CliRunner().invoke(app, ["synthesize", *arguments, "--out", str(tmp_path)])
-    assert result.exit_code == 0, result.output
-    assert "crank 0.1408, coupler 0.9005, rocker 0.4572 of the ground" in result.output
-    assert "transmission angle 70 to 110 deg, rocker at 100 deg" in result.output
-    assert 'crank = "56.3188 mm"' in result.output
-    table = np.loadtxt(tmp_path / "transmission_angle.csv", delimiter=",", skiprows=1)
-    assert table[[0, 180], 1] == pytest.approx([70.0, 110.0])
-    assert (tmp_path / "transmission_angle.png").read_bytes().startswith(b"\x89PNG")
+@pytest.mark.parametrize("measure", [rocker_swing, time_ratio, transmission_design])
+def test_other_linkages_have_no_such_design(measure) -> None:
+    with pytest.raises(InputError, match="must make a crank-rocker, got a double-crank"):
+        measure(FourBar(0.2, 1.0, 0.9, 0.8))
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["--deviation", "20", "--rocker-angle", "60"], "rocker angle must lie between 70"),
-        (
-            ["--deviation", "20", "--rocker-angle", "100", "--ground", "4 kg"],
-            "not that of a length",
-        ),
-        (["--deviation", "20"], "rocker-angle"),
-    ],
-)
-def test_command_refuses(arguments: list[str], message: str) -> None:
-    result = CliRunner().invoke(app, ["synthesize", *arguments])
-    assert result.exit_code == 2
-    assert message in result.stderr
-
-
-@given(st.integers(1, 6))
-def test_one_curve_a_linkage(count: int) -> None:
+@settings(max_examples=6)
+@given(st.integers(1, 6), st.booleans())
+def test_one_curve_a_linkage(count: int, shaded: bool) -> None:
     angle = np.radians(np.arange(0.0, 361.0, 30.0))
-    curves = {f"case {n}": np.full_like(angle, n) for n in range(count)}
-    figure = plot_transmission_angle(angle, curves)
-    assert len(figure.axes[0].lines) == count + 1
-    assert figure.axes[0].get_ylabel() == "Transmission angle (deg)"
-    with pytest.raises(InputError, match="curves can be drawn"):
-        plot_transmission_angle(angle, {})
+    curves = {f"case {n} as designed": np.full_like(angle, 1 + 0.1 * n) for n in range(count)}
+    band = (1.0, 1.5) if shaded else None
+    figure = plot_transmission_angle(angle, curves, band, "wanted range")
+    check_layout(figure)
+    (axes,) = figure.axes
+    assert len(axes.lines) == count + 1
+    assert axes.lines[-1].get_ydata()[0] == pytest.approx(np.degrees(1 + 0.1 * (count - 1)))
+    assert axes.get_ylabel() == "Transmission angle (deg)"
+    assert set(legend_texts(figure)) == {*curves, *(["wanted range"] if shaded else [])}
+    if shaded:
+        low, high = axes.patches[0].get_y(), axes.patches[0].get_y() + axes.patches[0].get_height()
+        assert (low, high) == pytest.approx(tuple(np.degrees(band)))
+
+
+@pytest.mark.parametrize("count", [0, 7])
+def test_curves_that_cannot_be_told_apart(count: int) -> None:
+    curves = {str(n): np.zeros(3) for n in range(count)}
+    with pytest.raises(InputError, match=f"one to 6 curves can be drawn, got {count}"):
+        plot_transmission_angle(np.zeros(3), curves)

@@ -1,0 +1,110 @@
+"""``flexmech synthesize``: proportions, their check, the files, and what it refuses."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from typer.testing import CliRunner
+
+from flexmech.cli.app import app
+from flexmech.modelfile import mechanism_from_toml, template
+
+WANTED = ["--deviation", "20", "--rocker-angle", "100"]
+TABLE, PICTURE = "transmission_angle.csv", "transmission_angle.png"
+
+
+def synthesize(*arguments: str):
+    return CliRunner().invoke(app, ["synthesize", *arguments])
+
+
+def test_proportions_and_their_check() -> None:
+    result = synthesize(*WANTED)
+    assert result.exit_code == 0, result.output
+    assert result.output.splitlines() == [
+        "crank 0.1408, coupler 0.9005, rocker 0.4572 of the ground",
+        "check: transmission angle 70 to 110 deg, rocker at 100 deg at crank angle 0",
+        "Grashof class: crank-rocker; the rocker swings through 35.874 deg, time ratio 1",
+    ]
+
+
+def test_lengths_are_a_table_for_a_model_file() -> None:
+    result = synthesize(*WANTED, "--ground", "0.4 m")
+    assert result.exit_code == 0, result.output
+    table = result.output[result.output.index("[linkage]") :]
+    assert tomllib.loads(table)["linkage"]["crank"] == "56.3188 mm"
+    model = template("four-bar")
+    start, end = model.index("[linkage]"), model.index("[materials")
+    linkage = mechanism_from_toml(model[:start] + table + model[end:]).linkage
+    assert linkage.ground == 0.4
+    limits = np.degrees(linkage.transmission_angle_limits())
+    assert limits == pytest.approx([70, 110], abs=1e-3)
+
+
+def test_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    saved = Figure.savefig
+
+    def roughly(figure: Figure, path: Path, *, dpi: int) -> None:
+        assert dpi == 200
+        saved(figure, path, dpi=30)
+
+    monkeypatch.setattr(Figure, "savefig", roughly)
+    out = tmp_path / "new"
+    result = synthesize(*WANTED, "--out", str(out))
+    assert result.exit_code == 0, result.output
+    assert result.output.splitlines()[-1] == f"files: {out / TABLE}, {out / PICTURE}"
+    assert (out / TABLE).read_text().splitlines()[:2] == [
+        "crank_angle_deg,transmission_angle_deg",
+        "0,70",
+    ]
+    table = np.loadtxt(out / TABLE, delimiter=",", skiprows=1)
+    assert table[:, 0] == pytest.approx(np.arange(361))
+    assert table[[0, 180, 360], 1] == pytest.approx([70, 110, 70], abs=1e-8)
+    assert (out / PICTURE).read_bytes().startswith(b"\x89PNG")
+
+    later = synthesize("--deviation", "30", "--rocker-angle", "90", "--out", str(out), "--no-plots")
+    assert later.output.splitlines()[-2:] == [
+        f"files: {out / TABLE}",
+        f"from an earlier run, not of this one: {PICTURE}",
+    ]
+
+
+def test_no_picture_unless_wanted(tmp_path: Path) -> None:
+    assert synthesize(*WANTED, "--out", str(tmp_path), "--no-plots").exit_code == 0
+    assert [path.name for path in tmp_path.iterdir()] == [TABLE]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("--deviation", "20", "--rocker-angle", "60"), "rocker angle must lie between 70 and 180"),
+        (("--deviation", "95", "--rocker-angle", "100"), "deviation must lie between 0 and 90 deg"),
+        (("--deviation", "nan", "--rocker-angle", "100"), "got nan deg"),
+        (("--deviation", "20 deg", "--rocker-angle", "100"), "'--deviation'.*valid"),
+        (("--deviation", "20"), "Missing option '--rocker-angle'"),
+        ((*WANTED, "--ground", "4 kg"), "--ground: .*not that of a length"),
+        ((*WANTED, "--ground", "400"), "--ground: .*has no unit"),
+        ((*WANTED, "--ground", "0 mm"), "--ground: must be positive, got '0 mm'"),
+        ((*WANTED, "--ground=-4 mm"), "--ground: must be positive, got '-4 mm'"),
+        ((*WANTED, "--ground", ""), "--ground: got ''"),
+    ],
+)
+def test_refuses(arguments: tuple[str, ...], message: str) -> None:
+    result = synthesize(*arguments)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    (line,) = [line for line in result.stderr.splitlines() if "rror:" in line]
+    assert re.search(message, line), line
+
+
+def test_refuses_a_file_for_a_folder(tmp_path: Path) -> None:
+    place = tmp_path / "taken"
+    place.write_text("")
+    result = synthesize(*WANTED, "--out", str(place))
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert "--out" in result.stderr
