@@ -60,6 +60,7 @@ class CriticalSpeedAnswer:
 def main(
     out: Path,
     *,
+    names: tuple[str, ...] = ("steel", "aluminium"),
     speeds: FloatArray = SPEEDS,
     simulated: tuple[float, ...] = SIMULATED,
     elements: int = 8,
@@ -70,6 +71,8 @@ def main(
     ----------
     out : Path
         Folder for the pictures.
+    names : tuple of str
+        Which four-bars.
     speeds : ndarray, shape (S,)
         Crank speeds in rad/s; ``simulated`` lie among them.
     simulated : tuple of float
@@ -83,7 +86,7 @@ def main(
         By ``"steel"`` and ``"aluminium"``.
     """
     answers, figures = {}, {}
-    for name in ("steel", "aluminium"):
+    for name in names:
         mechanism = with_damping(four_bar(name))
         sweep = speed_sweep(ReferenceEngine(mechanism, elements), speeds)
         peaks = np.stack([_simulated_peak(mechanism, elements, speed) for speed in simulated])

@@ -10,8 +10,14 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
 
 from flexmech import BeamSection, Mechanism, RotatingArm, load_mechanism
+
+# Five minutes on two cores for the whole suite; --hypothesis-profile=thorough draws more.
+settings.register_profile("quick", max_examples=40)
+settings.register_profile("thorough", max_examples=300)
+settings.load_profile("quick")
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:

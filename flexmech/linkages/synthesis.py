@@ -243,7 +243,8 @@ def _angles_in_line(
 ) -> FloatArray:
     """Angle between the ground and a side in the triangle O2-B-O4, by the cosine rule; (2,)."""
     cosine = (linkage.ground**2 + beside**2 - opposite**2) / (2 * linkage.ground * beside)
-    return np.asarray(np.arccos(cosine))
+    # Clipped: the triangles of links that hardly move are flat within round-off.
+    return np.asarray(np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
 def _refuse_other_classes(linkage: FourBar) -> None:
