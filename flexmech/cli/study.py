@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING
 
 import typer
 
+from flexmech.cli.arguments import NoPlots, Out
 from flexmech.cli.failures import reports_failures
 from flexmech.files import check_writable, moved_into
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     import xarray as xr
-    from rich.table import Table
+    from matplotlib.figure import Figure
 
     from flexmech.analyses.studies import Claim
+    from flexmech.linear_system import Engine
+    from flexmech.mechanism import Mechanism
 
 __all__ = ["HELP", "study_app"]
 
@@ -28,23 +31,7 @@ PICTURES = (
     "damping_by_laminate.png",
     "laminate_factors.png",
 )
-COLUMNS = (
-    "position",
-    "crank_angle_deg",
-    "laminate",
-    "case",
-    "plies",
-    "mesh",
-    "frequency_Hz",
-    "ratio",
-    "published_finite_element_Hz",
-    "published_finite_element_ratio",
-    "published_measured_Hz",
-    "published_measured_ratio",
-    "strain_energy_damping",
-    "published_damping",
-)
-ONE: dict[str, Any] = {"laminate": "C1", "case": 1, "position": "min"}
+MODELS = "models"
 
 study_app = typer.Typer(help=HELP, no_args_is_help=True, rich_markup_mode=None)
 
@@ -60,140 +47,88 @@ def studies() -> None:
     "positions of the transmission angle.",
 )
 @reports_failures
-def composites(
-    out: Annotated[Path, typer.Option(help="Folder for results.")] = Path("results"),
-    no_plots: Annotated[bool, typer.Option("--no-plots", help="Draw no pictures.")] = False,
-) -> None:
+def composites(out: Out = Path("results"), no_plots: NoPlots = False) -> None:
     """Compute, save, draw and report the campaign, claim by claim."""
     check_writable(out, (*TABLES, *PICTURES))
+    check_writable(out / MODELS, _model_files())
 
     from flexmech.analyses.studies import composite_claims, study_composites
     from flexmech.cli.progress import progress_bar
-    from flexmech.cli.report import print_table
-    from flexmech.reference import ReferenceEngine
-    from flexmech.threads import one_thread
 
-    with progress_bar() as progress, one_thread():
-        study = study_composites(
-            lambda mechanism, elements: ReferenceEngine(mechanism, elements), progress
-        )
+    with progress_bar() as progress:
+        study = study_composites(_reference, progress)
     claims = composite_claims(study)
-    _write(study, claims, out, draw=not no_plots)
-    for table in _frequency_tables(study):
-        print_table(table)
-    for line in _claim_lines(claims):
-        typer.echo(line)
-    held = sum(claim.verdict == "reproduced" for claim in claims)
-    typer.echo(
-        f"{held} of {len(claims)} claims are reproduced; the paper prints no link size, so that "
-        f"only ratios compare (the size assumed is in {out / 'models'})"
-    )
-    names = TABLES if no_plots else (*TABLES, *PICTURES)
-    typer.echo(f"files: {', '.join(str(out / name) for name in names)}")
+    files = _write(study, claims, out, draw=not no_plots)
+    _report(study, claims, out, files)
 
 
-def _write(study: xr.Dataset, claims: list[Claim], out: Path, *, draw: bool) -> None:
-    from flexmech.analyses.studies import composite_model_file
+def _reference(mechanism: Mechanism, element: str, elements: int) -> Engine:
+    from flexmech.reference import ReferenceEngine
 
-    with moved_into(out / "models") as folder:
-        for case in study["case"].values.tolist():
-            for laminate in study["laminate"].values.tolist():
-                text = composite_model_file(case, laminate)
-                (folder / f"case_{case}_{laminate}.toml").write_text(text, encoding="utf-8")
+    return ReferenceEngine(mechanism, elements, element)
+
+
+def _model_files() -> dict[str, str]:
+    """Text of every model file, by name."""
+    from flexmech.analyses.studies import PLY_MODELS, composite_model_file, model_file_name
+    from flexmech.analyses.studies.published import CASES, LAMINATES
+
+    return {
+        model_file_name(case, laminate, plies): composite_model_file(case, laminate, plies)
+        for plies in PLY_MODELS
+        for case in CASES
+        for laminate in LAMINATES
+    }
+
+
+def _write(study: xr.Dataset, claims: list[Claim], out: Path, *, draw: bool) -> list[Path]:
+    """Write tables, pictures and the model files."""
+    from flexmech.cli.pictures import DOTS_PER_INCH
+    from flexmech.cli.study_report import claim_frame, frequency_frame
+
+    frames = (frequency_frame(study), claim_frame(claims))
+    figures = _figures(study) if draw else {}
     with moved_into(out) as folder:
-        _write_csv(folder / TABLES[0], COLUMNS, _rows(study))
-        fields = ("place", "statement", "printed", "from_tables", "computed", "verdict")
-        _write_csv(folder / TABLES[1], fields, ([getattr(c, f) for f in fields] for c in claims))
-        if draw:
-            _draw(study, folder)
+        for name, frame in zip(TABLES, frames, strict=True):
+            frame.to_csv(folder / name, index=False, float_format="%.6g")
+        for name, figure in figures.items():
+            figure.savefig(folder / name, dpi=DOTS_PER_INCH)
+    with moved_into(out / MODELS) as folder:
+        for name, text in _model_files().items():
+            (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    return [out / name for name in (*TABLES, *figures)]
 
 
-def _draw(study: xr.Dataset, folder: Path) -> None:
+def _figures(study: xr.Dataset) -> Mapping[str, Figure]:
+    from flexmech.cli.pictures import without_windows
+
+    without_windows()
+    from flexmech import plots
     from flexmech.analyses.studies import laminate_factors
-    from flexmech.plots import (
-        plot_composite_damping,
-        plot_composite_frequencies,
-        plot_laminate_factors,
-        plot_transmission_angle,
-    )
 
     angle = study["transmission_angle"]
     curves = {f"case {case}": angle.sel(case=case).values for case in study["case"].values}
-    computed = laminate_factors(study["frequency"].isel(mesh=0)).transpose("plies", "laminate")
     published = laminate_factors(study["finite_element"].sel(position=["90", "max"]))
     figures = (
-        plot_transmission_angle(study["crank_angle"].values, curves),
-        plot_composite_frequencies(study),
-        plot_composite_damping(study),
-        plot_laminate_factors(computed, published),
+        plots.plot_transmission_angle(study["crank_angle"].values, curves),
+        plots.plot_composite_frequencies(study),
+        plots.plot_composite_damping(study),
+        plots.plot_laminate_factors(laminate_factors(study["frequency"]), published),
     )
-    for name, figure in zip(PICTURES, figures, strict=True):
-        figure.savefig(folder / name)
+    return dict(zip(PICTURES, figures, strict=True))
 
 
-def _write_csv(path: Path, header: tuple[str, ...], rows: Iterator[list[Any]]) -> None:
-    with path.open("w", encoding="utf-8", newline="") as stream:
-        table = csv.writer(stream, lineterminator="\n")
-        table.writerow(header)
-        table.writerows(rows)
+def _report(study: xr.Dataset, claims: list[Claim], out: Path, files: list[Path]) -> None:
+    from flexmech.cli.pictures import file_lines
+    from flexmech.cli.report import print_table
+    from flexmech.cli.study_report import claim_lines, frequency_tables, summary_lines
 
-
-def _rows(study: xr.Dataset) -> Iterator[list[Any]]:
-    import numpy as np
-
-    from flexmech.analyses.studies import position_angles, published_case
-
-    dims = ("plies", "mesh", "position", "laminate", "case")
-    plies, meshes, positions, laminates, cases = (study[name].values.tolist() for name in dims)
-    angles = np.degrees([position_angles(published_case(case)) for case in cases])
-    frequency = study["frequency"].transpose(*dims)
-    ratio = (frequency / frequency.sel(ONE)).values
-    published = {
-        name: (study[name].values, (study[name] / study[name].sel(ONE)).values)
-        for name in ("finite_element", "measured")
-    }
-    for place in np.ndindex(frequency.shape):
-        p, e, *where = place
-        at = tuple(where)
-        row: list[Any] = [positions[at[0]], f"{angles[at[2], at[0]]:.6g}"]
-        row += [laminates[at[1]], cases[at[2]], plies[p], meshes[e]]
-        row += [f"{frequency.values[place]:.6g}", f"{ratio[place]:.5f}"]
-        for values, relative in published.values():
-            row += [f"{values[at]:g}", f"{relative[at]:.5f}"]
-        row += [f"{study['strain_energy_damping'].values[at]:.6g}"]
-        row += [f"{study['damping'].values[at]:g}"]
-        yield row
-
-
-def _frequency_tables(study: xr.Dataset) -> Iterator[Table]:
-    from rich.table import Table
-
-    ours = study["frequency"].sel(plies="unidirectional").isel(mesh=0)
-    relative = [v / v.sel(ONE) for v in (ours, study["finite_element"], study["measured"])]
-    words = {"min": "least", "90": "90 deg", "max": "greatest"}
-    for position, word in words.items():
-        table = Table(
-            title=f"frequency over that of C1, case 1, least transmission angle: computed / "
-            f"finite elements / measured; transmission angle {word}"
-        )
-        table.add_column("laminate")
-        for case in ours["case"].values.tolist():
-            table.add_column(f"case {case}", justify="right")
-        for laminate in ours["laminate"].values.tolist():
-            cells = []
-            for case in ours["case"].values.tolist():
-                at = {"position": position, "laminate": laminate, "case": case}
-                cells.append(" / ".join(f"{float(v.sel(at)):.3f}" for v in relative))
-            table.add_row(laminate, *cells)
-        yield table
-
-
-def _claim_lines(claims: list[Claim]) -> Iterator[str]:
-    for verdict in ("reproduced", "not reproduced"):
-        yield f"{verdict}:"
-        for claim in claims:
-            if claim.verdict == verdict:
-                yield (
-                    f"  {claim.place}, {claim.statement}: printed {claim.printed}, from its tables "
-                    f"{claim.from_tables}, computed {claim.computed}"
-                )
+    for table in frequency_tables(study):
+        print_table(table)
+    for line in (
+        *claim_lines(claims),
+        *summary_lines(claims),
+        *file_lines(out, files, PICTURES),
+        f"model files, with the size assumed: {out / MODELS}",
+    ):
+        typer.echo(line)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
@@ -9,8 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from flexmech.plots.style import (
+    LABEL_SIZE,
     header_height,
     header_legend,
     new_figure,
@@ -22,14 +27,39 @@ from flexmech.plots.style import (
 
 __all__ = ["plot_composite_damping", "plot_composite_frequencies", "plot_laminate_factors"]
 
-PANEL = 2.0
+PANEL = 1.9
+MARK_SIZE = 3.8
 # From dark to light, so that the order shows without colour as well.
 SHADES = ("#08306b", "#08519c", "#2171b5", "#4292c6", "#9ecae1", "#deebf7")
 POSITIONS = {
-    "min": "least transmission angle",
-    "90": "transmission angle 90 deg",
-    "max": "greatest transmission angle",
+    "min": "Least transmission angle",
+    "90": "Transmission angle 90 deg",
+    "max": "Greatest transmission angle",
 }
+
+
+@dataclass(frozen=True)
+class _Points:
+    """Values drawn as markers on the bars."""
+
+    label: str
+    values: xr.DataArray
+    marker: str
+    color: str
+    fill: str
+
+    def handle(self) -> Line2D:
+        return Line2D([], [], label=self.label, **self.properties())
+
+    def properties(self) -> dict[str, Any]:
+        return {
+            "linestyle": "",
+            "marker": self.marker,
+            "color": self.color,
+            "markerfacecolor": self.fill,
+            "markersize": MARK_SIZE,
+            "markeredgewidth": 0.9,
+        }
 
 
 def plot_composite_frequencies(study: xr.Dataset) -> Figure:
@@ -46,19 +76,21 @@ def plot_composite_frequencies(study: xr.Dataset) -> Figure:
     -------
     Figure
     """
-    ours = study["frequency"].sel(plies="unidirectional").isel(mesh=0)
-    return _bars(
-        ours,
-        {"finite elements, published": study["finite_element"], "measured": study["measured"]},
-        "Fundamental frequency over that of C1, case 1, least transmission angle; bars: computed",
-        {"laminate": "C1", "case": 1, "position": "min"},
-    )
+    one = {"laminate": "C1", "case": 1, "position": "min"}
+    ours = study["frequency"].sel(plies="unidirectional", beams="converged")
+    points = [
+        _Points("FE, published", study["finite_element"], "D", "#D55E00", "#D55E00"),
+        _Points("measured", study["measured"], "_", "black", "black"),
+    ]
+    title = "Frequency over that of C1, case 1, least transmission angle (bars: computed)"
+    return _bars(ours, points, title, "Ratio of frequencies (-)", one)
 
 
 def plot_composite_damping(study: xr.Dataset) -> Figure:
     """Draw damping by laminate, case and position as ratios.
 
-    Elamy et al. 2023, Figure 9 and Tables 4 to 6.
+    Elamy et al. 2023, Figure 9 and Tables 4 to 6. Bars are beams that only bend; open circles
+    are beams that shear too.
 
     Parameters
     ----------
@@ -69,21 +101,23 @@ def plot_composite_damping(study: xr.Dataset) -> Figure:
     -------
     Figure
     """
-    return _bars(
-        study["strain_energy_damping"],
-        {"measured": study["damping"]},
-        "Damping over that of C6, case 1, least transmission angle; bars: computed",
-        {"laminate": "C6", "case": 1, "position": "min"},
-    )
+    one = {"laminate": "C6", "case": 1, "position": "min"}
+    damping = study["strain_energy_damping"].sel(plies="unidirectional")
+    points = [
+        _Points("with shear", damping.sel(beams="with shear"), "o", "black", "white"),
+        _Points("measured", study["damping"], "D", "#D55E00", "#D55E00"),
+    ]
+    title = "Damping over that of C6, case 1, least transmission angle (bars: computed, bending)"
+    return _bars(damping.sel(beams="converged"), points, title, "Ratio of damping (-)", one)
 
 
 def plot_laminate_factors(factors: xr.DataArray, published: xr.DataArray) -> Figure:
-    """Draw how the frequency changes with the laminate, by model of the plies.
+    """Draw how the frequency changes with the laminate, by model of plies and beams.
 
     Parameters
     ----------
     factors : DataArray
-        Over ``plies`` and ``laminate``; C1 is 1.
+        Over ``plies``, ``beams`` and ``laminate``; C1 is 1.
     published : DataArray
         The same from printed tables, over ``laminate``.
 
@@ -91,22 +125,28 @@ def plot_laminate_factors(factors: xr.DataArray, published: xr.DataArray) -> Fig
     -------
     Figure
     """
+    bent = factors.sel(beams="converged")
+    curves = {
+        "unidirectional plies": bent.sel(plies="unidirectional"),
+        "woven plies": bent.sel(plies="woven"),
+        "one modulus a laminate, Table 2": bent.sel(plies="table 2"),
+        "published, Tables 5 and 6": published,
+        "unidirectional plies, with shear": factors.sel(plies="unidirectional", beams="with shear"),
+    }
     with publication_style():
-        names = [f"{name} plies" for name in factors["plies"].values[:2]]
-        names += ["one modulus a laminate, Table 2", "published, Tables 5 and 6"]
         handles: list[Artist] = [
             series_handle(n, name, marker=series_style(n).marker, markersize=4)
-            for n, name in enumerate(names)
+            for n, name in enumerate(curves)
         ]
         title = "Frequency of each laminate over that of C1"
         figure = new_figure(2.6 + header_height(handles, title))
         axes = figure.subplots()
         laminates = [str(name) for name in factors["laminate"].values]
-        for number, values in enumerate([*factors.values, published.values]):
+        for number, values in enumerate(curves.values()):
             style = series_style(number)
             axes.plot(
                 laminates,
-                values,
+                values.values,
                 color=style.color,
                 linestyle=style.linestyle,
                 marker=style.marker,
@@ -114,54 +154,58 @@ def plot_laminate_factors(factors: xr.DataArray, published: xr.DataArray) -> Fig
             )
         axes.set_ylim(0.0, 1.05)
         axes.set_xlabel("Laminate")
-        axes.set_ylabel("Ratio")
+        axes.set_ylabel("Ratio of frequencies (-)")
         header_legend(figure, handles, title)
     return figure
 
 
 def _bars(
-    ours: xr.DataArray, published: dict[str, xr.DataArray], title: str, one: dict[str, object]
+    ours: xr.DataArray, points: list[_Points], title: str, label: str, one: dict[str, object]
 ) -> Figure:
-    """One panel a position, one group of bars a case; markers for published values."""
+    """One panel a position, one group of bars a case; markers for other values."""
+    laminates = [str(name) for name in ours["laminate"].values]
+    cases = ours["case"].values
     with publication_style():
-        laminates = [str(name) for name in ours["laminate"].values]
         handles: list[Artist] = [
             Patch(facecolor=shade, edgecolor="black", linewidth=0.4, label=name)
             for shade, name in zip(SHADES, laminates, strict=True)
         ]
-        styles = dict(zip(published, (("D", "#D55E00"), ("_", "black")), strict=False))
-        for name, (marker, color) in styles.items():
-            handles.append(
-                Line2D([], [], linestyle="", marker=marker, color=color, ms=4, label=name)
-            )
-        figure = new_figure(3 * PANEL + header_height(handles, title))
+        handles += [each.handle() for each in points]
+        figure = new_figure(3 * PANEL + 0.2 + header_height(handles, title))
         panels = figure.subplots(3, 1, sharex=True, sharey=True)
-        relative = {name: values / values.sel(one) for name, values in published.items()}
+        bars = ours / ours.sel(one)
+        marks = [each.values / each.values.sel(one) for each in points]
         for axes, (position, words) in zip(panels, POSITIONS.items(), strict=True):
             axes.set_title(words)
-            _group(axes, (ours / ours.sel(one)).sel(position=position), relative, position, styles)
-            axes.set_ylabel("Ratio")
-            plain_numbers(axes)
+            _group(axes, bars.sel(position=position))
+            for each, values in zip(points, marks, strict=True):
+                shown = values.sel(position=position).transpose("case", "laminate")
+                axes.plot(_places(len(cases)).ravel(), shown.values.ravel(), **each.properties())
+        panels[0].set_ylim(bottom=0.0)
+        plain_numbers(panels[0])
+        panels[-1].set_xticks(np.arange(len(cases)), [f"case {case}" for case in cases])
         panels[-1].set_xlabel("Proportions of the linkage")
+        figure.supylabel(label, fontsize=LABEL_SIZE)
         header_legend(figure, handles, title)
     return figure
 
 
-def _group(
-    axes: Axes,
-    ours: xr.DataArray,
-    published: dict[str, xr.DataArray],
-    position: str,
-    styles: dict[str, tuple[str, str]],
-) -> None:
-    cases = ours["case"].values
-    width = 0.8 / ours.sizes["laminate"]
+def _places(cases: int) -> NDArray[np.float64]:
+    """Middle of each bar, (cases, laminates)."""
+    width = 0.8 / len(SHADES)
+    offset = (np.arange(len(SHADES)) - (len(SHADES) - 1) / 2) * width
+    return np.arange(cases)[:, None] + offset
+
+
+def _group(axes: Axes, ratio: xr.DataArray) -> None:
+    places = _places(ratio.sizes["case"])
     for number, shade in enumerate(SHADES):
-        place = np.arange(len(cases)) + (number - 2.5) * width
-        heights = ours.isel(laminate=number).values
-        axes.bar(place, heights, width, color=shade, edgecolor="black", linewidth=0.4)
-        for name, values in published.items():
-            marker, color = styles[name]
-            heights = values.sel(position=position).isel(laminate=number).values
-            axes.plot(place, heights, linestyle="", marker=marker, color=color, markersize=3.5)
-    axes.set_xticks(np.arange(len(cases)), [f"case {case}" for case in cases])
+        heights = ratio.isel(laminate=number).values
+        axes.bar(
+            places[:, number],
+            heights,
+            0.8 / len(SHADES),
+            color=shade,
+            edgecolor="black",
+            linewidth=0.4,
+        )

@@ -17,6 +17,7 @@ SCENARIOS = Path(__file__).parents[2] / "scenarios"
 NAMES = [
     "aluminium_fourbar_frequencies",
     "axial_force_alone",
+    "composite_crank_rockers",
     "critical_speeds",
     "mode_shapes",
     "running_fourbars",

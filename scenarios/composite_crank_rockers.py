@@ -1,0 +1,162 @@
+"""Does the link size that has to be assumed decide what the composite crank-rockers do?
+
+Elamy et al. 2023 print no link size. Beams that only bend do not care: every ratio of
+frequencies and of damping is the same for any size. With shear, which the printed moduli make
+large, ratios depend on how thick the links are. Over the thickness: the frequency of C6 over
+that of C1, the damping of C1 over that of C6, and by how much C1 in its cases and positions
+misses the printed values at the best common scale.
+
+    python scenarios/composite_crank_rockers.py [--out results/composite_crank_rockers]
+"""  # noqa: D400 - a scenario asks a question
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from _common import output_folder, save_pictures
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from flexmech import ReferenceEngine, natural_frequencies
+from flexmech.analyses.modal_damping import strain_energy_damping
+from flexmech.analyses.studies import (
+    composite_crank_rocker,
+    deviation_at_best_scale,
+    laminate_factors,
+    position_angles,
+    published_case,
+    published_tables,
+)
+from flexmech.plots import publication_style
+from flexmech.plots.style import (
+    header_height,
+    header_legend,
+    new_figure,
+    series_handle,
+    series_style,
+)
+
+FloatArray = NDArray[np.float64]
+
+# Five plies in a ground of 0.4 m; the study assumes 1 mm.
+PLY_THICKNESS = np.array([0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 3.0]) * 1e-3
+ELEMENTS = ("euler", "timoshenko")
+WORDS = {
+    "factor": "frequency, C6 over C1",
+    "damping": "damping, C1 over C6",
+    "deviation": "printed shape missed by",
+}
+
+
+@dataclass(frozen=True)
+class SizeAnswer:
+    """Ratios over the thickness of the plies, by element.
+
+    Parameters
+    ----------
+    thickness : ndarray, shape (T,)
+        Of one ply in m.
+    ratios : dict of str to dict of str to ndarray, shape (T,)
+        ``"factor"``, ``"damping"`` and ``"deviation"`` of ``"euler"`` and ``"timoshenko"``.
+    """
+
+    thickness: FloatArray
+    ratios: dict[str, dict[str, FloatArray]]
+
+
+def main(out: Path, *, thickness: FloatArray = PLY_THICKNESS, elements: int = 8) -> SizeAnswer:
+    """Vary the thickness, print the ratios, draw them.
+
+    Parameters
+    ----------
+    out : Path
+        Folder for the picture.
+    thickness : ndarray, shape (T,)
+        Of one ply in m.
+    elements : int
+        Elements a link.
+
+    Returns
+    -------
+    SizeAnswer
+    """
+    ratios: dict[str, dict[str, FloatArray]] = {}
+    for element in ELEMENTS:
+        found = [ratios_of(element, float(size), elements) for size in thickness]
+        ratios[element] = {name: np.array([each[name] for each in found]) for name in WORDS}
+        for name, words in WORDS.items():
+            values = ratios[element][name]
+            print(f"{element}: {words}: {values.min():.3f} to {values.max():.3f}")
+    answer = SizeAnswer(thickness, ratios)
+    pictures = save_pictures({"link_size.png": _draw(answer)}, out)
+    print("picture: " + ", ".join(str(path) for path in pictures))
+    return answer
+
+
+def ratios_of(element: str, thickness: float, elements: int) -> dict[str, float]:
+    """The three ratios of one element and thickness."""
+    published = published_tables()["finite_element"]
+    cases = published["case"].values.tolist()
+    frequency = published.sel(laminate=["C1", "C6"]).copy(deep=True)
+    damping = frequency.copy(deep=True)
+    for laminate in ("C1", "C6"):
+        for case in cases:
+            mechanism = composite_crank_rocker(case, laminate, "unidirectional", thickness)
+            engine = ReferenceEngine(mechanism, elements, element)
+            angles = position_angles(published_case(case))[:3]
+            at = {"laminate": laminate, "case": case}
+            frequency.loc[at] = natural_frequencies(engine, angles, modes=1)[:, 0]
+            damping.loc[at] = strain_energy_damping(engine, angles, modes=1)[:, 0]
+    lost = damping.sel(laminate="C1") / damping.sel(laminate="C6")
+    return {
+        "factor": float(laminate_factors(frequency).sel(laminate="C6")),
+        "damping": float(np.exp(np.log(lost).mean())),
+        "deviation": _off(frequency, published),
+    }
+
+
+def _off(frequency: xr.DataArray, published: xr.DataArray) -> float:
+    """Deviation of C1 over cases and positions."""
+    first = (values.sel(laminate="C1") for values in (frequency, published))
+    return deviation_at_best_scale(*first)
+
+
+def _draw(answer: SizeAnswer) -> Figure:
+    words = {"euler": "bending alone", "timoshenko": "with shear"}
+    title = "Composite crank-rockers: ratios over the thickness assumed"
+    with publication_style():
+        handles: list[Artist] = [
+            series_handle(n, words[element], marker=series_style(n).marker, markersize=4)
+            for n, element in enumerate(ELEMENTS)
+        ]
+        figure = new_figure(2.5 + header_height(handles, title))
+        panels = figure.subplots(1, len(WORDS))
+        for axes, (name, heading) in zip(panels, WORDS.items(), strict=True):
+            for number, element in enumerate(ELEMENTS):
+                style = series_style(number)
+                axes.plot(
+                    5e3 * answer.thickness,
+                    answer.ratios[element][name],
+                    color=style.color,
+                    linestyle=style.linestyle,
+                    marker=style.marker,
+                    markersize=4,
+                )
+            axes.set_title(heading[0].upper() + heading[1:], fontsize=8)
+            axes.set_xscale("log")
+            axes.set_xticks([0.5, 1, 2, 5, 10], ["0.5", "1", "2", "5", "10"])
+            axes.minorticks_off()
+            most = max(answer.ratios[element][name].max() for element in ELEMENTS)
+            axes.set_ylim(0.0, 1.1 * most)
+            axes.set_xlabel("Link thickness (mm)")
+        panels[0].set_ylabel("Ratio (-)")
+        header_legend(figure, handles, title)
+    return figure
+
+
+if __name__ == "__main__":
+    main(output_folder(__doc__, "results/composite_crank_rockers"))
