@@ -34,13 +34,20 @@ if TYPE_CHECKING:
         speed_sweep,
     )
     from flexmech.errors import ComputationError, FlexmechError, InputError
-    from flexmech.linkages import CrankDrive, FourBar, RotatingArm
-    from flexmech.materials import Material
+    from flexmech.linkages import CrankDrive, FourBar, RotatingArm, synthesize_crank_rocker
+    from flexmech.materials import (
+        Laminate,
+        Material,
+        Ply,
+        ply_from_constituents,
+        published_constituents,
+        woven_ply,
+    )
     from flexmech.mechanism import Mechanism, PointMass
     from flexmech.modelfile import load_mechanism
     from flexmech.multibody import ExudynEngine
     from flexmech.reference import ReferenceEngine
-    from flexmech.sections import BeamSection
+    from flexmech.sections import BeamSection, LaminateSection
 
 __all__ = [
     "BeamSection",
@@ -50,9 +57,12 @@ __all__ = [
     "FlexmechError",
     "FourBar",
     "InputError",
+    "Laminate",
+    "LaminateSection",
     "Material",
     "Mechanism",
     "MovingFrequencies",
+    "Ply",
     "PointMass",
     "ReferenceEngine",
     "Response",
@@ -62,8 +72,12 @@ __all__ = [
     "load_mechanism",
     "moving_frequencies",
     "natural_frequencies",
+    "ply_from_constituents",
+    "published_constituents",
     "response",
     "speed_sweep",
+    "synthesize_crank_rocker",
+    "woven_ply",
 ]
 
 _HOMES = {
@@ -74,9 +88,12 @@ _HOMES = {
     "FlexmechError": "errors",
     "FourBar": "linkages",
     "InputError": "errors",
+    "Laminate": "materials",
+    "LaminateSection": "sections",
     "Material": "materials",
     "Mechanism": "mechanism",
     "MovingFrequencies": "analyses",
+    "Ply": "materials",
     "PointMass": "mechanism",
     "ReferenceEngine": "reference",
     "Response": "analyses.response",
@@ -86,8 +103,12 @@ _HOMES = {
     "load_mechanism": "modelfile",
     "moving_frequencies": "analyses",
     "natural_frequencies": "analyses",
+    "ply_from_constituents": "materials",
+    "published_constituents": "materials",
     "response": "analyses.response",
     "speed_sweep": "analyses.response",
+    "synthesize_crank_rocker": "linkages",
+    "woven_ply": "materials",
 }
 
 

@@ -120,7 +120,8 @@ def load_line() -> str:
     return (
         "unit loads: N = 1 N along the pins' axis (y = 0), M = 1 N m that stretches the side of "
         "lower y, V = 1 N along y; y points to the left of a link when looking from its first "
-        "joint along it"
+        "joint along it\nwhat stands without coupling does not balance the loads: it shows what "
+        "the coupling does, kGA and damping are those of the section with it"
     )
 
 

@@ -199,8 +199,8 @@ class LaminateSection:
     ) -> ThroughThickness:
         """Strain and stress through the thickness under loads on the neutral axis.
 
-        Strain and normal stress by classical theory. Both shear stresses have the shear
-        force as their resultant.
+        Strain and normal stress by classical theory. With coupling both shear stresses have
+        the shear force as their resultant.
 
         Parameters
         ----------
