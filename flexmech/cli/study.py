@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["HELP", "study_app"]
 
 HELP = "Run a whole campaign and set it beside what is published."
-TABLES = ("frequencies.csv", "claims.csv")
+TABLES = ("composites.csv", "composite_claims.csv")
 PICTURES = (
     "transmission_angle.png",
     "frequencies_by_laminate.png",

@@ -139,20 +139,23 @@ class BeamShapes(ABC):
         return 0.0
 
 
-def hermite(s: FloatArray, length: FloatArray) -> tuple[FloatArray, ...]:
-    """Cubic with end values and slopes and its first three derivatives; each (s, 4)."""
-    one = np.ones_like(s)
-    values = (
-        [1 - 3 * s**2 + 2 * s**3, s - 2 * s**2 + s**3, 3 * s**2 - 2 * s**3, s**3 - s**2],
-        [6 * s**2 - 6 * s, 1 - 4 * s + 3 * s**2, 6 * s - 6 * s**2, 3 * s**2 - 2 * s],
-        [12 * s - 6, 6 * s - 4, 6 - 12 * s, 6 * s - 2],
-        [12 * one, 6 * one, -12 * one, 6 * one],
-    )
-    scale = np.stack([one, length, one, length], axis=-1)
-    return tuple(
-        np.stack(rows, axis=-1) * scale / length[:, None] ** order
-        for order, rows in enumerate(values)
-    )
+def hermite(s: FloatArray, length: FloatArray, derivatives: int = 3) -> tuple[FloatArray, ...]:
+    """Cubic with end values and slopes and its first derivatives; each (s, 4)."""
+    powers = np.stack([np.ones_like(s), s, s**2, s**3], axis=-1)
+    scale = np.ones((len(s), 4))
+    scale[:, 1] = scale[:, 3] = length
+    shapes = []
+    for order in range(derivatives + 1):
+        shapes.append(powers @ _HERMITE[order] * scale)
+        scale = scale / length[:, None]
+    return tuple(shapes)
+
+
+# Coefficients of 1, s, s^2 and s^3 (rows) of the four cubics (columns), and of their
+# derivatives.
+_CUBICS = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [-3, -2, 3, -1], [2, 1, -2, 1]])
+_DERIVATIVE = np.array([[0.0, 1, 0, 0], [0, 0, 2, 0], [0, 0, 0, 3], [0, 0, 0, 0]])
+_HERMITE = [np.linalg.matrix_power(_DERIVATIVE, order) @ _CUBICS for order in range(4)]
 
 
 def _hermite_integral(s: FloatArray, length: FloatArray) -> FloatArray:
@@ -193,7 +196,7 @@ class EulerBernoulli(BeamShapes):
     def fields(self, fraction: FloatArray, length: FloatArray, section: BeamSection) -> BeamFields:
         """See :class:`BeamShapes`."""
         axial, stretch = _linear(fraction, length, 6)
-        cubic = hermite(fraction, length)[:3]
+        cubic = hermite(fraction, length, 2)
         deflection, slope, bend = (_placed(h, (1, 2, 4, 5), 6) for h in cubic)
         return BeamFields(axial, deflection, slope, slope, stretch, bend, bend)
 
@@ -283,7 +286,7 @@ class Reddy(BeamShapes):
     def fields(self, fraction: FloatArray, length: FloatArray, section: BeamSection) -> BeamFields:
         """See :class:`BeamShapes`."""
         axial, stretch = _linear(fraction, length, 10)
-        cubic = hermite(fraction, length)[:3]
+        cubic = hermite(fraction, length, 2)
         deflection, slope, slope_change = (_placed(h, (1, 3, 6, 8), 10) for h in cubic)
         rotation, curvature, _ = (_placed(h, (2, 4, 7, 9), 10) for h in cubic)
         return BeamFields(axial, deflection, rotation, slope, stretch, curvature, slope_change)

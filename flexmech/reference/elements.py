@@ -62,6 +62,8 @@ class BeamElements:
     def neutral_damping(self) -> FloatArray:
         """Kelvin-Voigt damping by the neutral axis's nodes, (e, 2 p, 2 p)."""
         times = self.section.damping
+        if not times.any:
+            return np.zeros_like(self.neutral_stiffness)
         of_strain = np.array([times.axial, times.bending, times.bending, times.shear])
         return self._from_strains(of_strain[:, None] * self.shapes.strain_stiffness(self.section))
 
@@ -81,13 +83,15 @@ class BeamElements:
         is not in it, the coupling of displacement and rotation by the first moment is.
         """
         displaced = self.shapes.inertia(self.section)
+        if not displaced[1:, 1:].any():
+            return self.mass
         displaced[1:, 1:] = 0.0
         return self._moved(displaced)
 
     @cached_property
     def gyroscopic(self) -> FloatArray:
         """``S``, the integral of ``rho A N^T J N``; K, eq. 1.54 with ``m_vel = omega S``."""
-        momentum = np.einsum("b,begi->egi", self.shapes.inertia(self.section)[0], self._along)
+        momentum = np.tensordot(self.shapes.inertia(self.section)[0], self._along, axes=1)
         across = self._inside.deflection
         product = self._integral(across[..., :, None] * momentum[..., None, :])
         return np.asarray(product - np.swapaxes(product, 1, 2))
@@ -163,9 +167,11 @@ class BeamElements:
 
     def _at_pins_axis(self, fields: BeamFields) -> FloatArray:
         """Displacement along at the pins' axis, where rigid arms lead from the neutral axis."""
+        arms = self.shapes.arms(self.section)
+        if not any(arms):
+            return fields.axial
         along = fields.axial @ self.to_neutral_axis
         turning = (fields.rotation, fields.slope)
-        arms = self.shapes.arms(self.section)
         return along + sum(
             arm * angle for arm, angle in zip(arms, turning[: len(arms)], strict=True)
         )
@@ -181,12 +187,11 @@ class BeamElements:
 
     def _quadratic(self, fields: FloatArray, weight: FloatArray) -> FloatArray:
         """Integral of ``fields^T weight fields``: fields (a, e, 5, 2 p), weight (a, a)."""
-        count = len(self.length)
-        weighted = np.tensordot(weight, fields, axes=1) * self._weights[..., None]
-        left, right = (
-            np.moveaxis(f, 0, 1).reshape(count, -1, f.shape[-1]) for f in (fields, weighted)
-        )
-        return np.asarray(np.swapaxes(left, 1, 2) @ right)
+        total = np.zeros((len(self.length), *2 * fields.shape[-1:]))
+        for a, b in zip(*np.nonzero(weight), strict=True):
+            left = (weight[a, b] * self._weights)[..., None] * fields[a]
+            total += np.swapaxes(left, 1, 2) @ fields[b]
+        return total
 
     def _integral(self, values: FloatArray) -> FloatArray:
         """Integral over each element of values (e, 5, ...) at the Gauss points."""
@@ -199,6 +204,8 @@ class BeamElements:
 
     def _at_the_pins(self, matrix: FloatArray) -> FloatArray:
         """A matrix by the neutral axis's nodes in coordinates of the pins' axis."""
+        if not any(self.shapes.arms(self.section)):
+            return matrix
         return np.asarray(self.to_neutral_axis.T @ matrix @ self.to_neutral_axis)
 
     @cached_property

@@ -304,7 +304,7 @@ def test_command(invented: xr.Dataset, tmp_path: Path, monkeypatch: pytest.Monke
     assert "frequency: C6 is below C1 by: printed 62.22 %, from its tables 62.65 %" in result.output
     assert "1.00 / 1.00 / 1.00 │ 0.74 / 0.74 / 0.73" in result.output
     tables = sorted(path.name for path in tmp_path.glob("*.*"))
-    assert tables == ["claims.csv", "frequencies.csv"]
+    assert tables == ["composite_claims.csv", "composites.csv"]
     models = tmp_path / "models"
     assert len(list(models.iterdir())) == 72
     for plies, name in zip(PLY_MODELS, ("", "_woven", "_table_2"), strict=True):
