@@ -34,7 +34,16 @@ if TYPE_CHECKING:
         speed_sweep,
     )
     from flexmech.errors import ComputationError, FlexmechError, InputError
-    from flexmech.linkages import CrankDrive, FourBar, RotatingArm, synthesize_crank_rocker
+    from flexmech.hygrothermal import Exposure, HygrothermalState, mechanism_in_state
+    from flexmech.linkages import (
+        CouplerCurve,
+        CouplerPoint,
+        CrankDrive,
+        FourBar,
+        RotatingArm,
+        double_points,
+        synthesize_crank_rocker,
+    )
     from flexmech.materials import (
         Laminate,
         Material,
@@ -52,10 +61,14 @@ if TYPE_CHECKING:
 __all__ = [
     "BeamSection",
     "ComputationError",
+    "CouplerCurve",
+    "CouplerPoint",
     "CrankDrive",
+    "Exposure",
     "ExudynEngine",
     "FlexmechError",
     "FourBar",
+    "HygrothermalState",
     "InputError",
     "Laminate",
     "LaminateSection",
@@ -69,7 +82,9 @@ __all__ = [
     "ResponseRequest",
     "RotatingArm",
     "SpeedSweep",
+    "double_points",
     "load_mechanism",
+    "mechanism_in_state",
     "moving_frequencies",
     "natural_frequencies",
     "ply_from_constituents",
@@ -83,10 +98,14 @@ __all__ = [
 _HOMES = {
     "BeamSection": "sections",
     "ComputationError": "errors",
+    "CouplerCurve": "linkages",
+    "CouplerPoint": "linkages",
     "CrankDrive": "linkages",
+    "Exposure": "hygrothermal",
     "ExudynEngine": "multibody",
     "FlexmechError": "errors",
     "FourBar": "linkages",
+    "HygrothermalState": "hygrothermal",
     "InputError": "errors",
     "Laminate": "materials",
     "LaminateSection": "sections",
@@ -100,7 +119,9 @@ _HOMES = {
     "ResponseRequest": "analyses.response",
     "RotatingArm": "linkages",
     "SpeedSweep": "analyses.response",
+    "double_points": "linkages",
     "load_mechanism": "modelfile",
+    "mechanism_in_state": "hygrothermal",
     "moving_frequencies": "analyses",
     "natural_frequencies": "analyses",
     "ply_from_constituents": "materials",

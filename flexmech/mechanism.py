@@ -8,10 +8,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.linkages import Linkage, LinkMass
+from flexmech.linkages import CouplerPoint, Linkage, LinkMass
+from flexmech.materials import REFERENCE_TEMPERATURE
+from flexmech.materials.moisture import Faces
 from flexmech.sections import BeamSection
 
-__all__ = ["Mechanism", "PointMass", "Provenance"]
+__all__ = ["Mechanism", "PointMass", "Provenance", "Wetting"]
 
 
 @dataclass(frozen=True)
@@ -21,6 +23,23 @@ class PointMass:
     link: str
     position: float
     mass: float
+
+
+@dataclass(frozen=True)
+class Wetting:
+    """Where water can enter a link.
+
+    Parameters
+    ----------
+    faces : {"both", "lower", "upper"}
+        Faces that look to the sides of the link in the linkage's plane; lower is that of the
+        lowest y of the link's frame.
+    sides : bool
+        Whether water enters across the joint axes too.
+    """
+
+    faces: Faces = "both"
+    sides: bool = False
 
 
 @dataclass(frozen=True)
@@ -63,11 +82,20 @@ class Mechanism:
     operating_speeds : tuple of float
         Crank speeds in rad/s that the mechanism is meant for.
     provenance : Provenance
+    coupler_point : CouplerPoint, optional
+        Point of the coupler whose path matters.
+    reference_temperature : float
+        Temperature in K at which lengths, sections and masses are as stated.
+    ground_thermal_expansion : float
+        Of the frame between the ground pivots in 1/K.
+    wetting : mapping of str to Wetting
+        Where water enters links, by name; through both faces of those left out.
 
     Raises
     ------
     InputError
-        If a link has no section, a mass is negative or off its link, or a name is unknown.
+        If a link has no section, a mass is negative or off its link, a name is unknown, or a
+        number of its surroundings cannot be.
     """
 
     linkage: Linkage
@@ -77,6 +105,10 @@ class Mechanism:
     gravity: tuple[float, float] = (0.0, 0.0)
     operating_speeds: tuple[float, ...] = ()
     provenance: Provenance = field(default_factory=Provenance)
+    coupler_point: CouplerPoint | None = None
+    reference_temperature: float = REFERENCE_TEMPERATURE
+    ground_thermal_expansion: float = 0.0
+    wetting: Mapping[str, Wetting] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         topology = self.linkage.topology
@@ -96,6 +128,17 @@ class Mechanism:
             self._check_point(point)
         if not np.all(np.isfinite(self.gravity)):
             raise InputError(f"gravity must be finite, got {self.gravity}")
+        if not (np.isfinite(self.reference_temperature) and self.reference_temperature > 0):
+            raise InputError(
+                f"reference_temperature must be above 0 K, got {self.reference_temperature} K"
+            )
+        if not np.isfinite(self.ground_thermal_expansion):
+            raise InputError(
+                f"ground_thermal_expansion must be a number, got {self.ground_thermal_expansion}"
+            )
+        for name in self.wetting:
+            if name not in topology.link_names:
+                raise InputError(f"wetting: unknown link {name!r}; links are {topology.link_names}")
 
     def _check_point(self, point: PointMass) -> None:
         topology = self.linkage.topology
@@ -132,6 +175,15 @@ class Mechanism:
             point_masses=tuple(m for _, m in points),
             offset=self.sections[link].mass_axis,
         )
+
+    def wetting_of(self, link: str) -> Wetting:
+        """Where water enters a link."""
+        return self.wetting.get(link, Wetting())
+
+    @property
+    def is_free_strained(self) -> bool:
+        """Whether a link stretches or bends without load."""
+        return any(section.is_free_strained for section in self.sections.values())
 
     @property
     def link_masses_in_order(self) -> tuple[LinkMass, ...]:

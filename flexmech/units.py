@@ -24,19 +24,25 @@ if TYPE_CHECKING:
 
 __all__ = [
     "ACCELERATION",
+    "ACTIVATION_ENERGY",
     "ANGLE",
     "ANGULAR_SPEED",
     "BENDING_STIFFNESS",
     "DENSITY",
+    "DIFFUSIVITY",
+    "EXPANSION",
     "FORCE",
     "FREQUENCY",
     "LENGTH",
     "MASS",
     "MASS_PER_LENGTH",
+    "MOISTURE_EXPANSION",
     "NUMBER",
     "RATIO",
     "ROTARY_INERTIA",
     "STRESS",
+    "TEMPERATURE",
+    "TEMPERATURE_DIFFERENCE",
     "TIME",
     "Dimension",
     "parse_number",
@@ -102,6 +108,14 @@ FORCE = Dimension("a force", "N", ("4900 N", "1.2 MN", "100 lbf"))
 BENDING_STIFFNESS = Dimension("a bending stiffness", "N m^2", ("1.5 N m^2", "2e6 N mm^2"))
 MASS_PER_LENGTH = Dimension("a mass per length", "kg/m", ("0.2 kg/m", "200 g/m"))
 ROTARY_INERTIA = Dimension("a rotary inertia per length", "kg m", ("3e-7 kg m", "0.3 g mm"))
+TEMPERATURE = Dimension("a temperature", "K", ("80 degC", "353.15 K", "176 degF"))
+"""On a scale with its own zero: "20 degC" is 293.15 K."""
+TEMPERATURE_DIFFERENCE = Dimension("a temperature difference", "K", ("80 K", "80 degC"))
+"""Between two temperatures: "20 degC" is 20 K."""
+EXPANSION = Dimension("a thermal expansion", "1/K", ("58.4e-6 1/K", "11.7e-6 1/degC"))
+MOISTURE_EXPANSION = Dimension("a moisture expansion", "", ("3.02e-3 1/percent", "0.302"))
+DIFFUSIVITY = Dimension("a diffusivity", "m^2/s", ("1.2e-12 m^2/s", "1.2e-6 mm^2/s"))
+ACTIVATION_ENERGY = Dimension("an activation energy", "J/mol", ("45 kJ/mol", "45000 J/mol"))
 RATIO = Dimension("a ratio", "", ("0.01", "1 %"))
 
 
@@ -162,7 +176,8 @@ def parse_quantity(
         If the value is not text, has no number or no unit, is not finite, or is a quantity
         of another dimension. The message says what was got and names the remedy.
     """
-    if dimension is RATIO and isinstance(value, int | float) and not isinstance(value, bool):
+    unitless = dimension in (RATIO, MOISTURE_EXPANSION)
+    if unitless and isinstance(value, int | float) and not isinstance(value, bool):
         value = repr(value)
     if isinstance(value, int | float) and not isinstance(value, bool):
         raise InputError(
@@ -175,7 +190,7 @@ def parse_quantity(
             f"for example {dimension.example}"
         )
     number, unit = _split(value, dimension)
-    if not unit and dimension is not RATIO:
+    if not unit and not unitless:
         if default_unit is None:
             raise InputError(
                 f"got {value!r}, which has no unit; write {dimension.name} with its unit, "
@@ -184,6 +199,8 @@ def parse_quantity(
         unit = default_unit
     # The SI unit itself needs no pint, whose first import takes longer than small analyses.
     factor = Decimal(1) if unit == dimension.unit else _factor(value, unit, dimension)
+    if dimension is TEMPERATURE:
+        number += _zero_of_scale(unit)
     return _finite(number, factor, value)
 
 
@@ -220,6 +237,15 @@ def _factor(text: str, unit: str, dimension: Dimension) -> Decimal:
     if base != wanted[1]:
         raise InputError(_wrong_dimension(text, unit, str(base), dimension))
     return Decimal(factor)
+
+
+def _zero_of_scale(unit: str) -> Decimal:
+    """What a temperature scale counts from, above absolute zero, in its own degrees."""
+    registry = _registry()
+    zero = registry.Quantity(Decimal(0), registry.parse_units(unit)).to("kelvin").magnitude
+    converted = _base_units(unit)
+    assert converted is not None
+    return Decimal(zero / Decimal(converted[0]))
 
 
 @cache

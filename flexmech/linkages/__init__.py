@@ -1,5 +1,9 @@
 """Rigid linkages: topology, kinematics and inverse dynamics. No elasticity here."""
 
+from flexmech.linkages.coupler_curve import CouplerCurve, CouplerPoint
+from flexmech.linkages.coupler_sextic import coupler_sextic
+from flexmech.linkages.cusp_transitions import CuspTransition, cusp_transitions
+from flexmech.linkages.double_points import DoublePoint, double_points
 from flexmech.linkages.drive import CrankDrive
 from flexmech.linkages.fourbar import Branch, FourBar, GrashofClass
 from flexmech.linkages.inverse_dynamics import InverseDynamics, LinkMass, inverse_dynamics
@@ -19,8 +23,12 @@ from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topolog
 __all__ = [
     "Branch",
     "Clamp",
+    "CouplerCurve",
+    "CouplerPoint",
     "CrankDrive",
     "CrankRockerProportions",
+    "CuspTransition",
+    "DoublePoint",
     "FourBar",
     "GrashofClass",
     "InverseDynamics",
@@ -34,6 +42,9 @@ __all__ = [
     "RotatingArm",
     "Topology",
     "TransmissionDesign",
+    "coupler_sextic",
+    "cusp_transitions",
+    "double_points",
     "inverse_dynamics",
     "rocker_swing",
     "synthesize_crank_rocker",

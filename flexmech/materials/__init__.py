@@ -6,30 +6,38 @@ from flexmech.materials.constituents import (
     propagated_uncertainty,
     published_constituents,
 )
+from flexmech.materials.hygrothermal import REFERENCE_TEMPERATURE, Hygrothermal, ResinContent
 from flexmech.materials.laminate import Laminate, Layer
 from flexmech.materials.material import Material
-from flexmech.materials.micromechanics import (
-    PACKING_LIMIT,
-    RULES,
-    Rule,
-    ply_from_constituents,
-    woven_ply,
+from flexmech.materials.micromechanics import PACKING_LIMIT, ply_from_constituents, woven_ply
+from flexmech.materials.plies_in_state import (
+    moisture_of,
+    ply_in_state,
+    through_thickness_strain,
 )
 from flexmech.materials.ply import Ply, PlyDamping
+from flexmech.materials.recipe import RULES, PlyRecipe, Rule
 
 __all__ = [
     "PACKING_LIMIT",
+    "REFERENCE_TEMPERATURE",
     "RULES",
     "Fibre",
+    "Hygrothermal",
     "Laminate",
     "Layer",
     "Material",
     "Matrix",
     "Ply",
     "PlyDamping",
+    "PlyRecipe",
+    "ResinContent",
     "Rule",
+    "moisture_of",
     "ply_from_constituents",
+    "ply_in_state",
     "propagated_uncertainty",
     "published_constituents",
+    "through_thickness_strain",
     "woven_ply",
 ]

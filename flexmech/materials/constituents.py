@@ -12,12 +12,14 @@ from typing import Any
 import numpy as np
 
 from flexmech.errors import InputError
+from flexmech.materials.hygrothermal import Hygrothermal
+from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
 
 __all__ = ["Constituent", "Fibre", "Matrix", "propagated_uncertainty", "published_constituents"]
 
 _POSITIVE = ("youngs_modulus", "shear_modulus", "density")
 _NOT_NEGATIVE = ("specific_damping", "moisture_expansion")
-_NO_PROPERTIES = ("name", "source", "uncertainty")
+_NO_PROPERTIES = ("name", "source", "uncertainty", "equilibrium", "diffusivity")
 # Of an uncertainty: small enough for a derivative, far above rounding.
 _STEP = 1e-3
 
@@ -151,7 +153,98 @@ class Fibre(Constituent):
 
 @dataclass(frozen=True)
 class Matrix(Constituent):
-    """A resin. Parameters as for :class:`flexmech.materials.constituents.Constituent`."""
+    """A resin.
+
+    Parameters
+    ----------
+    name : str
+    youngs_modulus, shear_modulus : float
+        Of the dry resin at the reference temperature, in Pa.
+    density : float
+        Of the dry resin in kg/m^3.
+    poisson_ratio : float
+        Between 0 and 0.5.
+    thermal_expansion : float
+        Of the dry resin in 1/K.
+    moisture_expansion : float
+        Strain per unit of moisture, mass of water over the resin's dry mass.
+    specific_damping : float
+        Energy lost in a cycle over its largest; 0 where it is not known.
+    source : str
+        Where the numbers are from.
+    uncertainty : mapping of str to float
+        Of properties whose source prints one, by their names, in the same units.
+    wet_thermal_expansion : float, optional
+        Of the saturated resin in 1/K.
+    equilibrium : MoistureEquilibrium, optional
+    diffusivity : Diffusivity, optional
+        Of water in the resin.
+    glass_transition : float, optional
+        Of the dry resin in K.
+    tensile_strength : float, optional
+        Of the dry resin at the reference temperature, in Pa.
+
+    Raises
+    ------
+    InputError
+        As for any constituent, or if a hygrothermal property or the strength cannot be.
+    """
+
+    wet_thermal_expansion: float | None = None
+    equilibrium: MoistureEquilibrium | None = None
+    diffusivity: Diffusivity | None = None
+    glass_transition: float | None = None
+    tensile_strength: float | None = None
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        strength = self.tensile_strength
+        if strength is not None and not (np.isfinite(strength) and strength > 0):
+            raise InputError(f"tensile_strength of {self.name!r} must be positive, got {strength}")
+        _ = self.hygrothermal
+
+    @property
+    def hygrothermal(self) -> Hygrothermal:
+        """What heat and water do to the resin."""
+        return Hygrothermal(
+            self.thermal_expansion,
+            self.wet_thermal_expansion,
+            self.moisture_expansion,
+            self.equilibrium,
+            self.diffusivity,
+            self.glass_transition,
+        )
+
+    def in_state(self, temperature: float, moisture: float, reference: float) -> Matrix:
+        """The moist and hot resin: softer and weaker, with its expansion then.
+
+        Parameters
+        ----------
+        temperature : float
+            In K.
+        moisture : float
+        reference : float
+            Temperature in K at which the dry moduli are stated.
+
+        Returns
+        -------
+        Matrix
+
+        Raises
+        ------
+        InputError
+            If the resin is above its wet glass transition.
+        """
+        kept = self.hygrothermal.retention(temperature, moisture, reference)
+        strength = self.tensile_strength
+        return replace(
+            self,
+            youngs_modulus=self.youngs_modulus * kept,
+            shear_modulus=self.shear_modulus * kept,
+            tensile_strength=None if strength is None else strength * kept,
+            thermal_expansion=self.hygrothermal.thermal_expansion_at(moisture),
+            wet_thermal_expansion=None,
+        )
 
 
 def published_constituents() -> dict[str, Fibre | Matrix]:
@@ -206,7 +299,9 @@ def _from_row(row: dict[str, str]) -> Fibre | Matrix:
         poisson_ratio=float(row["poisson"]),
         source=row["source"],
         uncertainty=uncertainty,
-        **values,
+        youngs_modulus=values["youngs_modulus"],
+        shear_modulus=values["shear_modulus"],
+        density=values["density"],
     )
 
 

@@ -7,8 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.errors import InputError
+from flexmech.materials.hygrothermal import Hygrothermal
 
 __all__ = ["Material"]
+
+UNKNOWN = Hygrothermal()
 
 
 @dataclass(frozen=True)
@@ -23,6 +26,8 @@ class Material:
         rho in kg/m^3.
     poisson_ratio : float
         nu, between -1 and 0.5.
+    hygrothermal : Hygrothermal
+        What heat and water do to it.
 
     Raises
     ------
@@ -33,6 +38,7 @@ class Material:
     youngs_modulus: float
     density: float
     poisson_ratio: float = 0.3
+    hygrothermal: Hygrothermal = UNKNOWN
 
     def __post_init__(self) -> None:
         for name in ("youngs_modulus", "density"):

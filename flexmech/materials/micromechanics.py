@@ -14,18 +14,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Literal, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
 from flexmech.errors import InputError
 from flexmech.materials.constituents import Fibre, Matrix
 from flexmech.materials.ply import Ply, PlyDamping
+from flexmech.materials.recipe import RULES, PlyRecipe, Rule
 
-__all__ = ["PACKING_LIMIT", "RULES", "Rule", "ply_from_constituents", "woven_ply"]
+__all__ = ["PACKING_LIMIT", "ply_from_constituents", "woven_ply"]
 
-Rule = Literal["chamis", "halpin-tsai", "rule-of-mixtures"]
-RULES: tuple[Rule, ...] = ("chamis", "halpin-tsai", "rule-of-mixtures")
 # Round fibres in hexagonal array that touch.
 PACKING_LIMIT = float(np.pi / (2 * np.sqrt(3)))
 
@@ -109,6 +108,7 @@ def ply_from_constituents(
             fibre, matrix, share, (fibre.moisture_expansion, matrix.moisture_expansion)
         ),
         name=f"{fibre.name}/{matrix.name}",
+        origin=PlyRecipe(fibre, matrix, share, rule),
     )
 
 
@@ -132,7 +132,7 @@ def woven_ply(unidirectional: Ply) -> Ply:
     Ply
         Equal along and across.
     """
-    stiffness = unidirectional.reduced_stiffness
+    stiffness, origin = unidirectional.reduced_stiffness, unidirectional.origin
     direct = (stiffness[0, 0] + stiffness[1, 1]) / 2
     cross = stiffness[0, 1]
     poisson_ratio = float(cross / direct)
@@ -164,6 +164,7 @@ def woven_ply(unidirectional: Ply) -> Ply:
         thermal_expansion=expanded(unidirectional.thermal_expansion),
         moisture_expansion=expanded(unidirectional.moisture_expansion),
         name=f"woven {unidirectional.name}".strip(),
+        origin=replace(origin, woven=True) if isinstance(origin, PlyRecipe) else origin,
     )
 
 

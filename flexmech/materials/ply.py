@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError
+from flexmech.materials.hygrothermal import ResinContent
 from flexmech.materials.material import Material
+from flexmech.materials.recipe import PlyRecipe
 
 __all__ = ["Ply", "PlyDamping"]
 
@@ -72,6 +74,9 @@ class Ply:
         Along and across the fibres, strain per unit of moisture: mass over the dry mass of
         the resin.
     name : str
+    origin : PlyRecipe or ResinContent, optional
+        What the ply was computed from, or the resin in it where only that is known: by it the
+        ply takes up water and softens.
 
     Raises
     ------
@@ -91,6 +96,7 @@ class Ply:
     thermal_expansion: tuple[float, float] = (0.0, 0.0)
     moisture_expansion: tuple[float, float] = (0.0, 0.0)
     name: str = ""
+    origin: PlyRecipe | ResinContent | None = None
 
     def __post_init__(self) -> None:
         for name in (
@@ -120,7 +126,25 @@ class Ply:
     def isotropic(cls, material: Material) -> Self:
         """The ply of an isotropic material."""
         modulus, shear = material.youngs_modulus, material.shear_modulus
-        return cls(modulus, modulus, shear, shear, shear, material.poisson_ratio, material.density)
+        hygrothermal = material.hygrothermal
+        heat, water = hygrothermal.thermal_expansion, hygrothermal.moisture_expansion
+        return cls(
+            longitudinal_modulus=modulus,
+            transverse_modulus=modulus,
+            in_plane_shear_modulus=shear,
+            longitudinal_shear_modulus=shear,
+            transverse_shear_modulus=shear,
+            poisson_ratio=material.poisson_ratio,
+            density=material.density,
+            thermal_expansion=(heat, heat),
+            moisture_expansion=(water, water),
+            origin=ResinContent(hygrothermal) if hygrothermal.is_known else None,
+        )
+
+    @property
+    def resin(self) -> ResinContent | None:
+        """The resin in the ply, where it is known."""
+        return self.origin.resin if isinstance(self.origin, PlyRecipe) else self.origin
 
     @property
     def reduced_stiffness(self) -> FloatArray:

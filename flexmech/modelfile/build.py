@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from flexmech.errors import InputError
-from flexmech.linkages import FourBar, Linkage, RotatingArm
-from flexmech.materials import Laminate, Material
-from flexmech.mechanism import Mechanism, PointMass, Provenance
+from flexmech.linkages import CouplerPoint, FourBar, Linkage, RotatingArm
+from flexmech.materials import Laminate
+from flexmech.mechanism import Mechanism, PointMass, Provenance, Wetting
+from flexmech.modelfile.hygrothermal_tables import WettedTable
 from flexmech.modelfile.laminate_tables import LaminateLinkTable
-from flexmech.modelfile.laminates import build_laminates
+from flexmech.modelfile.laminates import build_laminates, material_of
 from flexmech.modelfile.messages import known_name, located
 from flexmech.modelfile.table import DampedTable, suggestion
 from flexmech.modelfile.tables import (
@@ -73,7 +74,25 @@ def build_mechanism(tables: ModelFile, shown: str, file: str, sha256: str) -> Me
         gravity=tables.environment.gravity,
         operating_speeds=tuple(tables.operation.crank_speeds),
         provenance=Provenance(tables.name, tables.source, file, sha256),
+        coupler_point=_coupler_point(tables.linkage),
+        reference_temperature=tables.environment.reference_temperature,
+        ground_thermal_expansion=(
+            tables.linkage.ground_thermal_expansion
+            if isinstance(tables.linkage, FourBarTable)
+            else 0.0
+        ),
+        wetting={
+            name: Wetting(table.exposed_faces, table.exposed_sides)
+            for name, table in tables.links.items()
+            if isinstance(table, WettedTable)
+        },
     )
+
+
+def _coupler_point(table: FourBarTable | RotatingArmTable) -> CouplerPoint | None:
+    if isinstance(table, RotatingArmTable) or table.coupler_point is None:
+        return None
+    return CouplerPoint(table.coupler_point.distance, table.coupler_point.angle)
 
 
 def _linkage(table: FourBarTable | RotatingArmTable) -> Linkage:
@@ -126,9 +145,8 @@ def _section(
             return section.with_damping_frequency(table.damping_frequency)
         return _with_damping(section, table)
     stated = materials[table.material]
-    material = Material(stated.youngs_modulus, stated.density, stated.poisson_ratio)
     section = BeamSection.rectangle(
-        material,
+        material_of(stated),
         in_plane_thickness=table.in_plane_thickness,
         out_of_plane_width=table.out_of_plane_width,
     )

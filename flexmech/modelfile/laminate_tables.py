@@ -7,10 +7,13 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from flexmech.errors import InputError
+from flexmech.modelfile.hygrothermal_tables import HygrothermalTable, WettedTable
 from flexmech.modelfile.quantities import (
     Angle,
     Density,
+    Expansion,
     Length,
+    MoistureExpansion,
     PoissonRatio,
     Ratio,
     SpecificDamping,
@@ -25,6 +28,7 @@ __all__ = [
     "IsotropicPlyTable",
     "LaminateLinkTable",
     "LaminateTable",
+    "MatrixTable",
     "OrthotropicPlyTable",
     "PlyTable",
 ]
@@ -51,6 +55,17 @@ class FibreTable(ConstituentTable):
     transverse_shear_modulus: Stress | None = Field(
         default=None, description="G in the fibre's cross-section"
     )
+    thermal_expansion: Expansion = Field(
+        default=0.0,
+        description="Strain per temperature; 0 if left out",
+        json_schema_extra={"default": "0 1/K"},
+    )
+
+
+class MatrixTable(ConstituentTable, HygrothermalTable):
+    """A resin, with what heat and water do to it."""
+
+    tensile_strength: Stress | None = Field(default=None, description="Of the dry resin")
 
 
 class ConstituentPlyTable(Table):
@@ -90,11 +105,40 @@ class OrthotropicPlyTable(Table):
     )
     transverse_damping: SpecificDamping = Field(default=0.0, description="The same across them")
     shear_damping: SpecificDamping = Field(default=0.0, description="The same in shear")
+    longitudinal_thermal_expansion: Expansion = Field(
+        default=0.0,
+        description="Strain along the fibres per temperature; 0 if left out",
+        json_schema_extra={"default": "0 1/K"},
+    )
+    transverse_thermal_expansion: Expansion = Field(
+        default=0.0, description="The same across them", json_schema_extra={"default": "0 1/K"}
+    )
+    longitudinal_moisture_expansion: MoistureExpansion = Field(
+        default=0.0,
+        description="Strain along the fibres per moisture of the resin; 0 if left out",
+        json_schema_extra={"default": 0},
+    )
+    transverse_moisture_expansion: MoistureExpansion = Field(
+        default=0.0, description="The same across them", json_schema_extra={"default": 0}
+    )
+    matrix: Text | None = Field(
+        default=None,
+        description="Resin under [matrices] by which the ply takes up water and softens",
+    )
+    fibre_volume_fraction: Ratio | None = Field(
+        default=None, description="Volume of fibres over that of the ply, with matrix"
+    )
     weave: Weave = Field(
         default="unidirectional",
         description="'woven': the constants are those of the unidirectional ply of a fabric",
     )
     thickness: Length | None = Field(default=None, description="Of one layer of this ply")
+
+    @model_validator(mode="after")
+    def _resin_with_its_share(self) -> OrthotropicPlyTable:
+        if (self.matrix is None) != (self.fibre_volume_fraction is None):
+            raise InputError("matrix and fibre_volume_fraction belong together; give both or none")
+        return self
 
 
 class IsotropicPlyTable(Table):
@@ -137,7 +181,7 @@ class LaminateTable(Table):
     )
 
 
-class LaminateLinkTable(DampedTable):
+class LaminateLinkTable(DampedTable, WettedTable):
     """A link made of a laminate whose layers lie in the plane of the linkage."""
 
     section: Literal["laminate"]

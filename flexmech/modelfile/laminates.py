@@ -17,15 +17,18 @@ from flexmech.materials import (
     Matrix,
     Ply,
     PlyDamping,
+    ResinContent,
     ply_from_constituents,
     published_constituents,
     woven_ply,
 )
+from flexmech.modelfile.hygrothermal_tables import hygrothermal_of
 from flexmech.modelfile.laminate_tables import (
     ConstituentPlyTable,
     ConstituentTable,
     IsotropicPlyTable,
     LaminateTable,
+    MatrixTable,
     OrthotropicPlyTable,
     PlyTable,
 )
@@ -34,7 +37,7 @@ from flexmech.modelfile.stacking import parse_stacking
 from flexmech.modelfile.table import suggestion
 from flexmech.modelfile.tables import MaterialTable, ModelFile
 
-__all__ = ["build_laminates"]
+__all__ = ["build_laminates", "material_of"]
 
 # Thickness of a layer over that of the stack, below which rounding takes over.
 THINNEST = 1e-9
@@ -82,11 +85,26 @@ def _constituents(tables: ModelFile, shown: str) -> tuple[dict[str, Fibre], dict
                 **_common(name, fibre),
                 transverse_modulus=fibre.transverse_modulus,
                 transverse_shear_modulus=fibre.transverse_shear_modulus,
+                thermal_expansion=fibre.thermal_expansion,
             )
     for name, matrix in tables.matrices.items():
         with located(shown, f"matrices.{name}"):
-            matrices[name] = Matrix(**_common(name, matrix))
+            matrices[name] = _matrix(name, matrix)
     return fibres, matrices
+
+
+def _matrix(name: str, table: MatrixTable) -> Matrix:
+    stated = hygrothermal_of(table)
+    return Matrix(
+        **_common(name, table),
+        thermal_expansion=stated.thermal_expansion,
+        wet_thermal_expansion=stated.wet_thermal_expansion,
+        moisture_expansion=stated.moisture_expansion,
+        equilibrium=stated.equilibrium,
+        diffusivity=stated.diffusivity,
+        glass_transition=stated.glass_transition,
+        tensile_strength=table.tensile_strength,
+    )
 
 
 def _common(name: str, table: ConstituentTable) -> dict[str, Any]:
@@ -111,12 +129,13 @@ def _check_names(
     place = f"{shown}: plies.{name}"
     if isinstance(table, IsotropicPlyTable):
         known_name(f"{place}.material", "materials", table.material, materials)
-    elif isinstance(table, ConstituentPlyTable):
+    else:
+        fibre = table.fibre if isinstance(table, ConstituentPlyTable) else None
         for key, got, known in (
-            ("fibre", table.fibre, list(fibres)),
+            ("fibre", fibre, list(fibres)),
             ("matrix", table.matrix, list(matrices)),
         ):
-            if got not in known:
+            if got is not None and got not in known:
                 plural = "fibres" if key == "fibre" else "matrices"
                 raise InputError(
                     f"{place}.{key}: there is no {key} {got!r}; {suggestion(got, known)}, or add "
@@ -133,10 +152,9 @@ def _ply(
 ) -> Ply:
     if isinstance(table, IsotropicPlyTable):
         stated = materials[table.material]
-        ply = Ply.isotropic(Material(stated.youngs_modulus, stated.density, stated.poisson_ratio))
-        return _named(ply, name)
+        return _named(Ply.isotropic(material_of(stated)), name)
     if isinstance(table, OrthotropicPlyTable):
-        ply = _orthotropic(table)
+        ply = _orthotropic(table, matrices)
     else:
         ply = ply_from_constituents(
             fibres[table.fibre], matrices[table.matrix], table.fibre_volume_fraction, table.rule
@@ -144,7 +162,22 @@ def _ply(
     return _named(woven_ply(ply) if table.weave == "woven" else ply, name)
 
 
-def _orthotropic(table: OrthotropicPlyTable) -> Ply:
+def material_of(table: MaterialTable) -> Material:
+    """Isotropic material that a table states."""
+    return Material(
+        table.youngs_modulus, table.density, table.poisson_ratio, hygrothermal_of(table)
+    )
+
+
+def _resin(table: OrthotropicPlyTable, matrices: Mapping[str, Matrix]) -> ResinContent | None:
+    """The resin of a ply that is given by its measured constants."""
+    if table.matrix is None or table.fibre_volume_fraction is None:
+        return None
+    matrix, share = matrices[table.matrix], 1 - table.fibre_volume_fraction
+    return ResinContent(matrix.hygrothermal, share * matrix.density / table.density, share)
+
+
+def _orthotropic(table: OrthotropicPlyTable, matrices: Mapping[str, Matrix]) -> Ply:
     in_plane = table.in_plane_shear_modulus
     across = table.transverse_shear_modulus
     if across is None:
@@ -165,6 +198,15 @@ def _orthotropic(table: OrthotropicPlyTable) -> Ply:
         specific_damping=PlyDamping(
             table.longitudinal_damping, table.transverse_damping, table.shear_damping
         ),
+        thermal_expansion=(
+            table.longitudinal_thermal_expansion,
+            table.transverse_thermal_expansion,
+        ),
+        moisture_expansion=(
+            table.longitudinal_moisture_expansion,
+            table.transverse_moisture_expansion,
+        ),
+        origin=_resin(table, matrices),
     )
 
 

@@ -14,23 +14,30 @@ from flexmech.units import Dimension, parse_quantity
 
 __all__ = [
     "Acceleration",
+    "ActivationEnergy",
     "Angle",
     "AngularSpeed",
     "BendingStiffness",
     "DampingRatio",
     "Density",
+    "DiffusivityValue",
+    "Expansion",
     "Force",
     "Frequency",
     "Length",
     "LengthOrZero",
     "Mass",
     "MassPerLength",
+    "MoistureContent",
+    "MoistureExpansion",
     "PoissonRatio",
+    "PositiveRatio",
     "QuantityField",
     "Ratio",
     "RotaryInertia",
     "SpecificDamping",
     "Stress",
+    "Temperature",
     "TimeOrZero",
 ]
 
@@ -97,11 +104,11 @@ class QuantityField:
     ) -> dict[str, Any]:
         text: dict[str, Any] = {
             "type": "string",
-            "pattern": rf"^\s*{units.NUMBER}\s*[A-Za-z\u00b5\u03bc%\u00b0]",
+            "pattern": rf"^\s*{units.NUMBER}\s*(1\s*/\s*)?[A-Za-z\u00b5\u03bc%\u00b0]",
             "examples": list(self.dimension.examples),
         }
-        if self.dimension is units.RATIO:
-            text["pattern"] = rf"^\s*{units.NUMBER}\s*%?\s*$"
+        if self.dimension in (units.RATIO, units.MOISTURE_EXPANSION):
+            text["pattern"] = rf"^\s*{units.NUMBER}\s*(1/)?(%|percent)?\s*$"
             return {"anyOf": [{"type": "number"}, text]}
         return text
 
@@ -124,3 +131,10 @@ Ratio = Annotated[float, QuantityField(units.RATIO)]
 SpecificDamping = Annotated[float, QuantityField(units.RATIO, least=0.0)]
 Angle = Annotated[float, QuantityField(units.ANGLE)]
 DampingRatio = Annotated[float, QuantityField(units.RATIO, least=0.0, below=1.0)]
+PositiveRatio = Annotated[float, QuantityField(units.RATIO, above=0.0)]
+MoistureContent = Annotated[float, QuantityField(units.RATIO, above=0.0, below=1.0)]
+Temperature = Annotated[float, QuantityField(units.TEMPERATURE, above=0.0)]
+Expansion = Annotated[float, QuantityField(units.EXPANSION)]
+MoistureExpansion = Annotated[float, QuantityField(units.MOISTURE_EXPANSION, least=0.0)]
+DiffusivityValue = Annotated[float, QuantityField(units.DIFFUSIVITY, above=0.0)]
+ActivationEnergy = Annotated[float, QuantityField(units.ACTIVATION_ENERGY, least=0.0)]

@@ -6,11 +6,17 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from flexmech.materials import REFERENCE_TEMPERATURE
+from flexmech.modelfile.hygrothermal_tables import (
+    CouplerPointTable,
+    HygrothermalTable,
+    WettedTable,
+)
 from flexmech.modelfile.laminate_tables import (
-    ConstituentTable,
     FibreTable,
     LaminateLinkTable,
     LaminateTable,
+    MatrixTable,
     PlyTable,
 )
 from flexmech.modelfile.quantities import (
@@ -18,6 +24,7 @@ from flexmech.modelfile.quantities import (
     AngularSpeed,
     BendingStiffness,
     Density,
+    Expansion,
     Force,
     Length,
     LengthOrZero,
@@ -26,6 +33,7 @@ from flexmech.modelfile.quantities import (
     PoissonRatio,
     RotaryInertia,
     Stress,
+    Temperature,
 )
 from flexmech.modelfile.table import DampedTable, PointMassTable, Table, Text
 
@@ -52,6 +60,14 @@ class FourBarTable(Table):
     branch: Literal["open", "crossed"] = Field(
         default="open", description="'open' has B above at crank angle zero"
     )
+    coupler_point: CouplerPointTable | None = Field(
+        default=None, description="Point of the coupler whose path matters"
+    )
+    ground_thermal_expansion: Expansion = Field(
+        default=0.0,
+        description="Of the frame between the ground pivots; 0 if left out",
+        json_schema_extra={"default": "0 1/K"},
+    )
 
 
 class RotatingArmTable(Table):
@@ -66,7 +82,7 @@ class RotatingArmTable(Table):
     )
 
 
-class MaterialTable(DampedTable):
+class MaterialTable(DampedTable, HygrothermalTable):
     """An isotropic material."""
 
     youngs_modulus: Stress = Field(description="Young's modulus E")
@@ -74,7 +90,7 @@ class MaterialTable(DampedTable):
     poisson_ratio: PoissonRatio = Field(description="Poisson's ratio nu (for shear)")
 
 
-class RectangleLinkTable(DampedTable):
+class RectangleLinkTable(DampedTable, WettedTable):
     """A link whose section is a solid rectangle; its own damping overrides the material's."""
 
     section: Literal["rectangle"]
@@ -120,6 +136,11 @@ class EnvironmentTable(Table):
         description="Gravitational acceleration along x and y; none if left out",
         json_schema_extra={"default": ["0 m/s^2", "0 m/s^2"]},
     )
+    reference_temperature: Temperature = Field(
+        default=REFERENCE_TEMPERATURE,
+        description="At which lengths, sections and moduli are as stated; 20 degC if left out",
+        json_schema_extra={"default": "20 degC"},
+    )
 
 
 class OperationTable(Table):
@@ -139,7 +160,7 @@ class ModelFile(Table):
     linkage: Annotated[FourBarTable | RotatingArmTable, Field(discriminator="kind")]
     materials: dict[str, MaterialTable] = Field(default_factory=dict)
     fibres: dict[str, FibreTable] = Field(default_factory=dict)
-    matrices: dict[str, ConstituentTable] = Field(default_factory=dict)
+    matrices: dict[str, MatrixTable] = Field(default_factory=dict)
     plies: dict[str, PlyTable] = Field(default_factory=dict)
     laminates: dict[str, LaminateTable] = Field(default_factory=dict)
     links: dict[str, LinkTable] = Field(description="One table for each moving link")

@@ -2,6 +2,7 @@
 
 from flexmech.sections.beam_section import BeamSection
 from flexmech.sections.damping import DampingTimes, SpecificDamping
+from flexmech.sections.hygrothermal import Condition, SwollenSection, section_in_condition
 from flexmech.sections.laminate_section import (
     SHEAR_THEORIES,
     LaminateSection,
@@ -15,11 +16,14 @@ __all__ = [
     "REDUCTIONS",
     "SHEAR_THEORIES",
     "BeamSection",
+    "Condition",
     "DampingTimes",
     "LaminateSection",
     "Reduction",
     "ShearTheory",
     "SpecificDamping",
+    "SwollenSection",
     "ThirdOrder",
     "ThroughThickness",
+    "section_in_condition",
 ]

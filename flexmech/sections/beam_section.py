@@ -48,8 +48,15 @@ class BeamSection:
     specific_damping : SpecificDamping, optional
         Loss in a cycle, where the material tells it.
     layers : LaminateSection, optional
-        What the section is made of, where that is known: stresses inside it and the
-        third-order theory need it.
+        What the section is made of, where that is known: stresses inside it, the third-order
+        theory, heat and moisture need it.
+    free_strain : float
+        Strain of the neutral axis without load, over the length that the link is given.
+    free_curvature : float
+        Curvature without load in 1/m, positive where the link turns to the left along it: of
+        uneven swelling.
+    damping_frequency : float, optional
+        In Hz; where it is given, ``damping`` has the loss of ``specific_damping`` at it.
 
     Raises
     ------
@@ -69,6 +76,9 @@ class BeamSection:
     damping: DampingTimes = UNDAMPED
     specific_damping: SpecificDamping | None = None
     layers: LaminateSection | None = None
+    free_strain: float = 0.0
+    free_curvature: float = 0.0
+    damping_frequency: float | None = None
 
     def __post_init__(self) -> None:
         for name in (
@@ -86,6 +96,9 @@ class BeamSection:
             value = getattr(self, name)
             if not abs(value) < self.in_plane_thickness / 2:
                 raise InputError(f"{name} must lie inside the section, got {value} m")
+        for name in ("free_strain", "free_curvature"):
+            if not np.isfinite(getattr(self, name)):
+                raise InputError(f"{name} must be a number, got {getattr(self, name)}")
 
     @classmethod
     def rectangle(
@@ -178,6 +191,11 @@ class BeamSection:
         return self.neutral_axis != 0.0 or self.mass_axis != 0.0
 
     @property
+    def is_free_strained(self) -> bool:
+        """Whether the section stretches or bends without load."""
+        return self.free_strain != 0.0 or self.free_curvature != 0.0
+
+    @property
     def coupling_stiffness(self) -> float:
         """Integral of E y in N m about the reference axis: N = EA e - B kappa there."""
         return self.axial_stiffness * self.neutral_axis
@@ -222,11 +240,15 @@ class BeamSection:
                 "a damping frequency needs the specific damping of the plies; give that, or "
                 "damping_time"
             )
-        return replace(self, damping=self.specific_damping.times(2 * np.pi * frequency))
+        return replace(
+            self,
+            damping=self.specific_damping.times(2 * np.pi * frequency),
+            damping_frequency=frequency,
+        )
 
     def with_damping_time(self, damping_time: float) -> BeamSection:
         """The same section with one Kelvin-Voigt time ``damping_time`` in s."""
-        return replace(self, damping=DampingTimes.uniform(damping_time))
+        return replace(self, damping=DampingTimes.uniform(damping_time), damping_frequency=None)
 
     def with_damping_ratio(self, ratio: float, frequency: float) -> BeamSection:
         """The same section, damped by ``ratio`` of critical at ``frequency`` in Hz.

@@ -277,6 +277,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "sections": {"errors", "materials"},
     "mechanism": {"errors", "linkages", "materials", "sections"},
 }
+MAY_IMPORT["hygrothermal"] = {*MAY_IMPORT["mechanism"], "mechanism"}
 MAY_IMPORT["linear_system"] = {*MAY_IMPORT["mechanism"], "mechanism", "mesh", "threads"}
 MAY_IMPORT["time_domain"] = {*MAY_IMPORT["linear_system"], "linear_system"}
 MAY_IMPORT["reference"] = {*MAY_IMPORT["linear_system"], "linear_system"}
@@ -291,6 +292,7 @@ MAY_IMPORT["__main__"] = {"cli"}
 ALLOWED_LAZILY = {
     ("flexmech.analyses.result", "MovingFrequencies.plot", "flexmech.plots"),
     ("flexmech.analyses.response.result", "Response.plot", "flexmech.plots"),
+    ("flexmech.analyses.hygrothermal_effect", "HygrothermalEffect.plot", "flexmech.plots"),
 }
 
 

@@ -312,7 +312,8 @@ def test_kelvin_voigt_times_of_a_laminate() -> None:
     beam = BeamSection.of_laminate(section)
     assert beam.specific_damping == section.specific_damping
     damped = beam.with_damping_frequency(50.0)
-    assert replace(damped, damping=DampingTimes()) == beam
+    assert damped.damping_frequency == 50.0
+    assert replace(damped, damping=DampingTimes(), damping_frequency=None) == beam
     # A cycle of viscous damping loses 2 pi omega tau.
     lost = 2 * np.pi * (2 * np.pi * 50.0) * damped.damping.bending
     assert lost == pytest.approx(section.specific_damping.bending)

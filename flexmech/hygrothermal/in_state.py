@@ -1,0 +1,217 @@
+"""A mechanism as heat and water make it: other lengths, other sections, other masses.
+
+A link that swells evenly along its length takes on another length and no stress; that length
+goes into the linkage, so that the rigid motion is that of the swollen one. What swells
+unevenly through the thickness bends the link; that stays a free curvature of its section.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmech.errors import InputError
+from flexmech.hygrothermal.link_moisture import link_condition, silent_links
+from flexmech.hygrothermal.state import HygrothermalState, State
+from flexmech.linkages import CouplerPoint, FourBar, Linkage, RotatingArm
+from flexmech.mechanism import Mechanism
+from flexmech.sections import BeamSection, section_in_condition
+
+__all__ = [
+    "SwollenLink",
+    "coupler_point_in_state",
+    "linkage_in_state",
+    "mechanism_in_state",
+    "swollen_links",
+]
+
+
+@dataclass(frozen=True)
+class SwollenLink:
+    """A link in its state.
+
+    Parameters
+    ----------
+    length : float
+        Of its neutral axis in m, however it is bent.
+    section : BeamSection
+    elongation : float
+        Strain from the dry to this length.
+    water : float
+        Mass of the water over the dry mass of the link.
+    """
+
+    length: float
+    section: BeamSection
+    elongation: float
+    water: float
+
+    @property
+    def distance_of_pins(self) -> float:
+        """In m: less than the length where the link is bent and nothing pulls it straight."""
+        curvature, offset = self.section.free_curvature, self.section.neutral_axis
+        if curvature == 0.0:
+            return self.length
+        half = curvature * self.length / 2
+        # The pins stand off the ends of the neutral axis, along its normals.
+        return float(self.length * np.sinc(half / np.pi) + 2 * offset * np.sin(half))
+
+
+def swollen_links(mechanism: Mechanism, state: State) -> dict[str, SwollenLink]:
+    """Every link of a mechanism in a state.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Dry, at its reference temperature.
+    state : HygrothermalState or Exposure
+
+    Returns
+    -------
+    dict of str to SwollenLink
+
+    Raises
+    ------
+    InputError
+        If heat and water do nothing to any link, a resin is above its wet glass transition,
+        or something that the state needs is not known; names the link.
+    """
+    topology = mechanism.linkage.topology
+    silent = silent_links(mechanism)
+    asked = state != HygrothermalState()
+    if asked and len(silent) == len(topology.links) and not mechanism.ground_thermal_expansion:
+        raise InputError(
+            f"heat and moisture change nothing in {mechanism.provenance.name!r}: no link has a "
+            "thermal_expansion, a moisture_expansion or a glass_transition; add them to its "
+            "materials, matrices or plies"
+        )
+    links = {}
+    for link in topology.links:
+        try:
+            condition = link_condition(mechanism, link.name, state)
+            found = section_in_condition(mechanism.sections[link.name], condition)
+        except InputError as error:
+            text = str(error)
+            raise InputError(
+                text if text.startswith("links.") else f"links.{link.name}: {text}"
+            ) from error
+        length = link.length * (1 + found.elongation)
+        links[link.name] = SwollenLink(length, found.section, found.elongation, found.water)
+    return links
+
+
+def mechanism_in_state(mechanism: Mechanism, state: State) -> Mechanism:
+    """A mechanism in heat and water.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Dry, at its reference temperature.
+    state : HygrothermalState or Exposure
+
+    Returns
+    -------
+    Mechanism
+        With swollen lengths, softer and heavier sections, and their free curvatures. In the
+        dry state at the reference temperature it equals the mechanism to the last bit.
+
+    Raises
+    ------
+    InputError
+        As :func:`swollen_links`.
+    """
+    links = swollen_links(mechanism, state)
+    name = mechanism.provenance.name
+    if state != HygrothermalState():
+        name = f"{name}, {state.label}"
+    return replace(
+        mechanism,
+        linkage=_resized(
+            mechanism, state, {link: swollen.length for link, swollen in links.items()}
+        ),
+        sections={link: swollen.section for link, swollen in links.items()},
+        link_masses=tuple(
+            replace(point, position=point.position * (1 + links[point.link].elongation))
+            for point in mechanism.link_masses
+        ),
+        coupler_point=_moved_point(mechanism.coupler_point, links),
+        provenance=replace(mechanism.provenance, name=name),
+    )
+
+
+def linkage_in_state(mechanism: Mechanism, state: State) -> FourBar:
+    """The rigid linkage with the distances of its pins in a state.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Of a four-bar, dry.
+    state : HygrothermalState or Exposure
+
+    Returns
+    -------
+    FourBar
+        A link that its moisture bends has its pins nearer to each other than its length.
+
+    Raises
+    ------
+    InputError
+        If the linkage is no four-bar, or as :func:`swollen_links`.
+    """
+    links = swollen_links(mechanism, state)
+    lengths = {link: swollen.distance_of_pins for link, swollen in links.items()}
+    linkage = _resized(mechanism, state, lengths)
+    if not isinstance(linkage, FourBar):
+        raise InputError("a coupler curve needs a linkage of kind 'four-bar'")
+    return linkage
+
+
+def coupler_point_in_state(mechanism: Mechanism, point: CouplerPoint, state: State) -> CouplerPoint:
+    """A point of the coupler that swells along with it.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    point : CouplerPoint
+        On the dry coupler.
+    state : HygrothermalState or Exposure
+
+    Returns
+    -------
+    CouplerPoint
+        Farther from A by the coupler's elongation, under the same angle (Singh & Sanyal 2022,
+        sec. 4, corrected).
+    """
+    moved = _moved_point(point, swollen_links(mechanism, state))
+    assert moved is not None
+    return moved
+
+
+def _moved_point(
+    point: CouplerPoint | None, links: Mapping[str, SwollenLink]
+) -> CouplerPoint | None:
+    return None if point is None else point.scaled(1 + links["coupler"].elongation)
+
+
+def _resized(mechanism: Mechanism, state: State, lengths: Mapping[str, float]) -> Linkage:
+    """The linkage with other link lengths, and the frame as its own expansion has it.
+
+    Singh & Sanyal 2022, sec. 3, corrected: lengths times one plus the strain.
+    """
+    frame = 1 + mechanism.ground_thermal_expansion * state.temperature_rise
+    linkage = mechanism.linkage
+    if isinstance(linkage, RotatingArm):
+        return replace(linkage, length=lengths["arm"], hub_radius=linkage.hub_radius * frame)
+    if isinstance(linkage, FourBar):
+        return replace(
+            linkage,
+            ground=linkage.ground * frame,
+            crank=lengths["crank"],
+            coupler=lengths["coupler"],
+            rocker=lengths["rocker"],
+        )
+    raise InputError(
+        f"heat and moisture are not known for linkages of type {type(linkage).__name__}"
+    )

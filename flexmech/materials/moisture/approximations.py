@@ -1,0 +1,119 @@
+"""Short formulas for the water that a slab takes up: the law of the root, and Shen & Springer's.
+
+:func:`~flexmech.materials.moisture.series.slab_uptake` is exact and costs no more; these are
+for comparison with what others publish.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flexmech.errors import InputError
+from flexmech.materials.moisture.unit_slab import Faces, diffusion_length, fourier_number
+
+__all__ = ["shen_springer_uptake", "short_time_uptake", "time_to_saturation_shen_springer"]
+
+FloatArray = NDArray[np.float64]
+
+FACTOR = 7.3
+EXPONENT = 0.75
+
+
+def short_time_uptake(
+    time: ArrayLike, thickness: float, diffusivity: float, *, faces: Faces = "both"
+) -> FloatArray:
+    """Uptake before the water from one face meets the other's: ``4 sqrt(D t / (pi s^2))``.
+
+    The thickness s counts twice if only one face is exposed. Crank, *The Mathematics of
+    Diffusion*, eq. 4.20 without its images; beyond saturation it goes on to grow.
+
+    Parameters
+    ----------
+    time : array_like, shape (t,)
+        Since the step in s.
+    thickness : float
+        In m.
+    diffusivity : float
+        In m^2/s.
+    faces : {"both", "lower", "upper"}
+        Those exposed.
+
+    Returns
+    -------
+    ndarray, shape (t,)
+        Part of the final change.
+
+    Raises
+    ------
+    InputError
+        If a time is negative or the slab is no slab.
+    """
+    length = diffusion_length(thickness, diffusivity, faces)
+    return np.asarray(2 * np.sqrt(fourier_number(time, length, diffusivity) / np.pi))
+
+
+def shen_springer_uptake(
+    time: ArrayLike, thickness: float, diffusivity: float, *, faces: Faces = "both"
+) -> FloatArray:
+    """Uptake by Shen & Springer's fit to the series: ``1 - exp(-7.3 (D t / s^2)^0.75)``.
+
+    *J. Compos. Mater.* 10 (1976) 2-20. The thickness s counts twice if only one face is exposed.
+
+    Parameters
+    ----------
+    time : array_like, shape (t,)
+        Since the step in s.
+    thickness : float
+        In m.
+    diffusivity : float
+        In m^2/s.
+    faces : {"both", "lower", "upper"}
+        Those exposed.
+
+    Returns
+    -------
+    ndarray, shape (t,)
+        Part of the final change.
+
+    Raises
+    ------
+    InputError
+        If a time is negative or the slab is no slab.
+    """
+    length = diffusion_length(thickness, diffusivity, faces)
+    fourier = fourier_number(time, 2 * length, diffusivity)
+    return np.asarray(-np.expm1(-FACTOR * fourier**EXPONENT))
+
+
+def time_to_saturation_shen_springer(
+    fraction: float, thickness: float, diffusivity: float, *, faces: Faces = "both"
+) -> float:
+    """Time for a part of the final change by Shen & Springer's fit, solved for the time.
+
+    Parameters
+    ----------
+    fraction : float
+        Above 0 and below 1.
+    thickness : float
+        In m.
+    diffusivity : float
+        In m^2/s.
+    faces : {"both", "lower", "upper"}
+        Those exposed.
+
+    Returns
+    -------
+    float
+        In s.
+
+    Raises
+    ------
+    InputError
+        If the fraction is not between 0 and 1, or the slab is no slab.
+    """
+    length = diffusion_length(thickness, diffusivity, faces)
+    if not 0 < fraction < 1:
+        raise InputError(f"fraction of saturation must lie above 0 and below 1, got {fraction}")
+    fourier = (-np.log1p(-fraction) / FACTOR) ** (1 / EXPONENT)
+    return float(fourier) * (2 * length) ** 2 / diffusivity

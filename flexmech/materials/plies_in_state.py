@@ -1,0 +1,127 @@
+"""Plies in heat and water: softer resin, free strains."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from flexmech.errors import InputError
+from flexmech.materials.hygrothermal import ResinContent
+from flexmech.materials.micromechanics import ply_from_constituents, woven_ply
+from flexmech.materials.ply import Ply
+from flexmech.materials.recipe import PlyRecipe
+
+__all__ = ["moisture_of", "ply_in_state", "through_thickness_strain"]
+
+
+def moisture_of(ply: Ply, offered: float) -> float:
+    """Moisture of the resin in a ply where the surroundings offer ``offered``.
+
+    Parameters
+    ----------
+    ply : Ply
+    offered : float
+        Mass of water over the dry mass of the resin.
+
+    Returns
+    -------
+    float
+        Zero for a ply without resin, such as a metal sheet.
+
+    Raises
+    ------
+    InputError
+        If it is more than the resin takes up, or the ply swells and its resin is not known.
+    """
+    if ply.resin is not None:
+        return ply.resin.hygrothermal.checked_moisture(offered)
+    if offered and any(ply.moisture_expansion):
+        raise InputError(
+            f"ply {ply.name!r} has a moisture_expansion, but not how much resin is in it; give "
+            "its matrix and fibre_volume_fraction too"
+        )
+    return 0.0
+
+
+def ply_in_state(ply: Ply, temperature: float, moisture: float, reference: float) -> Ply:
+    """The ply with its resin moist and hot.
+
+    A ply with a recipe is computed again from its fibre and the softer resin. Of a neat resin
+    all moduli fall alike; of a ply by its measured constants those that the resin dominates do
+    (E2, G12, G13, G23), and E1, Poisson's ratio, the damping and the expansions stay.
+
+    Parameters
+    ----------
+    ply : Ply
+        Dry, at the reference temperature.
+    temperature : float
+        In K.
+    moisture : float
+        Of its resin.
+    reference : float
+        Temperature in K at which the dry moduli are stated.
+
+    Returns
+    -------
+    Ply
+        Its thermal expansion is that of the moist resin. The density stays that of the dry
+        ply.
+
+    Raises
+    ------
+    InputError
+        If the resin is above its wet glass transition.
+    """
+    if isinstance(ply.origin, PlyRecipe):
+        return replace(_again(ply.origin, temperature, moisture, reference), name=ply.name)
+    if ply.origin is None:
+        return ply
+    return _softened(ply, ply.origin, temperature, moisture, reference)
+
+
+def through_thickness_strain(ply: Ply, temperature_rise: float, moisture: float) -> float:
+    """Free strain of a ply through its thickness.
+
+    Of a unidirectional or an isotropic ply the two are one. In a woven one the crossed fibres
+    hold the plane and not the thickness, where the ply expands as its unidirectional half.
+
+    Parameters
+    ----------
+    ply : Ply
+        In its state.
+    temperature_rise : float
+        Over the reference temperature in K.
+    moisture : float
+
+    Returns
+    -------
+    float
+    """
+    recipe = ply.origin
+    if isinstance(recipe, PlyRecipe) and recipe.woven:
+        ply = ply_from_constituents(
+            recipe.fibre, recipe.matrix, recipe.fibre_volume_fraction, recipe.rule
+        )
+    return ply.thermal_expansion[1] * temperature_rise + ply.moisture_expansion[1] * moisture
+
+
+def _again(recipe: PlyRecipe, temperature: float, moisture: float, reference: float) -> Ply:
+    matrix = recipe.matrix.in_state(temperature, moisture, reference)
+    ply = ply_from_constituents(recipe.fibre, matrix, recipe.fibre_volume_fraction, recipe.rule)
+    return woven_ply(ply) if recipe.woven else ply
+
+
+def _softened(
+    ply: Ply, resin: ResinContent, temperature: float, moisture: float, reference: float
+) -> Ply:
+    kept = resin.hygrothermal.retention(temperature, moisture, reference)
+    neat = resin.volume_fraction == 1
+    expansion = resin.hygrothermal.thermal_expansion_at(moisture)
+    return replace(
+        ply,
+        longitudinal_modulus=ply.longitudinal_modulus * (kept if neat else 1.0),
+        transverse_modulus=ply.transverse_modulus * kept,
+        in_plane_shear_modulus=ply.in_plane_shear_modulus * kept,
+        longitudinal_shear_modulus=ply.longitudinal_shear_modulus * kept,
+        transverse_shear_modulus=ply.transverse_shear_modulus * kept,
+        thermal_expansion=(expansion, expansion) if neat else ply.thermal_expansion,
+    )

@@ -1,0 +1,260 @@
+"""A beam section in heat and water: swollen, softer, heavier, and curved where unevenly so.
+
+Classical lamination theory gives the strains that a stack takes by itself: its layers pull at
+each other until forces and moments vanish (Tsai & Hahn, *Introduction to Composite Materials*,
+ch. 8). Of these the elongation of the neutral axis and the curvature in the plane of the
+linkage matter to a beam; the swelling of its width and thickness goes into its section.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import InputError
+from flexmech.materials import (
+    Laminate,
+    Layer,
+    Ply,
+    moisture_of,
+    ply_in_state,
+    through_thickness_strain,
+)
+from flexmech.sections.beam_section import BeamSection
+from flexmech.sections.laminate_section import LaminateSection
+from flexmech.sections.reduction import Reduction
+
+__all__ = ["Condition", "SwollenSection", "section_in_condition"]
+
+FloatArray = NDArray[np.float64]
+
+# Of a symmetric stack: strains below this part of the largest are rounding.
+ROUNDING = 1e-12
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Heat and water in a cross-section.
+
+    Parameters
+    ----------
+    temperature_rise : float
+        Over the reference temperature in K, the same everywhere.
+    moisture : float or tuple of tuple of float
+        Mass of water over the dry mass of the resin: one for the section, or for each layer
+        of its laminate, from the lowest up, those of equally thick slices of it.
+    reference_temperature : float
+        In K: dimensions and moduli of the dry section are those at it.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, a moisture negative or a temperature not above 0 K.
+    """
+
+    temperature_rise: float
+    moisture: float | tuple[tuple[float, ...], ...]
+    reference_temperature: float
+
+    def __post_init__(self) -> None:
+        for name in ("temperature_rise", "reference_temperature"):
+            if not np.isfinite(getattr(self, name)):
+                raise InputError(f"{name} must be a number, got {getattr(self, name)}")
+        if not (self.reference_temperature > 0 and self.temperature > 0):
+            raise InputError(
+                f"a temperature of {self.temperature:g} K, {self.temperature_rise:g} K from the "
+                f"reference temperature of {self.reference_temperature:g} K, cannot be; both must "
+                "be above 0 K"
+            )
+
+    @property
+    def temperature(self) -> float:
+        """In K."""
+        return self.reference_temperature + self.temperature_rise
+
+    def slices(self, laminate: Laminate) -> list[tuple[Layer, float]]:
+        """Slices of a laminate, each with the moisture that is offered to it.
+
+        Parameters
+        ----------
+        laminate : Laminate
+
+        Returns
+        -------
+        list of tuple of Layer and float
+        """
+        if isinstance(self.moisture, tuple):
+            if len(self.moisture) != len(laminate.layers):
+                raise InputError(
+                    f"moisture is given for {len(self.moisture)} layers, the laminate has "
+                    f"{len(laminate.layers)}; give one tuple for each"
+                )
+            return [
+                (replace(layer, thickness=layer.thickness / len(own)), moisture)
+                for layer, own in zip(laminate.layers, self.moisture, strict=True)
+                for moisture in own
+            ]
+        return [(layer, self.moisture) for layer in laminate.layers]
+
+
+@dataclass(frozen=True)
+class SwollenSection:
+    """A section in its condition.
+
+    Parameters
+    ----------
+    section : BeamSection
+        With the curvature that it takes by itself.
+    elongation : float
+        Free strain of its neutral axis along the link.
+    water : float
+        Mass of the water over the dry mass of the section.
+    """
+
+    section: BeamSection
+    elongation: float
+    water: float
+
+
+def section_in_condition(section: BeamSection, condition: Condition) -> SwollenSection:
+    """A section in heat and water.
+
+    Stiffness, damping and inertia are computed again from the layers as they are then; their
+    change is applied to the section, so that a dry one at its reference temperature stays
+    what it is to the last bit. The mass of fibres and resin stays: a swollen link is less
+    dense, and water is added.
+
+    Parameters
+    ----------
+    section : BeamSection
+        Dry, at the reference temperature. One whose layers are not known stays as it is.
+    condition : Condition
+
+    Returns
+    -------
+    SwollenSection
+
+    Raises
+    ------
+    InputError
+        If a resin is above its wet glass transition or takes up less water than is offered.
+    """
+    if section.layers is None:
+        return SwollenSection(section, 0.0, 0.0)
+    dry = section.layers
+    slices = [_Slice.of(*entry, condition) for entry in condition.slices(dry.laminate)]
+    free = _free_strains(slices, dry.reduction)
+    grown = Laminate(tuple(s.swollen for s in slices))
+    across = 1 + (free[0, 1] if dry.reduction == "narrow" else 0.0)
+    soft = LaminateSection(grown, dry.width * across, dry.reduction)
+    elongation = float(free[0, 0] + soft.neutral_axis * free[1, 0])
+    packed = tuple(s.packed(across * (1 + elongation)) for s in slices)
+    wet = LaminateSection(Laminate(packed), soft.width, dry.reduction)
+    return SwollenSection(
+        _changed(section, dry, wet, curvature=-float(free[1, 0])), elongation, _water(slices)
+    )
+
+
+@dataclass(frozen=True)
+class _Slice:
+    """Part of a layer with one moisture: the dry ply, the ply then, and its free strains.
+
+    ``strain`` has the free strains along, across and through the ply.
+    """
+
+    dry: Layer
+    ply: Ply
+    moisture: float
+    strain: tuple[float, float, float]
+
+    @classmethod
+    def of(cls, layer: Layer, offered: float, condition: Condition) -> _Slice:
+        moisture = moisture_of(layer.ply, offered)
+        ply = ply_in_state(
+            layer.ply, condition.temperature, moisture, condition.reference_temperature
+        )
+        rise = condition.temperature_rise
+        along, across = (
+            heat * rise + water * moisture
+            for heat, water in zip(ply.thermal_expansion, ply.moisture_expansion, strict=True)
+        )
+        return cls(
+            layer, ply, moisture, (along, across, through_thickness_strain(ply, rise, moisture))
+        )
+
+    @property
+    def swollen(self) -> Layer:
+        """The slice as thick as it is then."""
+        return Layer(self.ply, self.dry.thickness * (1 + self.strain[2]), self.dry.angle)
+
+    @property
+    def water(self) -> float:
+        """Mass of water over the dry mass of the slice."""
+        resin = self.dry.ply.resin
+        return 0.0 if resin is None else self.moisture * resin.mass_fraction
+
+    def packed(self, growth: float) -> Layer:
+        """The swollen slice with its water, where its area has grown by a factor."""
+        volume = growth * (1 + self.strain[2])
+        density = self.ply.density * (1 + self.water) / volume
+        return replace(self.swollen, ply=replace(self.ply, density=density))
+
+    @property
+    def free_stress(self) -> FloatArray:
+        """Stress x, z, xz in Pa that would keep the slice from straining, (3,)."""
+        # In the ply's axes the free strains shear nothing; stress turns as strain's dual.
+        stress = self.ply.reduced_stiffness @ np.array([*self.strain[:2], 0.0])
+        return np.asarray(self.swollen.strain_turn.T @ stress)
+
+
+def _free_strains(slices: list[_Slice], reduction: Reduction) -> FloatArray:
+    """Strains x, z, xz at the mid-plane and their gradients in y, (2, 3), without loads."""
+    laminate = Laminate(tuple(s.swollen for s in slices))
+    stress = np.stack([s.free_stress for s in slices])
+    faces = laminate.boundaries
+    loads = np.concatenate([np.diff(faces) @ stress, np.diff(faces**2) / 2 @ stress])
+    moments = [laminate.stiffness_moment(order) for order in range(3)]
+    matrix = np.block([[moments[0], moments[1]], [moments[1], moments[2]]])
+    strains = np.zeros(6)
+    free = np.arange(6) if reduction == "narrow" else np.array([0, 3])
+    strains[free] = np.linalg.solve(matrix[np.ix_(free, free)], loads[free])
+    # What rounding leaves of a symmetric stack's curvature would bend its link.
+    bent = strains[3:] * laminate.thickness
+    strains[3:][np.abs(bent) < ROUNDING * np.abs(strains[:3]).max()] = 0.0
+    return strains.reshape(2, 3)
+
+
+def _changed(
+    section: BeamSection, dry: LaminateSection, wet: LaminateSection, curvature: float
+) -> BeamSection:
+    """The section with each stiffness and inertia changed as that of its layers."""
+    changed = {
+        name: getattr(section, name) * (getattr(wet, name) / getattr(dry, name))
+        for name in (
+            "axial_stiffness",
+            "bending_stiffness",
+            "shear_stiffness",
+            "mass_per_length",
+            "rotary_inertia",
+        )
+    }
+    result = replace(
+        section,
+        **changed,
+        in_plane_thickness=wet.laminate.thickness,
+        neutral_axis=wet.neutral_axis,
+        mass_axis=wet.mass_axis,
+        free_curvature=section.free_curvature + curvature,
+        specific_damping=None if section.specific_damping is None else wet.specific_damping,
+        layers=wet,
+    )
+    if section.damping_frequency is not None:
+        return result.with_damping_frequency(section.damping_frequency)
+    return result
+
+
+def _water(slices: list[_Slice]) -> float:
+    masses = np.array([s.dry.ply.density * s.dry.thickness for s in slices])
+    return float(masses @ [s.water for s in slices] / masses.sum())
