@@ -58,7 +58,8 @@ def discretisation_error(
         Positive.
     """
     order = engine.convergence(prestress)
-    levels: list[tuple[float, Prestress, bool | RotationTerms]] = [(0.0, "none", False)]
+    at_rest = engine.prestress_at_rest
+    levels: list[tuple[float, Prestress, bool | RotationTerms]] = [(0.0, at_rest, False)]
     powers = [order.elastic]
     if prestress != "none":
         levels.append((crank_speed, prestress, False))

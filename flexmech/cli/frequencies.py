@@ -17,20 +17,32 @@ from flexmech.cli.engines import (
     make_engines,
 )
 from flexmech.cli.failures import reports_failures
+from flexmech.cli.surroundings import (
+    ExposureTime,
+    Moisture,
+    RelativeHumidity,
+    TemperatureRise,
+    parse_state,
+)
 from flexmech.files import check_writable
 
 if TYPE_CHECKING:
     from flexmech.analyses import MovingFrequencies
+    from flexmech.hygrothermal import State
+    from flexmech.linear_system import Engine as AnyEngine
     from flexmech.mechanism import Mechanism
 
 __all__ = ["HELP", "frequencies"]
 
 HELP = (
     "Moving natural frequencies of a mechanism. Over crank angle and crank speed: a table, CSV "
-    "and NetCDF files, and pictures."
+    "and NetCDF files, and pictures; in heat and moisture, beside those of the dry linkage."
 )
 TABLES = ("frequencies.csv", "frequencies.nc")
 FURTHER_TABLES = ("vibration_effect.csv", "damping.csv")
+STATE_FILES = ("hygrothermal_effect.csv", "hygrothermal_effect.nc", "hygrothermal_effect.png")
+# Folder of the dry linkage's files, inside that of the state's.
+DRY = "dry"
 
 Speeds = Annotated[
     str, typer.Option(help='Crank speeds: rad/s unless a unit is given, as in "0,10,300 rpm".')
@@ -67,6 +79,10 @@ def frequencies(
     prestress: PrestressOption = MapPrestress.equilibrium,
     rotation_terms: RotationTerms = True,
     elements: Elements = 8,
+    temperature_rise: TemperatureRise = None,
+    moisture: Moisture = None,
+    relative_humidity: RelativeHumidity = None,
+    time: ExposureTime = None,
     out: Out = Path("results"),
     no_plots: NoPlots = False,
 ) -> None:
@@ -74,36 +90,91 @@ def frequencies(
     crank_speeds = parse_speeds(speeds)
     crank_angles = parse_angles(angles)
     chosen = element_of_engines(engine, element)
+    state = parse_state(temperature_rise, moisture, relative_humidity, time)
 
     import numpy as np
 
-    from flexmech.cli.pictures import PICTURES, write_pictures
+    from flexmech.cli.pictures import PICTURES
     from flexmech.cli.progress import progress_bar
     from flexmech.modelfile import load_mechanism
 
-    mechanism = load_mechanism(model)
-    check_writable(out, (*TABLES, *FURTHER_TABLES, *PICTURES))
+    dry = load_mechanism(model)
+    mechanism = dry if state is None else _in_state(dry, state)
+    check_writable(out, (*TABLES, *FURTHER_TABLES, *STATE_FILES, *PICTURES))
+    engines = make_engines(mechanism, chosen, elements)
 
     from flexmech.analyses import moving_frequencies
 
-    with progress_bar() as progress:
-        result = moving_frequencies(
-            make_engines(mechanism, chosen, elements),
-            np.radians(crank_angles),
-            np.array(crank_speeds),
-            modes=modes,
-            prestress=prestress.value,
-            rotation_terms=rotation_terms,
-            speed_effect=not no_plots and prestress is not MapPrestress.none and any(crank_speeds),
-            progress=progress,
-        )
+    splits_speed = not no_plots and prestress is not MapPrestress.none and any(crank_speeds)
+
+    def computed(of: list[AnyEngine], *, bent: bool) -> MovingFrequencies:
+        with progress_bar() as progress:
+            return moving_frequencies(
+                of,
+                np.radians(crank_angles),
+                np.array(crank_speeds),
+                modes=modes,
+                prestress=prestress.value,
+                rotation_terms=rotation_terms,
+                speed_effect=splits_speed and not bent,
+                progress=progress,
+            )
+
+    result = computed(engines, bent=mechanism.is_free_strained)
+    files = _written(result, out, draw=not no_plots)
+    lines: list[str] = []
+    if state is not None:
+        # The same elements in both states: only heat and moisture shall make a difference.
+        same = [type(one)(dry, elements=elements, element=one.element) for one in engines]
+        dry_result = computed(same, bent=False)
+        files += _written(dry_result, out / DRY, draw=not no_plots)
+        more, lines = _compare(dry_result, result, dry, state, out, draw=not no_plots)
+        files += more
+    _report(result, mechanism, out, files, lines)
+
+
+def _in_state(dry: Mechanism, state: State) -> Mechanism:
+    from flexmech.hygrothermal import mechanism_in_state
+
+    return mechanism_in_state(dry, state)
+
+
+def _written(result: MovingFrequencies, out: Path, *, draw: bool) -> list[Path]:
+    from flexmech.cli.pictures import write_pictures
+
     files = result.save(out)
-    if not no_plots:
-        files = [*files, *write_pictures(result.dataset, out)]
-    _report(result, mechanism, out, files)
+    return [*files, *write_pictures(result.dataset, out)] if draw else files
 
 
-def _report(result: MovingFrequencies, mechanism: Mechanism, out: Path, files: list[Path]) -> None:
+def _compare(
+    dry: MovingFrequencies,
+    wet: MovingFrequencies,
+    mechanism: Mechanism,
+    state: State,
+    out: Path,
+    *,
+    draw: bool,
+) -> tuple[list[Path], list[str]]:
+    """Write and word what the state changes."""
+    from flexmech.analyses import hygrothermal_effect
+    from flexmech.cli.pictures import save_drawings
+    from flexmech.cli.state_report import change_lines, link_lines
+    from flexmech.plots import plot_hygrothermal_effect
+
+    effect = hygrothermal_effect(dry, wet, state.label)
+    files = effect.save(out)
+    if draw:
+        files += save_drawings({STATE_FILES[-1]: plot_hygrothermal_effect}, effect.dataset, out)
+    return files, [*link_lines(mechanism, state), *change_lines(effect)]
+
+
+def _report(
+    result: MovingFrequencies,
+    mechanism: Mechanism,
+    out: Path,
+    files: list[Path],
+    state_lines: list[str],
+) -> None:
     """Print the table and the lines below it; the last one compares the engines."""
     from flexmech.cli.pictures import PICTURES, file_lines
     from flexmech.cli.report import (
@@ -124,7 +195,8 @@ def _report(result: MovingFrequencies, mechanism: Mechanism, out: Path, files: l
         *tracking_lines(result.dataset),
         *vibration_lines(result),
         *damping_lines(result.dataset),
-        *file_lines(out, files, (*FURTHER_TABLES, *PICTURES)),
+        *state_lines,
+        *file_lines(out, files, (*FURTHER_TABLES, *STATE_FILES, *PICTURES)),
         agreement_line(result),
     ):
         typer.echo(line)

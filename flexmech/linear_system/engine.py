@@ -125,6 +125,23 @@ class Engine(ABC):
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
 
+    @property
+    def prestress_at_rest(self) -> Prestress:
+        """Level that describes the linkage at rest: ``none``, unless links bend without load."""
+        return "equilibrium" if self.mechanism.is_free_strained else "none"
+
+    def _is_straight(self, motion: RigidMotion, prestress: Prestress) -> bool:
+        """Whether the links are taken as straight and without stress."""
+        if self.mechanism.is_free_strained:
+            if prestress != "equilibrium":
+                raise InputError(
+                    f"prestress {prestress!r} is of straight links, but moisture or heat bends or "
+                    "stretches some of these; use prestress 'equilibrium'"
+                )
+            return False
+        unloaded = not motion.crank_speed.any() and not any(self.mechanism.gravity)
+        return prestress == "none" or unloaded
+
     def running_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:

@@ -149,6 +149,20 @@ class BeamKind(ABC):
         list of Strain
         """
 
+    def swell(self, mbs: Any, element: int, section: BeamSection, part: float) -> None:
+        """Give an element a part of its section's free curvature and strain.
+
+        Parameters
+        ----------
+        mbs : exudyn.MainSystem
+        element : int
+            Exudyn's number.
+        section : BeamSection
+        part : float
+            1 for all of it.
+        """
+        mbs.SetObjectParameter(element, "referenceCurvature", part * section.free_curvature)
+
     def internal_force(
         self, place: FloatArray, length: FloatArray, section: BeamSection
     ) -> FloatArray:

@@ -23,6 +23,7 @@ __all__ = [
     "GeometricallyExactBeam",
     "eccentric_links",
     "refuse_eccentric_sections",
+    "refuse_free_strain",
 ]
 
 FloatArray = NDArray[np.float64]
@@ -57,9 +58,16 @@ class AncfCable(BeamKind):
                     axialStiffness=section.axial_stiffness,
                     bendingDamping=section.damping.bending * section.bending_stiffness,
                     axialDamping=section.damping.axial * section.axial_stiffness,
+                    referenceAxialStrain=section.free_strain,
+                    referenceCurvature=section.free_curvature,
                 )
             )
         )
+
+    def swell(self, mbs: Any, element: int, section: BeamSection, part: float) -> None:
+        """See :class:`BeamKind`."""
+        super().swell(mbs, element, section, part)
+        mbs.SetObjectParameter(element, "referenceAxialStrain", part * section.free_strain)
 
     def shape_functions(self, fraction: FloatArray, length: FloatArray) -> FloatArray:
         """Cubic Hermite in both directions; see :class:`BeamKind`."""
@@ -145,6 +153,7 @@ class GeometricallyExactBeam(BeamKind):
                     bendingDamping=section.damping.bending * section.bending_stiffness,
                     axialDamping=section.damping.axial * section.axial_stiffness,
                     shearDamping=section.damping.shear * section.shear_stiffness,
+                    referenceCurvature=section.free_curvature,
                 )
             )
         )
@@ -193,6 +202,30 @@ BEAM_KINDS: dict[str, BeamKind] = {
     "ancf": AncfCable(),
     "geometrically-exact": GeometricallyExactBeam(),
 }
+
+
+def refuse_free_strain(mechanism: Mechanism, kind: str) -> None:
+    """Refuse sections that stretch without load where an element cannot have that.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    kind : str
+        Key of :data:`flexmech.multibody.beams.BEAM_KINDS`.
+
+    Raises
+    ------
+    InputError
+        If a section has a free strain; names the links.
+    """
+    names = mechanism.linkage.topology.link_names
+    links = [name for name in names if mechanism.sections[name].free_strain]
+    if links and kind == "geometrically-exact":
+        raise InputError(
+            f"the section of {', '.join(links)} has a free_strain, which Exudyn's element {kind!r} "
+            "has no reference strain for; give the link its swollen length instead, or use "
+            "element 'ancf'"
+        )
 
 
 def eccentric_links(mechanism: Mechanism) -> list[str]:

@@ -22,7 +22,11 @@ from flexmech.linear_system import (
 )
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.mechanism import Mechanism
-from flexmech.multibody.beams import eccentric_links, refuse_eccentric_sections
+from flexmech.multibody.beams import (
+    eccentric_links,
+    refuse_eccentric_sections,
+    refuse_free_strain,
+)
 from flexmech.multibody.linearize import running_tangents, static_equilibrium
 from flexmech.multibody.model import MultibodyModel
 from flexmech.multibody.running_model import RunningModel
@@ -62,6 +66,7 @@ class ExudynEngine(Engine):
     ) -> None:
         super().__init__(mechanism, elements, element, component_modes)
         refuse_eccentric_sections(mechanism, self.element)
+        refuse_free_strain(mechanism, self.element)
 
     @classmethod
     def default_element(cls, mechanism: Mechanism) -> str:
@@ -98,7 +103,7 @@ class ExudynEngine(Engine):
 
     def stressed_links(self, motion: RigidMotion, prestress: Prestress) -> StressedLinks:
         """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
-        unloaded = not motion.crank_speed.any() and not any(self.mechanism.gravity)
+        straight = self._is_straight(motion, prestress)
         if prestress == "axial" and self.element != "ancf":
             other = "" if eccentric_links(self.mechanism) else "element 'ancf' or "
             raise InputError(
@@ -106,7 +111,7 @@ class ExudynEngine(Engine):
                 "shape; the geometrically exact beam cannot: use "
                 f"{other}prestress 'equilibrium'"
             )
-        if prestress == "none" or unloaded:
+        if straight:
             return StressedLinks.unloaded(self.links)
         if prestress == "axial":
             return StressedLinks(self._axial_tangents(motion))

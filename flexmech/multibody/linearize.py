@@ -31,6 +31,8 @@ IntArray = NDArray[np.intp]
 # round-off leaves of the forces between nodes whose absolute positions are subtracted.
 RELATIVE_RESIDUAL = 1e-9
 ROUND_OFF = 8 * float(np.finfo(float).eps)
+# Where all load at once leads nowhere, it is brought on in steps, swelling along with it.
+LOAD_STEPS = (1, 5, 25)
 
 
 def simulation_settings(absolute_tolerance: float = 1e-8) -> Any:
@@ -122,11 +124,12 @@ def static_equilibrium(
     for number in range(batch):
         pose = model.move_to(motion, number)
         model.set_forces(forces[number])
-        tolerance = max(RELATIVE_RESIDUAL * float(np.abs(forces[number]).sum()), round_off)
+        loaded = float(np.abs(forces[number]).sum()) + model.free_load
+        tolerance = max(RELATIVE_RESIDUAL * loaded, round_off)
         settings = simulation_settings(tolerance)
         start = pose + _turned(model, deformation, relative[number])
         if not _solve_static(model, settings, model.arms.to_nodes(start)):
-            _solve_afresh(model, settings, pose, motion, number)
+            _solve_afresh(model, settings, pose, forces[number], motion, number)
         state = model.arms.to_axis(model.mbs.systemData.GetODE2Coordinates())
         deformation = displacement[number] = _turned(model, state - pose, -relative[number])
         tangents.take(number, settings, state)
@@ -217,18 +220,33 @@ def _solve_static(model: MultibodyModel, settings: Any, start: FloatArray) -> bo
 
 
 def _solve_afresh(
-    model: MultibodyModel, settings: Any, pose: FloatArray, motion: RigidMotion, number: int
+    model: MultibodyModel,
+    settings: Any,
+    pose: FloatArray,
+    forces: FloatArray,
+    motion: RigidMotion,
+    number: int,
 ) -> None:
-    """Try again from the undeformed links, and say so if that fails as well."""
-    if _solve_static(model, settings, model.arms.to_nodes(pose)):
-        return
+    """Try again from the undeformed links, in steps if need be; say so if that fails as well."""
+    nodes = model.arms.to_nodes(pose)
+    for steps in LOAD_STEPS:
+        start = nodes
+        for part in np.arange(1, steps + 1) / steps:
+            model.set_forces(part * forces)
+            model.swell(float(part))
+            if not _solve_static(model, settings, start):
+                break
+            start = np.array(model.mbs.systemData.GetODE2Coordinates())
+        else:
+            return
+    model.swell(1.0)
     residual = float(model.mbs.sys["staticSolver"].conv.residual)
     angle = np.degrees(motion.crank_angle[number])
     other = "none" if model.kind.turns_arms else "axial"  # only cables carry tension straight
     raise ComputationError(
         f"Exudyn finds no quasi-static equilibrium at crank angle {angle:.6g} deg and crank "
-        f"speed {motion.crank_speed[number]:.6g} rad/s (residual {residual:.3g} N); lower the "
-        f"crank speed, or use prestress {other!r}"
+        f"speed {motion.crank_speed[number]:.6g} rad/s (residual {residual:.3g} N), even in "
+        f"{LOAD_STEPS[-1]} load steps; lower the crank speed, or use prestress {other!r}"
     )
 
 

@@ -116,6 +116,16 @@ class MultibodyModel:
             scales.append(stiffness * extent)
         return max(scales)
 
+    @property
+    def free_load(self) -> float:
+        """Force by which swelling that is held back pulls and bends an element, at most."""
+        forces = [0.0]
+        for name, part in zip(self.topology.link_names, self.parts, strict=True):
+            section, length = self.mechanism.sections[name], float(np.diff(part.positions).min())
+            bending = abs(section.free_curvature) * section.bending_stiffness / length
+            forces.append(bending + abs(section.free_strain) * section.axial_stiffness)
+        return max(forces)
+
     def move_to(self, motion: RigidMotion, number: int) -> FloatArray:
         """Put the supports where position ``number`` of a batch has them.
 
@@ -154,6 +164,13 @@ class MultibodyModel:
             self.mbs.SetLoadParameter(load, "loadVector", [float(x), float(y), 0.0])
             at_nodes[first : first + 2] = 0.0
         self.mbs.SetObjectParameter(self._loads, "forceVector", at_nodes)
+
+    def swell(self, part: float) -> None:
+        """Give all elements a part of the free strains of their sections; 1 for all of it."""
+        for name, links in zip(self.topology.link_names, self.parts, strict=True):
+            section = self.mechanism.sections[name]
+            for element in links.elements if section.is_free_strained else ():
+                self.kind.swell(self.mbs, element, section, part)
 
     def point_masses(self, link: int) -> FloatArray:
         """Point mass at each node of a link in kg, shape (e + 1,)."""

@@ -22,10 +22,13 @@ def link_models(model: MultibodyModel) -> tuple[LinkModel, ...]:
     """Link models from the linearization of the undeformed system.
 
     In the reference configuration every link lies along the global x axis, so absolute
-    coordinates are those of the link frames.
+    coordinates are those of the link frames. A link that swelling bends is taken as if it
+    had no free curvature yet: held straight against it, it would be under stress.
     """
     straight = np.zeros(model.size)
+    model.swell(0.0)
     mass, stiffness, damping = linearized(model, simulation_settings(), straight)
+    model.swell(1.0)
     kind, models = model.kind, []
     for name, part in zip(model.topology.link_names, model.parts, strict=True):
         count, size = len(part.nodes), part.coordinates.stop - part.coordinates.start

@@ -77,7 +77,7 @@ def cable_strains(
     slope, slope_rate = _interpolated(place, first), _interpolated(rate, first)
     norm = np.sqrt(_dot(slope, slope))
     stretch = Strain(
-        value=norm - 1,
+        value=norm - 1 - section.free_strain,
         rate=_dot(slope, slope_rate) / norm,
         weight=section.axial_stiffness * length[:, None] / 2 * weights,
         damping_time=section.damping.axial,
@@ -90,7 +90,7 @@ def cable_strains(
     curvature = _cross(slope, bend) / square
     change = _cross(slope_rate, bend) + _cross(slope, bend_rate)
     bending = Strain(
-        value=curvature,
+        value=curvature - section.free_curvature,
         rate=(change - 2 * curvature * _dot(slope, slope_rate)) / square,
         weight=section.bending_stiffness * length[:, None] / 2 * weights,
         damping_time=section.damping.bending,
@@ -125,7 +125,7 @@ def exact_beam_strains(
     along = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
     across = np.stack([-np.sin(turn), np.cos(turn)], axis=-1)
     stretched, sheared = _dot(slope, along), _dot(slope, across)
-    damping = section.damping
+    damping, bend = section.damping, slope[..., 2] - section.free_curvature
     stretching = _dot(slope_rate, along) + spin * sheared
     shearing = _dot(slope_rate, across) - spin * stretched
     return [
@@ -133,7 +133,7 @@ def exact_beam_strains(
         for value, change, stiffness, time in (
             (stretched - 1, stretching, section.axial_stiffness, damping.axial),
             (sheared, shearing, section.shear_stiffness, damping.shear),
-            (slope[..., 2], slope_rate[..., 2], section.bending_stiffness, damping.bending),
+            (bend, slope_rate[..., 2], section.bending_stiffness, damping.bending),
         )
     ]
 

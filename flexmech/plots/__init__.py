@@ -12,6 +12,7 @@ from flexmech.plots.composite_study import (
     plot_laminate_factors,
 )
 from flexmech.plots.frequencies import plot_frequencies
+from flexmech.plots.hygrothermal_effect import plot_hygrothermal_effect
 from flexmech.plots.modal_damping import plot_modal_damping
 from flexmech.plots.mode_shapes import plot_mode_shapes
 from flexmech.plots.response import plot_response
@@ -32,6 +33,7 @@ __all__ = [
     "plot_composite_frequencies",
     "plot_forces",
     "plot_frequencies",
+    "plot_hygrothermal_effect",
     "plot_laminate_factors",
     "plot_modal_damping",
     "plot_mode_shapes",

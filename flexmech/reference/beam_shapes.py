@@ -124,6 +124,29 @@ class BeamShapes(ABC):
         """Distance of the neutral axis that turns with each of :attr:`angles`, in m."""
         return (section.neutral_axis,)
 
+    def arc(self, section: BeamSection, length: FloatArray) -> FloatArray:
+        """Node coordinates other than displacements of elements bent without load.
+
+        Against their chords: the free curvature makes an arc of each element.
+
+        Parameters
+        ----------
+        section : BeamSection
+        length : ndarray, shape (e,)
+            Of the elements in m.
+
+        Returns
+        -------
+        ndarray, shape (e, 2 (p - 2))
+            Of the first node, then of the second.
+        """
+        own = np.arange(2, self.per_node)
+        is_angle = np.isin(own, self.angles)
+        turned = section.free_curvature * length[:, None] / 2 * is_angle
+        # What is no angle is the section's curvature at the node.
+        bent = section.free_curvature * np.where(is_angle, 0.0, 1.0)
+        return np.concatenate([bent - turned, bent + turned], axis=1)
+
     def softening(self, section: BeamSection) -> float:
         """How much of the squared shear angle tension takes off the squared slope.
 

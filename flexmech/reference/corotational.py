@@ -6,7 +6,8 @@ element and contains the slopes (shallow arch), so that the tangent at a straigh
 element is exactly eq. 1.58 of Kumar & Chandrakar and no membrane locking appears. After
 Crisfield, *Non-linear Finite Element Analysis of Solids and Structures*, vol. 1 (1991),
 ch. 7. Where the neutral axis is off the pins' axis, rigid arms that turn with the nodes
-lead to it.
+lead to it. Without load an element has the strain and the curvature that its section takes
+by itself: the strain is that of the arc, so that a chord shortens as it bends.
 """
 
 from __future__ import annotations
@@ -36,13 +37,17 @@ class CorotationalElements:
 
     elements: BeamElements
 
-    def response(self, displacement: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def response(
+        self, displacement: FloatArray, swelling: float = 1.0
+    ) -> tuple[FloatArray, FloatArray]:
         """Internal forces and tangent stiffness of deformed elements.
 
         Parameters
         ----------
         displacement : ndarray, shape (B, e, 2 p)
             Coordinates of each element's nodes in the frame of the straight link.
+        swelling : float
+            Part of the section's free strain and curvature that has come on.
 
         Returns
         -------
@@ -52,9 +57,11 @@ class CorotationalElements:
         arms = _Arms.of(self.elements, displacement)
         pure = self._pure(arms.moved(displacement))
         length, axial = self.elements.length, self._axial_stiffness
-        tension = axial * pure.strain
+        free = swelling * self.elements.section.free_strain
+        tension = axial * (pure.strain - free)
         moments = (tension * length)[..., None] * pure.lift
-        moments = moments + np.einsum("eij,bej->bei", self._bending, pure.turns)
+        bent = pure.turns - swelling * self._arc
+        moments = moments + np.einsum("eij,bej->bei", self._bending, bent)
         force = tension[..., None] * pure.along
         force = force + np.einsum("bek,beki->bei", moments, pure.gradients[..., 1:, :])
 
@@ -106,6 +113,11 @@ class CorotationalElements:
         """1 for those of them that are angles, 0 for the others, (k,)."""
         shapes = self.elements.shapes
         return np.isin(self._coordinates % shapes.per_node, shapes.angles).astype(float)
+
+    @cached_property
+    def _arc(self) -> FloatArray:
+        """Turns of the nodes of elements without load, (e, k)."""
+        return self.elements.shapes.arc(self.elements.section, self.elements.length)
 
     @cached_property
     def _bending(self) -> FloatArray:

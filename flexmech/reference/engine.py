@@ -46,7 +46,12 @@ class ReferenceEngine(Engine):
     element_kinds: ClassVar[tuple[str, ...]] = tuple(BEAM_SHAPES)
 
     def convergence(self, prestress: Prestress) -> ConvergenceOrders:
-        """Cubic elements: fourth order, prestressed or not."""
+        """Cubic elements: fourth order; second for links bent without load.
+
+        Straight elements follow an arc, with the axial strain averaged over each.
+        """
+        if self.mechanism.is_free_strained:
+            return ConvergenceOrders(elastic=2, prestress=2)
         return ConvergenceOrders(elastic=4, prestress=4)
 
     @classmethod
@@ -87,8 +92,7 @@ class ReferenceEngine(Engine):
 
     def stressed_links(self, motion: RigidMotion, prestress: Prestress) -> StressedLinks:
         """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
-        unloaded = not motion.crank_speed.any() and not any(self.mechanism.gravity)
-        if prestress == "none" or unloaded:
+        if self._is_straight(motion, prestress):
             return StressedLinks.unloaded(self.links)
         if prestress == "axial":
             return StressedLinks(self._axial_tangents(motion))

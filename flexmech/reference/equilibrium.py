@@ -54,6 +54,15 @@ class _State:
         return cls(np.zeros(shape), np.zeros(shape[0]), np.zeros(0), np.zeros(shape[0], dtype=bool))
 
 
+@dataclass(frozen=True)
+class _Loads:
+    """Forces on the linkage (B, size), stiffness that comes with them, and part of the swelling."""
+
+    outer: FloatArray
+    extra: list[FloatArray]
+    swelling: float
+
+
 class Equilibrium:
     """Solver for the equilibrium of one linkage on one mesh.
 
@@ -80,6 +89,7 @@ class Equilibrium:
             float(np.abs(e.neutral_stiffness[:, [0, 1], [0, 1]]).max()) for e in links
         )
         self._moves = _translations(frames, self._per_node)
+        self._free_load = max(_free_load(elements) for elements in links)
 
     def solve(
         self, motion: RigidMotion, loads: Sequence[FloatArray], extra: Sequence[FloatArray]
@@ -109,7 +119,8 @@ class Equilibrium:
         for steps in LOAD_STEPS:
             state = _State.unloaded(outer.shape)
             for part in np.arange(1, steps + 1) / steps:
-                state = self._newton(motion, state.z, part * outer, [part * e for e in extra])
+                loads_now = _Loads(part * outer, [part * e for e in extra], float(part))
+                state = self._newton(motion, state.z, loads_now)
                 if not state.converged.all():
                     break
             else:
@@ -119,17 +130,11 @@ class Equilibrium:
         self._refuse_divergence(motion, state)
         raise AssertionError("unreachable")
 
-    def _newton(
-        self,
-        motion: RigidMotion,
-        z: FloatArray,
-        outer: FloatArray,
-        extra: Sequence[FloatArray],
-    ) -> _State:
+    def _newton(self, motion: RigidMotion, z: FloatArray, loads: _Loads) -> _State:
         """Newton's method from displacements z; positions that have converged rest."""
-        loaded = np.abs(outer).sum(axis=1)
+        loaded = np.abs(loads.outer).sum(axis=1) + loads.swelling * self._free_load
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            residual, band = self._out_of_balance(motion, z, outer, extra)
+            residual, band = self._out_of_balance(motion, z, loads)
             error = np.abs(residual).max(axis=1, initial=0.0)
             for _ in range(MAX_ITERATIONS):
                 # Forces of displaced nodes cancel in the balance down to their round-off.
@@ -144,7 +149,7 @@ class Equilibrium:
                 change = np.empty_like(z)
                 change[:, self._order] = banded.solve(factors, residual.T[self._order]).T
                 change[converged] = 0.0
-                z, residual, band, error = self._advance(motion, z, change, outer, extra, error)
+                z, residual, band, error = self._advance(motion, z, change, loads, error)
         return _State(z, error, factors, converged)
 
     def response(
@@ -165,7 +170,7 @@ class Equilibrium:
         list of ndarray, shape (B, e, 2 p, 2 p)
             Tangent of each element.
         """
-        parts = [self._response(i, q, extra[i]) for i, q in enumerate(displacement)]
+        parts = [self._response(i, q, extra[i], 1.0) for i, q in enumerate(displacement)]
         return [force for force, _ in parts], [tangent for _, tangent in parts]
 
     def damping(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
@@ -185,11 +190,11 @@ class Equilibrium:
         ]
 
     def _response(
-        self, link: int, displacement: FloatArray, extra: FloatArray
+        self, link: int, displacement: FloatArray, extra: FloatArray, swelling: float
     ) -> tuple[FloatArray, FloatArray]:
         size = self._per_node
         ends = element_ends(displacement, size)
-        force, tangent = self._links[link].response(ends)
+        force, tangent = self._links[link].response(ends, swelling)
         force = force + (extra @ ends[..., None])[..., 0]
         total = np.zeros((len(ends), force.shape[1] + 1, size))
         total[:, :-1] += force[..., :size]
@@ -205,16 +210,15 @@ class Equilibrium:
         motion: RigidMotion,
         z: FloatArray,
         change: FloatArray,
-        outer: FloatArray,
-        extra: Sequence[FloatArray],
+        loads: _Loads,
         error: FloatArray,
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """One Newton step, shortened where it overshoots beyond the elastic scale."""
         length = np.ones(len(z))
-        limit = np.maximum(10 * error, 1e3 * np.abs(outer).max(axis=1, initial=0.0))
+        limit = np.maximum(10 * error, 1e3 * np.abs(loads.outer).max(axis=1, initial=0.0))
         while True:
             trial = z + length[:, None] * change
-            residual, band = self._out_of_balance(motion, trial, outer, extra)
+            residual, band = self._out_of_balance(motion, trial, loads)
             new_error = np.abs(residual).max(axis=1, initial=0.0)
             worse = ~(new_error <= np.maximum(limit, self._force_scale * 1e3))
             if not np.any(worse & (length > SHORTEST_STEP)):
@@ -222,20 +226,16 @@ class Equilibrium:
             length[worse] = np.maximum(length[worse] / 2, SHORTEST_STEP)
 
     def _out_of_balance(
-        self,
-        motion: RigidMotion,
-        z: FloatArray,
-        outer: FloatArray,
-        extra: Sequence[FloatArray],
+        self, motion: RigidMotion, z: FloatArray, loads: _Loads
     ) -> tuple[FloatArray, FloatArray]:
         """Outer minus inner forces (B, size) and the tangent in band form."""
         inner, entries = [], []
         for number, q in enumerate(self._link_displacement(motion, z)):
-            force, tangent = self._response(number, q, extra[number])
+            force, tangent = self._response(number, q, loads.extra[number], loads.swelling)
             inner.append(force)
             self._turn_followers(motion, number, tangent)
             entries.append(tangent.reshape(len(z), -1))
-        residual = outer - self.frames.gather(motion, inner)
+        residual = loads.outer - self.frames.gather(motion, inner)
         stacked = np.concatenate(entries, axis=1)
         band = (self._scatter @ stacked.T).reshape(self.frames.size, self._width + 1, len(z))
         return residual, band
@@ -280,6 +280,13 @@ def _place(motion: RigidMotion, where: NDArray[np.bool_]) -> str:
     first = int(np.flatnonzero(where)[0])
     angle = np.degrees(motion.crank_angle[first])
     return f"crank angle {angle:.6g} deg and crank speed {motion.crank_speed[first]:.6g} rad/s"
+
+
+def _free_load(elements: BeamElements) -> float:
+    """Force in N by which swelling that is held back pulls and bends an element."""
+    section, shortest = elements.section, float(elements.length.min())
+    bending = abs(section.free_curvature) * section.bending_stiffness / shortest
+    return bending + abs(section.free_strain) * section.axial_stiffness
 
 
 def _translations(frames: LinkFrames, per_node: int) -> NDArray[np.intp]:

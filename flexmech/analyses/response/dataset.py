@@ -223,7 +223,9 @@ def _spectra(
     }
     coordinates: dict[str, Any] = {"spectrum_frequency": whole[0][0]}
     turn = request.drive.start_angle + np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
-    lowest = float(natural_frequencies(runs[0].engine, turn, modes=1, prestress="none").min())
+    engine = runs[0].engine
+    at_rest = natural_frequencies(engine, turn, modes=1, prestress=engine.prestress_at_rest)
+    lowest = float(at_rest.min())
     pictures = [spectrogram(signal, interval, lowest, up_to) for signal in signals]
     shown = [picture for picture in pictures if picture is not None]
     if not shown:

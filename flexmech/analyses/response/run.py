@@ -72,7 +72,11 @@ def highest_frequency(engine: Engine, request: ResponseRequest) -> float:
     """Greatest value over a turn of the highest natural frequency asked for, at rest; Hz."""
     turn = request.drive.start_angle + np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
     frequency = natural_frequencies(
-        engine, turn, modes=request.modes, prestress="none", rotation_terms=False
+        engine,
+        turn,
+        modes=request.modes,
+        prestress=engine.prestress_at_rest,
+        rotation_terms=False,
     )
     return float(frequency.max())
 

@@ -109,7 +109,9 @@ def speed_sweep(
     turn = np.linspace(0.0, 2 * np.pi, CHECK_ANGLES, endpoint=False)
     peaks = []
     with one_thread():
-        frequency = natural_frequencies(engine, turn, modes=modes, prestress="none")
+        frequency = natural_frequencies(
+            engine, turn, modes=modes, prestress=engine.prestress_at_rest
+        )
         for number, speed in enumerate(speeds.tolist()):
             peaks.append(_peak(engine, speed, float(frequency.max()), modes, prestress))
             if progress is not None:
