@@ -8,7 +8,18 @@ from typing import Annotated
 
 import typer
 
-from flexmech.cli import check, frequencies, new, response, schema, section, study, synthesize
+from flexmech.cli import (
+    check,
+    coupler_curve,
+    frequencies,
+    moisture,
+    new,
+    response,
+    schema,
+    section,
+    study,
+    synthesize,
+)
 
 __all__ = ["app", "main"]
 
@@ -51,6 +62,8 @@ def options(
 
 app.command("frequencies", help=frequencies.HELP)(frequencies.frequencies)
 app.command("response", help=response.HELP)(response.response)
+app.command("coupler-curve", help=coupler_curve.HELP)(coupler_curve.coupler_curve)
+app.command("moisture", help=moisture.HELP)(moisture.moisture)
 app.command("section", help=section.HELP)(section.section)
 app.add_typer(study.study_app, name="study", help=study.HELP)
 app.command("synthesize", help=synthesize.HELP)(synthesize.synthesize)

@@ -159,11 +159,12 @@ def _compare(
     from flexmech.analyses import hygrothermal_effect
     from flexmech.cli.pictures import save_drawings
     from flexmech.cli.state_report import change_lines, link_lines
-    from flexmech.plots import plot_hygrothermal_effect
 
     effect = hygrothermal_effect(dry, wet, state.label)
     files = effect.save(out)
     if draw:
+        from flexmech.plots import plot_hygrothermal_effect
+
         files += save_drawings({STATE_FILES[-1]: plot_hygrothermal_effect}, effect.dataset, out)
     return files, [*link_lines(mechanism, state), *change_lines(effect)]
 

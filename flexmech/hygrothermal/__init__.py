@@ -1,5 +1,6 @@
 """Mechanisms in heat and water: from surroundings to a mechanism as it is in them."""
 
+from flexmech.hygrothermal.coupler_path import CouplerPath, coupler_path
 from flexmech.hygrothermal.in_state import (
     SwollenLink,
     coupler_point_in_state,
@@ -15,17 +16,22 @@ from flexmech.hygrothermal.link_moisture import (
     silent_links,
 )
 from flexmech.hygrothermal.state import Exposure, HygrothermalState, State
+from flexmech.hygrothermal.uptake import LinkUptake, link_uptake
 
 __all__ = [
+    "CouplerPath",
     "Exposure",
     "HygrothermalState",
     "LinkDiffusion",
+    "LinkUptake",
     "State",
     "SwollenLink",
     "absorbing_links",
+    "coupler_path",
     "coupler_point_in_state",
     "link_condition",
     "link_diffusion",
+    "link_uptake",
     "linkage_in_state",
     "mechanism_in_state",
     "silent_links",

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from flexmech.errors import InputError
-from flexmech.linkages.double_point_path import DoublePointPath, Family, distance
+from flexmech.linkages.double_point_path import DoublePointPath, Family, Stop, distance
 from flexmech.linkages.double_points import FiniteDoublePoint, full_turn
 
 __all__ = ["CuspTransition", "cusp_transitions"]
@@ -82,8 +82,8 @@ def cusp_transitions(
     By continuation: the double points (Hartenberg & Denavit 1964, ch. 6) are followed from
     step to step, and where one passes from a crunode to an isolated point its parameter is
     solved for. Steps are halved where double points move fast. Crunodes that vanish and come
-    back within a step are found where the margin or the cubic's discriminant dips on the way;
-    two such events within one step may be missed.
+    back within a step are found where the margin or the cubic's discriminant dips between
+    two steps; in the first and the last step, and several at once, they may be missed.
 
     Parameters
     ----------
@@ -112,16 +112,11 @@ def cusp_transitions(
     _refuse_interval(start, stop, steps)
     path = DoublePointPath(family, start, stop, crank_angle)
     parameters = _with_dips(path, [float(p) for p in np.linspace(start, stop, steps + 1)])
-    found: list[CuspTransition] = []
-    stretch = parameters[:1]
-    for here, there in pairwise(parameters):
-        if len(path.nodes(here)) != len(path.nodes(there)):
-            before, after = path.merger(here, there)
-            found += _cusps(path, [*stretch, before])
-            found += _tacnodes(path, before, after)
-            stretch = [after]
-        stretch.append(there)
-    return _counted(path, found + _cusps(path, stretch))
+    stretches = path.stretches(parameters)
+    found = [cusp for stops in stretches for cusp in _cusps(path, stops)]
+    for before, after in pairwise(stretches):
+        found += _tacnodes(path, before[-1], after[0])
+    return _counted(path, found)
 
 
 def _with_dips(path: DoublePointPath, parameters: list[float]) -> list[float]:
@@ -152,9 +147,8 @@ def _dip(
     return float(dip.x) if dip.fun < 0 else None
 
 
-def _cusps(path: DoublePointPath, parameters: list[float]) -> list[CuspTransition]:
+def _cusps(path: DoublePointPath, stops: list[Stop]) -> list[CuspTransition]:
     """Cusps along a stretch on which no double points merge or part."""
-    stops = path.followed(parameters)
     found = []
     for column in range(len(stops[0][1])):
         places = [(parameter, nodes[column]) for parameter, nodes in stops]
@@ -202,10 +196,9 @@ def _cusp(path: DoublePointPath, here: Place, there: Place) -> list[CuspTransiti
     return [CuspTransition("cusp", parameter, position, np.array([angle, angle]), 0, 0)]
 
 
-def _tacnodes(path: DoublePointPath, before: float, after: float) -> list[CuspTransition]:
+def _tacnodes(path: DoublePointPath, before: Stop, after: Stop) -> list[CuspTransition]:
     """Meeting of the two double points that are on one side only, if they are crunodes."""
-    parameter = max(before, after, key=lambda p: len(path.nodes(p)))
-    three = path.nodes(parameter)
+    parameter, three = max(before, after, key=lambda stop: len(stop[1]))
     pairs = zip(three, (*three[1:], three[0]), strict=True)
     one, two = min(pairs, key=lambda pair: distance(pair[0].place, pair[1].place))
     if not all(node.kind == "crunode" and node.lies_on(path.circuit) for node in (one, two)):

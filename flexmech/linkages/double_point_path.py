@@ -18,11 +18,10 @@ Family = Callable[[float], tuple[FourBar, CouplerPoint]]
 Nodes = tuple[FiniteDoublePoint, ...]
 Stop = tuple[float, Nodes]
 
-# Part of the interval to which a merger is located.
+# Part of the interval to which mergers are located.
 LOCATED = 1e-12
 # A step is halved until its double points move less than this part of their separation.
 FOLLOWED = 0.3
-MOST_HALVINGS = 50
 
 
 class DoublePointPath:
@@ -106,58 +105,42 @@ class DoublePointPath:
         """Double point that is nearest to a place on the circle of singular foci."""
         return min(self.nodes(parameter), key=lambda node: distance(place, node.place))
 
-    def merger(self, here: float, there: float) -> tuple[float, float]:
-        """Parameters on either side of the one at which two double points merge or part.
-
-        Parameters
-        ----------
-        here, there : float
-            With different numbers of double points.
-
-        Returns
-        -------
-        tuple of two floats
-            Closer than 1e-12 of the interval, the first with the number at ``here``.
-        """
-        number = len(self.nodes(here))
-        while abs(there - here) > LOCATED * self.span:
-            middle = (here + there) / 2
-            if middle in (here, there):
-                break
-            if len(self.nodes(middle)) == number:
-                here = middle
-            else:
-                there = middle
-        return here, there
-
-    def followed(self, parameters: list[float]) -> list[Stop]:
-        """Double points in the order in which they are at the first parameter.
+    def stretches(self, parameters: list[float]) -> list[list[Stop]]:
+        """Double points followed over parameters, cut where two merge or part.
 
         Parameters
         ----------
         parameters : list of float
-            Between which none merge or part.
+            From ``start`` to ``stop``.
 
         Returns
         -------
-        list of (float, tuple of FiniteDoublePoint)
-            At the parameters and, where double points move fast, at some in between.
+        list of list of (float, tuple of FiniteDoublePoint)
+            At the parameters and, where double points move fast, at more in between; those of
+            one stretch each in the order of its first. Between stretches is 1e-12 of the
+            interval.
         """
-        stops = [(parameters[0], self.nodes(parameters[0]))]
-        for there in parameters[1:]:
-            stops += self._halved(stops[-1], there, MOST_HALVINGS)
-        return stops
+        found = [[(parameters[0], self.nodes(parameters[0]))]]
+        for here, there in pairwise(parameters):
+            for parameter in (*self._between(here, there), there):
+                nodes, last = self.nodes(parameter), found[-1][-1][1]
+                if len(nodes) == len(last):
+                    found[-1].append((parameter, _in_order(last, nodes)))
+                else:
+                    found.append([(parameter, nodes)])
+        return found
 
-    def _halved(self, stop: Stop, there: float, left: int) -> Iterator[Stop]:
-        here, nodes = stop
-        ahead = _in_order(nodes, self.nodes(there))
-        if left == 0 or _is_followed(nodes, ahead):
-            yield there, ahead
+    def _between(self, here: float, there: float) -> Iterator[float]:
+        """Parameters that are needed to know which double point has become which."""
+        middle = (here + there) / 2
+        if abs(there - here) <= LOCATED * self.span or middle in (here, there):
             return
-        for between in self._halved(stop, (here + there) / 2, left - 1):
-            yield between
-            stop = between
-        yield from self._halved(stop, there, left - 1)
+        before, after = self.nodes(here), self.nodes(there)
+        if len(before) == len(after) and _is_followed(before, _in_order(before, after)):
+            return
+        yield from self._between(here, middle)
+        yield middle
+        yield from self._between(middle, there)
 
 
 def distance(place: float, other: float) -> float:

@@ -5,7 +5,7 @@ mirror images in the line O2-E, since both lie on the circles about O2 and about
 its second place in O4-E. The coupler turns by the same angle about E whichever pin is looked
 at, so that E sees O2-O4 under the angle epsilon from E-A to E-B, or epsilon plus pi: the finite
 double points lie on the *circle of singular foci* through O2 and O4 (Hartenberg & Denavit 1964,
-ch. 6; Hunt, Kinematic Geometry of Mechanisms, 1978, ch. 7).
+ch. 6; Hunt, Kinematic Geometry of Mechanisms, 1978).
 
 With d the ground, a, c crank and rocker, e = E-A, f = E-B, and signed distances rho2 from O2
 along the direction eta and rho4 from O4 along eta + epsilon, the place is
@@ -232,7 +232,7 @@ def _node(
             kappa = math.pi * round(kappa / math.pi)
         eta = math.atan2(along[1], along[0])
         attitudes = tuple(
-            _attitude(linkage, point, motion, position, eta + turn) for turn in (kappa, kappa)
+            _attitude(linkage, point, motion, position, eta + turn) for turn in (kappa, -kappa)
         )
     return FiniteDoublePoint(place, position, margin, attitudes)
 

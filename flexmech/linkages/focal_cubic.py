@@ -103,12 +103,12 @@ def _real_roots(coefficients: Coefficients) -> list[float]:
     # y^3 - 3 p y - 2 q = 0 with x = y + centre.
     p = centre**2 - linear / 3
     q = -(((centre + square) * centre + linear) * centre + constant) / 2
-    if q * q <= p**3:
-        third = math.acos(max(-1.0, min(1.0, q / math.sqrt(p**3)))) / 3 if p > 0 else 0.0
-        size = 2 * math.sqrt(max(p, 0.0))
-        return [centre + size * math.cos(third + turn) for turn in THIRDS]
-    larger = math.copysign(math.cbrt(abs(q) + math.sqrt(q * q - p**3)), q)
-    return [centre + larger + p / larger]
+    cube = p**3
+    if cube > 0 and q * q <= cube:
+        third = math.acos(max(-1.0, min(1.0, q / math.sqrt(cube)))) / 3
+        return [centre + 2 * math.sqrt(p) * math.cos(third + turn) for turn in THIRDS]
+    larger = math.copysign(math.cbrt(abs(q) + math.sqrt(max(q * q - cube, 0.0))), q)
+    return [centre + larger + p / larger] if larger else [centre]
 
 
 def _slope(coefficients: Coefficients, x: float) -> float:

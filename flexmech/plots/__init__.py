@@ -11,10 +11,12 @@ from flexmech.plots.composite_study import (
     plot_composite_frequencies,
     plot_laminate_factors,
 )
+from flexmech.plots.coupler_curve import DrawnPath, plot_coupler_angles, plot_coupler_curve
 from flexmech.plots.frequencies import plot_frequencies
 from flexmech.plots.hygrothermal_effect import plot_hygrothermal_effect
 from flexmech.plots.modal_damping import plot_modal_damping
 from flexmech.plots.mode_shapes import plot_mode_shapes
+from flexmech.plots.moisture import DrawnMoisture, plot_moisture
 from flexmech.plots.response import plot_response
 from flexmech.plots.response_forces import plot_forces
 from flexmech.plots.section import plot_section
@@ -27,16 +29,21 @@ from flexmech.plots.transmission_angle import plot_transmission_angle
 from flexmech.plots.vibration_effect import plot_vibration_effect
 
 __all__ = [
+    "DrawnMoisture",
+    "DrawnPath",
     "mp4_available",
     "plot_agreement",
     "plot_composite_damping",
     "plot_composite_frequencies",
+    "plot_coupler_angles",
+    "plot_coupler_curve",
     "plot_forces",
     "plot_frequencies",
     "plot_hygrothermal_effect",
     "plot_laminate_factors",
     "plot_modal_damping",
     "plot_mode_shapes",
+    "plot_moisture",
     "plot_response",
     "plot_section",
     "plot_spectrogram",

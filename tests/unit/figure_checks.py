@@ -51,7 +51,7 @@ def shown_texts(figure: Figure) -> list[Any]:
     return [text for text in texts if text.get_visible() and text.get_text().strip()]
 
 
-def check_layout(figure: Figure) -> None:
+def check_layout(figure: Figure, narrowest: float = 500) -> None:
     """No text leaves the figure or touches another; no panel is squeezed to nothing."""
     figure.draw_without_rendering()
     texts = shown_texts(figure)
@@ -67,4 +67,4 @@ def check_layout(figure: Figure) -> None:
             tall = min(one.y1, two.y1) - max(one.y0, two.y0)
             names = texts[first].get_text(), texts[second].get_text()
             assert wide <= 1 or tall <= 1, f"{names} overlap"
-    assert all(axes.bbox.height > 60 and axes.bbox.width > 500 for axes in panels(figure))
+    assert all(axes.bbox.height > 60 and axes.bbox.width > narrowest for axes in panels(figure))

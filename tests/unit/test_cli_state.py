@@ -1,0 +1,185 @@
+"""Heat and moisture on the command line: shared options, and frequencies beside the dry ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from flexmech.analyses import HygrothermalEffect, MovingFrequencies, hygrothermal_effect
+from flexmech.cli import app
+from flexmech.cli.surroundings import parse_state
+from flexmech.errors import InputError
+from flexmech.hygrothermal import Exposure, HygrothermalState
+
+MODEL = """
+name = "wet linkage"
+source = "invented"
+[linkage]
+kind = "four-bar"
+ground = "200 mm"
+crank = "60 mm"
+coupler = "180 mm"
+rocker = "160 mm"
+[materials.resin]
+youngs_modulus = "3.9 GPa"
+density = "1280 kg/m^3"
+poisson_ratio = 0.37
+thermal_expansion = "58.4e-6 1/K"
+moisture_expansion = "3.02e-3 1/percent"
+equilibrium_moisture = "7 percent"
+glass_transition = "210 degC"
+diffusivity = "6e-13 m^2/s"
+[materials.steel]
+youngs_modulus = "210 GPa"
+density = "7850 kg/m^3"
+poisson_ratio = 0.3
+[links.crank]
+section = "rectangle"
+material = "steel"
+in_plane_thickness = "6 mm"
+out_of_plane_width = "10 mm"
+[links.coupler]
+section = "rectangle"
+material = "resin"
+in_plane_thickness = "6 mm"
+out_of_plane_width = "10 mm"
+exposed_faces = "lower"
+[links.rocker]
+section = "rectangle"
+material = "resin"
+in_plane_thickness = "6 mm"
+out_of_plane_width = "10 mm"
+"""
+COARSE = ["--speeds", "0,10", "--angles", "0,120", "--elements", "2", "--modes", "2"]
+QUICK = ["--engine", "reference", "--no-plots"]
+
+
+@pytest.fixture
+def model(tmp_path: Path) -> Path:
+    file = tmp_path / "wet.toml"
+    file.write_text(MODEL)
+    return file
+
+
+def run(*arguments: str | Path) -> tuple[int, str, str]:
+    result = CliRunner().invoke(app, [str(a) for a in arguments])
+    return result.exit_code, result.stdout, result.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "wanted"),
+    [
+        ((None, None, None, None), None),
+        (("80", None, None, None), HygrothermalState(80.0, 0.0)),
+        (("80 K", "7", None, None), HygrothermalState(80.0, 0.07)),
+        (("-10 degC", "7 %", None, None), HygrothermalState(-10.0, 0.07)),
+        ((None, "0.5 percent", None, None), HygrothermalState(0.0, 0.005)),
+        (("60", None, "85", "30 day"), Exposure(60.0, 0.85, 30 * 86400.0)),
+        ((None, None, "85 %", "0 s"), Exposure(0.0, 0.85, 0.0)),
+    ],
+)
+def test_options_to_a_state(options: tuple[str | None, ...], wanted: object) -> None:
+    assert parse_state(*options) == wanted  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ((None, "7", "85", "30 day"), "keep one"),
+        ((None, None, "85", None), "--relative-humidity is given without --time"),
+        ((None, None, None, "30 day"), "--time is given without --relative-humidity"),
+        (("hot", None, None, None), "--temperature-rise"),
+        (("80 mm", None, None, None), "--temperature-rise"),
+        ((None, "-1", None, None), "--moisture: must lie between"),
+        ((None, "nan", None, None), "--moisture"),
+        ((None, None, "120", "1 day"), "--relative-humidity: must lie between"),
+        ((None, None, "85", "30"), "--time: .*no unit"),
+        ((None, None, "85", "-3 day"), "--time: must be zero or positive"),
+    ],
+)
+def test_options_that_cannot_be(options: tuple[str | None, ...], said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        parse_state(*options)  # type: ignore[arg-type]
+
+
+def test_frequencies_beside_the_dry_ones(model: Path, tmp_path: Path) -> None:
+    out = tmp_path / "wet"
+    code, printed, errors = run(
+        "frequencies", model, *COARSE, "--temperature-rise", "40", "--moisture", "5", "--out", out
+    )
+    assert (code, errors) == (0, "")
+    assert "state: +40 K, 5 % moisture" in printed
+    assert "heat and moisture do nothing to: crank" in printed
+    assert "wet linkage, +40 K, 5 % moisture" in printed
+    alone = tmp_path / "alone"
+    assert run("frequencies", model, *COARSE, "--no-plots", "--out", alone)[0] == 0
+    dry, wet = (MovingFrequencies.load(folder / "frequencies.nc") for folder in (out / "dry", out))
+    plain = MovingFrequencies.load(alone / "frequencies.nc")
+    # To the last bit: the dry linkage is the one without the options.
+    assert np.array_equal(dry.dataset["frequency"].values, plain.dataset["frequency"].values)
+    effect = HygrothermalEffect.load(out / "hygrothermal_effect.nc")
+    ratio = wet.dataset["frequency"] / dry.dataset["frequency"] - 1
+    assert effect.relative_change.values == pytest.approx(ratio.values)
+    assert effect.relative_change.max() < -0.1
+    table = pd.read_csv(out / "hygrothermal_effect.csv")
+    assert list(table.columns) == [
+        "engine",
+        "crank_speed_rad_s",
+        "crank_angle_deg",
+        "mode",
+        "dry_frequency_Hz",
+        "frequency_Hz",
+        "relative_change",
+    ]
+    assert len(table) == 2 * 2 * 2 * 2
+    assert (out / "hygrothermal_effect.png").is_file()
+
+
+def test_dry_state_on_request_is_the_dry_linkage(model: Path, tmp_path: Path) -> None:
+    zero = ["--temperature-rise", "0", "--moisture", "0", *QUICK]
+    assert run("frequencies", model, *COARSE, *zero, "--out", tmp_path)[0] == 0
+    effect = HygrothermalEffect.load(tmp_path / "hygrothermal_effect.nc")
+    assert np.all(effect.relative_change.values == 0.0)
+
+
+def test_exposure_bends_the_link_that_is_wet_on_one_side(model: Path, tmp_path: Path) -> None:
+    exposed = ["--relative-humidity", "85", "--time", "20 day", "--temperature-rise", "20"]
+    code, printed, errors = run("frequencies", model, *COARSE, *exposed, *QUICK, "--out", tmp_path)
+    assert (code, errors) == (0, "")
+    assert "bent by itself" in printed
+    assert "not split by term" in printed
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--temperature-rise", "100", "--moisture", "7"], "above its wet glass transition"),
+        (["--moisture", "8"], "more than the resin takes up"),
+        (["--moisture", "5", "--time", "1 day"], "--time is given without"),
+    ],
+)
+def test_refusals(model: Path, tmp_path: Path, options: list[str], said: str) -> None:
+    out = tmp_path / "none"
+    code, printed, errors = run("frequencies", model, *COARSE, *options, "--out", out)
+    assert code == 2
+    assert said in errors
+    assert len(errors.strip().splitlines()) == 1
+    assert not out.exists()
+    assert printed == ""
+
+
+def test_states_over_other_positions_cannot_be_compared() -> None:
+    import xarray as xr
+
+    def result(angles: list[float]) -> MovingFrequencies:
+        dims = ("engine", "crank_speed", "crank_angle", "mode")
+        values = xr.DataArray(np.ones((1, 1, len(angles), 1)), dims=dims)
+        coords = {"engine": ["reference"], "crank_speed": [0.0], "crank_angle": angles, "mode": [1]}
+        return MovingFrequencies(xr.Dataset({"frequency": values.assign_coords(coords)}))
+
+    with pytest.raises(InputError, match="same engines, crank angles"):
+        hygrothermal_effect(result([0.0, 1.0]), result([0.0, 2.0]), "wet")
