@@ -39,7 +39,12 @@ def check(model: Annotated[Path, typer.Argument(help="Model file.", metavar="MOD
     for line in _linkage_lines(mechanism):
         typer.echo(line)
     print_table(_link_table(mechanism))
-    for line in (*_mass_lines(mechanism), *_operation_lines(mechanism), frequencies):
+    for line in (
+        *_mass_lines(mechanism),
+        *_operation_lines(mechanism),
+        *_hygrothermal_lines(mechanism),
+        frequencies,
+    ):
         typer.echo(line)
 
 
@@ -149,6 +154,29 @@ def _operation_lines(mechanism: Mechanism) -> list[str]:
         f"gravity: ({x:g}, {y:g}) m/s^2",
         f"operating speeds: {', '.join(speeds) or 'none stated'}",
     ]
+
+
+def _hygrothermal_lines(mechanism: Mechanism) -> list[str]:
+    """Coupler point, and what heat and water do to which links; none where nothing is known."""
+    import numpy as np
+
+    from flexmech.hygrothermal import absorbing_links, silent_links
+
+    lines = []
+    point = mechanism.coupler_point
+    if point is not None:
+        lines.append(
+            f"coupler point: {_milli(point.distance)} mm from A, {np.degrees(point.angle):.6g} deg"
+        )
+    names = mechanism.linkage.topology.link_names
+    silent = silent_links(mechanism)
+    if len(silent) < len(names):
+        lines.append(
+            f"heat and moisture change: {', '.join(n for n in names if n not in silent)}; water "
+            f"enters: {', '.join(absorbing_links(mechanism)) or 'none'}; reference temperature "
+            f"{mechanism.reference_temperature - 273.15:.4g} degC"
+        )
+    return lines
 
 
 def _frequencies_at_rest(mechanism: Mechanism) -> str:

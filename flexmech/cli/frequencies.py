@@ -130,6 +130,8 @@ def frequencies(
         files += _written(dry_result, out / DRY, draw=not no_plots)
         more, lines = _compare(dry_result, result, dry, state, out, draw=not no_plots)
         files += more
+        if splits_speed and mechanism.is_free_strained:
+            lines.append("effect of speed: not split by term, since links bend without load")
     _report(result, mechanism, out, files, lines)
 
 

@@ -9,6 +9,13 @@ import typer
 
 from flexmech.cli.arguments import Model, NoPlots
 from flexmech.cli.failures import reports_failures
+from flexmech.cli.surroundings import (
+    ExposureTime,
+    Moisture,
+    RelativeHumidity,
+    TemperatureRise,
+    parse_state,
+)
 from flexmech.errors import InputError
 from flexmech.files import check_writable, moved_into
 
@@ -22,7 +29,7 @@ __all__ = ["HELP", "section"]
 
 HELP = (
     "Cross-sections of the links. Stiffness, coupling, mass and damping; strain and stress "
-    "through the thickness under unit loads."
+    "through the thickness under unit loads; dry, or in heat and moisture."
 )
 TABLES = ("sections.csv", "through_thickness.csv")
 
@@ -39,13 +46,25 @@ LinkOption = Annotated[
 
 @reports_failures
 def section(
-    model: Model, out: OutOption = None, no_plots: NoPlots = False, link: LinkOption = None
+    model: Model,
+    out: OutOption = None,
+    no_plots: NoPlots = False,
+    link: LinkOption = None,
+    temperature_rise: TemperatureRise = None,
+    moisture: Moisture = None,
+    relative_humidity: RelativeHumidity = None,
+    time: ExposureTime = None,
 ) -> None:
     """Print each link's section, and write tables and pictures of what is inside it."""
+    state = parse_state(temperature_rise, moisture, relative_humidity, time)
+
     from flexmech.cli.pictures import file_lines
+    from flexmech.cli.state_report import link_lines
+    from flexmech.hygrothermal import mechanism_in_state
     from flexmech.modelfile import load_mechanism
 
-    mechanism = load_mechanism(model)
+    dry = load_mechanism(model)
+    mechanism = dry if state is None else mechanism_in_state(dry, state)
     sections = _chosen(mechanism, link)
     pictures = {name: f"section_{name}.png" for name in mechanism.sections}
     files: list[Path] = []
@@ -53,6 +72,8 @@ def section(
         check_writable(out, (*TABLES, *pictures.values()))
         files = _write(sections, out, {} if no_plots else pictures)
     _report(sections)
+    for line in () if state is None else link_lines(dry, state):
+        typer.echo(line)
     if out is not None:
         for line in file_lines(out, files, (*TABLES, *pictures.values())):
             typer.echo(line)

@@ -27,11 +27,10 @@ def link_lines(mechanism: Mechanism, state: State) -> list[str]:
     -------
     list of str
     """
-    from flexmech.hygrothermal import silent_links, swollen_links
+    from flexmech.hygrothermal import resin_retention, silent_links, swollen_links
 
     lines = [f"state: {state.label}"]
-    links = swollen_links(mechanism, state)
-    for name, link in links.items():
+    for name, link in swollen_links(mechanism, state).items():
         dry = mechanism.sections[name]
         stiffness = link.section.bending_stiffness / dry.bending_stiffness
         mass = link.section.mass_per_length / dry.mass_per_length
@@ -39,12 +38,15 @@ def link_lines(mechanism: Mechanism, state: State) -> list[str]:
             f"{name}: {100 * link.elongation:+.4f} % longer, {100 * link.water:.3g} % water, "
             f"bending stiffness times {stiffness:.4f}, mass per length times {mass:.4f}"
         )
+        kept = resin_retention(mechanism, name, state)
+        if kept is not None:
+            least, most = (f"{100 * part:.4g}" for part in kept)
+            share = least if least == most else f"{least} to {most}"
+            line += f", resin keeps {share} % of its stiffness and strength"
         if link.section.free_curvature:
             sagitta = abs(link.section.free_curvature) * link.length**2 / 8
             line += f", bent by itself {1e3 * sagitta:.4g} mm at its middle"
         lines.append(line)
-    if any(link.section.is_free_strained for link in links.values()):
-        lines.append("effect of speed: not split by term in a state in which links bend unloaded")
     silent = silent_links(mechanism)
     if silent:
         lines.append(f"heat and moisture do nothing to: {', '.join(silent)} (no such keys)")

@@ -13,6 +13,7 @@ from flexmech.hygrothermal.link_moisture import (
     absorbing_links,
     link_condition,
     link_diffusion,
+    resin_retention,
     silent_links,
 )
 from flexmech.hygrothermal.state import Exposure, HygrothermalState, State
@@ -34,6 +35,7 @@ __all__ = [
     "link_uptake",
     "linkage_in_state",
     "mechanism_in_state",
+    "resin_retention",
     "silent_links",
     "swollen_links",
 ]

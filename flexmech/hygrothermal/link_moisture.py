@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.hygrothermal.state import Exposure, State
-from flexmech.materials import Laminate, Layer, PlyRecipe
+from flexmech.materials import Laminate, Layer, PlyRecipe, moisture_of
 from flexmech.materials.moisture import (
     DiffusionLayer,
     Diffusivity,
@@ -29,6 +29,7 @@ __all__ = [
     "absorbing_links",
     "link_condition",
     "link_diffusion",
+    "resin_retention",
     "silent_links",
 ]
 
@@ -175,6 +176,40 @@ def _exposed(
     """Moisture in slices after an exposure; links are often alike, and asked of twice."""
     surroundings = Surroundings.constant(relative_humidity, temperature)
     return diffusion.sliced(diffusion.history(surroundings, np.array([0.0, time])), -1)
+
+
+def resin_retention(mechanism: Mechanism, link: str, state: State) -> tuple[float, float] | None:
+    """Parts of their stiffness and strength that a link's resins keep, where least and most.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    link : str
+    state : HygrothermalState or Exposure
+
+    Returns
+    -------
+    tuple of float, or None
+        None where no resin has a glass transition.
+
+    Raises
+    ------
+    InputError
+        If a resin is above its wet glass transition.
+    """
+    section = mechanism.sections[link].layers
+    if section is None:
+        return None
+    condition = link_condition(mechanism, link, state)
+    kept = [
+        resin.hygrothermal.retention(
+            condition.temperature, moisture_of(layer.ply, offered), condition.reference_temperature
+        )
+        for layer, offered in condition.slices(section.laminate)
+        if (resin := layer.ply.resin) is not None
+        and resin.hygrothermal.glass_transition is not None
+    ]
+    return (min(kept), max(kept)) if kept else None
 
 
 def link_diffusion(mechanism: Mechanism, link: str) -> LinkDiffusion:

@@ -108,6 +108,8 @@ def cusp_transitions(
     InputError
         If start and stop are not two finite numbers, there are too few steps, the Grashof
         class changes on the way, or the coupler point gets into a pin.
+    ComputationError
+        If double points cannot be told apart over a part of the interval.
     """
     _refuse_interval(start, stop, steps)
     path = DoublePointPath(family, start, stop, crank_angle)

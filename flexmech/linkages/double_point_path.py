@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 from itertools import pairwise
 
-from flexmech.errors import InputError
+from flexmech.errors import ComputationError, InputError
 from flexmech.linkages.circuits import Circuit, circuit_of
 from flexmech.linkages.coupler_curve import CouplerPoint
 from flexmech.linkages.double_points import FiniteDoublePoint, finite_double_points, focal_cubic
@@ -22,6 +22,8 @@ Stop = tuple[float, Nodes]
 LOCATED = 1e-12
 # A step is halved until its double points move less than this part of their separation.
 FOLLOWED = 0.3
+# Far more than a family needs whose double points are apart but where they merge.
+MOST_PARAMETERS = 20_000
 
 
 class DoublePointPath:
@@ -74,6 +76,8 @@ class DoublePointPath:
         ------
         InputError
             If the Grashof class differs from that at the start, or the point is in a pin.
+        ComputationError
+            If double points cannot be told apart over a part of the interval.
         """
         if parameter not in self._known:
             linkage, point = self.family(parameter)
@@ -88,6 +92,11 @@ class DoublePointPath:
                 raise InputError(
                     f"the coupler point is in a pin at parameter {parameter:g}, where it traces "
                     "a circle; keep the interval on one side"
+                )
+            if len(self._known) >= MOST_PARAMETERS:
+                raise ComputationError(
+                    f"double points lie too close to be told apart near parameter {parameter:g}; "
+                    "choose an interval without it, or change the coupler point slightly"
                 )
             self._known[parameter] = found
         return self._known[parameter]

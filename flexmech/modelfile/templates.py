@@ -27,6 +27,8 @@ poisson_ratio = 0.33
 # or
 # damping_ratio = "0.5 %"
 # damping_frequency = "50 Hz"
+# What heat does to it; resins may state what water does too (see composite-four-bar):
+# thermal_expansion = "23e-6 1/K"
 """
 
 _FOUR_BAR = (
@@ -38,6 +40,8 @@ crank = "100 mm"
 coupler = "280 mm"
 rocker = "265 mm"
 branch = "open"        # "open": B above at crank angle zero; "crossed": B below
+# coupler_point = { distance = "80 mm", angle = "30 deg" }   # from A, and from A-B to the left
+# ground_thermal_expansion = "11.7e-6 1/K"                   # of the frame
 """
     + _MATERIAL
     + """
@@ -146,6 +150,14 @@ shear_modulus = "1.48 GPa"
 density = "1260 kg/m^3"
 poisson_ratio = 0.35
 specific_damping = "8 %"         # energy lost in a cycle over its largest
+# What heat and water do to it; what is left out, they do not do:
+thermal_expansion = "55e-6 1/K"
+moisture_expansion = "3e-3 1/percent"    # strain per moisture, in percent of its dry mass
+equilibrium_moisture = "5 percent"       # in the end at 100 % relative humidity
+glass_transition = "200 degC"            # dry; lower when wet, and the resin softens towards it
+diffusivity = "5e-13 m^2/s"              # of water in it
+diffusivity_temperature = "20 degC"
+activation_energy = "45 kJ/mol"
 
 [plies.C]
 type = "constituents"
@@ -183,6 +195,8 @@ laminate = "skin_and_core"
 out_of_plane_width = "25 mm"     # along the joint axes
 reduction = "narrow"             # "wide": held from contracting along the joint axes
 # damping_frequency = "50 Hz"    # runs in time take the plies' specific damping at this frequency
+# exposed_faces = "both"         # where water comes in: or "lower", "upper" (of the link's y)
+# exposed_sides = false          # and along the joint axes
 
 [links.coupler]
 section = "laminate"

@@ -151,7 +151,23 @@ def test_exposure_bends_the_link_that_is_wet_on_one_side(model: Path, tmp_path: 
     code, printed, errors = run("frequencies", model, *COARSE, *exposed, *QUICK, "--out", tmp_path)
     assert (code, errors) == (0, "")
     assert "bent by itself" in printed
-    assert "not split by term" in printed
+    assert "% of its stiffness and strength" in printed
+
+
+def test_section_in_a_state(model: Path) -> None:
+    dry = run("section", model, "--link", "coupler")[1]
+    code, wet, errors = run(
+        "section", model, "--link", "coupler", "--temperature-rise", "40", "--moisture", "5"
+    )
+    assert (code, errors) == (0, "")
+    assert "state: +40 K, 5 % moisture" in wet
+    assert "state" not in dry
+    assert wet.splitlines()[:20] != dry.splitlines()[:20]
+
+
+def test_check_tells_what_heat_and_water_do(model: Path) -> None:
+    printed = run("check", model)[1]
+    assert "heat and moisture change: coupler, rocker; water enters: coupler, rocker" in printed
 
 
 @pytest.mark.parametrize(
