@@ -7,7 +7,15 @@ the difference, and say in the commit why it moved.
 import numpy as np
 import pytest
 
-from flexmech import ExudynEngine, ReferenceEngine, load_mechanism, moving_frequencies
+from flexmech import (
+    Exposure,
+    ExudynEngine,
+    HygrothermalState,
+    ReferenceEngine,
+    load_mechanism,
+    mechanism_in_state,
+    moving_frequencies,
+)
 
 ANGLES = np.radians(np.arange(0, 361, 15))
 
@@ -29,6 +37,19 @@ def test_composite_frequency_against_crank_angle(models, element, num_regression
     result = moving_frequencies(engine, ANGLES[::3], [100.0], modes=2)
     columns = columns_of(result) | columns_of(result, "strain_energy_damping")
     num_regression.check(columns, default_tolerance={"rtol": 1e-6, "atol": 0.0})
+
+
+@pytest.mark.parametrize("state", ["uniform", "exposed"])
+def test_moist_frequency_against_crank_angle(models, state, num_regression):
+    """Carbon and epoxy, hot and moist; exposed, its rocker is wet from below and bent."""
+    moist = {
+        "uniform": HygrothermalState(60.0, 0.04),
+        "exposed": Exposure(60.0, 0.85, 5 * 86400.0),
+    }[state]
+    dry = load_mechanism(models / "moist_composite_fourbar.toml")
+    engine = ReferenceEngine(mechanism_in_state(dry, moist), 4, "timoshenko")
+    result = moving_frequencies(engine, ANGLES[::3], [20.0], modes=3)
+    num_regression.check(columns_of(result), default_tolerance={"rtol": 1e-5, "atol": 0.0})
 
 
 def columns_of(result, variable="frequency"):
