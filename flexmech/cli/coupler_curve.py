@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -84,7 +85,11 @@ def coupler_curve(
     if state is not None:
         states["wet"] = state
     radians = np.radians(crank_angles)
-    paths = {name: coupler_path(mechanism, moving, one, radians) for name, one in states.items()}
+    paths = {"dry": coupler_path(mechanism, moving, states["dry"], radians)}
+    if state is not None:
+        # The dry linkage has passed: what is wrong now is the state's doing.
+        with _says_where(state.label):
+            paths["wet"] = coupler_path(mechanism, moving, state, radians)
     files = _write(paths, states, mechanism.provenance.name, out, draw=not no_plots)
     for line in (
         *_lines(mechanism, paths, state),
@@ -123,6 +128,15 @@ def parse_point(text: str) -> CouplerPoint:
         return CouplerPoint(distance, parse_quantity(parts[1].strip(), ANGLE, default_unit="deg"))
     except InputError as error:
         raise InputError(f"--point: {error}") from error
+
+
+@contextmanager
+def _says_where(state: str) -> Iterator[None]:
+    """Name the state in which the linkage is refused."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{state}: {error}") from error
 
 
 def _point_of(mechanism: Mechanism, given: CouplerPoint | None) -> CouplerPoint:
@@ -168,7 +182,7 @@ def _curve_rows(paths: Mapping[str, CouplerPath]) -> Iterator[list[str]]:
         for angles, place in zip(degrees, path.position, strict=True):
             yield [
                 state,
-                f"{np.round(angles[0], 9):g}",
+                f"{np.round(angles[0], 9):.12g}",
                 *(f"{value:.10g}" for value in (*angles[1:], *place)),
             ]
 
@@ -194,14 +208,21 @@ def _draw(
         path.passages(double)
         for path in paths.values()
         for double in path.double_points
-        if path.linkage.crank_turns_fully
+        # Every state's curve is drawn around every state's loops: all must reach there.
+        if all(other.linkage.crank_turns_fully for other in paths.values())
     ]
-    drawn = {states[state].label: _drawn(path, windows) for state, path in paths.items()}
+    drawn = {_label(state, states): _drawn(path, windows) for state, path in paths.items()}
     for file, plot, what in (
         (PICTURES[0], plot_coupler_curve, "Coupler curve"),
         (PICTURES[1], plot_coupler_angles, "Angles of coupler and rocker"),
     ):
         plot(drawn, f"{what}, {name}").savefig(folder / file, dpi=DOTS_PER_INCH)
+
+
+def _label(name: str, states: Mapping[str, State]) -> str:
+    """What the legend calls a state; a wet one without heat and moisture is labelled dry too."""
+    label = states[name].label
+    return name if label == "dry" else label
 
 
 def _drawn(path: CouplerPath, windows: list[tuple[float, float]]) -> DrawnPath:

@@ -125,8 +125,9 @@ def _times(end: float) -> tuple[NDArray[np.float64], list[int]]:
     """Times of the uptake, evenly in their root, and which of them the profiles are of."""
     import numpy as np
 
-    times = end * np.linspace(0.0, 1.0, TIMES) ** 2
-    times = np.unique(np.concatenate([times, end * np.array(PARTS)]))
+    # Rounded, so that a time that is in both lists comes once.
+    roots = np.round(np.concatenate([np.linspace(0.0, 1.0, TIMES), np.sqrt(PARTS)]), 12)
+    times = end * np.unique(roots) ** 2
     return times, [int(np.abs(times - part * end).argmin()) for part in PARTS]
 
 

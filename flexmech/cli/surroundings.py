@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flexmech.errors import InputError
-from flexmech.units import RATIO, TEMPERATURE_DIFFERENCE, TIME, parse_quantity
+from flexmech.units import TEMPERATURE_DIFFERENCE, TIME, parse_number, parse_quantity
 
 if TYPE_CHECKING:
     from flexmech.hygrothermal import State
@@ -131,11 +131,11 @@ def parse_percent(option: str, text: str) -> float:
     InputError
         If it is no number from 0 to 100.
     """
-    bare = text.strip().removesuffix("percent").removesuffix("%")
+    unit = next((unit for unit in ("percent", "%") if text.strip().endswith(unit)), "")
     try:
-        percent = parse_quantity(bare, RATIO)
+        percent = float(parse_number(text.strip().removesuffix(unit)))
     except InputError as error:
-        raise InputError(f"{option}: {error}") from error
+        raise InputError(f"{option}: {error} (in percent)") from error
     if not 0 <= percent <= 100:
         raise InputError(f"{option}: must lie between 0 and 100 percent, got {text!r}")
     return percent / 100

@@ -8,11 +8,10 @@ from flexmech.hygrothermal.in_state import (
     mechanism_in_state,
     swollen_links,
 )
+from flexmech.hygrothermal.link_diffusion import LinkDiffusion, link_diffusion
 from flexmech.hygrothermal.link_moisture import (
-    LinkDiffusion,
     absorbing_links,
     link_condition,
-    link_diffusion,
     resin_retention,
     silent_links,
 )

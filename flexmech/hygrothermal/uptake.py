@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError, InputError
-from flexmech.hygrothermal.link_moisture import LinkDiffusion, link_diffusion
+from flexmech.hygrothermal.link_diffusion import LinkDiffusion, link_diffusion
 from flexmech.materials.moisture import (
     MoistureHistory,
     Surroundings,

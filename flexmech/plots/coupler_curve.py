@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -15,11 +16,14 @@ from numpy.typing import NDArray
 from flexmech.errors import InputError
 from flexmech.plots.style import (
     MID_GREY,
+    POINT_SIZE,
     SERIES_STYLES,
     crank_angle_axis,
+    few_points,
     header_height,
     header_legend,
     new_figure,
+    plain_numbers,
     publication_style,
     series_style,
 )
@@ -28,7 +32,7 @@ __all__ = ["DrawnPath", "plot_coupler_angles", "plot_coupler_curve"]
 
 FloatArray = NDArray[np.float64]
 
-HEIGHT = 3.1
+HEIGHT, HEIGHT_OF_THREE = 3.3, 2.35
 ANGLE_HEIGHT = 4.2
 CLOSE_UP_ROOM = 1.5
 # Above this extent in m a picture is in m, below it in mm.
@@ -93,7 +97,7 @@ def plot_coupler_curve(paths: Mapping[str, DrawnPath], title: str = "") -> Figur
     scale, unit = _unit(paths)
     with publication_style():
         handles = _state_handles(paths, counted=True) + _mark_handles(paths)
-        figure = new_figure((HEIGHT if not close else 2.9) + header_height(handles, title))
+        figure = new_figure((HEIGHT_OF_THREE if close else HEIGHT) + header_height(handles, title))
         panels = figure.subplots(1, 3 if close else 2)
         _draw_paths(panels[0], paths, scale, unit, close_up=False)
         panels[0].set_title("Coupler point")
@@ -137,12 +141,13 @@ def plot_coupler_angles(paths: Mapping[str, DrawnPath], title: str = "") -> Figu
             symbol = rf"$\theta_{link + 3}$"
             panels[0, link].set_title(f"{name}, {symbol}")
             for number, path in enumerate(paths.values()):
-                style = series_style(number)
-                line = {"color": style.color, "linestyle": style.linestyle}
+                line = _line(number, path)
                 panels[0, link].plot(degrees, np.degrees(path.angles[:, link]), **line)
                 if number:
                     change = _nearest(path.angles[:, link] - first.angles[:, link])
                     panels[1, link].plot(degrees, np.degrees(change), **line)
+            for axes in panels[:, link]:
+                plain_numbers(axes)
             panels[0, link].set_ylabel(f"{symbol} (deg)")
             if changes:
                 panels[1, link].axhline(0.0, color=MID_GREY, lw=0.6, zorder=1)
@@ -156,6 +161,15 @@ def plot_coupler_angles(paths: Mapping[str, DrawnPath], title: str = "") -> Figu
 def _refuse_count(paths: Mapping[str, DrawnPath]) -> None:
     if not 1 <= len(paths) <= len(SERIES_STYLES):
         raise InputError(f"one to {len(SERIES_STYLES)} paths can be drawn, got {len(paths)}")
+
+
+def _line(number: int, path: DrawnPath) -> dict[str, Any]:
+    """Style of a state's line, marked at each computed point where these are few."""
+    style = series_style(number)
+    line: dict[str, Any] = {"color": style.color, "linestyle": style.linestyle}
+    if few_points(path.crank_angle):
+        line |= {"marker": ".", "markersize": 2 * POINT_SIZE}
+    return line
 
 
 def _unit(paths: Mapping[str, DrawnPath]) -> tuple[float, str]:
@@ -180,8 +194,12 @@ def _counts(path: DrawnPath) -> str:
 
 def _mark_handles(paths: Mapping[str, DrawnPath]) -> list[Artist]:
     kinds = {kind for path in paths.values() for kind, _ in path.double_points}
+    # Beyond the crank angles drawn, marks stand off the lines.
+    whole = all(np.ptp(path.crank_angle) > 2 * np.pi - 1e-6 for path in paths.values())
+    where = "" if whole else " of the whole curve"
+    hollow: dict[str, Any] = {"color": "black", "linestyle": "", "markerfacecolor": "none"}
     return [
-        Line2D([], [], color="black", linestyle="", marker=mark, markerfacecolor="none", label=kind)
+        Line2D([], [], marker=mark, label=f"{kind}{where}", **hollow)
         for kind, mark in MARKS.items()
         if kind in kinds
     ]
@@ -192,8 +210,11 @@ def _draw_paths(
 ) -> None:
     for number, path in enumerate(paths.values()):
         style = series_style(number)
-        for part in path.close_up if close_up else (path.position,):
-            axes.plot(*(scale * part.T), color=style.color, linestyle=style.linestyle)
+        for part in path.close_up:
+            if close_up:
+                axes.plot(*(scale * part.T), color=style.color, linestyle=style.linestyle)
+        if not close_up:
+            axes.plot(*(scale * path.position.T), **_line(number, path))
         for kind, place in path.double_points:
             axes.plot(
                 *(scale * place),
@@ -208,10 +229,9 @@ def _draw_paths(
 
 def _draw_pins(axes: Axes, paths: Mapping[str, DrawnPath], scale: float, unit: str) -> None:
     for number, path in enumerate(paths.values()):
-        style = series_style(number)
         for pin in (0, 1):
             place = scale * path.pins[:, pin]
-            axes.plot(*place.T, color=style.color, linestyle=style.linestyle)
+            axes.plot(*place.T, **_line(number, path))
             if number == 0:
                 top = place[place[:, 1].argmax()]
                 axes.annotate(
@@ -224,6 +244,7 @@ def _draw_pins(axes: Axes, paths: Mapping[str, DrawnPath], scale: float, unit: s
 
 def _label(axes: Axes, unit: str) -> None:
     axes.set_aspect("equal", adjustable="datalim")
+    axes.set_box_aspect(1)
     axes.set_xlabel(f"x ({unit})")
     axes.set_ylabel(f"y ({unit})")
 
@@ -231,8 +252,6 @@ def _label(axes: Axes, unit: str) -> None:
 def _frame(axes: Axes, places: FloatArray) -> None:
     middle = (places.max(axis=0) + places.min(axis=0)) / 2
     half = CLOSE_UP_ROOM * float(np.ptp(places, axis=0).max()) / 2
-    axes.set_aspect("equal", adjustable="box")
-    axes.set_box_aspect(1)
     axes.set_xlim(middle[0] - half, middle[0] + half)
     axes.set_ylim(middle[1] - half, middle[1] + half)
 
