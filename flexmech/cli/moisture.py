@@ -184,7 +184,9 @@ def _draw(found: Mapping[str, LinkUptake], parts: list[int], name: str, file: Pa
             uptake.profile[parts],
             uptake.history.time,
             uptake.uptake,
-            *laws,
+            laws[0],
+            laws[1],
+            over_width=uptake.diffusion.width is not None,
         )
     one = next(iter(found.values()))
     title = (
@@ -195,7 +197,7 @@ def _draw(found: Mapping[str, LinkUptake], parts: list[int], name: str, file: Pa
 
 
 def _lines(mechanism: Mechanism, found: Mapping[str, LinkUptake]) -> list[str]:
-    lines = []
+    lines: list[str] = []
     for name, link in found.items():
         water = link.history.water[-1] * _width_over_mass(mechanism, name)
         shares = ", ".join(
@@ -208,9 +210,12 @@ def _lines(mechanism: Mechanism, found: Mapping[str, LinkUptake]) -> list[str]:
             f"{name}: of the equilibrium, {shares}; mass balance within "
             f"{link.history.mass_balance_error:.1e}",
         ]
-    dry = [n for n in mechanism.linkage.topology.link_names if n not in found]
+    from flexmech.hygrothermal import absorbing_links
+
+    absorbing = absorbing_links(mechanism)
+    dry = [n for n in mechanism.linkage.topology.link_names if n not in absorbing]
     if dry:
-        lines.append(f"no water in: {', '.join(dry)}")
+        lines.append(f"take up no water: {', '.join(dry)}")
     return lines
 
 

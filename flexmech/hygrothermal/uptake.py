@@ -75,9 +75,13 @@ class LinkUptake:
 
     @property
     def diffusivity(self) -> float | None:
-        """Diffusivity in m^2/s at the temperature; None where layers differ."""
-        found = {float(layer.diffusivity.at(self.temperature)) for layer in self.diffusion.layers}
-        return found.pop() if len(found) == 1 else None
+        """Diffusivity in m^2/s at the temperature; None where layers differ.
+
+        Layers that hold more water than others are no slab either, though water moves as fast.
+        """
+        layers = self.diffusion.layers
+        found = {(float(one.diffusivity.at(self.temperature)), one.capacity) for one in layers}
+        return found.pop()[0] if len(found) == 1 else None
 
     @property
     def thickness(self) -> float:

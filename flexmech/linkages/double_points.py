@@ -200,8 +200,9 @@ def finite_double_points(linkage: FourBar, point: CouplerPoint) -> tuple[FiniteD
 
 def focal_cubic(linkage: FourBar, point: CouplerPoint) -> FocalCubic:
     """Cubic whose roots are the double points; its discriminant tells how many are real."""
-    triangle = point.triangle(linkage.coupler)
-    return FocalCubic(linkage.ground, linkage.crank, linkage.rocker, triangle)
+    # NumPy's scalars, where the lengths come from an array, take three times as long.
+    d, a, b, c = (float(length) for length in linkage.lengths.values())
+    return FocalCubic(d, a, c, CouplerTriangle(*map(float, point.triangle(b))))
 
 
 def _node(

@@ -12,6 +12,7 @@ from flexmech.materials.material import Material
 from flexmech.materials.micromechanics import PACKING_LIMIT, ply_from_constituents, woven_ply
 from flexmech.materials.plies_in_state import (
     moisture_of,
+    ply_diluted,
     ply_in_state,
     through_thickness_strain,
 )
@@ -34,6 +35,7 @@ __all__ = [
     "ResinContent",
     "Rule",
     "moisture_of",
+    "ply_diluted",
     "ply_from_constituents",
     "ply_in_state",
     "propagated_uncertainty",

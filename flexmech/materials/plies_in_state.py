@@ -10,7 +10,7 @@ from flexmech.materials.micromechanics import ply_from_constituents, woven_ply
 from flexmech.materials.ply import Ply
 from flexmech.materials.recipe import PlyRecipe
 
-__all__ = ["moisture_of", "ply_in_state", "through_thickness_strain"]
+__all__ = ["moisture_of", "ply_diluted", "ply_in_state", "through_thickness_strain"]
 
 
 def moisture_of(ply: Ply, offered: float) -> float:
@@ -78,6 +78,32 @@ def ply_in_state(ply: Ply, temperature: float, moisture: float, reference: float
     return _softened(ply, ply.origin, temperature, moisture, reference)
 
 
+def ply_diluted(ply: Ply, growth: float) -> Ply:
+    """The ply after its volume has grown by that of its resin: as many fibres in more of it.
+
+    A ply with a recipe is computed again with a smaller fibre volume fraction; of one by its
+    measured constants the modulus along the fibres falls, which is theirs. A neat resin stays.
+
+    Parameters
+    ----------
+    ply : Ply
+        In its state.
+    growth : float
+        New over old volume.
+
+    Returns
+    -------
+    Ply
+    """
+    recipe = ply.origin
+    if isinstance(recipe, PlyRecipe):
+        thinner = replace(recipe, fibre_volume_fraction=recipe.fibre_volume_fraction / growth)
+        return replace(_of_recipe(thinner), name=ply.name)
+    if recipe is not None and recipe.volume_fraction < 1:
+        return replace(ply, longitudinal_modulus=ply.longitudinal_modulus / growth)
+    return ply
+
+
 def through_thickness_strain(ply: Ply, temperature_rise: float, moisture: float) -> float:
     """Free strain of a ply through its thickness.
 
@@ -105,8 +131,15 @@ def through_thickness_strain(ply: Ply, temperature_rise: float, moisture: float)
 
 
 def _again(recipe: PlyRecipe, temperature: float, moisture: float, reference: float) -> Ply:
-    matrix = recipe.matrix.in_state(temperature, moisture, reference)
-    ply = ply_from_constituents(recipe.fibre, matrix, recipe.fibre_volume_fraction, recipe.rule)
+    return _of_recipe(
+        replace(recipe, matrix=recipe.matrix.in_state(temperature, moisture, reference))
+    )
+
+
+def _of_recipe(recipe: PlyRecipe) -> Ply:
+    ply = ply_from_constituents(
+        recipe.fibre, recipe.matrix, recipe.fibre_volume_fraction, recipe.rule
+    )
     return woven_ply(ply) if recipe.woven else ply
 
 

@@ -32,7 +32,7 @@ __all__ = ["DrawnPath", "plot_coupler_angles", "plot_coupler_curve"]
 
 FloatArray = NDArray[np.float64]
 
-HEIGHT, HEIGHT_OF_THREE = 3.3, 2.35
+HEIGHT, HEIGHT_OF_THREE = 3.6, 2.4
 ANGLE_HEIGHT = 4.2
 CLOSE_UP_ROOM = 1.5
 # Above this extent in m a picture is in m, below it in mm.
@@ -166,10 +166,13 @@ def _refuse_count(paths: Mapping[str, DrawnPath]) -> None:
 def _line(number: int, path: DrawnPath) -> dict[str, Any]:
     """Style of a state's line, marked at each computed point where these are few."""
     style = series_style(number)
-    line: dict[str, Any] = {"color": style.color, "linestyle": style.linestyle}
-    if few_points(path.crank_angle):
-        line |= {"marker": ".", "markersize": 2 * POINT_SIZE}
-    return line
+    marker = style.marker if few_points(path.crank_angle) else None
+    return {
+        "color": style.color,
+        "linestyle": style.linestyle,
+        "marker": marker,
+        "markersize": POINT_SIZE,
+    }
 
 
 def _unit(paths: Mapping[str, DrawnPath]) -> tuple[float, str]:
@@ -210,11 +213,10 @@ def _draw_paths(
 ) -> None:
     for number, path in enumerate(paths.values()):
         style = series_style(number)
-        for part in path.close_up:
-            if close_up:
-                axes.plot(*(scale * part.T), color=style.color, linestyle=style.linestyle)
-        if not close_up:
-            axes.plot(*(scale * path.position.T), **_line(number, path))
+        # A close-up is fine whatever the crank angles.
+        line = _line(number, path) | ({"marker": None} if close_up else {})
+        for part in path.close_up if close_up else (path.position,):
+            axes.plot(*(scale * part.T), **line)
         for kind, place in path.double_points:
             axes.plot(
                 *(scale * place),

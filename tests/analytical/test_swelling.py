@@ -18,6 +18,8 @@ from flexmech.materials import (
     Material,
     Matrix,
     Ply,
+    PlyRecipe,
+    ResinContent,
     ply_from_constituents,
 )
 from flexmech.materials.moisture import MoistureEquilibrium
@@ -170,6 +172,29 @@ def test_dry_section_is_the_same_to_the_last_bit() -> None:
         ):
             assert getattr(found.section, name) == getattr(section, name), name
         assert found.elongation == found.water == 0.0
+
+
+@pytest.mark.parametrize("measured", [False, True])
+def test_swelling_adds_no_fibres(measured: bool) -> None:
+    """Along the fibres a ply that only swells keeps the force of its fibres: EA stays."""
+    if measured:
+        resin = CARBON_EPOXY.resin
+        assert resin is not None
+        kept = ResinContent(
+            replace(resin.hygrothermal, glass_transition=None), resin.mass_fraction, 0.4
+        )
+        ply = replace(CARBON_EPOXY, origin=kept)
+    else:
+        recipe = CARBON_EPOXY.origin
+        assert isinstance(recipe, PlyRecipe)
+        stiff = replace(recipe.matrix, glass_transition=None)
+        ply = ply_from_constituents(recipe.fibre, stiff, 0.6)
+    dry = BeamSection.of_laminate(LaminateSection(Laminate((Layer(ply, 2e-3),)), 0.02))
+    wet = section_in_condition(dry, Condition(60.0, 0.06, REFERENCE)).section
+    grown = wet.in_plane_thickness / dry.in_plane_thickness
+    assert grown > 1.011
+    # The resin, a hundredth of the stiffness, grows with the section; the fibres do not.
+    assert wet.axial_stiffness / dry.axial_stiffness == pytest.approx(1.0, abs=1e-3)
 
 
 def test_wide_link_is_held_across() -> None:

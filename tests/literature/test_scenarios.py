@@ -18,7 +18,9 @@ NAMES = [
     "aluminium_fourbar_frequencies",
     "axial_force_alone",
     "composite_crank_rockers",
+    "coupler_curves",
     "critical_speeds",
+    "hygrothermal_frequencies",
     "mode_shapes",
     "running_fourbars",
     "steel_fourbar_frequencies",
@@ -181,3 +183,99 @@ def test_transmission_angle(scenario, tmp_path, capsys):
     assert answer.largest_gap == pytest.approx(1.21, abs=0.01)
     assert "printed 58.26 to 115.35" in capsys.readouterr().out
     assert_pictures(tmp_path, "design_chart.png", "transmission_angle.png")
+
+
+def assert_files(folder, pictures, tables):
+    """Pictures, and tables with at least one row."""
+    names = [*(f"{name}.png" for name in pictures), *(f"{name}.csv" for name in tables)]
+    assert sorted(path.name for path in folder.iterdir()) == sorted(names)
+    assert all((folder / f"{name}.png").read_bytes().startswith(b"\x89PNG") for name in pictures)
+    assert all(len((folder / f"{name}.csv").read_text().splitlines()) > 1 for name in tables)
+
+
+def test_coupler_curves(scenario, tmp_path, capsys):
+    """Every figure's words hold; crunodes of `test_singh_sanyal_coupler_curves`."""
+    module = scenario("coupler_curves")
+    answer = module.main(tmp_path, angles=360, steps=8, drawn=("4", "6", "8"))
+    claims = {claim.figure: claim for claim in answer.claims}
+    counts = {figure: (claims[figure].dry, claims[figure].wet) for figure in module.FIGURES}
+    changing = {"5": (0, 1), "7": (1, 0), "8": (1, 0), "9": (0, 1), "10": (0, 1)}
+    steady = {"3": (None, None), "4": (None, None), "6": (1, 1), "11": (0, 0), "12": (0, 0)}
+    assert counts == changing | steady
+    assert all(claims[figure].verdict == "reproduced" for figure in module.FIGURES)
+    assert claims["3 and 4"].verdict == "not checkable"
+    assert claims["all"].verdict == "not reproduced"
+    assert "2 % at 100 % relative humidity" in claims["all"].reason
+    # Moisture of the cusp in percent by the paper's one coefficient, as in the test named above.
+    expected = {"5": 0.957922, "8": 5.787376, "10": 0.149440}
+    for figure, percent in expected.items():
+        paths = {path.name: found for path, found in answer.transitions[figure]}
+        (cusp,) = paths["moistened at +80 K, wet expansion"]
+        assert 100 * cusp.parameter == pytest.approx(percent, abs=1e-6)
+        # The dry resin expands less: the frame is ahead of the links when all is hot.
+        (later,) = paths["moistened at +80 K"]
+        assert cusp.parameter < later.parameter
+        assert later.crank_angle == pytest.approx(cusp.crank_angle, abs=1e-9)
+        assert paths["heated dry"] == ()
+    assert "dry 1 crunode; wet no crunode" in capsys.readouterr().out
+    assert_files(tmp_path, ["figure_4", "figure_6", "figure_8"], ["claims", "cusps"])
+
+
+@pytest.mark.parametrize("figure", ["5", "12"])
+def test_even_swelling_is_what_the_sections_say(scenario, figure):
+    module = scenario("coupler_curves")
+    model = module.neat_resin(figure)
+    state = module.HygrothermalState(30.0, 0.04)
+    curve = module.coupler_curve(figure, model, state)
+    swollen = module.linkage_in_state(model, state)
+    assert list(curve.linkage.lengths.values()) == pytest.approx(
+        list(swollen.lengths.values()), rel=1e-13
+    )
+
+
+def test_a_claim_that_does_not_hold_is_said_not_to(scenario):
+    """The shapes of Figure 11 are no figure-eight."""
+    module = scenario("coupler_curves")
+    shapes = {name: module.shape_of(c, 360) for name, c in module.curves_of("11").items()}
+    assert module.judged("11", shapes, 0.1).verdict == "reproduced"
+    assert module.judged("6", shapes, 0.1).verdict == "not reproduced"
+    assert module.judged("12", shapes, 0.1).verdict == "not reproduced"
+
+
+def test_hygrothermal_frequencies(scenario, tmp_path, capsys):
+    """Softening lowers, swelling raises, water's mass lowers; together they are the whole."""
+    module = scenario("hygrothermal_frequencies")
+    answer = module.main(
+        tmp_path,
+        crank_angles=np.radians([0.0, 180.0]),
+        moistures=np.array([0.0425]),
+        times=module.DAY * np.array([9.0]),
+        positions=np.radians([0.0, 180.0]),
+        elements=4,
+        exudyn_elements=12,
+    )
+    for series in (answer.by_moisture, answer.by_time):
+        change = series.change
+        assert np.all(change["softening"][-1] < -0.05)
+        assert np.all(change["swelling"][-1] > 0)
+        assert np.all(change["mass"][-1] < 0)
+        together = np.prod([1 + change[part] for part in ("softening", "swelling", "mass")], axis=0)
+        np.testing.assert_allclose(1 + change["all"], together, rtol=2e-3)
+    evenly, unevenly = answer.by_moisture, answer.by_time
+    resin, fibre = 0.4 * 1265, 0.6 * 1780
+    share = resin / (resin + fibre)
+    assert evenly.water[-1] == pytest.approx([0.0425 * share] * 3, rel=1e-9)
+    # Extra mass everywhere alike: frequencies fall with its root, but for the speed's share.
+    fall = (1 + evenly.water[-1, 0]) ** -0.5 - 1
+    np.testing.assert_allclose(evenly.change["mass"][-1], fall, rtol=3e-2)
+    assert evenly.bend[-1] == 0
+    assert unevenly.bend[-1] == pytest.approx(0.33e-3, rel=0.1)
+    assert unevenly.water[-1, 2] < 0.6 * unevenly.water[-1, 1]
+    # Nine days are not yet the end.
+    assert np.all(evenly.change["all"][-1] < unevenly.change["all"][-1])
+    for one in answer.agreement:
+        assert one.limit < 2e-3
+        assert one.limit < one.fine / 4
+    assert "engines differ by at most" in capsys.readouterr().out
+    names = ["over_crank_angle", "by_moisture", "by_time"]
+    assert_files(tmp_path, names, names)

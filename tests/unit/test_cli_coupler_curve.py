@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from flexmech.cli import app
@@ -17,6 +18,11 @@ from flexmech.linkages import CouplerPoint
 from flexmech.modelfile import load_mechanism
 
 MODELS = Path(__file__).parents[2] / "models"
+# Wet, this one's crank turns fully no longer.
+NEAR_A_CHANGE_POINT = (
+    ('coupler = "4500 mm"', 'coupler = "2275 mm"'),
+    ('distance = "5000 mm", angle = "336 deg"', 'distance = "2000 mm", angle = "240 deg"'),
+)
 WET = ["--temperature-rise", "80", "--moisture", "7"]
 
 
@@ -84,6 +90,49 @@ def test_errata_of_the_angles(tmp_path: Path) -> None:
     change = curve.loc["wet"].to_numpy() - curve.loc["dry"].to_numpy()
     assert change[:, 1] == pytest.approx([0.77493, 2.02411], abs=5e-6)
     assert change[:, 2] == pytest.approx([-0.77493, -2.02411], abs=5e-6)
+
+
+def test_neighbouring_angles_keep_their_digits(tmp_path: Path) -> None:
+    model = MODELS / "neat_resin_figure_12.toml"
+    options = ["--angles", "100.12345,100.12346", "--no-plots", "--out", tmp_path]
+    assert run("coupler-curve", model, *options)[0] == 0
+    lines = (tmp_path / "coupler_curve.csv").read_text().splitlines()
+    assert [line.split(",")[1] for line in lines[1:]] == ["100.12345", "100.12346"]
+
+
+def test_wet_without_heat_and_moisture_is_drawn_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    names: list[list[str]] = []
+
+    def noted(paths: dict[str, object], title: str) -> Figure:
+        names.append(list(paths))
+        return Figure(figsize=(1, 1))
+
+    monkeypatch.setattr("flexmech.plots.plot_coupler_curve", noted)
+    monkeypatch.setattr("flexmech.plots.plot_coupler_angles", noted)
+    model = MODELS / "neat_resin_figure_12.toml"
+    options = ["--temperature-rise", "0", "--angles", "0,90", "--out", tmp_path]
+    assert run("coupler-curve", model, *options)[0] == 0
+    assert names == [["dry", "wet"], ["dry", "wet"]]
+
+
+def test_wet_linkage_that_no_longer_turns_fully(tmp_path: Path) -> None:
+    """Its loops when dry lie at crank angles that the wet linkage does not reach."""
+    model = tmp_path / "nearly.toml"
+    text = (MODELS / "neat_resin_figure_8.toml").read_text()
+    for old, new in NEAR_A_CHANGE_POINT:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    model.write_text(text)
+    options = [*WET, "--angles", "60:120:20", "--out", tmp_path / "out"]
+    code, printed, errors = run("coupler-curve", model, *options)
+    assert (code, errors) == (0, "")
+    assert "dry: 1 crunode and 0 cusps\n" in printed
+    assert "on the whole circuit, both branches (triple-rocker)" in printed
+    code, printed, errors = run("coupler-curve", model, *WET, "--out", tmp_path / "none")
+    assert (code, printed) == (2, "")
+    assert errors.startswith("error: +80 K, 7 % moisture: the linkage cannot be assembled")
 
 
 def test_dry_alone_without_pictures(tmp_path: Path) -> None:

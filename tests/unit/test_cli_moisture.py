@@ -36,10 +36,11 @@ def test_tables_and_picture(model: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     code, printed, errors = run("moisture", model, *HUMID, "--temperature", "40", "--out", out)
     assert (code, errors) == (0, "")
-    assert "no water in: crank" in printed
+    assert "take up no water: crank\n" in printed
     assert (out / "moisture.png").is_file()
     uptake = pd.read_csv(out / "moisture_uptake.csv")
     assert uptake["link"].unique().tolist() == ["coupler", "rocker"]
+    assert not uptake.duplicated(["link", "time_s"]).any()
     # Without an activation energy the diffusivity is that of the model file at 40 degC too.
     for link, faces in (("coupler", "lower"), ("rocker", "both")):
         rows = uptake[uptake["link"] == link]
@@ -56,7 +57,12 @@ def test_tables_and_picture(model: Path, tmp_path: Path) -> None:
 
 def test_one_link_without_pictures(model: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    assert run("moisture", model, *HUMID, "--link", "rocker", "--no-plots", "--out", out)[0] == 0
+    code, printed, _ = run(
+        "moisture", model, *HUMID, "--link", "rocker", "--no-plots", "--out", out
+    )
+    assert code == 0
+    # The coupler was not asked for; that is no reason to call it dry.
+    assert "take up no water: crank\n" in printed
     assert sorted(file.name for file in out.iterdir()) == [
         "moisture_profile.csv",
         "moisture_uptake.csv",
@@ -91,6 +97,8 @@ def test_shares_must_be_fractions() -> None:
     ("options", "said"),
     [
         (["--relative-humidity", "120", "--time", "1 day"], "--relative-humidity"),
+        (["--relative-humidity", "500 ppm", "--time", "1 day"], "--relative-humidity: got '500 p"),
+        (["--relative-humidity", "85 %%", "--time", "1 day"], "--relative-humidity: got '85 %'"),
         (["--relative-humidity", "0", "--time", "1 day"], "relative_humidity must lie above 0"),
         (["--relative-humidity", "85", "--time", "0 s"], "--time: must be positive"),
         ([*HUMID, "--temperature", "-300"], "--temperature"),

@@ -23,7 +23,7 @@ DOUBLE_ROCKER = FourBar(1.0, 0.9, 0.5, 1.1)
 CHANGE_POINT = FourBar(1.0, 0.5, 0.8, 0.7)
 TURN = np.linspace(0.0, 2 * np.pi, 37)
 
-few = settings(max_examples=25)
+few = settings(max_examples=20)
 
 
 @st.composite

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -70,6 +72,29 @@ def test_no_loops_no_close_up() -> None:
     check_layout(figure, narrowest=200)
 
 
+def test_few_angles_are_marked_and_marks_beyond_them_are_told() -> None:
+    whole = path()
+    part = DrawnPath(
+        TURN[:1],
+        whole.position[:1],
+        whole.pins[:1],
+        whole.angles[:1],
+        whole.double_points,
+        whole.close_up,
+        whole.framed,
+    )
+    figure = plot_coupler_curve({"dry": part}, "Coupler curve at one angle")
+    assert legend_texts(figure)[1:] == ["crunode of the whole curve", "cusp of the whole curve"]
+    curve, close_up, _ = panels(figure)
+    assert curve.lines[0].get_marker() == "o"
+    assert close_up.lines[0].get_marker() == "None"
+    check_layout(figure, narrowest=200)
+    angles = plot_coupler_angles({"dry": part, "wet": part}, "Angles at one angle")
+    assert all(axes.lines[0].get_marker() == "o" for axes in panels(angles)[:2])
+    check_layout(angles, narrowest=200)
+    assert plot_coupler_curve({"dry": whole}).axes[0].lines[0].get_marker() == "None"
+
+
 def test_change_of_angles_leaves_whole_turns_out() -> None:
     figure = plot_coupler_angles({"dry": path(), "wet": path(turns=1)}, "Angles")
     assert y_labels(figure)[2:] == [r"Change of $\theta_3$ (deg)", r"Change of $\theta_4$ (deg)"]
@@ -97,6 +122,27 @@ def test_moisture_of_links() -> None:
         "root of time",
         "Shen & Springer",
     ]
+    check_layout(figure, narrowest=200)
+
+
+@pytest.mark.parametrize(
+    ("day", "labels", "root"),
+    [
+        (1, ["0.5 d", "4 d"], "day"),
+        (1 / 24, ["0.5 h", "4 h"], "hour"),
+        (300, ["150 d", "1200 d"], "day"),
+    ],
+)
+def test_time_in_a_unit_of_its_size(day: float, labels: list[str], root: str) -> None:
+    link = moisture()
+    scaled = replace(
+        link, time=day * link.time, profile_time=day * link.profile_time, over_width=True
+    )
+    figure = plot_moisture({"coupler": scaled}, "85 %")
+    assert legend_texts(figure)[:2] == labels
+    profile, uptake = panels(figure)
+    assert uptake.get_xlabel() == rf"Root of time ($\sqrt{{\mathrm{{{root}}}}}$)"
+    assert profile.get_title(loc="left") == "Coupler: mean over the width"
     check_layout(figure, narrowest=200)
 
 

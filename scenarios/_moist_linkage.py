@@ -1,0 +1,200 @@
+"""The moist composite four-bar in heat and moisture, as a whole and part by part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from _common import MODELS
+from numpy.typing import NDArray
+
+from flexmech import (
+    ExudynEngine,
+    Mechanism,
+    ReferenceEngine,
+    moving_frequencies,
+    natural_frequencies,
+)
+from flexmech.analyses import HygrothermalEffect, hygrothermal_effect
+from flexmech.hygrothermal import HygrothermalState, State, mechanism_in_state
+from flexmech.modelfile import mechanism_from_toml
+
+FloatArray = NDArray[np.float64]
+
+MODEL = MODELS / "moist_composite_fourbar.toml"
+SPEED, MODES = 20.0, 3
+# Links bent by their moisture need beams with shear; the dry ones get the same.
+BEAM, EXUDYN_BEAM = "timoshenko", "geometrically-exact"
+RISE, HUMIDITY, GREATEST_MOISTURE = 60.0, 0.85, 0.05
+DAY = 86400.0
+EVENLY_WET = HygrothermalState(RISE, HUMIDITY * GREATEST_MOISTURE)
+COMPARED = np.radians([0.0, 90.0, 200.0])
+
+SOFTENING = ("glass_transition",)
+SWELLING = (
+    "thermal_expansion",
+    "wet_thermal_expansion",
+    "moisture_expansion",
+    "ground_thermal_expansion",
+)
+LEFT_OUT: Mapping[str, tuple[str, ...]] = {
+    "all": (),
+    "softening and mass": SWELLING,
+    "swelling and mass": SOFTENING,
+    "mass": (*SOFTENING, *SWELLING),
+}
+
+
+@dataclass(frozen=True)
+class Series:
+    """Relative changes of the frequencies from the dry linkage along a series of states.
+
+    Parameters
+    ----------
+    states : sequence of HygrothermalState or Exposure
+        S of them.
+    frequency : ndarray, shape (S, 3)
+        Mean over the turn in Hz.
+    change : dict of str to ndarray, shape (S, 3)
+        By part, mean over the turn. One plus ``"all"`` is the product of one plus each of the
+        others, as far as the parts leave each other alone.
+    water : ndarray, shape (S, L)
+        Mass of water over the dry mass of each link.
+    bend : ndarray, shape (S,)
+        How far the rocker's middle would leave the line of its pins, unloaded, in m.
+    """
+
+    states: Sequence[State]
+    frequency: FloatArray
+    change: dict[str, FloatArray]
+    water: FloatArray
+    bend: FloatArray
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Both engines in one state.
+
+    Parameters
+    ----------
+    state : str
+    coarse, fine, limit : float
+        Greatest relative difference of Exudyn's frequencies with a number of elements, with
+        twice as many, and extrapolated from the two.
+    """
+
+    state: str
+    coarse: float
+    fine: float
+    limit: float
+
+
+@lru_cache
+def in_state(part: str, state: State) -> Mechanism:
+    """The linkage in a state, as far as one part of what heat and moisture do goes.
+
+    Parameters
+    ----------
+    part : str
+        A key of ``LEFT_OUT``: those properties of fibre, resin and frame are missing.
+    state : HygrothermalState or Exposure
+
+    Returns
+    -------
+    Mechanism
+    """
+    return mechanism_in_state(_dry(part), state)
+
+
+@lru_cache
+def _dry(part: str) -> Mechanism:
+    lines = MODEL.read_text(encoding="utf-8").splitlines()
+    kept = [line for line in lines if line.partition("=")[0].strip() not in LEFT_OUT[part]]
+    return mechanism_from_toml("\n".join(kept), MODEL.name)
+
+
+def over_turn(crank_angles: FloatArray, elements: int) -> HygrothermalEffect:
+    """Frequencies over the crank angle, dry and evenly wet."""
+    dry, wet = (
+        moving_frequencies(
+            ReferenceEngine(mechanism, elements, BEAM), crank_angles, [SPEED], modes=MODES
+        )
+        for mechanism in (_dry("all"), in_state("all", EVENLY_WET))
+    )
+    return hygrothermal_effect(dry, wet, EVENLY_WET.label)
+
+
+def along(states: Sequence[State], positions: FloatArray, elements: int) -> Series:
+    """Changes of the frequencies along a series of states, and by what.
+
+    Parameters
+    ----------
+    states : sequence of HygrothermalState or Exposure
+    positions : ndarray, shape (P,)
+        Crank angles in rad to average over.
+    elements : int
+
+    Returns
+    -------
+    Series
+    """
+    dry = _frequency(_dry("all"), positions, elements)
+    found = {
+        part: np.stack([_frequency(in_state(part, state), positions, elements) for state in states])
+        for part in LEFT_OUT
+    }
+    ratios = {
+        "all": found["all"] / dry,
+        "softening": found["softening and mass"] / found["mass"],
+        "swelling": found["swelling and mass"] / found["mass"],
+        "mass": found["mass"] / dry,
+    }
+    every = [in_state("all", state) for state in states]
+    masses = np.array([_masses(one) for one in every])
+    curvature = np.array([one.sections["rocker"].free_curvature for one in every])
+    length = _dry("all").linkage.topology.links[-1].length
+    return Series(
+        states=states,
+        frequency=found["all"].mean(axis=1),
+        change={name: ratio.mean(axis=1) - 1 for name, ratio in ratios.items()},
+        water=np.round(masses / _masses(_dry("all")) - 1, 12) + 0.0,
+        bend=curvature * length**2 / 8,
+    )
+
+
+def _frequency(mechanism: Mechanism, positions: FloatArray, elements: int) -> FloatArray:
+    """Frequencies at positions of the turn; shape (P, modes)."""
+    engine = ReferenceEngine(mechanism, elements, BEAM)
+    return natural_frequencies(engine, positions, SPEED, modes=MODES)
+
+
+def _masses(mechanism: Mechanism) -> FloatArray:
+    links = mechanism.linkage.topology.links
+    return np.array([mechanism.sections[k.name].mass_per_length * k.length for k in links])
+
+
+def compared(state: State, elements: int, exudyn_elements: int) -> Agreement:
+    """Both engines in a state; Exudyn's beams come nearer with the square of their number.
+
+    Parameters
+    ----------
+    state : HygrothermalState or Exposure
+    elements, exudyn_elements : int
+
+    Returns
+    -------
+    Agreement
+    """
+    mechanism = in_state("all", state)
+    engines = [
+        ReferenceEngine(mechanism, elements, BEAM),
+        *(ExudynEngine(mechanism, n * exudyn_elements, EXUDYN_BEAM) for n in (1, 2)),
+    ]
+    reference, coarse, fine = (
+        natural_frequencies(engine, COMPARED, SPEED, modes=MODES) for engine in engines
+    )
+    limit = fine + (fine - coarse) / 3
+    gaps = [float(np.abs(each / reference - 1).max()) for each in (coarse, fine, limit)]
+    return Agreement(state.label, *gaps)

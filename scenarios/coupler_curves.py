@@ -1,0 +1,214 @@
+"""Do the coupler curves of neat resin change their kind in heat and moisture, and where?
+
+Singh & Sanyal 2022 draw ten figures of paths dry and in heat and moisture (80 K, saturated) and
+say of some that a crunode becomes a cusp, or a cusp a crunode. Each figure is drawn again with
+the corrected equations, its claim is judged, and by continuation the moisture is found at which
+the loop of a crunode is a cusp: there alone the point stands still. A curve near to that has a
+bend too sharp to be told from a cusp in a picture.
+
+    python scenarios/coupler_curves.py [--out results/coupler_curves]
+"""  # noqa: D400 - a scenario asks a question
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Iterable, Sequence
+from dataclasses import astuple, dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from _common import DOTS_PER_INCH, output_folder
+from _coupler_pictures import distance, draw
+from _neat_resin import (
+    CHANGING,
+    FIGURES,
+    MAIN_PATH,
+    PATHS,
+    RESINS,
+    SAME_LINKAGE,
+    coupler_curve,
+    neat_resin,
+    saturated,
+    transitions,
+)
+from _neat_resin import Path as StatePath
+from _neat_resin_claims import (
+    FigureClaim,
+    Shape,
+    judged,
+    judged_pin,
+    other_claims,
+    shape_of,
+)
+from matplotlib.figure import Figure
+
+from flexmech.errors import InputError
+from flexmech.files import moved_into
+from flexmech.hygrothermal import HygrothermalState, linkage_in_state
+from flexmech.linkages import CouplerCurve, CuspTransition
+
+Found = dict[str, list[tuple[StatePath, tuple[CuspTransition, ...]]]]
+
+PIN_FIGURES = ("3", "4")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What was found.
+
+    Parameters
+    ----------
+    claims : list of FigureClaim
+    transitions : dict of str to list
+        By figure, each path with what happens along it.
+    pictures : list of Path
+    """
+
+    claims: list[FigureClaim]
+    transitions: Found
+    pictures: list[Path]
+
+
+def main(
+    out: Path, *, angles: int = 3600, steps: int = 64, drawn: Sequence[str] = FIGURES
+) -> Answer:
+    """Draw the figures, judge the claims, find the cusps; print, draw, write.
+
+    Parameters
+    ----------
+    out : Path
+        Folder for the pictures and tables.
+    angles : int
+        Points of a drawn curve.
+    steps : int
+        Of the continuation along each path.
+    drawn : sequence of str
+        Figures to draw; the claims of all are judged.
+
+    Returns
+    -------
+    Answer
+    """
+    claims: list[FigureClaim] = []
+    pictures: dict[str, Figure] = {}
+    turn = np.linspace(0, 2 * np.pi, angles + 1)
+    found: Found = {f: [(p, transitions(f, p, steps)) for p in PATHS] for f in CHANGING}
+    for figure in FIGURES:
+        curves = curves_of(figure)
+        moved = float(distance(curves, turn)["R-914"].max())
+        if figure in PIN_FIGURES:
+            shapes: dict[str, Shape] = {}
+            claims.append(judged_pin(figure, moved))
+        else:
+            shapes = {name: shape_of(curve, angles) for name, curve in curves.items()}
+            claims.append(judged(figure, shapes, moved, _at_80_kelvin(found, figure)))
+        if figure in drawn:
+            pictures[f"figure_{figure}.png"] = draw(figure, curves, shapes, turn)
+    claims += other_claims(_refusal())
+    with moved_into(out) as folder:
+        for name, picture in pictures.items():
+            picture.savefig(folder / name, dpi=DOTS_PER_INCH)
+        _write(folder / "claims.csv", [f.name for f in fields(FigureClaim)], map(astuple, claims))
+        _write(folder / "cusps.csv", CUSP_COLUMNS, _cusp_rows(found))
+    answer = Answer(claims, found, [out / name for name in pictures])
+    _report(answer)
+    return answer
+
+
+def _at_80_kelvin(found: Found, figure: str) -> Sequence[CuspTransition]:
+    paths = found.get(SAME_LINKAGE.get(figure, figure), [])
+    return next((changes for path, changes in paths if path is MAIN_PATH), ())
+
+
+def curves_of(figure: str) -> dict[str, CouplerCurve]:
+    """Curves dry and with the links of each resin saturated at 80 K."""
+    models = {resin: neat_resin(figure, resin) for resin in RESINS}
+    curves = {"dry": coupler_curve(figure, models["R-914"], HygrothermalState())}
+    for resin, model in models.items():
+        curves[resin] = coupler_curve(figure, model, saturated(model))
+    return curves
+
+
+def _refusal() -> str:
+    """What 8551-7 says to the 7 % that the paper gives to every resin."""
+    try:
+        linkage_in_state(neat_resin("5", "8551-7"), saturated(neat_resin("5")))
+    except InputError as error:
+        return str(error)
+    raise AssertionError("8551-7 takes up 2 % of water")
+
+
+CUSP_COLUMNS = (
+    "figures",
+    "path",
+    "temperature_rise_K",
+    "moisture_percent",
+    "kind",
+    "crank_angle_deg",
+    "x_mm",
+    "y_mm",
+    "crunodes_before",
+    "crunodes_after",
+)
+
+
+def _cusp_rows(found: Found) -> list[tuple[object, ...]]:
+    rows: list[tuple[object, ...]] = []
+    for figure, paths in found.items():
+        for path, changes in paths:
+            for change in changes:
+                state = path.state(change.parameter)
+                x, y = 1e3 * change.position
+                rows.append(
+                    (
+                        CHANGING[figure],
+                        path.name,
+                        f"{state.temperature_rise:.8g}",
+                        f"{100 * state.moisture:.8g}",
+                        change.kind,
+                        f"{np.degrees(change.crank_angle):.7g}",
+                        f"{x:.8g}",
+                        f"{y:.8g}",
+                        change.crunodes_before,
+                        change.crunodes_after,
+                    )
+                )
+    return rows
+
+
+def _write(file: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    with file.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(rows)
+
+
+def _report(answer: Answer) -> None:
+    print("figure   crunodes dry / R-914 / 8551-7   claim: verdict (reason)")
+    for claim in answer.claims:
+        counts = " / ".join(
+            "-" if n is None else str(n) for n in (claim.dry, claim.wet, claim.other)
+        )
+        print(f"{claim.figure:8s} {counts:>9s}   {claim.claim}: {claim.verdict} ({claim.reason})")
+    print("\nwhere the curve of R-914 has a cusp: figures, path, temperature rise, moisture, crank")
+    print("angle, crunodes before and after")
+    for figure, paths in answer.transitions.items():
+        for path, changes in paths:
+            print(f"  {CHANGING[figure]:8s} {path.name:33s} {_cusps_in_words(path, changes)}")
+    print("pictures: " + ", ".join(str(path) for path in answer.pictures))
+
+
+def _cusps_in_words(path: StatePath, changes: Sequence[CuspTransition]) -> str:
+    words = []
+    for change in changes:
+        state = path.state(change.parameter)
+        words.append(
+            f"{state.temperature_rise:.6g} K, {100 * state.moisture:.6g} %, "
+            f"{np.degrees(change.crank_angle):.3f} deg, "
+            f"{change.crunodes_before} to {change.crunodes_after}"
+        )
+    return "; ".join(words) or "none"
+
+
+if __name__ == "__main__":
+    main(output_folder(__doc__, "results/coupler_curves"))
