@@ -243,7 +243,7 @@ def test_a_claim_that_does_not_hold_is_said_not_to(scenario):
 
 
 def test_hygrothermal_frequencies(scenario, tmp_path, capsys):
-    """Softening lowers, swelling raises, water's mass lowers; together they are the whole."""
+    """Softening lowers, water's mass a little; swelling, which adds no fibres, hardly matters."""
     module = scenario("hygrothermal_frequencies")
     answer = module.main(
         tmp_path,
@@ -252,12 +252,12 @@ def test_hygrothermal_frequencies(scenario, tmp_path, capsys):
         times=module.DAY * np.array([9.0]),
         positions=np.radians([0.0, 180.0]),
         elements=4,
-        exudyn_elements=12,
+        exudyn_elements=8,
     )
     for series in (answer.by_moisture, answer.by_time):
         change = series.change
         assert np.all(change["softening"][-1] < -0.05)
-        assert np.all(change["swelling"][-1] > 0)
+        assert np.all(np.abs(change["swelling"][-1]) < 1e-2)
         assert np.all(change["mass"][-1] < 0)
         together = np.prod([1 + change[part] for part in ("softening", "swelling", "mass")], axis=0)
         np.testing.assert_allclose(1 + change["all"], together, rtol=2e-3)

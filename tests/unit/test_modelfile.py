@@ -232,7 +232,7 @@ def test_defaults_in_the_schema_fit_the_schema() -> None:
         for field in definition["properties"].values():
             if field.get("default") is not None:
                 schema = {**field, "$defs": definitions}
-                jsonschema.validate(field["default"], schema)
+                jsonschema.Draft202012Validator(schema).validate(field["default"])
 
 
 def test_the_two_mechanisms_of_kumar_and_chandrakar() -> None:
