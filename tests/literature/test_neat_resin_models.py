@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -25,34 +24,9 @@ from flexmech.hygrothermal import (
 )
 from flexmech.linkages import FourBar, double_points
 from flexmech.modelfile import mechanism_from_toml
+from tests.literature.coupler_curve_rows import ROWS, Row
 
 DRY, WET = HygrothermalState(), HygrothermalState(80.0, 0.07)
-
-
-class Row(NamedTuple):
-    """Lengths in mm, angle in degrees, crossings dry and with R-914 saturated at 80 K."""
-
-    figure: str
-    crank: float
-    coupler: float
-    rocker: float
-    frame: float
-    distance: float
-    angle: float
-    dry: int
-    wet: int
-
-
-ROWS = [
-    Row("5", 2250, 4500, 4500, 4500, 4500, 245.5, 0, 1),
-    Row("6", 3000, 4500, 4500, 5000, 4500, 270, 1, 1),
-    Row("7", 2250, 4500, 4500, 4500, 5000, 336, 1, 0),
-    Row("8", 2250, 4500, 4500, 4500, 5000, 336, 1, 0),
-    Row("9", 100, 130, 130, 120, 33, 320, 0, 1),
-    Row("10", 100, 130, 130, 120, 33, 320, 0, 1),
-    Row("11", 2250, 4500, 4500, 4500, 3750, 45, 0, 0),
-    Row("12", 15, 30, 30, 30, 30, 358, 0, 0),
-]
 FIGURES = ["3", *(row.figure for row in ROWS)]
 
 
