@@ -15,7 +15,7 @@ from hypothesis import settings
 from flexmech import BeamSection, Mechanism, RotatingArm, load_mechanism
 
 # Five minutes on two cores for the whole suite; --hypothesis-profile=thorough draws more.
-settings.register_profile("quick", max_examples=40)
+settings.register_profile("quick", max_examples=30)
 settings.register_profile("thorough", max_examples=300)
 settings.load_profile("quick")
 
