@@ -101,6 +101,8 @@ def frequencies(
     dry = load_mechanism(model)
     mechanism = dry if state is None else _in_state(dry, state)
     check_writable(out, (*TABLES, *FURTHER_TABLES, *STATE_FILES, *PICTURES))
+    if state is not None:
+        check_writable(out / DRY, (*TABLES, *FURTHER_TABLES, *PICTURES))
     engines = make_engines(mechanism, chosen, elements)
 
     from flexmech.analyses import moving_frequencies
@@ -121,12 +123,14 @@ def frequencies(
             )
 
     result = computed(engines, bent=mechanism.is_free_strained)
-    files = _written(result, out, draw=not no_plots)
-    lines: list[str] = []
+    dry_result = result
     if state is not None:
         # The same elements in both states: only heat and moisture shall make a difference.
         same = [type(one)(dry, elements=elements, element=one.element) for one in engines]
         dry_result = computed(same, bent=False)
+    files = _written(result, out, draw=not no_plots)
+    lines: list[str] = []
+    if state is not None:
         files += _written(dry_result, out / DRY, draw=not no_plots)
         more, lines = _compare(dry_result, result, dry, state, out, draw=not no_plots)
         files += more

@@ -14,7 +14,7 @@ from flexmech import (
     natural_frequencies,
 )
 
-TURN = np.radians(np.arange(0, 360, 5))
+TURN = np.radians(np.arange(0, 360, 10))
 
 
 def difference(mechanism, elements, speed, *, angles=TURN, prestress="equilibrium", **options):

@@ -39,7 +39,7 @@ from flexmech.plots import (
     plot_laminate_factors,
 )
 from flexmech.reference import ReferenceEngine
-from tests.unit.figure_checks import check_layout, legend_texts
+from tests.unit.figure_checks import FULL_WIDTH_PANEL, check_layout, legend_texts
 
 LAMINATES = ("C1", "C2", "C3", "C4", "C5", "C6")
 
@@ -330,7 +330,7 @@ def test_command_refuses_a_folder_that_it_cannot_write_before_it_computes(
 def test_bars_and_points_are_the_study_s(invented: xr.Dataset) -> None:
     faster = invented.assign(frequency=invented["frequency"] * invented["case"] ** 0.1)
     figure = plot_composite_frequencies(faster)
-    check_layout(figure)
+    check_layout(figure, FULL_WIDTH_PANEL)
     assert legend_texts(figure) == [*LAMINATES, "FE, published", "measured"]
     scale = faster["frequency"].isel(plies=0, beams=0)
     ratio = scale / scale.sel(laminate="C1", case=1, position="min")
@@ -346,11 +346,11 @@ def test_bars_and_points_are_the_study_s(invented: xr.Dataset) -> None:
 
 def test_other_pictures(invented: xr.Dataset) -> None:
     figure = plot_composite_damping(invented)
-    check_layout(figure)
+    check_layout(figure, FULL_WIDTH_PANEL)
     assert legend_texts(figure) == [*LAMINATES, "with shear", "measured"]
     published = laminate_factors(invented["finite_element"])
     drawn = plot_laminate_factors(laminate_factors(invented["frequency"]), published)
-    check_layout(drawn)
+    check_layout(drawn, FULL_WIDTH_PANEL)
     assert len(drawn.axes[0].lines) == 5
     for line in drawn.axes[0].lines:
         np.testing.assert_allclose(line.get_ydata(), published)

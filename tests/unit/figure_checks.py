@@ -1,12 +1,19 @@
-"""What tests ask of figures over time and of spectra."""
+"""What tests ask of every figure."""
 
 from __future__ import annotations
 
-from typing import Any
+from itertools import combinations
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+# Width and height in pixels that a panel must exceed.
+GRID_PANEL = (60.0, 40.0)
+HALF_WIDTH_PANEL = (200.0, 60.0)
+FULL_WIDTH_PANEL = (500.0, 60.0)
 
 
 def panels(figure: Figure) -> list[Axes]:
@@ -36,23 +43,32 @@ def legend_texts(figure: Figure) -> list[str]:
     return [text.get_text() for text in legend.get_texts()]
 
 
-def shown_texts(figure: Figure) -> list[Any]:
-    """Texts that are drawn: ticks outside the limits are not."""
-    (legend,) = figure.legends
-    texts = [*legend.get_texts(), legend.get_title()]
+def shown_tick_labels(axis: Axis) -> list[Text]:
+    """Ticks outside the limits are not drawn."""
+    low, high = sorted(axis.get_view_interval())
+    room = 1e-9 * (high - low)
+    ticks = [t for t in axis.get_major_ticks() if low - room <= t.get_loc() <= high + room]
+    return [label for tick in ticks for label in (tick.label1, tick.label2)]
+
+
+def shown_texts(figure: Figure) -> list[Text]:
+    """Texts that are drawn, of axes inside and beside other axes too."""
+    texts = list(figure.texts)
+    for legend in figure.legends:
+        texts += [*legend.get_texts(), legend.get_title()]
+    supylabel = getattr(figure, "_supylabel", None)
+    texts += [supylabel] if supylabel is not None and supylabel not in texts else []
     children = [child for axes in figure.axes for child in axes.child_axes]
     for axes in [*figure.axes, *children]:
-        texts += axes.texts
+        texts += [axes.title, axes._left_title, *axes.texts]
         for axis in (axes.xaxis, axes.yaxis):
-            low, high = sorted(axis.get_view_interval())
-            ticks = [t for t in axis.get_major_ticks() if low <= t.get_loc() <= high]
-            shown = [label for tick in ticks for label in (tick.label1, tick.label2)]
-            texts += [axis.label, axis.get_offset_text(), *shown]
+            if axes.axison and axis.get_visible():
+                texts += [axis.label, axis.get_offset_text(), *shown_tick_labels(axis)]
     return [text for text in texts if text.get_visible() and text.get_text().strip()]
 
 
-def check_layout(figure: Figure, narrowest: float = 500) -> None:
-    """No text leaves the figure or touches another; no panel is squeezed to nothing."""
+def check_texts(figure: Figure) -> None:
+    """No text leaves the figure or touches another."""
     figure.draw_without_rendering()
     texts = shown_texts(figure)
     boxes = [text.get_window_extent() for text in texts]
@@ -60,11 +76,18 @@ def check_layout(figure: Figure, narrowest: float = 500) -> None:
     for text, box in zip(texts, boxes, strict=True):
         reach = max(-box.x0, -box.y0, box.x1 - frame.x1, box.y1 - frame.y1)
         assert reach <= 0.5, f"{text.get_text()!r} leaves the figure"
-    for first in range(len(boxes)):
-        for second in range(first):
-            one, two = boxes[first], boxes[second]
-            wide = min(one.x1, two.x1) - max(one.x0, two.x0)
-            tall = min(one.y1, two.y1) - max(one.y0, two.y0)
-            names = texts[first].get_text(), texts[second].get_text()
-            assert wide <= 1 or tall <= 1, f"{names} overlap"
-    assert all(axes.bbox.height > 60 and axes.bbox.width > narrowest for axes in panels(figure))
+    for (one, first), (two, second) in combinations(zip(boxes, texts, strict=True), 2):
+        wide = min(one.x1, two.x1) - max(one.x0, two.x0)
+        tall = min(one.y1, two.y1) - max(one.y0, two.y0)
+        assert min(wide, tall) <= 1, f"{first.get_text()!r} touches {second.get_text()!r}"
+
+
+def check_layout(figure: Figure, least: tuple[float, float] = GRID_PANEL) -> None:
+    """Texts stand apart, legends cover no panel, and no panel is squeezed to nothing."""
+    check_texts(figure)
+    for legend in figure.legends:
+        frame = legend.get_window_extent()
+        assert not any(frame.overlaps(axes.get_tightbbox()) for axes in figure.axes)
+    # Text that cannot fit makes the layout give up and shrink the panels to nothing.
+    width, height = least
+    assert all(axes.bbox.width > width and axes.bbox.height > height for axes in panels(figure))

@@ -15,7 +15,7 @@ from flexmech.linkages import FourBar, Linkage, RotatingArm
 from flexmech.plots import animation, animation_scene
 from flexmech.plots.animation import mp4_available, write_animation
 from flexmech.plots.style import SERIES_STYLES
-from tests.unit.test_plots import shown_texts
+from tests.unit.figure_checks import shown_texts
 
 STATIONS = np.linspace(0.0, 1.0, 21)
 FOURBAR = FourBar(ground=0.254, crank=0.102, coupler=0.2794, rocker=0.2667)

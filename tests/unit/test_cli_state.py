@@ -14,7 +14,7 @@ from flexmech.cli import app
 from flexmech.cli.surroundings import parse_state
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Exposure, HygrothermalState
-from tests.unit.figure_checks import check_layout
+from tests.unit.figure_checks import HALF_WIDTH_PANEL, check_layout
 
 MODEL = """
 name = "wet linkage"
@@ -141,7 +141,7 @@ def test_frequencies_beside_the_dry_ones(model: Path, tmp_path: Path) -> None:
         "relative_change",
     ]
     assert len(table) == 2 * 2 * 2
-    check_layout(effect.plot(), narrowest=200)
+    check_layout(effect.plot(), HALF_WIDTH_PANEL)
 
 
 def test_dry_state_on_request_is_the_dry_linkage(model: Path, tmp_path: Path) -> None:

@@ -15,7 +15,14 @@ from flexmech.plots import (
     plot_coupler_curve,
     plot_moisture,
 )
-from tests.unit.figure_checks import check_layout, drawn, legend_texts, panels, y_labels
+from tests.unit.figure_checks import (
+    HALF_WIDTH_PANEL,
+    check_layout,
+    drawn,
+    legend_texts,
+    panels,
+    y_labels,
+)
 
 BLUE, ORANGE = "#0072B2", "#D55E00"
 TURN = np.linspace(0.0, 2 * np.pi, 61)
@@ -63,13 +70,13 @@ def test_double_points_are_counted_and_marked() -> None:
     assert {"crunode", "cusp"} <= set(legend_texts(figure))
     titles = [axes.get_title(loc="left") for axes in panels(figure)]
     assert titles == ["Coupler point", "Close-up of the loops", "Pins A and B"]
-    check_layout(figure, narrowest=200)
+    check_layout(figure, HALF_WIDTH_PANEL)
 
 
 def test_no_loops_no_close_up() -> None:
     figure = plot_coupler_curve({"dry": path(looped=False)}, "Curve")
     assert len(panels(figure)) == 2
-    check_layout(figure, narrowest=200)
+    check_layout(figure, HALF_WIDTH_PANEL)
 
 
 def test_few_angles_are_marked_and_marks_beyond_them_are_told() -> None:
@@ -88,10 +95,10 @@ def test_few_angles_are_marked_and_marks_beyond_them_are_told() -> None:
     curve, close_up, _ = panels(figure)
     assert curve.lines[0].get_marker() == "o"
     assert close_up.lines[0].get_marker() == "None"
-    check_layout(figure, narrowest=200)
+    check_layout(figure, HALF_WIDTH_PANEL)
     angles = plot_coupler_angles({"dry": part, "wet": part}, "Angles at one angle")
     assert all(axes.lines[0].get_marker() == "o" for axes in panels(angles)[:2])
-    check_layout(angles, narrowest=200)
+    check_layout(angles, HALF_WIDTH_PANEL)
     assert plot_coupler_curve({"dry": whole}).axes[0].lines[0].get_marker() == "None"
 
 
@@ -100,13 +107,13 @@ def test_change_of_angles_leaves_whole_turns_out() -> None:
     assert y_labels(figure)[2:] == [r"Change of $\theta_3$ (deg)", r"Change of $\theta_4$ (deg)"]
     change = drawn(panels(figure)[2], ORANGE)
     assert np.abs(change).max() < 1e-9
-    check_layout(figure, narrowest=200)
+    check_layout(figure, HALF_WIDTH_PANEL)
 
 
 def test_angles_of_one_state() -> None:
     figure = plot_coupler_angles({"dry": path()}, "Angles")
     assert len(panels(figure)) == 2
-    check_layout(figure, narrowest=200)
+    check_layout(figure, HALF_WIDTH_PANEL)
 
 
 def test_moisture_of_links() -> None:
@@ -122,7 +129,7 @@ def test_moisture_of_links() -> None:
         "root of time",
         "Shen & Springer",
     ]
-    check_layout(figure, narrowest=200)
+    check_layout(figure, HALF_WIDTH_PANEL)
 
 
 @pytest.mark.parametrize(
@@ -143,7 +150,7 @@ def test_time_in_a_unit_of_its_size(day: float, labels: list[str], root: str) ->
     profile, uptake = panels(figure)
     assert uptake.get_xlabel() == rf"Root of time ($\sqrt{{\mathrm{{{root}}}}}$)"
     assert profile.get_title(loc="left") == "Coupler: mean over the width"
-    check_layout(figure, narrowest=200)
+    check_layout(figure, HALF_WIDTH_PANEL)
 
 
 def test_nothing_to_draw() -> None:

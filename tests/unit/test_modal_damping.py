@@ -29,8 +29,9 @@ from flexmech.plots.style import SERIES_STYLES
 from flexmech.reference import ReferenceEngine
 from flexmech.sections import SpecificDamping
 from tests.strategies import fourbar
+from tests.unit.figure_checks import check_layout, legend_texts
 from tests.unit.plot_data import FULL_TURN, frequency_dataset
-from tests.unit.test_plots import check_layout, legend_texts, lines_in
+from tests.unit.test_plots import lines_in
 
 ANGLES = np.radians([0.0, 60.0, 120.0, 240.0, 300.0, 360.0])
 SPEEDS = [0.0, 20.0]

@@ -8,14 +8,13 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.text import Text
 
 from flexmech.errors import InputError
 from flexmech.plots import plot_agreement, plot_frequencies, plot_mode_shapes, plot_speed_effect
 from flexmech.plots.panels import contiguous_runs, mode_groups
 from flexmech.plots.style import SERIES_STYLES, legend_columns, speed_label
+from tests.unit.figure_checks import check_layout, legend_texts
 from tests.unit.plot_data import FULL_TURN, TERMS, arm_dataset, frequency_dataset
 
 ALL_PLOTS = (plot_frequencies, plot_speed_effect, plot_mode_shapes, plot_agreement)
@@ -25,11 +24,6 @@ SIX_SPEEDS = (-20.0, -10.0, 0.0, 5.0, 10.0, 20.0)
 @pytest.fixture(scope="module")
 def dataset() -> xr.Dataset:
     return frequency_dataset()
-
-
-def legend_texts(figure: Figure) -> list[str]:
-    (legend,) = figure.legends
-    return [text.get_text() for text in legend.get_texts()]
 
 
 def lines_in(axes: Axes, style: int, n_points: int) -> list[np.ndarray]:
@@ -42,51 +36,6 @@ def lines_in(axes: Axes, style: int, n_points: int) -> list[np.ndarray]:
         and line.get_linestyle() != "None"
         and len(line.get_xdata()) == n_points
     ]
-
-
-def shown_tick_labels(axis: Axis) -> list[Text]:
-    low, high = sorted(axis.get_view_interval())
-    room = 1e-9 * (high - low)
-    ticks = axis.get_major_ticks()
-    return [tick.label1 for tick in ticks if low - room <= tick.get_loc() <= high + room]
-
-
-def shown_texts(figure: Figure) -> list[Text]:
-    texts = list(figure.texts)
-    for legend in figure.legends:
-        texts += [*legend.get_texts(), legend.get_title()]
-    supylabel = getattr(figure, "_supylabel", None)
-    texts += [supylabel] if supylabel is not None and supylabel not in texts else []
-    for axes in figure.axes:
-        texts += [axes.title, axes._left_title, *axes.texts]
-        if axes.axison:
-            texts += [axes.xaxis.label, axes.yaxis.label]
-            texts += shown_tick_labels(axes.xaxis) + shown_tick_labels(axes.yaxis)
-            texts += [axes.xaxis.get_offset_text(), axes.yaxis.get_offset_text()]
-    return [text for text in texts if text.get_visible() and text.get_text().strip()]
-
-
-def check_layout(figure: Figure) -> None:
-    """No text leaves the figure or touches another; the legend covers no panel."""
-    figure.draw_without_rendering()
-    frame = figure.bbox
-    texts = shown_texts(figure)
-    boxes = [text.get_window_extent() for text in texts]
-    for text, box in zip(texts, boxes, strict=True):
-        reach = max(-box.x0, -box.y0, box.x1 - frame.x1, box.y1 - frame.y1)
-        assert reach <= 0.5, f"{text.get_text()!r} leaves the figure"
-    for first in range(len(boxes)):
-        for second in range(first):
-            one, two = boxes[first], boxes[second]
-            wide = min(one.x1, two.x1) - max(one.x0, two.x0)
-            tall = min(one.y1, two.y1) - max(one.y0, two.y0)
-            names = texts[first].get_text(), texts[second].get_text()
-            assert wide <= 1 or tall <= 1, f"{names} overlap"
-    legend = figure.legends[0].get_window_extent()
-    for axes in figure.axes:
-        assert not legend.overlaps(axes.get_tightbbox())
-    # Text that cannot fit makes the layout give up and shrink the panels to nothing.
-    assert all(axes.bbox.height > 40 and axes.bbox.width > 60 for axes in figure.axes)
 
 
 def y_label(figure: Figure) -> str:

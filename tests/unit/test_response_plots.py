@@ -13,6 +13,7 @@ import xarray as xr
 from flexmech.plots import plot_forces, plot_response
 from flexmech.plots.response import LENGTH_UNITS, fitting_unit
 from tests.unit.figure_checks import (
+    FULL_WIDTH_PANEL,
     check_layout,
     drawn,
     legend_texts,
@@ -189,11 +190,11 @@ class TestEveryFigure:
     @pytest.mark.parametrize("plot", ALL_PLOTS)
     @pytest.mark.parametrize("turns", [0.3, 1.0, 2.0, 10.0])
     def test_layout(self, plot: Any, turns: float) -> None:
-        check_layout(plot(response_dataset(turns)))
+        check_layout(plot(response_dataset(turns)), FULL_WIDTH_PANEL)
 
     @pytest.mark.parametrize("plot", ALL_PLOTS)
     def test_layout_of_one_link(self, plot: Any) -> None:
-        check_layout(plot(arm_response()))
+        check_layout(plot(arm_response()), FULL_WIDTH_PANEL)
 
     @pytest.mark.parametrize("plot", ALL_PLOTS)
     def test_leaves_dataset_and_matplotlib_alone(self, plot: Any, dataset: xr.Dataset) -> None:

@@ -15,7 +15,7 @@ from flexmech.cli.section_data import unit_load_profile
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.plots import plot_section
 from flexmech.sections import BeamSection, LaminateSection
-from tests.unit.figure_checks import legend_texts, shown_texts
+from tests.unit.figure_checks import check_texts, legend_texts
 
 CARBON = Ply(172.7e9, 7.2e9, 3.76e9, 3.76e9, 2.57e9, 0.29, 1566.7, name="C")
 GLASS = Ply(37.8e9, 10.9e9, 4.91e9, 4.91e9, 3.89e9, 0.29, 1813.9, name="G")
@@ -166,29 +166,8 @@ def test_names_of_plies_are_no_formulas() -> None:
 @pytest.mark.parametrize("name", TO_LAY_OUT)
 def test_texts_stay_inside_and_apart(name: str) -> None:
     figure = plot_section(TO_LAY_OUT[name]())
-    figure.draw_without_rendering()
     assert plt.get_fignums() == []
-    frame = figure.bbox
-    supylabel = figure._supylabel  # type: ignore[attr-defined]
-    titles = [axes._left_title for axes in figure.axes]  # type: ignore[attr-defined]
-    # Of the layers' panel the x axis is hidden, and of the inner panels the y tick labels.
-    texts = [
-        text
-        for text in [*shown_texts(figure), supylabel, *titles]
-        if text.get_window_extent().width > 0
-        and (text.axes is None or text.axes.xaxis.get_visible() or text in text.axes.texts)
-    ]
-    boxes = [text.get_window_extent() for text in texts]
-    for text, box in zip(texts, boxes, strict=True):
-        reach = max(-box.x0, -box.y0, box.x1 - frame.x1, box.y1 - frame.y1)
-        assert reach <= 0.5, f"{text.get_text()!r} leaves the figure"
-    for first in range(len(boxes)):
-        for second in range(first):
-            one, two = boxes[first], boxes[second]
-            wide = min(one.x1, two.x1) - max(one.x0, two.x0)
-            tall = min(one.y1, two.y1) - max(one.y0, two.y0)
-            pair = texts[first].get_text(), texts[second].get_text()
-            assert wide <= 1 or tall <= 1, f"{pair} overlap"
+    check_texts(figure)
     stack = panel(figure, "Layers")
     for text in stack.texts:
         box = text.get_window_extent()

@@ -15,6 +15,7 @@ from flexmech.errors import InputError
 from flexmech.plots import plot_spectrogram, plot_spectrum
 from flexmech.plots.spectra import spread
 from tests.unit.figure_checks import (
+    FULL_WIDTH_PANEL,
     check_layout,
     drawn,
     legend_texts,
@@ -77,12 +78,12 @@ class TestSpectrum:
         figure = plot_spectrum(response_dataset(spectrogram=False))
         assert not figure.axes[0].patches
         assert "predicted natural frequencies" not in legend_texts(figure)
-        check_layout(figure)
+        check_layout(figure, FULL_WIDTH_PANEL)
 
     def test_names_of_close_bands_do_not_touch(self) -> None:
         close = response_dataset()
         close["natural_frequency"][..., 1] = close["natural_frequency"][..., 0] + 0.5
-        check_layout(plot_spectrum(close))
+        check_layout(plot_spectrum(close), FULL_WIDTH_PANEL)
 
     def test_labels_are_moved_apart_and_stay_in_order(self) -> None:
         places = spread(np.array([0.2, 0.201, 0.202, 0.5]), 0.05)
@@ -133,7 +134,7 @@ class TestSpectrogram:
     def test_single_window(self, dataset: xr.Dataset) -> None:
         figure = plot_spectrogram(dataset.isel(window_time=[3]))
         assert figure.axes[0].lines[0].get_marker() == "."
-        check_layout(figure)
+        check_layout(figure, FULL_WIDTH_PANEL)
 
     def test_refuses_a_short_run(self) -> None:
         with pytest.raises(InputError, match="too short for a spectrogram"):
@@ -144,11 +145,11 @@ class TestEveryFigure:
     @pytest.mark.parametrize("plot", ALL_PLOTS)
     @pytest.mark.parametrize("turns", [0.3, 1.0, 2.0, 10.0])
     def test_layout(self, plot: Any, turns: float) -> None:
-        check_layout(plot(response_dataset(turns)))
+        check_layout(plot(response_dataset(turns)), FULL_WIDTH_PANEL)
 
     @pytest.mark.parametrize("plot", ALL_PLOTS)
     def test_layout_of_one_link(self, plot: Any) -> None:
-        check_layout(plot(arm_response()))
+        check_layout(plot(arm_response()), FULL_WIDTH_PANEL)
 
     @pytest.mark.parametrize("plot", ALL_PLOTS)
     def test_leaves_dataset_and_matplotlib_alone(self, plot: Any, dataset: xr.Dataset) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import combinations, pairwise
+from itertools import pairwise
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from flexmech.plots.speed_sweep import plot_speed_sweep
 from flexmech.plots.style import SERIES_STYLES
 from flexmech.plots.vibration_effect import plot_vibration_effect
-from tests.unit.test_plots import check_layout, legend_texts, shown_texts, shown_tick_labels
+from tests.unit.figure_checks import check_layout, check_texts, legend_texts, shown_texts
 
 LOWEST = np.array([43.1, 47.3, 112.0, 180.0]) * 2 * np.pi
 HIGHEST = np.array([46.9, 49.7, 175.0, 198.0]) * 2 * np.pi
@@ -95,19 +95,7 @@ def strip_of(figure: Figure) -> Axes:
 
 
 def check_sweep(figure: Figure) -> None:
-    """No text of the panels, the strip and the axis in rpm leaves the figure or is touched."""
-    figure.draw_without_rendering()
-    (rpm,) = strip_of(figure).child_axes
-    texts = [*shown_texts(figure), rpm.xaxis.label, *shown_tick_labels(rpm.xaxis)]
-    boxes = [text.get_window_extent() for text in texts]
-    for box in boxes:
-        assert min(box.x0, box.y0) >= -0.5
-        assert box.x1 <= figure.bbox.x1 + 0.5
-        assert box.y1 <= figure.bbox.y1 + 0.5
-    for (one, first), (two, second) in combinations(zip(boxes, texts, strict=True), 2):
-        wide = min(one.x1, two.x1) - max(one.x0, two.x0)
-        tall = min(one.y1, two.y1) - max(one.y0, two.y0)
-        assert min(wide, tall) <= 1, f"{first.get_text()!r} touches {second.get_text()!r}"
+    check_texts(figure)
     assert all(axes.bbox.height > 100 for axes in link_panels(figure))
 
 

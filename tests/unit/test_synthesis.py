@@ -16,7 +16,7 @@ from flexmech.linkages import (
 )
 from flexmech.plots import plot_transmission_angle
 from tests.strategies import numbers
-from tests.unit.figure_checks import check_layout, legend_texts
+from tests.unit.figure_checks import FULL_WIDTH_PANEL, check_layout, legend_texts
 
 # Deviation in degrees, and the rocker angle as a part of the way between its bounds.
 designs = settings(max_examples=30)(given(numbers(0.5, 89.5), numbers(0.01, 0.99)))
@@ -126,7 +126,7 @@ def test_one_curve_a_linkage(count: int, shaded: bool) -> None:
     curves = {f"case {n} as designed": np.full_like(angle, 1 + 0.1 * n) for n in range(count)}
     band = (1.0, 1.5) if shaded else None
     figure = plot_transmission_angle(angle, curves, band, "wanted range")
-    check_layout(figure)
+    check_layout(figure, FULL_WIDTH_PANEL)
     (axes,) = figure.axes
     assert len(axes.lines) == count + 1
     assert axes.lines[-1].get_ydata()[0] == pytest.approx(np.degrees(1 + 0.1 * (count - 1)))
