@@ -26,6 +26,21 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
     return 0 if alone else None
 
 
+@pytest.fixture
+def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Save pictures without arranging them: most of the time of one, and nobody looks."""
+    from matplotlib.figure import Figure
+
+    save = Figure.savefig
+
+    def roughly(figure: Figure, path: Path, *, dpi: int) -> None:
+        assert dpi == 200
+        figure.set_layout_engine("none")
+        save(figure, path, dpi=30)
+
+    monkeypatch.setattr(Figure, "savefig", roughly)
+
+
 MODELS = Path(__file__).parents[1] / "models"
 
 

@@ -27,6 +27,13 @@ from flexmech.cli.run_arguments import (
     parse_speed,
     parse_step,
 )
+from flexmech.cli.surroundings import (
+    ExposureTime,
+    Moisture,
+    RelativeHumidity,
+    TemperatureRise,
+    parse_state,
+)
 from flexmech.errors import InputError
 from flexmech.files import check_writable
 
@@ -39,7 +46,8 @@ __all__ = ["HELP", "response"]
 
 HELP = (
     "The running mechanism in time. Deflections, strains, driving torque and joint forces at "
-    "constant crank speed: a table, CSV and NetCDF files, pictures and an animation."
+    "constant crank speed: a table, CSV and NetCDF files, pictures and an animation; dry, or in "
+    "heat and moisture."
 )
 TABLES = ("response.csv", "response.nc")
 
@@ -117,6 +125,10 @@ def response(
     run_up: RunUp = "0",
     check_mesh: CheckMesh = False,
     modes: Modes = 4,
+    temperature_rise: TemperatureRise = None,
+    moisture: Moisture = None,
+    relative_humidity: RelativeHumidity = None,
+    time: ExposureTime = None,
     out: Out = Path("results"),
     no_plots: NoPlots = False,
     animate: Animate = False,
@@ -125,6 +137,7 @@ def response(
     crank_speed, turns = parse_speed(speed), parse_revolutions(revolutions)
     time_step, run_up_time = parse_step(step), parse_run_up(run_up)
     chosen = element_of_engines(engine, element)
+    state = parse_state(temperature_rise, moisture, relative_humidity, time)
 
     from flexmech.cli.progress import progress_bar
     from flexmech.cli.response_pictures import (
@@ -133,10 +146,13 @@ def response(
         write_animations,
         write_pictures,
     )
+    from flexmech.cli.state_report import link_lines
+    from flexmech.hygrothermal import mechanism_in_state
     from flexmech.linkages import CrankDrive
     from flexmech.modelfile import load_mechanism
 
-    mechanism = load_mechanism(model)
+    dry = load_mechanism(model)
+    mechanism = dry if state is None else mechanism_in_state(dry, state)
     request = _request(
         CrankDrive(crank_speed, run_up_time), turns, samples, modes, start, time_step
     )
@@ -159,7 +175,8 @@ def response(
     if animate:
         with progress_bar() as progress:
             files = [*files, *write_animations(result.dataset, out, progress)]
-    _report(result, mechanism, out, files, animate=animate)
+    state_lines = [] if state is None else link_lines(dry, state)
+    _report(result, mechanism, out, files, state_lines, animate=animate)
 
 
 def _request(
@@ -191,7 +208,13 @@ def _request(
 
 
 def _report(
-    result: Response, mechanism: Mechanism, out: Path, files: list[Path], *, animate: bool
+    result: Response,
+    mechanism: Mechanism,
+    out: Path,
+    files: list[Path],
+    state_lines: list[str],
+    *,
+    animate: bool,
 ) -> None:
     """Print the table and the lines below it; the last one compares the engines."""
     from flexmech.cli.pictures import file_lines
@@ -211,6 +234,7 @@ def _report(
         *check_lines(result.dataset),
         *load_lines(result),
         *spectrogram_lines(result.dataset),
+        *state_lines,
     ]
     if animate and ANIMATIONS[-1] not in {file.name for file in files}:
         lines.append("animation: a GIF alone, for MP4 needs ffmpeg; install it and run again")

@@ -1,6 +1,6 @@
 """Motion in time: linear time-varying systems, their periodic motion, and recorded runs."""
 
-from flexmech.time_domain.driven_linkage import DETAIL, DrivenLinkage, Equations
+from flexmech.time_domain.driven_linkage import DETAIL, DrivenLinkage, Equations, is_reduced
 from flexmech.time_domain.linear_run import linear_run
 from flexmech.time_domain.orbit import PeriodicOrbit, simulated_orbit
 from flexmech.time_domain.periodic import TurnMap, periodic_state, periodic_turn, turn_map
@@ -23,6 +23,7 @@ __all__ = [
     "Trajectory",
     "TurnMap",
     "VibrationState",
+    "is_reduced",
     "linear_run",
     "periodic_state",
     "periodic_turn",

@@ -66,8 +66,11 @@ def gap(pair, link=1):
 
 
 def test_slow_crank_is_linear(both):
-    """At 2 rad/s deflections are a hundredth of those at 20: linear theory holds."""
-    pair = both(2.0, 11520)
+    """At 2 rad/s deflections are a hundredth of those at 20: linear theory holds.
+
+    Most of the gap is that of the time steps: 5e-4 and 6e-4, with half the step 1e-4 and 2e-4.
+    """
+    pair = both(2.0, 5760)
     assert [gap(pair, link) for link in (1, 2)] == [pytest.approx(0, abs=1e-3)] * 2
 
 

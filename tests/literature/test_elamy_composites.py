@@ -356,6 +356,7 @@ def test_other_pictures(invented: xr.Dataset) -> None:
         np.testing.assert_allclose(line.get_ydata(), published)
 
 
+@pytest.mark.usefixtures("rough_pictures")
 def test_scenario(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Thin links lose nearly as in bending; the study itself shows thick ones."""
     monkeypatch.syspath_prepend(str(Path(__file__).parents[2] / "scenarios"))

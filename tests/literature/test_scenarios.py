@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 NAMES = [
@@ -39,17 +38,9 @@ AT_REST = {
 COARSE_TURN = np.radians(np.arange(0, 361, 60))
 
 
-def save_roughly(figure, path, *, dpi, _save=Figure.savefig):
-    """Draw without arranging: most of the time of a picture, and nobody looks at these."""
-    assert dpi == 200
-    figure.set_layout_engine("none")
-    _save(figure, path, dpi=30)
-
-
 @pytest.fixture
-def scenario(monkeypatch):
+def scenario(monkeypatch, rough_pictures):
     monkeypatch.syspath_prepend(str(SCENARIOS))
-    monkeypatch.setattr(Figure, "savefig", save_roughly)
     return importlib.import_module
 
 

@@ -20,6 +20,8 @@ from flexmech.cli.arguments import parse_angles, parse_speeds
 from flexmech.errors import InputError
 from flexmech.modelfile import json_schema, load_mechanism, template
 
+pytestmark = pytest.mark.usefixtures("rough_pictures")
+
 ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"
 MODEL_FILES = sorted(MODELS.glob("*.toml"))

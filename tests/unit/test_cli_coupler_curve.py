@@ -17,6 +17,8 @@ from flexmech.hygrothermal import HygrothermalState, coupler_path
 from flexmech.linkages import CouplerPoint
 from flexmech.modelfile import load_mechanism
 
+pytestmark = pytest.mark.usefixtures("rough_pictures")
+
 MODELS = Path(__file__).parents[2] / "models"
 # Wet, this one's crank turns fully no longer.
 NEAR_A_CHANGE_POINT = (

@@ -19,6 +19,8 @@ from flexmech.cli.report import agreement_line, error_lines, tracking_lines
 from flexmech.errors import ComputationError, FlexmechError, InputError
 from tests.unit.plot_data import frequency_dataset
 
+pytestmark = pytest.mark.usefixtures("rough_pictures")
+
 ALUMINIUM = str(Path(__file__).parents[2] / "models" / "aluminium_fourbar.toml")
 DATA = ["frequencies.csv", "frequencies.nc"]
 PICTURES = ["agreement.png", "frequencies.png", "mode_shapes.png", "speed_effect.png"]

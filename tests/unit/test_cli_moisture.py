@@ -16,6 +16,8 @@ from flexmech.materials.moisture import slab_uptake
 from flexmech.modelfile import mechanism_from_toml
 from tests.unit.test_cli_state import MODEL
 
+pytestmark = pytest.mark.usefixtures("rough_pictures")
+
 DAY = 86400.0
 HUMID = ["--relative-humidity", "85", "--time", "20 day"]
 

@@ -29,6 +29,8 @@ from flexmech.linkages import CrankDrive
 from flexmech.modelfile import load_mechanism
 from flexmech.reference import ReferenceEngine
 
+pytestmark = pytest.mark.usefixtures("rough_pictures")
+
 ALUMINIUM = str(Path(__file__).parents[2] / "models" / "aluminium_fourbar.toml")
 DATA = ["response.csv", "response.nc"]
 PICTURES = ["forces.png", "response.png", "spectrum.png"]

@@ -19,6 +19,8 @@ from flexmech.modelfile import load_mechanism
 from flexmech.sections import BeamSection, LaminateSection
 from flexmech.units import NUMBER
 
+pytestmark = pytest.mark.usefixtures("rough_pictures")
+
 MODELS = Path(__file__).parents[2] / "models"
 COMPOSITE = MODELS / "composite_fourbar.toml"
 STEEL = MODELS / "steel_fourbar.toml"

@@ -16,6 +16,8 @@ from flexmech.errors import InputError
 from flexmech.hygrothermal import Exposure, HygrothermalState
 from tests.unit.figure_checks import HALF_WIDTH_PANEL, check_layout
 
+pytestmark = pytest.mark.usefixtures("rough_pictures")
+
 MODEL = """
 name = "wet linkage"
 source = "invented"
@@ -213,3 +215,30 @@ def test_states_over_other_positions_cannot_be_compared() -> None:
 
     with pytest.raises(InputError, match="same engines, crank angles"):
         hygrothermal_effect(result([0.0, 1.0]), result([0.0, 2.0]), "wet")
+
+
+RUN = ["--speed", "10", "--revolutions", "0.1", "--elements", "2", "--samples", "120"]
+
+
+def test_response_of_the_wet_linkage(model: Path, tmp_path: Path) -> None:
+    """Softer and heavier links are bent further by the same motion."""
+    options = [*RUN, *QUICK, "--start", "equilibrium"]
+    deflections = []
+    for name, state in (("dry", []), ("wet", ["--temperature-rise", "40", "--moisture", "3"])):
+        code, text, error = run("response", model, *options, *state, "--out", tmp_path / name)
+        assert (code, error) == (0, "")
+        table = pd.read_csv(tmp_path / name / "response.csv")
+        deflections.append(table["coupler_mid_deflection_m"].abs().max())
+    assert "state: +40 K, 3 % moisture" in text
+    assert "coupler: +1.1396 % longer" in text
+    assert "heat and moisture do nothing to: crank" in text
+    assert deflections[1] > 1.3 * deflections[0]
+
+
+def test_response_refuses_to_start_a_bent_link_straight(model: Path, tmp_path: Path) -> None:
+    exposure = ["--relative-humidity", "90", "--time", "10 day"]
+    code, _, error = run("response", model, *RUN, *QUICK, *exposure, "--out", tmp_path / "wet")
+    assert code == 2
+    assert "start rigid" in error
+    assert "equilibrium or periodic" in error
+    assert not (tmp_path / "wet").exists()

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from flexmech.cli.app import app
@@ -45,14 +44,8 @@ def test_lengths_are_a_table_for_a_model_file() -> None:
     assert limits == pytest.approx([70, 110], abs=1e-3)
 
 
-def test_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    saved = Figure.savefig
-
-    def roughly(figure: Figure, path: Path, *, dpi: int) -> None:
-        assert dpi == 200
-        saved(figure, path, dpi=30)
-
-    monkeypatch.setattr(Figure, "savefig", roughly)
+@pytest.mark.usefixtures("rough_pictures")
+def test_files(tmp_path: Path) -> None:
     out = tmp_path / "new"
     result = synthesize(*WANTED, "--out", str(out))
     assert result.exit_code == 0, result.output

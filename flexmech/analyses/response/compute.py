@@ -52,13 +52,19 @@ def response(
     Raises
     ------
     InputError
-        If the linkage locks in the course of a turn, or no engine is given.
+        If the linkage locks in the course of a turn, no engine is given, or links that bend
+        without load (unequally wet ones) are to start straight.
     ComputationError
         If a run diverges or does not converge; names the time and the crank angle.
     """
     chosen = [engines] if isinstance(engines, Engine) else list(engines)
     if not chosen:
         raise InputError("response needs one engine or more")
+    if request.start == "rigid" and chosen[0].mechanism.is_free_strained:
+        raise InputError(
+            "start rigid would hold links straight that are bent without any load, and then let "
+            "them ring; choose start equilibrium or periodic"
+        )
     # A crank that cannot turn round shows itself here, before anything is computed.
     chosen[0].mechanism.linkage.motion(
         np.asarray(request.drive.crank_angle(request.sample_time())), 1.0

@@ -37,7 +37,8 @@ class ResponseRequest:
         Samples a turn at the final speed.
     start : {"rigid", "equilibrium", "periodic"}
         Undeformed links with the rigid motion's velocities; links bent as the loads bend
-        them quasi-statically; or on the periodic orbit of the linear equations.
+        them quasi-statically (engines that simulate: at the nonlinear equilibrium); or on the
+        periodic orbit of the linear equations.
     step : float, optional
         Time step in s; chosen from ``modes`` and checked by halving where it is left out.
     integrator : {"trapezoidal", "generalized-alpha"}

@@ -14,6 +14,7 @@ from flexmech.analyses.response.quantities import deflections
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
+from flexmech.linkages import CrankDrive
 from flexmech.time_domain import (
     DETAIL,
     DrivenLinkage,
@@ -21,6 +22,7 @@ from flexmech.time_domain import (
     Simulator,
     Trajectory,
     VibrationState,
+    is_reduced,
     linear_run,
     periodic_state,
 )
@@ -40,7 +42,7 @@ STEP_TOLERANCE = 2e-2
 MOST_HALVINGS = 5
 # Deflections below this part of the links' lengths are the round-off of none at all.
 NO_DEFLECTION = 1e-12
-# Times over which a quasi-static start differentiates its displacement, in turns.
+# Time over which a quasi-static start differentiates its displacement, in turns.
 START_INTERVAL = 1e-4
 LEAST_STEPS_OF_A_TURN = 1440
 
@@ -139,7 +141,7 @@ def _checked(
     engine: Engine, request: ResponseRequest, trajectory: Trajectory, step_error: float
 ) -> EngineRun:
     """A run with the error of its component modes."""
-    if isinstance(engine, Simulator) or not engine.component_modes:
+    if isinstance(engine, Simulator) or not is_reduced(engine):
         return EngineRun(engine, trajectory, step_error, 0.0)
     finer = _linear_run(engine, request, trajectory.time, trajectory.step, None, detail=2 * DETAIL)
     return EngineRun(engine, trajectory, step_error, _difference(engine, trajectory, finer))
@@ -220,13 +222,30 @@ def _link_start(engine: Engine, request: ResponseRequest, step: float) -> LinkSt
     """Start of a simulation, in the engine's own coordinates."""
     if request.start == "rigid":
         return LinkState.rigid(engine.links)
+    if request.start == "equilibrium":
+        return _equilibrium(engine, request.drive)
     linkage = DrivenLinkage(
         engine, request.drive, request.prestress, modes=request.modes, with_energy=False
     )
-    state = _start(linkage, request, step)
-    parts = (state.position, state.velocity, np.zeros(linkage.size))
+    state = periodic_state(linkage, _steps_of_a_turn(request, step))
+    parts = (state.position, state.velocity, state.acceleration)
     return linkage.link_state(
         linkage.equations(np.zeros(1)), VibrationState(*(part[None] for part in parts))
+    )
+
+
+def _equilibrium(engine: Engine, drive: CrankDrive) -> LinkState:
+    """Nonlinear quasi-static equilibrium at time zero, and how fast the loads move it."""
+    time = _start_times(drive)
+    motion = engine.mechanism.linkage.motion(
+        drive.crank_angle(time), drive.crank_speed(time), drive.crank_acceleration(time)
+    )
+    displacement = engine.stressed_links(motion, "equilibrium").displacement
+    if displacement is None:
+        return LinkState.rigid(engine.links)
+    return LinkState(
+        displacement=[q[0] for q in displacement],
+        rate=[_rate(q, time) for q in displacement],
     )
 
 
@@ -234,11 +253,22 @@ def _start(linkage: DrivenLinkage, request: ResponseRequest, step: float) -> Vib
     nothing = np.zeros(linkage.size)
     if request.start == "rigid":
         return VibrationState(linkage.unstressed(), nothing, nothing)
-    turn = request.drive.revolution_time
     if request.start == "periodic":
-        return periodic_state(linkage, max(LEAST_STEPS_OF_A_TURN, round(turn / step)))
-    interval = START_INTERVAL * turn
-    times = interval * np.array([0.0, 1.0, 2.0])
-    position = linkage.equations(times, still=True).quasi_static()
-    velocity = (-3 * position[0] + 4 * position[1] - position[2]) / (2 * interval)
-    return VibrationState(position[0], velocity, nothing)
+        return periodic_state(linkage, _steps_of_a_turn(request, step))
+    time = _start_times(request.drive)
+    position = linkage.equations(time, still=True).quasi_static()
+    return VibrationState(position[0], _rate(position, time), nothing)
+
+
+def _start_times(drive: CrankDrive) -> FloatArray:
+    return np.asarray(START_INTERVAL * drive.revolution_time * np.arange(3.0), dtype=float)
+
+
+def _rate(position: FloatArray, time: FloatArray) -> FloatArray:
+    """Time derivative at the first of three evenly spaced times, of second order."""
+    first, second, third = position
+    return np.asarray((-3 * first + 4 * second - third) / (2 * (time[1] - time[0])))
+
+
+def _steps_of_a_turn(request: ResponseRequest, step: float) -> int:
+    return max(LEAST_STEPS_OF_A_TURN, round(request.drive.revolution_time / step))
