@@ -12,19 +12,16 @@ from numpy.typing import NDArray
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.response.quantities import deflections
 from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.response.start import linear_start, simulation_start
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive
 from flexmech.time_domain import (
     DETAIL,
     DrivenLinkage,
-    LinkState,
     Simulator,
     Trajectory,
-    VibrationState,
     is_reduced,
     linear_run,
-    periodic_state,
 )
 
 __all__ = ["EngineRun", "highest_frequency", "mesh_error", "run_engine"]
@@ -42,9 +39,6 @@ STEP_TOLERANCE = 2e-2
 MOST_HALVINGS = 5
 # Deflections below this part of the links' lengths are the round-off of none at all.
 NO_DEFLECTION = 1e-12
-# Time over which a quasi-static start differentiates its displacement, in turns.
-START_INTERVAL = 1e-4
-LEAST_STEPS_OF_A_TURN = 1440
 
 
 @dataclass(frozen=True)
@@ -190,7 +184,7 @@ def _run(
     progress: Progress | None,
 ) -> Trajectory:
     if isinstance(engine, Simulator):
-        start = _link_start(engine, request, step)
+        start = simulation_start(engine, request, step)
         return engine.simulate(
             request.drive,
             start,
@@ -214,61 +208,5 @@ def _linear_run(
     linkage = DrivenLinkage(
         engine, request.drive, request.prestress, modes=request.modes, detail=detail
     )
-    state = _start(linkage, request, step)
+    state = linear_start(linkage, request, step)
     return linear_run(linkage, state.position, state.velocity, sample_time, step, progress)
-
-
-def _link_start(engine: Engine, request: ResponseRequest, step: float) -> LinkState:
-    """Start of a simulation, in the engine's own coordinates."""
-    if request.start == "rigid":
-        return LinkState.rigid(engine.links)
-    if request.start == "equilibrium":
-        return _equilibrium(engine, request.drive)
-    linkage = DrivenLinkage(
-        engine, request.drive, request.prestress, modes=request.modes, with_energy=False
-    )
-    state = periodic_state(linkage, _steps_of_a_turn(request, step))
-    parts = (state.position, state.velocity, state.acceleration)
-    return linkage.link_state(
-        linkage.equations(np.zeros(1)), VibrationState(*(part[None] for part in parts))
-    )
-
-
-def _equilibrium(engine: Engine, drive: CrankDrive) -> LinkState:
-    """Nonlinear quasi-static equilibrium at time zero, and how fast the loads move it."""
-    time = _start_times(drive)
-    motion = engine.mechanism.linkage.motion(
-        drive.crank_angle(time), drive.crank_speed(time), drive.crank_acceleration(time)
-    )
-    displacement = engine.stressed_links(motion, "equilibrium").displacement
-    if displacement is None:
-        return LinkState.rigid(engine.links)
-    return LinkState(
-        displacement=[q[0] for q in displacement],
-        rate=[_rate(q, time) for q in displacement],
-    )
-
-
-def _start(linkage: DrivenLinkage, request: ResponseRequest, step: float) -> VibrationState:
-    nothing = np.zeros(linkage.size)
-    if request.start == "rigid":
-        return VibrationState(linkage.unstressed(), nothing, nothing)
-    if request.start == "periodic":
-        return periodic_state(linkage, _steps_of_a_turn(request, step))
-    time = _start_times(request.drive)
-    position = linkage.equations(time, still=True).quasi_static()
-    return VibrationState(position[0], _rate(position, time), nothing)
-
-
-def _start_times(drive: CrankDrive) -> FloatArray:
-    return np.asarray(START_INTERVAL * drive.revolution_time * np.arange(3.0), dtype=float)
-
-
-def _rate(position: FloatArray, time: FloatArray) -> FloatArray:
-    """Time derivative at the first of three evenly spaced times, of second order."""
-    first, second, third = position
-    return np.asarray((-3 * first + 4 * second - third) / (2 * (time[1] - time[0])))
-
-
-def _steps_of_a_turn(request: ResponseRequest, step: float) -> int:
-    return max(LEAST_STEPS_OF_A_TURN, round(request.drive.revolution_time / step))
