@@ -8,6 +8,7 @@ linearly with the number of elements.
 from __future__ import annotations
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 __all__ = ["factorize", "solve"]
@@ -29,13 +30,16 @@ def factorize(band: FloatArray) -> FloatArray:
         The pivots D in ``[:, 0]``, the columns of L below. A pivot that is not positive
         says that the matrix is not positive definite.
     """
-    size, columns = band.shape[:2]
-    for j in range(size):
-        reach = min(columns - 1, size - 1 - j)
-        below = band[j, 1 : reach + 1].copy()
+    size, columns, batch = band.shape
+    width = columns - 1
+    # Row k of the matrix to take off in a step begins k entries further down the column.
+    column = np.zeros((2 * width, batch))
+    shifted = sliding_window_view(column, width, axis=0)[:width].transpose(0, 2, 1)
+    for j in range(size - 1):
+        reach = min(width, size - 1 - j)
+        column[:reach], column[reach:width] = band[j, 1 : reach + 1], 0.0
         band[j, 1 : reach + 1] /= band[j, 0]
-        for k in range(reach):
-            band[j + 1 + k, : reach - k] -= band[j, 1 + k] * below[k:]
+        band[j + 1 : j + 1 + reach, :width] -= band[j, 1 : reach + 1, None] * shifted[:reach]
     return band
 
 
