@@ -44,8 +44,16 @@ STATE_FILES = ("hygrothermal_effect.csv", "hygrothermal_effect.nc", "hygrotherma
 # Folder of the dry linkage's files, inside that of the state's.
 DRY = "dry"
 
+# Of models that do not say at which speeds they operate.
+SPEEDS = "0,10,20"
+
 Speeds = Annotated[
-    str, typer.Option(help='Crank speeds: rad/s unless a unit is given, as in "0,10,300 rpm".')
+    str | None,
+    typer.Option(
+        help='Crank speeds: rad/s unless a unit is given, as in "0,10,300 rpm". Left out: '
+        f"standstill and the speeds at which the model operates; {SPEEDS} if it names none.",
+        metavar="LIST",
+    ),
 ]
 Angles = Annotated[
     str, typer.Option(help="Crank angles in degrees: START:STOP:STEP, or a comma list.")
@@ -71,7 +79,7 @@ RotationTerms = Annotated[
 @reports_failures
 def frequencies(
     model: Model,
-    speeds: Speeds = "0,10,20",
+    speeds: Speeds = None,
     angles: Angles = "0:360:5",
     modes: Modes = 4,
     engine: EngineOption = Engine.both,
@@ -87,7 +95,7 @@ def frequencies(
     no_plots: NoPlots = False,
 ) -> None:
     """Compute, save, draw and report the moving natural frequencies of a model file."""
-    crank_speeds = parse_speeds(speeds)
+    given = None if speeds is None else parse_speeds(speeds)
     crank_angles = parse_angles(angles)
     chosen = element_of_engines(engine, element)
     state = parse_state(temperature_rise, moisture, relative_humidity, time)
@@ -99,6 +107,7 @@ def frequencies(
     from flexmech.modelfile import load_mechanism
 
     dry = load_mechanism(model)
+    crank_speeds = _operating_speeds(dry) if given is None else given
     mechanism = dry if state is None else _in_state(dry, state)
     check_writable(out, (*TABLES, *FURTHER_TABLES, *STATE_FILES, *PICTURES))
     if state is not None:
@@ -137,6 +146,12 @@ def frequencies(
         if splits_speed and mechanism.is_free_strained:
             lines.append("effect of speed: not split by term, since links bend without load")
     _report(result, mechanism, out, files, lines)
+
+
+def _operating_speeds(mechanism: Mechanism) -> list[float]:
+    """Standstill and the speeds at which the model operates, in rad/s, ascending."""
+    named = mechanism.operating_speeds
+    return sorted({0.0, *named}) if named else parse_speeds(SPEEDS)
 
 
 def _in_state(dry: Mechanism, state: State) -> Mechanism:

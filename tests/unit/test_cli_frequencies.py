@@ -133,6 +133,25 @@ def test_defaults_are_those_of_the_manual(
     assert names(tmp_path / "results") == sorted(DATA + PICTURES)
 
 
+@pytest.mark.parametrize(
+    ("operation", "wanted"),
+    [
+        ("", [0.0, 10.0, 20.0]),
+        ('[operation]\ncrank_speeds = ["3 rad/s", "-1 rad/s"]\n', [-1.0, 0.0, 3.0]),
+    ],
+)
+def test_speeds_left_out_are_those_of_the_model(
+    invented: SimpleNamespace, tmp_path: Path, operation: str, wanted: list[float]
+) -> None:
+    text = Path(ALUMINIUM).read_text()
+    model = tmp_path / "own.toml"
+    model.write_text(text[: text.index("[operation]")] + operation)
+    out = ["--no-plots", "--out", str(tmp_path / "out")]
+    assert run("frequencies", str(model), *out).exit_code == 0
+    ((_, _, speeds, _),) = invented.calls
+    assert list(speeds) == wanted
+
+
 def test_the_last_line_says_how_far_the_engines_differ(
     invented: SimpleNamespace, tmp_path: Path
 ) -> None:
