@@ -36,9 +36,9 @@ def test_at_rest(mechanisms, name, elements):
 
 @pytest.mark.parametrize("name", ["aluminium", "steel"])
 @pytest.mark.parametrize("rotation_terms", [False, True])
-@pytest.mark.parametrize("speed", [10.0, 20.0])
-def test_at_equilibrium(mechanisms, name, rotation_terms, speed):
-    assert difference(mechanisms[name], 16, speed, rotation_terms=rotation_terms) < 1e-4
+def test_at_equilibrium(mechanisms, name, rotation_terms):
+    """At the highest speed; at 10 rad/s the gap is two to four times smaller."""
+    assert difference(mechanisms[name], 16, 20.0, rotation_terms=rotation_terms) < 1e-4
 
 
 @pytest.mark.parametrize("name", ["aluminium", "steel"])

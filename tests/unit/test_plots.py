@@ -311,9 +311,7 @@ class TestEveryFigure:
         check_layout(plot(frequency_dataset(speeds, modes=modes)))
 
     @pytest.mark.parametrize("plot", ALL_PLOTS)
-    @pytest.mark.parametrize(
-        "degrees", [[30.0], [0.0, 90.0, 180.0, 270.0], np.arange(30.0, 121.0, 2.0)]
-    )
+    @pytest.mark.parametrize("degrees", [[30.0], np.arange(30.0, 121.0, 2.0)])
     def test_layout_of_few_angles_and_part_of_a_turn(self, plot, degrees: list[float]) -> None:
         check_layout(plot(frequency_dataset(angles=np.radians(degrees))))
 
