@@ -1,7 +1,8 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, and tables in them."""
 
 from __future__ import annotations
 
+import csv
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -9,7 +10,7 @@ from pathlib import Path
 
 from flexmech.errors import InputError
 
-__all__ = ["check_writable", "moved_into", "write_whole"]
+__all__ = ["check_writable", "moved_into", "write_table", "write_whole"]
 
 
 def check_writable(folder: Path, names: Iterable[str]) -> None:
@@ -112,3 +113,19 @@ def _not_writable(folder: Path, error: OSError) -> str:
     return (
         f"cannot write to {folder} ({error.strerror or error}); choose a folder that can be written"
     )
+
+
+def write_table(file: Path, columns: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+    """Write a table as CSV, its columns' names first.
+
+    Parameters
+    ----------
+    file : Path
+    columns : iterable of str
+    rows : iterable of iterable
+        Values as they are to stand there.
+    """
+    with file.open("w", encoding="utf-8", newline="") as stream:
+        table = csv.writer(stream, lineterminator="\n")
+        table.writerow(columns)
+        table.writerows(rows)

@@ -11,8 +11,7 @@ bend too sharp to be told from a cusp in a picture.
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
@@ -43,7 +42,7 @@ from _neat_resin_claims import (
 from matplotlib.figure import Figure
 
 from flexmech.errors import InputError
-from flexmech.files import moved_into
+from flexmech.files import moved_into, write_table
 from flexmech.hygrothermal import HygrothermalState, linkage_in_state
 from flexmech.linkages import CouplerCurve, CuspTransition
 
@@ -108,8 +107,10 @@ def main(
     with moved_into(out) as folder:
         for name, picture in pictures.items():
             picture.savefig(folder / name, dpi=DOTS_PER_INCH)
-        _write(folder / "claims.csv", [f.name for f in fields(FigureClaim)], map(astuple, claims))
-        _write(folder / "cusps.csv", CUSP_COLUMNS, _cusp_rows(found))
+        write_table(
+            folder / "claims.csv", [f.name for f in fields(FigureClaim)], map(astuple, claims)
+        )
+        write_table(folder / "cusps.csv", CUSP_COLUMNS, _cusp_rows(found))
     answer = Answer(claims, found, [out / name for name in pictures])
     _report(answer)
     return answer
@@ -174,13 +175,6 @@ def _cusp_rows(found: Found) -> list[tuple[object, ...]]:
                     )
                 )
     return rows
-
-
-def _write(file: Path, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
-    with file.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(rows)
 
 
 def _report(answer: Answer) -> None:

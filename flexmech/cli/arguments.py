@@ -16,6 +16,7 @@ from flexmech.units import ANGULAR_SPEED, parse_number, parse_quantity
 
 __all__ = [
     "MOST_ANGLES",
+    "Angles",
     "LinkageKind",
     "MapPrestress",
     "Model",
@@ -38,6 +39,9 @@ _SAME_SPEED = 1e-12
 Model = Annotated[Path, typer.Argument(help="Model file.", metavar="MODEL")]
 Out = Annotated[Path, typer.Option(help="Folder for the files.", metavar="DIR")]
 NoPlots = Annotated[bool, typer.Option("--no-plots", help="Write no pictures.")]
+Angles = Annotated[
+    str, typer.Option(help="Crank angles in degrees: START:STOP:STEP, or a comma list.")
+]
 
 
 class Prestress(StrEnum):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexmech.cli.arguments import Model, NoPlots, Out, parse_angles
+from flexmech.cli.arguments import Angles, Model, NoPlots, Out, parse_angles
 from flexmech.cli.coupler_curve_files import PICTURES, TABLES, write
 from flexmech.cli.failures import reports_failures
 from flexmech.cli.surroundings import (
@@ -42,9 +42,6 @@ Point = Annotated[
         '"33 mm,320 deg" (m and deg unless units are given). Left out: the model file\'s.',
         metavar="e,gamma",
     ),
-]
-Angles = Annotated[
-    str, typer.Option(help="Crank angles in degrees: START:STOP:STEP, or a comma list.")
 ]
 
 

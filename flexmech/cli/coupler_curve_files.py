@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from flexmech.files import moved_into
+from flexmech.files import moved_into, write_table
 
 if TYPE_CHECKING:
     from flexmech.hygrothermal import CouplerPath, State
@@ -48,14 +47,9 @@ def write(
     -------
     list of Path
     """
-    columns = (CURVE_COLUMNS, TOPOLOGY_COLUMNS)
-    rows = (_curve_rows(paths), _topology_rows(paths))
     with moved_into(out) as folder:
-        for file, heading, lines in zip(TABLES, columns, rows, strict=True):
-            with (folder / file).open("w", encoding="utf-8", newline="") as stream:
-                table = csv.writer(stream, lineterminator="\n")
-                table.writerow(heading)
-                table.writerows(lines)
+        write_table(folder / TABLES[0], CURVE_COLUMNS, _curve_rows(paths))
+        write_table(folder / TABLES[1], TOPOLOGY_COLUMNS, _topology_rows(paths))
         if draw:
             _draw(paths, states, name, folder)
     return [out / file for file in (*TABLES, *(PICTURES if draw else ()))]

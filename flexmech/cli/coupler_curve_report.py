@@ -30,7 +30,7 @@ def lines(mechanism: Mechanism, paths: Mapping[str, CouplerPath], state: State |
     """
     from flexmech.cli.state_report import link_lines
 
-    said = [] if state is None else link_lines(mechanism, state)
+    said = link_lines(mechanism, state)
     for name, path in paths.items():
         lengths = ", ".join(f"{link} {1e3 * m:.6g}" for link, m in path.linkage.lengths.items())
         said.append(f"{name}: {lengths}, coupler point {1e3 * path.point.distance:.6g} mm from A")

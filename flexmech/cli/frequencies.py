@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from flexmech.cli.arguments import MapPrestress, Model, NoPlots, Out, parse_angles, parse_speeds
+from flexmech.cli.arguments import (
+    Angles,
+    MapPrestress,
+    Model,
+    NoPlots,
+    Out,
+    parse_angles,
+    parse_speeds,
+)
 from flexmech.cli.engines import (
     ElementOption,
     Elements,
@@ -22,6 +30,7 @@ from flexmech.cli.surroundings import (
     Moisture,
     RelativeHumidity,
     TemperatureRise,
+    in_state,
     parse_state,
 )
 from flexmech.files import check_writable
@@ -54,9 +63,6 @@ Speeds = Annotated[
         f"standstill and the speeds at which the model operates; {SPEEDS} if it names none.",
         metavar="LIST",
     ),
-]
-Angles = Annotated[
-    str, typer.Option(help="Crank angles in degrees: START:STOP:STEP, or a comma list.")
 ]
 Modes = Annotated[int, typer.Option(min=1, help="Number of natural frequencies.")]
 PrestressOption = Annotated[
@@ -108,7 +114,7 @@ def frequencies(
 
     dry = load_mechanism(model)
     crank_speeds = _operating_speeds(dry) if given is None else given
-    mechanism = dry if state is None else _in_state(dry, state)
+    mechanism = in_state(dry, state)
     check_writable(out, (*TABLES, *FURTHER_TABLES, *STATE_FILES, *PICTURES))
     if state is not None:
         check_writable(out / DRY, (*TABLES, *FURTHER_TABLES, *PICTURES))
@@ -132,14 +138,14 @@ def frequencies(
             )
 
     result = computed(engines, bent=mechanism.is_free_strained)
-    dry_result = result
+    dry_result = None
     if state is not None:
         # The same elements in both states: only heat and moisture shall make a difference.
         same = [type(one)(dry, elements=elements, element=one.element) for one in engines]
         dry_result = computed(same, bent=False)
     files = _written(result, out, draw=not no_plots)
     lines: list[str] = []
-    if state is not None:
+    if state is not None and dry_result is not None:
         files += _written(dry_result, out / DRY, draw=not no_plots)
         more, lines = _compare(dry_result, result, dry, state, out, draw=not no_plots)
         files += more
@@ -152,12 +158,6 @@ def _operating_speeds(mechanism: Mechanism) -> list[float]:
     """Standstill and the speeds at which the model operates, in rad/s, ascending."""
     named = mechanism.operating_speeds
     return sorted({0.0, *named}) if named else parse_speeds(SPEEDS)
-
-
-def _in_state(dry: Mechanism, state: State) -> Mechanism:
-    from flexmech.hygrothermal import mechanism_in_state
-
-    return mechanism_in_state(dry, state)
 
 
 def _written(result: MovingFrequencies, out: Path, *, draw: bool) -> list[Path]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,7 +12,7 @@ from flexmech.cli.arguments import Model, NoPlots, Out
 from flexmech.cli.failures import reports_failures
 from flexmech.cli.surroundings import parse_percent, parse_time
 from flexmech.errors import InputError
-from flexmech.files import check_writable, moved_into
+from flexmech.files import check_writable, moved_into, write_table
 from flexmech.units import TEMPERATURE, parse_quantity
 
 if TYPE_CHECKING:
@@ -135,19 +134,12 @@ def _write(
     found: Mapping[str, LinkUptake], parts: list[int], name: str, out: Path, *, draw: bool
 ) -> list[Path]:
     """Write tables and the picture, all or none."""
-    tables = {
-        PROFILE: (PROFILE_COLUMNS, _profile_rows(found, parts)),
-        UPTAKE: (UPTAKE_COLUMNS, _uptake_rows(found)),
-    }
     with moved_into(out) as folder:
-        for file, (columns, rows) in tables.items():
-            with (folder / file).open("w", encoding="utf-8", newline="") as stream:
-                table = csv.writer(stream, lineterminator="\n")
-                table.writerow(columns)
-                table.writerows(rows)
+        write_table(folder / PROFILE, PROFILE_COLUMNS, _profile_rows(found, parts))
+        write_table(folder / UPTAKE, UPTAKE_COLUMNS, _uptake_rows(found))
         if draw:
             _draw(found, parts, name, folder / PICTURE)
-    return [out / file for file in (*tables, *((PICTURE,) if draw else ()))]
+    return [out / file for file in (PROFILE, UPTAKE, *((PICTURE,) if draw else ()))]
 
 
 def _profile_rows(found: Mapping[str, LinkUptake], parts: list[int]) -> Iterator[list[str]]:

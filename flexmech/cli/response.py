@@ -32,6 +32,7 @@ from flexmech.cli.surroundings import (
     Moisture,
     RelativeHumidity,
     TemperatureRise,
+    in_state,
     parse_state,
 )
 from flexmech.errors import InputError
@@ -147,12 +148,11 @@ def response(
         write_pictures,
     )
     from flexmech.cli.state_report import link_lines
-    from flexmech.hygrothermal import mechanism_in_state
     from flexmech.linkages import CrankDrive
     from flexmech.modelfile import load_mechanism
 
     dry = load_mechanism(model)
-    mechanism = dry if state is None else mechanism_in_state(dry, state)
+    mechanism = in_state(dry, state)
     request = _request(
         CrankDrive(crank_speed, run_up_time), turns, samples, modes, start, time_step
     )
@@ -175,8 +175,7 @@ def response(
     if animate:
         with progress_bar() as progress:
             files = [*files, *write_animations(result.dataset, out, progress)]
-    state_lines = [] if state is None else link_lines(dry, state)
-    _report(result, mechanism, out, files, state_lines, animate=animate)
+    _report(result, mechanism, out, files, link_lines(dry, state), animate=animate)
 
 
 def _request(

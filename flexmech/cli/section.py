@@ -14,6 +14,7 @@ from flexmech.cli.surroundings import (
     Moisture,
     RelativeHumidity,
     TemperatureRise,
+    in_state,
     parse_state,
 )
 from flexmech.errors import InputError
@@ -60,11 +61,10 @@ def section(
 
     from flexmech.cli.pictures import file_lines
     from flexmech.cli.state_report import link_lines
-    from flexmech.hygrothermal import mechanism_in_state
     from flexmech.modelfile import load_mechanism
 
     dry = load_mechanism(model)
-    mechanism = dry if state is None else mechanism_in_state(dry, state)
+    mechanism = in_state(dry, state)
     sections = _chosen(mechanism, link)
     pictures = {name: f"section_{name}.png" for name in mechanism.sections}
     files: list[Path] = []
@@ -72,7 +72,7 @@ def section(
         check_writable(out, (*TABLES, *pictures.values()))
         files = _write(sections, out, {} if no_plots else pictures)
     _report(sections)
-    for line in () if state is None else link_lines(dry, state):
+    for line in link_lines(dry, state):
         typer.echo(line)
     if out is not None:
         for line in file_lines(out, files, (*TABLES, *pictures.values())):

@@ -14,19 +14,22 @@ if TYPE_CHECKING:
 __all__ = ["change_lines", "link_lines"]
 
 
-def link_lines(mechanism: Mechanism, state: State) -> list[str]:
+def link_lines(mechanism: Mechanism, state: State | None) -> list[str]:
     """What heat and moisture make of each link.
 
     Parameters
     ----------
     mechanism : Mechanism
         Dry, at its reference temperature.
-    state : HygrothermalState or Exposure
+    state : HygrothermalState or Exposure, optional
+        Left out where none was asked for: then there is nothing to say.
 
     Returns
     -------
     list of str
     """
+    if state is None:
+        return []
     from flexmech.hygrothermal import resin_retention, silent_links, swollen_links
 
     lines = [f"state: {state.label}"]

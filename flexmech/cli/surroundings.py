@@ -11,12 +11,14 @@ from flexmech.units import TEMPERATURE_DIFFERENCE, TIME, parse_number, parse_qua
 
 if TYPE_CHECKING:
     from flexmech.hygrothermal import State
+    from flexmech.mechanism import Mechanism
 
 __all__ = [
     "ExposureTime",
     "Moisture",
     "RelativeHumidity",
     "TemperatureRise",
+    "in_state",
     "parse_percent",
     "parse_state",
 ]
@@ -91,6 +93,29 @@ def parse_state(
     return HygrothermalState(
         rise, 0.0 if moisture is None else parse_percent("--moisture", moisture)
     )
+
+
+def in_state(dry: Mechanism, state: State | None) -> Mechanism:
+    """A mechanism in the heat and moisture asked for.
+
+    Parameters
+    ----------
+    dry : Mechanism
+    state : HygrothermalState or Exposure, optional
+        None leaves the mechanism as it is.
+
+    Returns
+    -------
+    Mechanism
+
+    Raises
+    ------
+    InputError
+        See :func:`flexmech.hygrothermal.mechanism_in_state`.
+    """
+    from flexmech.hygrothermal import mechanism_in_state
+
+    return dry if state is None else mechanism_in_state(dry, state)
 
 
 def parse_rise(text: str) -> float:

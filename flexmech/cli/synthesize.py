@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,7 +10,7 @@ import typer
 from flexmech.cli.arguments import NoPlots
 from flexmech.cli.failures import reports_failures
 from flexmech.errors import InputError
-from flexmech.files import check_writable, moved_into
+from flexmech.files import check_writable, moved_into, write_table
 from flexmech.units import LENGTH, parse_quantity
 
 if TYPE_CHECKING:
@@ -110,12 +109,11 @@ def _write(linkage: FourBar, deviation: float, out: Path, *, draw: bool) -> list
     degrees = np.arange(361.0)
     angle = linkage.transmission_angle(np.radians(degrees))
     with moved_into(out) as folder:
-        with (folder / TABLE).open("w", encoding="utf-8", newline="") as stream:
-            table = csv.writer(stream, lineterminator="\n")
-            table.writerow(["crank_angle_deg", "transmission_angle_deg"])
-            table.writerows(
-                [f"{a:g}", f"{b:.10g}"] for a, b in zip(degrees, np.degrees(angle), strict=True)
-            )
+        write_table(
+            folder / TABLE,
+            ("crank_angle_deg", "transmission_angle_deg"),
+            ([f"{a:g}", f"{b:.10g}"] for a, b in zip(degrees, np.degrees(angle), strict=True)),
+        )
         if draw:
             from flexmech.cli.pictures import DOTS_PER_INCH, without_windows
 
