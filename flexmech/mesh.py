@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
+from flexmech.types import FloatArray
 
 __all__ = ["STATIONS", "middle_curvature", "node_positions", "pieces", "station_shapes"]
 
 STATIONS = 21
 
 
-def pieces(length: float, point_positions: Sequence[float]) -> NDArray[np.float64]:
+def pieces(length: float, point_positions: Sequence[float]) -> FloatArray:
     """Lengths of the pieces into which point masses divide a link."""
     slack = 1e-9 * length
     breaks = [0.0]
@@ -26,7 +26,7 @@ def pieces(length: float, point_positions: Sequence[float]) -> NDArray[np.float6
 
 def node_positions(
     length: float, elements: int, point_positions: Sequence[float] = ()
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Nodes along a link, one at each point mass.
 
     A point mass inside an element would put a kink into the shear force that the element
@@ -66,10 +66,10 @@ def node_positions(
 
 
 def station_shapes(
-    nodes: NDArray[np.float64],
+    nodes: FloatArray,
     per_node: int,
-    shape_functions: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]],
-) -> NDArray[np.float64]:
+    shape_functions: Callable[[FloatArray, FloatArray], FloatArray],
+) -> FloatArray:
     """Displacement at evenly spaced stations along a link from its nodal coordinates.
 
     Parameters
@@ -97,8 +97,8 @@ def station_shapes(
 
 
 def middle_curvature(
-    nodes: NDArray[np.float64], per_node: int, slope: int, deflection: int | None = None
-) -> NDArray[np.float64]:
+    nodes: FloatArray, per_node: int, slope: int, deflection: int | None = None
+) -> FloatArray:
     """Bending curvature in the middle of a link from its nodal coordinates.
 
     The curvature of a polynomial through the three nodes nearest to the middle, which

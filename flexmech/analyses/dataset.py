@@ -15,10 +15,10 @@ from flexmech.analyses.modal_damping import links_without_loss
 from flexmech.analyses.provenance import provenance
 from flexmech.analyses.tracking import Branches
 from flexmech.linear_system import Engine
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["EngineMap", "SpeedMap", "build_dataset"]
 
-FloatArray = NDArray[np.float64]
 
 MAP_DIMS = ("engine", "crank_speed", "crank_angle", "mode")
 CHECK_DIMS = ("engine", "crank_speed", "check_angle", "mode")
@@ -83,7 +83,7 @@ class EngineMap:
 
     engine: Engine
     detail: float
-    check_angles: NDArray[np.intp]
+    check_angles: IntArray
     speeds: list[SpeedMap]
 
 

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.analyses.eigenproblem import solve_frequencies
 from flexmech.linear_system import Engine, Prestress, RotationTerms
 from flexmech.mesh import pieces
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["check_angle_indices", "discretisation_error"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 CHECK_ANGLES = 12
 

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import LinearSystem
+from flexmech.types import FloatArray
 
 __all__ = ["Modes", "solve_frequencies", "solve_modes"]
 
-FloatArray = NDArray[np.float64]
 
 # A mode whose frequency is this many times the undamped one is the next mode.
 LEFT_OUT = 1.2

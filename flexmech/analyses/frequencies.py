@@ -23,11 +23,9 @@ from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinearSystem, Prestress
 from flexmech.threads import one_thread
 from flexmech.time_domain import Simulator
+from flexmech.types import FloatArray, IntArray, LabelledProgress
 
 __all__ = ["frequency_map", "moving_frequencies", "natural_frequencies"]
-
-FloatArray = NDArray[np.float64]
-Progress = Callable[[str, int, int], None]
 
 
 def natural_frequencies(
@@ -66,7 +64,7 @@ def natural_frequencies(
     )
     motion = engine.mechanism.linkage.motion(angle, speed)
 
-    def system(engine: Engine, detail: float, which: NDArray[np.intp]) -> LinearSystem:
+    def system(engine: Engine, detail: float, which: IntArray) -> LinearSystem:
         return engine.linear_system(
             angle.ravel()[which],
             speed.ravel()[which],
@@ -129,7 +127,7 @@ def moving_frequencies(
     prestress: MapPrestress = "equilibrium",
     rotation_terms: bool = True,
     speed_effect: bool = False,
-    progress: Progress | None = None,
+    progress: LabelledProgress | None = None,
 ) -> MovingFrequencies:
     """Tracked natural frequencies over crank angles and speeds, with their errors.
 
@@ -216,10 +214,10 @@ def _effect_map(of: EngineMap) -> Callable[[Engine, FrequencyRequest], FloatArra
     return lambda engine, request: frequency_map(engine, request, of.detail)
 
 
-def _map_engine(engine: Engine, request: FrequencyRequest, report: Progress) -> EngineMap:
+def _map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgress) -> EngineMap:
     where = check_angle_indices(request.crank_angles, request.full_turn)
     total = len(request.crank_speeds) * len(request.crank_angles)
-    numbering: NDArray[np.intp] | None = None
+    numbering: IntArray | None = None
     start_shapes: NDArray[Any] | None = None
     speeds: list[SpeedMap] = []
     finest = Mapping(engine, request)

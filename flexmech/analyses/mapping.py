@@ -7,16 +7,15 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.analyses.reduction import CheckedModes, accurate_reduction
 from flexmech.analyses.running_states import RunningStates
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinearSystem, Prestress, RotationTerms
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["SPARE_MODES", "FrequencyRequest", "MapPrestress", "Mapping"]
 
-FloatArray = NDArray[np.float64]
 MapPrestress = Prestress | Literal["trajectory"]
 
 # Modes followed besides those asked for, so that a branch may dip out and come back.
@@ -106,7 +105,7 @@ class Mapping:
             batch = angles[start : start + size]
             yield self._system(self.engine, self.detail, batch, crank_speed)
 
-    def check(self, crank_speed: float, where: NDArray[np.intp]) -> CheckedModes:
+    def check(self, crank_speed: float, where: IntArray) -> CheckedModes:
         """Modes at some crank angles; settles how many component modes the map takes.
 
         Parameters

@@ -32,10 +32,9 @@ from flexmech.linear_system import Engine, LinearSystem, Prestress
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, DampingTimes
 from flexmech.threads import one_thread
+from flexmech.types import FloatArray
 
 __all__ = ["StrainEnergyDamping", "links_without_loss", "strain_energy_damping"]
-
-FloatArray = NDArray[np.float64]
 
 
 def links_without_loss(mechanism: Mechanism) -> tuple[str, ...]:

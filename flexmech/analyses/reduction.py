@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.eigenproblem import Modes, solve_modes
 from flexmech.linear_system import Engine, LinearSystem
+from flexmech.types import FloatArray
 
 __all__ = ["CheckedModes", "accurate_reduction", "reduction_error"]
 
 logger = logging.getLogger(__name__)
 
-FloatArray = NDArray[np.float64]
 
 # A reduction with a greater relative error in a frequency asked for is made finer.
 REDUCTION_TOLERANCE = 2e-5

@@ -5,17 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain import DrivenLinkage, Simulator, simulated_orbit
+from flexmech.types import FloatArray
 
 __all__ = ["RunningStates"]
 
-FloatArray = NDArray[np.float64]
 
 # The settled motion moves frequencies by a part of what speed does; a step of an eighth of a
 # degree makes 1e-3 of the deflection.

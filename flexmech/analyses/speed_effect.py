@@ -5,15 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from flexmech.analyses.mapping import FrequencyRequest
 from flexmech.linear_system import Engine, Prestress, RotationTerms
+from flexmech.types import FloatArray
 
 __all__ = ["TERMS", "speed_effect_terms"]
 
-FloatArray = NDArray[np.float64]
 
 # In the order in which the terms are switched on, and what is on by then.
 TERMS: dict[str, tuple[Prestress, RotationTerms]] = {

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from flexmech.types import FloatArray, IntArray
+
 __all__ = ["Branches", "Tracker", "assign", "cross_amplitude", "find_veering", "same_shapes"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 # Two shapes with a lower score share less than half of their kinetic energy.
 BROKEN_MAC = 0.5

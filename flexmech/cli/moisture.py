@@ -13,12 +13,10 @@ from flexmech.cli.failures import reports_failures
 from flexmech.cli.surroundings import parse_percent, parse_time
 from flexmech.errors import InputError
 from flexmech.files import check_writable, moved_into, write_table
+from flexmech.types import FloatArray
 from flexmech.units import TEMPERATURE, parse_quantity
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from flexmech.hygrothermal import LinkUptake
     from flexmech.mechanism import Mechanism
 
@@ -120,7 +118,7 @@ def _links(mechanism: Mechanism, wanted: str | None) -> tuple[str, ...]:
     return found
 
 
-def _times(end: float) -> tuple[NDArray[np.float64], list[int]]:
+def _times(end: float) -> tuple[FloatArray, list[int]]:
     """Times of the uptake, evenly in their root, and which of them the profiles are of."""
     import numpy as np
 

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import NDArray
 
 from flexmech.materials import Laminate, Layer
 from flexmech.sections import BeamSection, LaminateSection
+from flexmech.types import FloatArray
 
 __all__ = [
     "in_runs",
@@ -24,7 +24,6 @@ __all__ = [
     "unit_load_profile",
 ]
 
-FloatArray = NDArray[np.float64]
 
 # Places in a layer, and about how many in all layers of a link with few.
 FEWEST_PLACES, SMOOTH = 9, 60

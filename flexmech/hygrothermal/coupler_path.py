@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.hygrothermal.in_state import coupler_point_in_state, linkage_in_state
 from flexmech.hygrothermal.state import State
@@ -18,10 +17,9 @@ from flexmech.linkages import (
     double_points,
 )
 from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
 
 __all__ = ["CouplerPath", "coupler_path"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, PlyRecipe
@@ -20,10 +19,10 @@ from flexmech.materials.moisture import (
     diffuse_bar,
 )
 from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
 
 __all__ = ["LinkDiffusion", "link_diffusion"]
 
-FloatArray = NDArray[np.float64]
 
 # Slices of a link through its thickness, each with the mean moisture inside it, and the cells
 # and the tolerance that it is computed with: good to some 1e-5 of the saturation.

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError, InputError
 from flexmech.hygrothermal.link_diffusion import LinkDiffusion, link_diffusion
@@ -19,10 +18,10 @@ from flexmech.materials.moisture import (
     time_to_saturation,
 )
 from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
 
 __all__ = ["LinkUptake", "link_uptake"]
 
-FloatArray = NDArray[np.float64]
 
 # Of the time scale of filling; a slab is full to 1e-17 by then.
 LONGEST = 40.0

@@ -21,11 +21,10 @@ from numpy.typing import NDArray
 
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import Topology
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["ComponentModes", "ReducedLink", "component_modes"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 # Modes of the held links are kept up to this multiple of the frequency of the highest
 # mode asked for; the frequencies asked for mostly come out within 1e-5. Maps measure their

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
@@ -18,10 +18,10 @@ from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem, condense
 from flexmech.linkages import RigidMotion
 from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
 
 __all__ = ["PRESTRESS_LEVELS", "ConvergenceOrders", "Engine", "Prestress"]
 
-FloatArray = NDArray[np.float64]
 Prestress = Literal["none", "axial", "equilibrium"]
 PRESTRESS_LEVELS: tuple[Prestress, ...] = ("none", "axial", "equilibrium")
 # Working memory of a batch; keeps what is alive at a time independent of the map's size.

@@ -23,11 +23,9 @@ from numpy.typing import NDArray
 
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import RigidMotion, Topology
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["LinkDamping", "LinkFrames", "RotationTerms", "SystemMatrices", "TurningPair"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 
 @dataclass(frozen=True)

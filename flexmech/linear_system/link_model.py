@@ -10,11 +10,9 @@ from numpy.typing import NDArray
 
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["EndMatrices", "LinkModel", "RigidFields", "inertia_loads"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 
 @dataclass(frozen=True)

@@ -5,15 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import RigidMotion, Topology
+from flexmech.types import FloatArray
 
 __all__ = ["refuse_other_postures"]
 
-FloatArray = NDArray[np.float64]
 
 # A link displaced by more than this part of its length has left the posture whose
 # vibrations are asked for; Newton's method may then have found any other equilibrium.

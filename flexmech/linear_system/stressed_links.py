@@ -6,14 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
-import numpy as np
-from numpy.typing import NDArray
-
 from flexmech.linear_system.link_model import LinkModel
+from flexmech.types import FloatArray
 
 __all__ = ["StressedLinks"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from flexmech.linear_system.link_frames import LinkFrames, RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
+from flexmech.types import FloatArray
 
 __all__ = ["LinearSystem", "condense"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.linkages import RigidMotion, inverse_dynamics
 from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
 
 __all__ = ["element_tensions"]
-
-FloatArray = NDArray[np.float64]
 
 
 def element_tensions(

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
 from flexmech.linkages.fourbar import FourBar
 from flexmech.linkages.motion import RigidMotion, direction, normal
+from flexmech.types import FloatArray
 
 __all__ = ["CouplerCurve", "CouplerPoint", "CouplerTriangle"]
 
-FloatArray = NDArray[np.float64]
 
 COUPLER = 1
 

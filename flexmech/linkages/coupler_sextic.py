@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
 from flexmech.linkages.coupler_curve import CouplerPoint
 from flexmech.linkages.fourbar import FourBar
+from flexmech.types import FloatArray
 
 __all__ = ["coupler_sextic"]
-
-FloatArray = NDArray[np.float64]
 
 
 def coupler_sextic(linkage: FourBar, point: CouplerPoint, position: ArrayLike) -> FloatArray:

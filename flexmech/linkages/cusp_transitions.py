@@ -16,16 +16,15 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
 from flexmech.errors import InputError
 from flexmech.linkages.double_point_path import DoublePointPath, Family, Stop, distance
 from flexmech.linkages.double_points import FiniteDoublePoint, full_turn
+from flexmech.types import FloatArray
 
 __all__ = ["CuspTransition", "cusp_transitions"]
 
-FloatArray = NDArray[np.float64]
 Place = tuple[float, FiniteDoublePoint]
 
 TURN = 2 * math.pi

@@ -41,7 +41,6 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.linkages.circuits import (
     Circuit,
@@ -53,10 +52,10 @@ from flexmech.linkages.circuits import (
 from flexmech.linkages.coupler_curve import CouplerPoint, CouplerTriangle
 from flexmech.linkages.focal_cubic import FocalCubic
 from flexmech.linkages.fourbar import FourBar
+from flexmech.types import FloatArray
 
 __all__ = ["DoublePoint", "FiniteDoublePoint", "double_points", "finite_double_points"]
 
-FloatArray = NDArray[np.float64]
 
 # The loop of a crunode is about margin^1.5 of the linkage in size: below this margin it is
 # smaller than the round-off of a place, and crunode, cusp and acnode are one.

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
+from flexmech.types import FloatArray
 
 __all__ = ["CrankDrive"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

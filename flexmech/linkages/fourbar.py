@@ -7,15 +7,15 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
 from flexmech.linkages.motion import RigidMotion, direction, normal
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
+from flexmech.types import FloatArray
 
 __all__ = ["Branch", "FourBar", "GrashofClass"]
 
-FloatArray = NDArray[np.float64]
 Branch = Literal["open", "crossed"]
 GrashofClass = Literal[
     "crank-rocker", "rocker-crank", "double-crank", "double-rocker", "change-point", "triple-rocker"

@@ -10,15 +10,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.linkages.motion import RigidMotion, direction, normal
 from flexmech.linkages.topology import LinkEnd, Topology
+from flexmech.types import FloatArray
 
 __all__ = ["InverseDynamics", "LinkMass", "inverse_dynamics"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

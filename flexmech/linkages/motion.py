@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from flexmech.types import FloatArray
 
 __all__ = ["RigidMotion", "direction", "normal"]
-
-FloatArray = NDArray[np.float64]
 
 
 def direction(angle: FloatArray) -> FloatArray:

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexmech.errors import InputError
 from flexmech.linkages.fourbar import CHANGE_POINT_TOLERANCE, FourBar
+from flexmech.types import FloatArray
 
 __all__ = [
     "CrankRockerProportions",
@@ -25,7 +26,6 @@ __all__ = [
     "transmission_design",
 ]
 
-FloatArray = NDArray[np.float64]
 
 BALANCED = 1e-9
 RIGHT_ANGLE = np.pi / 2

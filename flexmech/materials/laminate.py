@@ -13,14 +13,12 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.materials.ply import Ply
+from flexmech.types import FloatArray
 
 __all__ = ["Laminate", "Layer"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

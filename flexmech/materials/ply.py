@@ -6,16 +6,14 @@ from dataclasses import dataclass, fields
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.materials.hygrothermal import ResinContent
 from flexmech.materials.material import Material
 from flexmech.materials.recipe import PlyRecipe
+from flexmech.types import FloatArray
 
 __all__ = ["Ply", "PlyDamping"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from flexmech.types import FloatArray
 
 __all__ = ["Arms", "LinkArms"]
 
-FloatArray = NDArray[np.float64]
 
 # Coordinates of a node: place along and across, rotation.
 PER_NODE = 3

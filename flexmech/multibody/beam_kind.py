@@ -12,11 +12,9 @@ from flexmech.linear_system import RigidFields
 from flexmech.multibody.node_bodies import BeamInertia
 from flexmech.multibody.strains import Strain
 from flexmech.sections import BeamSection
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["BeamKind"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 
 class BeamKind(ABC):

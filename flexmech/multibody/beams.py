@@ -6,7 +6,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.linear_system import RigidFields
@@ -16,6 +15,7 @@ from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.node_bodies import BeamInertia
 from flexmech.multibody.strains import Strain, cable_strains, exact_beam_strains
 from flexmech.sections import BeamSection
+from flexmech.types import FloatArray
 
 __all__ = [
     "BEAM_KINDS",
@@ -25,8 +25,6 @@ __all__ = [
     "refuse_eccentric_sections",
     "refuse_free_strain",
 ]
-
-FloatArray = NDArray[np.float64]
 
 
 class AncfCable(BeamKind):

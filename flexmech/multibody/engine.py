@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.linear_system import (
@@ -33,10 +32,9 @@ from flexmech.multibody.running_model import RunningModel
 from flexmech.multibody.simulation import Simulation
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
 from flexmech.time_domain import INTEGRATORS, Integrator, LinkState, Recorder, Trajectory
+from flexmech.types import FloatArray
 
 __all__ = ["ExudynEngine"]
-
-FloatArray = NDArray[np.float64]
 
 
 class ExudynEngine(Engine):

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.model import MultibodyModel
+from flexmech.types import FloatArray, IntArray
 
 __all__ = [
     "StaticEquilibrium",
@@ -24,8 +24,6 @@ __all__ = [
     "static_equilibrium",
 ]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 # Out-of-balance force at which Newton's method stops, relative to the load, and what
 # round-off leaves of the forces between nodes whose absolute positions are subtracted.

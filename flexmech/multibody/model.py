@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.mechanism import Mechanism
@@ -21,10 +20,9 @@ from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.beams import BEAM_KINDS, refuse_eccentric_sections
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.node_bodies import BeamInertia, NodeBodies, point_masses_at
+from flexmech.types import FloatArray
 
 __all__ = ["LinkPart", "MultibodyModel"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,9 @@ from flexmech.linear_system import LinkModel
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.model import LinkPart
+from flexmech.types import FloatArray
 
 __all__ = ["MovingFrames"]
-
-FloatArray = NDArray[np.float64]
 
 
 class MovingFrames:

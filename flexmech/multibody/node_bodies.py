@@ -14,15 +14,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.library import load_exudyn
 from flexmech.sections import BeamSection
+from flexmech.types import FloatArray
 
 __all__ = ["BeamInertia", "NodeBodies", "point_masses_at"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import Clamp, CrankDrive, LinkEnd
@@ -20,11 +19,9 @@ from flexmech.mechanism import Mechanism
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.model import MultibodyModel
 from flexmech.multibody.node_bodies import NodeBodies
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["RunningModel"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 
 class RunningModel(MultibodyModel):

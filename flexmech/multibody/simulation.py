@@ -9,7 +9,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError, InputError
 from flexmech.linkages import RigidMotion
@@ -18,10 +17,9 @@ from flexmech.multibody.linearize import ROUND_OFF
 from flexmech.multibody.moving_frames import MovingFrames
 from flexmech.multibody.running_model import RunningModel
 from flexmech.time_domain import Integrator, LinkState, Recorder, StepBlock
+from flexmech.types import FloatArray
 
 __all__ = ["SPECTRAL_RADIUS", "Simulation"]
-
-FloatArray = NDArray[np.float64]
 
 
 # Generalized-alpha's damping of vibration much faster than the step: 1 none, 0 at once.

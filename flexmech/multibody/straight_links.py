@@ -5,17 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.linear_system import LinkModel
 from flexmech.mesh import middle_curvature, station_shapes
 from flexmech.multibody.linearize import linearized, simulation_settings
 from flexmech.multibody.model import MultibodyModel
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["link_models", "unit_tension_stiffness"]
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 
 def link_models(model: MultibodyModel) -> tuple[LinkModel, ...]:

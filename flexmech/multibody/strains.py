@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.sections import BeamSection
+from flexmech.types import FloatArray
 
 __all__ = ["Strain", "cable_strains", "exact_beam_strains"]
 
-FloatArray = NDArray[np.float64]
 
 # Exudyn integrates a cable's axial strain to order 9 and its curvature to order 5.
 AXIAL_POINTS = 5

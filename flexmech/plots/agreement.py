@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.plots.frequencies import engine_label
@@ -27,10 +26,10 @@ from flexmech.plots.style import (
     series_style,
     speed_label,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["plot_agreement"]
 
-FloatArray = NDArray[np.float64]
 
 # Zero has no place on a logarithmic axis: equal frequencies are drawn at about machine epsilon.
 FLOOR = 1e-16

@@ -25,10 +25,10 @@ from flexmech.plots.style import (
     series_style,
     speed_label,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["DOTS_AN_INCH", "FRAMES_A_SECOND", "EnlargedMotion", "Picture", "Scene"]
 
-FloatArray = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
 MOST_FRAMES = 120

@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from flexmech.plots.style import (
     LABEL_SIZE,
@@ -24,6 +23,7 @@ from flexmech.plots.style import (
     series_handle,
     series_style,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["plot_composite_damping", "plot_composite_frequencies", "plot_laminate_factors"]
 
@@ -190,7 +190,7 @@ def _bars(
     return figure
 
 
-def _places(cases: int) -> NDArray[np.float64]:
+def _places(cases: int) -> FloatArray:
     """Middle of each bar, (cases, laminates)."""
     width = 0.8 / len(SHADES)
     offset = (np.arange(len(SHADES)) - (len(SHADES) - 1) / 2) * width

@@ -11,7 +11,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.plots.style import (
@@ -27,10 +26,10 @@ from flexmech.plots.style import (
     publication_style,
     series_style,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["DrawnPath", "plot_coupler_angles", "plot_coupler_curve"]
 
-FloatArray = NDArray[np.float64]
 
 HEIGHT, HEIGHT_OF_THREE = 3.6, 2.4
 ANGLE_HEIGHT = 4.2

@@ -34,11 +34,10 @@ from flexmech.plots.style import (
     series_style,
     speed_label,
 )
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["engine_label", "plot_frequencies"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # The second engine's markers: enough to judge by, few enough to see the lines through.
 MARKERS_ALONG_ANGLE = 12

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from flexmech.plots.panels import degrees, grid_height, panel_grid
 from flexmech.plots.style import (
@@ -25,6 +23,7 @@ from flexmech.plots.style import (
     series_style,
     speed_label,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["plot_hygrothermal_effect"]
 
@@ -75,7 +74,7 @@ def plot_hygrothermal_effect(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def _handles(speeds: NDArray[np.float64]) -> list[Artist]:
+def _handles(speeds: FloatArray) -> list[Artist]:
     handles: list[Artist] = [
         Line2D([], [], color=MID_GREY, label=label, **how)
         for label, how in (("dry", _DRY), ("in heat and moisture", _WET))

@@ -10,7 +10,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.plots.frequencies import engine_label
@@ -28,11 +27,10 @@ from flexmech.plots.style import (
     series_style,
     speed_label,
 )
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["plot_modal_damping"]
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # The second engine's markers: enough to judge by, few enough to see the lines through.
 MARKERS_ALONG_ANGLE = 12

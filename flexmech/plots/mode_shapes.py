@@ -28,10 +28,10 @@ from flexmech.plots.style import (
     series_style,
     speed_label,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["plot_mode_shapes"]
 
-FloatArray = NDArray[np.float64]
 
 PANELS_A_ROW = 4
 POINTS_A_STATION = 4

@@ -12,7 +12,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.plots.style import (
@@ -23,10 +22,10 @@ from flexmech.plots.style import (
     publication_style,
     series_style,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["DrawnMoisture", "plot_moisture"]
 
-FloatArray = NDArray[np.float64]
 
 ROW_HEIGHT = 2.1
 

@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from flexmech.plots.style import LABEL_SIZE, crank_angle_axis
+from flexmech.types import FloatArray
 
 __all__ = ["contiguous_runs", "degrees", "grid_height", "mode_groups", "panel_grid"]
 
-FloatArray = NDArray[np.float64]
 
 # Two modes whose bands are this close in ratio can exchange branches; modes further apart
 # only seem to, where the crank angles are too coarse to follow a branch.

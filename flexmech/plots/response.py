@@ -7,7 +7,6 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from flexmech.plots.frequencies import engine_label
 from flexmech.plots.style import (
@@ -22,6 +21,7 @@ from flexmech.plots.style import (
     speed_label,
 )
 from flexmech.plots.time_axis import time_panels, time_panels_height
+from flexmech.types import FloatArray
 
 __all__ = [
     "LENGTH_UNITS",
@@ -33,7 +33,6 @@ __all__ = [
     "run_title",
 ]
 
-FloatArray = NDArray[np.float64]
 Units = tuple[tuple[float, str], ...]
 
 LENGTH_UNITS: Units = ((1e3, "mm"), (1e6, "µm"), (1e9, "nm"))

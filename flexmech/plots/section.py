@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from flexmech.plots.spectra import spread
 from flexmech.plots.style import (
@@ -28,10 +27,10 @@ from flexmech.plots.style import (
     series_handle,
     series_style,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["plot_section"]
 
-FloatArray = NDArray[np.float64]
 
 PANEL_HEIGHT = 2.2
 # More layers than this are named by their shades in the legend, not one by one.

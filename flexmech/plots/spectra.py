@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, NullFormatter
-from numpy.typing import NDArray
 
 from flexmech.plots.response import (
     LENGTH_UNITS,
@@ -25,10 +24,10 @@ from flexmech.plots.style import (
     publication_style,
     series_style,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["highest_frequency", "plot_spectrum", "spread"]
 
-FloatArray = NDArray[np.float64]
 
 PANEL_HEIGHT = 1.5
 LEAST_HEIGHT = 2.2

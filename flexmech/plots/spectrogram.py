@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.plots.frequencies import engine_label
@@ -27,10 +26,10 @@ from flexmech.plots.style import (
     publication_style,
 )
 from flexmech.plots.time_axis import angle_axis
+from flexmech.types import FloatArray
 
 __all__ = ["plot_spectrogram"]
 
-FloatArray = NDArray[np.float64]
 
 PANEL_HEIGHT = 1.75
 LEAST_HEIGHT = 2.4

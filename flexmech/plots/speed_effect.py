@@ -10,7 +10,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.plots.panels import degrees, grid_height, panel_grid
@@ -28,10 +27,10 @@ from flexmech.plots.style import (
     series_style,
     speed_label,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["plot_speed_effect"]
 
-FloatArray = NDArray[np.float64]
 
 TOTAL_MARKER = "*"
 _TOTAL: Any = {"color": "black", "linewidth": 1.8, "markersize": 5}

@@ -11,7 +11,7 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexmech.plots.style import (
     FIGURE_WIDTH,
@@ -23,10 +23,10 @@ from flexmech.plots.style import (
     publication_style,
     series_style,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["plot_speed_sweep"]
 
-FloatArray = NDArray[np.float64]
 
 MILLI = 1e3
 RPM = 30 / np.pi

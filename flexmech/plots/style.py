@@ -15,7 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator, MultipleLocator, ScalarFormatter
-from numpy.typing import NDArray
+
+from flexmech.types import FloatArray
 
 __all__ = [
     "FIGURE_WIDTH",
@@ -40,7 +41,6 @@ __all__ = [
     "speed_label",
 ]
 
-FloatArray = NDArray[np.float64]
 
 MILLIMETRE = 1 / 25.4
 FIGURE_WIDTH = 180 * MILLIMETRE

@@ -6,13 +6,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from flexmech.plots.style import LIGHT_GREY
+from flexmech.types import FloatArray
 
 __all__ = ["angle_axis", "time_panels", "time_panels_height"]
 
-FloatArray = NDArray[np.float64]
 
 PANEL_HEIGHT = 1.12
 # What the axes of time and of crank angle take, in inches.

@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.plots.style import (
@@ -23,10 +22,10 @@ from flexmech.plots.style import (
     series_handle,
     series_style,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["plot_transmission_angle"]
 
-FloatArray = NDArray[np.float64]
 HEIGHT = 3.2
 
 

@@ -8,7 +8,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from flexmech.plots.frequencies import engine_label
 from flexmech.plots.panels import degrees
@@ -26,10 +25,10 @@ from flexmech.plots.style import (
     series_style,
     speed_label,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["plot_vibration_effect"]
 
-FloatArray = NDArray[np.float64]
 
 # Markers that tell the lines of the lowest panel, or the engines, apart without colour.
 MARKERS_ALONG_ANGLE = 10

@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
+
+from flexmech.types import FloatArray
 
 __all__ = ["factorize", "solve"]
-
-FloatArray = NDArray[np.float64]
 
 
 def factorize(band: FloatArray) -> FloatArray:

@@ -15,13 +15,11 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.sections import BeamSection
+from flexmech.types import FloatArray
 
 __all__ = ["BEAM_SHAPES", "BeamFields", "BeamShapes"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

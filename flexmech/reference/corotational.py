@@ -16,13 +16,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.reference.elements import BeamElements
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["CorotationalElements"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -102,7 +100,7 @@ class CorotationalElements:
         return arms.tangent(None, matrix)
 
     @cached_property
-    def _coordinates(self) -> NDArray[np.intp]:
+    def _coordinates(self) -> IntArray:
         """An element's coordinates that turn and bend it: all but displacements, (k,)."""
         per_node = self.elements.shapes.per_node
         every = np.arange(2 * per_node)

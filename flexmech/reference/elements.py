@@ -11,14 +11,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.reference.beam_shapes import BeamFields, BeamShapes
 from flexmech.sections import BeamSection
+from flexmech.types import FloatArray
 
 __all__ = ["BeamElements"]
 
-FloatArray = NDArray[np.float64]
 
 # Exact to degree 9; products of quartics, and of squared cubics with a quadratic tension, have 8.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)

@@ -5,9 +5,6 @@ from __future__ import annotations
 from functools import cached_property
 from typing import ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from flexmech.linear_system import (
     ConvergenceOrders,
     Engine,
@@ -24,10 +21,9 @@ from flexmech.mechanism import Mechanism
 from flexmech.reference.beam_shapes import BEAM_SHAPES
 from flexmech.reference.equilibrium import Equilibrium
 from flexmech.reference.link_matrices import Chain, assemble_chain, build_chain
+from flexmech.types import FloatArray
 
 __all__ = ["ReferenceEngine"]
-
-FloatArray = NDArray[np.float64]
 
 
 class ReferenceEngine(Engine):

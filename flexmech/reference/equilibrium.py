@@ -20,13 +20,12 @@ from flexmech.linkages import RigidMotion
 from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements
 from flexmech.reference.elements import BeamElements
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["Equilibrium"]
 
 logger = logging.getLogger(__name__)
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 MAX_ITERATIONS = 40
 # Where the whole load at once leads nowhere, it is brought on in steps.
@@ -289,7 +288,7 @@ def _free_load(elements: BeamElements) -> float:
     return bending + abs(section.free_strain) * section.axial_stiffness
 
 
-def _translations(frames: LinkFrames, per_node: int) -> NDArray[np.intp]:
+def _translations(frames: LinkFrames, per_node: int) -> IntArray:
     """Coordinates of z that are displacements rather than rotations."""
     moves = [t[np.arange(len(t)) % per_node < 2] for t in frames.targets]
     every = np.unique(np.concatenate(moves))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.linear_system import LinkModel, RigidFields
 from flexmech.linkages import LinkMass
@@ -13,10 +12,9 @@ from flexmech.mesh import middle_curvature, node_positions, station_shapes
 from flexmech.reference.beam_shapes import BeamShapes
 from flexmech.reference.elements import BeamElements
 from flexmech.sections import BeamSection
+from flexmech.types import FloatArray
 
 __all__ = ["Chain", "assemble_chain", "build_chain"]
-
-FloatArray = NDArray[np.float64]
 
 
 def assemble_chain(elements: FloatArray) -> FloatArray:

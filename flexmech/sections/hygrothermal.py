@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.materials import (
@@ -26,10 +25,10 @@ from flexmech.materials import (
 from flexmech.sections.beam_section import BeamSection
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.reduction import Reduction
+from flexmech.types import FloatArray
 
 __all__ = ["Condition", "SwollenSection", "section_in_condition"]
 
-FloatArray = NDArray[np.float64]
 
 # Of a symmetric stack: strains below this part of the largest are rounding.
 ROUNDING = 1e-12

@@ -12,7 +12,6 @@ from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.materials import Laminate
@@ -26,10 +25,10 @@ from flexmech.sections.reduction import (
     shear_across,
 )
 from flexmech.sections.third_order import ThirdOrder, parabolic_shear, third_order_of
+from flexmech.types import FloatArray
 
 __all__ = ["SHEAR_THEORIES", "LaminateSection", "ShearTheory", "ThroughThickness"]
 
-FloatArray = NDArray[np.float64]
 ShearTheory = Literal["equilibrium", "third-order"]
 SHEAR_THEORIES: tuple[ShearTheory, ...] = get_args(ShearTheory)
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.materials import Laminate
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["PlaneState", "gauss_points", "layer_of"]
 
-FloatArray = NDArray[np.float64]
-IndexArray = NDArray[np.intp]
 
 # Exact for the squares of shear stresses, which are quadratic in a layer.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
@@ -40,12 +38,12 @@ class PlaneState:
         """Strains x, z and xz at places (...), (..., 3)."""
         return np.asarray(self.strains[0] + place[..., None] * self.strains[1])
 
-    def stress(self, place: FloatArray, layer: IndexArray) -> FloatArray:
+    def stress(self, place: FloatArray, layer: IntArray) -> FloatArray:
         """Stresses x, z and xz at places (...) of layers, (..., 3), in Pa."""
         stiffness = self.laminate.transformed_stiffness[layer]
         return np.asarray(np.einsum("...ij,...j->...i", stiffness, self.strain(place)))
 
-    def balancing_shear(self, place: FloatArray, layer: IndexArray) -> FloatArray:
+    def balancing_shear(self, place: FloatArray, layer: IntArray) -> FloatArray:
         """Shear stresses zy and xy that balance a loss of this state per metre of the link.
 
         They are the integrals of the stresses xz and x from the lowest face: if bending
@@ -98,7 +96,7 @@ def gauss_points(laminate: Laminate) -> tuple[FloatArray, FloatArray]:
     return middle + half * _POINTS, half * _WEIGHTS
 
 
-def layer_of(laminate: Laminate, place: FloatArray) -> IndexArray:
+def layer_of(laminate: Laminate, place: FloatArray) -> IntArray:
     """Layers of places through the thickness.
 
     Parameters

@@ -11,13 +11,12 @@ from collections.abc import Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.materials import Laminate
+from flexmech.types import FloatArray
 
 __all__ = ["REDUCTIONS", "Reduction", "laminate_strains", "reduced_stiffness", "shear_across"]
 
-FloatArray = NDArray[np.float64]
 Reduction = Literal["narrow", "wide"]
 REDUCTIONS: tuple[Reduction, ...] = ("narrow", "wide")
 

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.materials import Laminate
-from flexmech.sections.plane_state import IndexArray
+from flexmech.sections.plane_state import IntArray
 from flexmech.sections.reduction import Reduction, reduced_stiffness, shear_across
+from flexmech.types import FloatArray
 
 __all__ = ["ThirdOrder", "parabolic_shear", "third_order_of"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -83,7 +81,7 @@ def third_order_of(laminate: Laminate, width: float, reduction: Reduction) -> Th
 
 
 def parabolic_shear(
-    laminate: Laminate, reduction: Reduction, place: FloatArray, layer: IndexArray
+    laminate: Laminate, reduction: Reduction, place: FloatArray, layer: IntArray
 ) -> FloatArray:
     """Shear stress of a unit shear force on each metre of width, from the shear strain.
 

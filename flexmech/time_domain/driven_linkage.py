@@ -29,10 +29,10 @@ from flexmech.linear_system import (
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.state import LinkState, VibrationState
 from flexmech.time_domain.stress_history import LinkStress, StressHistory
+from flexmech.types import FloatArray
 
 __all__ = ["DETAIL", "DrivenLinkage", "Equations", "is_reduced"]
 
-FloatArray = NDArray[np.float64]
 
 # A start at speed shakes more than the lowest modes: component modes are kept up to this
 # many times the frequency that the natural frequencies themselves would need.

@@ -9,7 +9,6 @@ takes, up to the error of the time step.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
@@ -18,10 +17,9 @@ from flexmech.time_domain.link_inertia import LinkInertia, MovingLink, dot
 from flexmech.time_domain.recording import StepBlock
 from flexmech.time_domain.state import VibrationState
 from flexmech.time_domain.stress_history import LinkStress
+from flexmech.types import FloatArray
 
 __all__ = ["LinkageDynamics"]
-
-FloatArray = NDArray[np.float64]
 
 
 class LinkageDynamics:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError
 from flexmech.time_domain.driven_linkage import DrivenLinkage, Equations
@@ -20,13 +19,12 @@ from flexmech.time_domain.trapezoidal import (
     march,
     step_operators,
 )
+from flexmech.types import FloatArray, StepProgress
 
 __all__ = ["linear_run"]
 
 logger = logging.getLogger(__name__)
 
-FloatArray = NDArray[np.float64]
-Progress = Callable[[int, int], None]
 
 # Steps whose matrices are solved at once.
 BLOCK_STEPS = 512
@@ -83,7 +81,7 @@ def linear_run(
     velocity: FloatArray,
     sample_time: FloatArray,
     step: float,
-    progress: Progress | None = None,
+    progress: StepProgress | None = None,
 ) -> Trajectory:
     """Integrate the equations of motion by the trapezoidal rule.
 

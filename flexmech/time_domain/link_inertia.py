@@ -6,15 +6,14 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
+from flexmech.types import FloatArray
 
 __all__ = ["LinkInertia", "MovingLink", "dot"]
 
-FloatArray = NDArray[np.float64]
 
 # Rigid fields of a link, in this order: unit translation along and across, unit turn about
 # the start, and the field of points at their distance from the start.

@@ -13,19 +13,18 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError
 from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.time_domain.periodic import periodic_state, turn_map
 from flexmech.time_domain.recording import Trajectory
 from flexmech.time_domain.state import LinkState, VibrationState
+from flexmech.types import FloatArray
 
 __all__ = ["PeriodicOrbit", "simulated_orbit"]
 
 logger = logging.getLogger(__name__)
 
-FloatArray = NDArray[np.float64]
 Turn = Callable[[LinkState], Trajectory]
 
 # The iteration ends when a turn closes to this part of its greatest displacement. Without

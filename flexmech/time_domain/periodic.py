@@ -12,16 +12,15 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError, InputError
 from flexmech.time_domain.driven_linkage import DrivenLinkage, Equations
 from flexmech.time_domain.state import VibrationState
 from flexmech.time_domain.trapezoidal import initial_state, march, step_operators
+from flexmech.types import FloatArray
 
 __all__ = ["TurnMap", "periodic_state", "turn_map"]
 
-FloatArray = NDArray[np.float64]
 
 BLOCK_STEPS = 256
 # Reciprocal condition number below which a turn returns some motion so exactly to itself

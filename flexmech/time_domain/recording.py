@@ -9,11 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
+
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["EnergyHistory", "Recorder", "StepBlock", "Trajectory"]
 
-FloatArray = NDArray[np.float64]
 
 # Samples that fall on a step to this part of the step are read off, not interpolated.
 ON_A_STEP = 1e-6
@@ -219,7 +219,7 @@ def _cumulative(time: FloatArray, power: FloatArray) -> FloatArray:
     return work
 
 
-def _place(time: FloatArray, at: FloatArray) -> tuple[NDArray[np.intp], FloatArray]:
+def _place(time: FloatArray, at: FloatArray) -> tuple[IntArray, FloatArray]:
     """Step before each sample and how far the sample is beyond it, from 0 to 1."""
     before = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
     fraction = (at - time[before]) / (time[before + 1] - time[before])
@@ -227,7 +227,7 @@ def _place(time: FloatArray, at: FloatArray) -> tuple[NDArray[np.intp], FloatArr
     return before, np.where(np.abs(fraction - nearest) <= ON_A_STEP, nearest, fraction)
 
 
-def _linear(values: FloatArray, before: NDArray[np.intp], fraction: FloatArray) -> FloatArray:
+def _linear(values: FloatArray, before: IntArray, fraction: FloatArray) -> FloatArray:
     s = fraction.reshape(-1, *(1,) * (values.ndim - 1))
     return (1 - s) * values[before] + s * values[before + 1]
 
@@ -236,7 +236,7 @@ def _hermite(
     time: FloatArray,
     value: FloatArray,
     rate: FloatArray,
-    before: NDArray[np.intp],
+    before: IntArray,
     fraction: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
     """Cubic Hermite interpolation of values and their rates, (m, n) -> (samples, n)."""

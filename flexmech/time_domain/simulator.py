@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Literal, Protocol, get_args, runtime_checkable
 
-import numpy as np
-from numpy.typing import NDArray
-
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain.recording import Trajectory
 from flexmech.time_domain.state import LinkState
+from flexmech.types import FloatArray
 
 __all__ = ["INTEGRATORS", "Integrator", "Simulator"]
 
-FloatArray = NDArray[np.float64]
 Integrator = Literal["trapezoidal", "generalized-alpha"]
 INTEGRATORS: tuple[Integrator, ...] = get_args(Integrator)
 

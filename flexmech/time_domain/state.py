@@ -7,13 +7,11 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.linear_system import LinkModel
+from flexmech.types import FloatArray
 
 __all__ = ["LinkState", "VibrationState"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -11,15 +11,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from flexmech.linear_system import Engine, Prestress, StressedLinks
 from flexmech.linkages import CrankDrive
+from flexmech.types import FloatArray
 
 __all__ = ["LinkStress", "StressHistory"]
 
-FloatArray = NDArray[np.float64]
 
 # Positions a turn; halving the spacing moves deflections by less than 1e-4 of their peak.
 SAMPLES_PER_TURN = 120

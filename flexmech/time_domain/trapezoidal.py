@@ -14,14 +14,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.time_domain.driven_linkage import Equations
 from flexmech.time_domain.state import VibrationState
+from flexmech.types import FloatArray
 
 __all__ = ["StepOperators", "initial_state", "march", "step_operators"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

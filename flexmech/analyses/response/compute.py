@@ -14,10 +14,10 @@ from flexmech.analyses.response.run import highest_frequency, mesh_error, run_en
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.threads import one_thread
+from flexmech.types import LabelledProgress
 
 __all__ = ["response"]
 
-Progress = Callable[[str, int, int], None]
 
 # Samples in a period of the highest frequency of the spectra; two would be the limit.
 SAMPLES_PER_PERIOD = 2.5
@@ -28,7 +28,7 @@ def response(
     request: ResponseRequest,
     *,
     check_mesh: bool = False,
-    progress: Progress | None = None,
+    progress: LabelledProgress | None = None,
 ) -> Response:
     """Run a linkage at constant crank speed.
 
@@ -106,7 +106,7 @@ def _refinement(request: ResponseRequest, highest: float) -> int:
 
 
 def _labelled(
-    progress: Progress | None, engine: Engine, what: str = ""
+    progress: LabelledProgress | None, engine: Engine, what: str = ""
 ) -> Callable[[int, int], None] | None:
     if progress is None:
         return None

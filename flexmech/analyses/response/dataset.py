@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.provenance import provenance
@@ -23,10 +22,10 @@ from flexmech.analyses.response.run import EngineRun
 from flexmech.analyses.response.spectra import amplitude_spectrum, spectrogram
 from flexmech.linear_system import Engine
 from flexmech.linkages import RigidMotion, Topology, inverse_dynamics
+from flexmech.types import FloatArray
 
 __all__ = ["build_dataset"]
 
-FloatArray = NDArray[np.float64]
 Variables = dict[str, tuple[tuple[str, ...], Any]]
 
 # Spectra reach this far above the highest natural frequency asked for.

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.linear_system import Engine
 from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain import Trajectory
+from flexmech.types import FloatArray
 
 __all__ = [
     "bending_strains",
@@ -20,8 +20,6 @@ __all__ = [
     "ground_displacements",
     "probes",
 ]
-
-FloatArray = NDArray[np.float64]
 
 
 def probes(engine: Engine) -> list[str]:

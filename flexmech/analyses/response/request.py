@@ -6,16 +6,15 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.linear_system import PRESTRESS_LEVELS, Prestress
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain import INTEGRATORS, Integrator
+from flexmech.types import FloatArray
 
 __all__ = ["STARTS", "ResponseRequest", "Start"]
 
-FloatArray = NDArray[np.float64]
 Start = Literal["rigid", "equilibrium", "periodic"]
 STARTS: tuple[Start, ...] = get_args(Start)
 

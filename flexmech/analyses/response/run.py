@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.response.quantities import deflections
@@ -23,13 +21,12 @@ from flexmech.time_domain import (
     is_reduced,
     linear_run,
 )
+from flexmech.types import FloatArray, StepProgress
 
 __all__ = ["EngineRun", "highest_frequency", "mesh_error", "run_engine"]
 
 logger = logging.getLogger(__name__)
 
-FloatArray = NDArray[np.float64]
-Progress = Callable[[int, int], None]
 
 # Steps in a period of the highest frequency asked for, to begin with.
 STEPS_PER_PERIOD = 40
@@ -82,7 +79,7 @@ def run_engine(
     request: ResponseRequest,
     sample_time: FloatArray,
     highest: float,
-    progress: Progress | None = None,
+    progress: StepProgress | None = None,
 ) -> EngineRun:
     """Run, and run again with half the step.
 
@@ -141,7 +138,9 @@ def _checked(
     return EngineRun(engine, trajectory, step_error, _difference(engine, trajectory, finer))
 
 
-def mesh_error(run: EngineRun, request: ResponseRequest, progress: Progress | None = None) -> float:
+def mesh_error(
+    run: EngineRun, request: ResponseRequest, progress: StepProgress | None = None
+) -> float:
     """How much twice the elements change the deflections, relative to their peak.
 
     Parameters
@@ -181,7 +180,7 @@ def _run(
     request: ResponseRequest,
     sample_time: FloatArray,
     step: float,
-    progress: Progress | None,
+    progress: StepProgress | None,
 ) -> Trajectory:
     if isinstance(engine, Simulator):
         start = simulation_start(engine, request, step)
@@ -201,7 +200,7 @@ def _linear_run(
     request: ResponseRequest,
     sample_time: FloatArray,
     step: float,
-    progress: Progress | None,
+    progress: StepProgress | None,
     *,
     detail: float,
 ) -> Trajectory:

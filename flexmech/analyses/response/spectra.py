@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import ShortTimeFFT, get_window, periodogram
+
+from flexmech.types import FloatArray
 
 __all__ = ["Spectrogram", "amplitude_spectrum", "ridge", "spectrogram"]
 
-FloatArray = NDArray[np.float64]
 
 WINDOW = "hann"
 # Length of the moving window in periods of the lowest natural frequency: shorter, and

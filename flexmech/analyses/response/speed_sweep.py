@@ -8,12 +8,10 @@ move with the crank angle.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pandas as pd
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.provenance import provenance
@@ -24,11 +22,10 @@ from flexmech.linear_system import Engine, Prestress
 from flexmech.linkages import CrankDrive
 from flexmech.threads import one_thread
 from flexmech.time_domain import DrivenLinkage, periodic_turn
+from flexmech.types import FloatArray, LabelledProgress
 
 __all__ = ["SpeedSweep", "speed_sweep"]
 
-FloatArray = NDArray[np.float64]
-Progress = Callable[[str, int, int], None]
 
 STEPS_PER_PERIOD = 40
 LEAST_STEPS = 720
@@ -73,7 +70,7 @@ def speed_sweep(
     modes: int = 3,
     orders: int = 24,
     prestress: Prestress = "equilibrium",
-    progress: Progress | None = None,
+    progress: LabelledProgress | None = None,
 ) -> SpeedSweep:
     """Periodic motion at many crank speeds, each found without its transient.
 

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain import DrivenLinkage, LinkState, VibrationState, periodic_state
+from flexmech.types import FloatArray
 
 __all__ = ["linear_start", "simulation_start"]
 
-FloatArray = NDArray[np.float64]
 
 # Time over which a quasi-static start differentiates its displacement, in turns.
 START_INTERVAL = 1e-4

@@ -13,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.modal_damping import strain_energy_damping
@@ -28,6 +27,7 @@ from flexmech.linear_system import Engine
 from flexmech.linkages import FourBar
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import mechanism_from_toml
+from flexmech.types import FloatArray
 
 __all__ = [
     "BEAMS",
@@ -41,7 +41,6 @@ __all__ = [
     "study_composites",
 ]
 
-FloatArray = NDArray[np.float64]
 PlyModel = Literal["unidirectional", "woven", "table 2"]
 PLY_MODELS: tuple[PlyModel, ...] = ("unidirectional", "woven", "table 2")
 """Plies by the rule of mixtures, straight or as balanced fabric (the paper's, in its words);

@@ -7,14 +7,14 @@ for comparison with what others publish.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
 from flexmech.materials.moisture.unit_slab import Faces, diffusion_length, fourier_number
+from flexmech.types import FloatArray
 
 __all__ = ["shen_springer_uptake", "short_time_uptake", "time_to_saturation_shen_springer"]
 
-FloatArray = NDArray[np.float64]
 
 FACTOR = 7.3
 EXPONENT = 0.75

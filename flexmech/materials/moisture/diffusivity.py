@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
+from flexmech.types import FloatArray
 
 __all__ = ["Diffusivity", "MoistureEquilibrium", "composite_diffusivity_ratio"]
 
-FloatArray = NDArray[np.float64]
 
 GAS_CONSTANT = 8.31446261815324
 

@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse
-from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from flexmech.errors import ComputationError
@@ -24,10 +23,10 @@ from flexmech.materials.moisture.history import Period, Surroundings
 from flexmech.materials.moisture.mesh import DiffusionMesh
 from flexmech.materials.moisture.unit_slab import Faces
 from flexmech.materials.moisture.waves import Waves
+from flexmech.types import FloatArray
 
 __all__ = ["Fluxes"]
 
-FloatArray = NDArray[np.float64]
 SparseMatrix = Any  # SciPy's sparse arrays, whose types its stubs parametrize differently
 
 # Absolute over relative tolerance of the water through a face: cells at an exposed face hold

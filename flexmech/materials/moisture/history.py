@@ -7,13 +7,12 @@ from itertools import pairwise
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["Period", "Surroundings"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -163,9 +162,7 @@ class Surroundings:
             (float(temperature[0]), float(temperature[1])),
         )
 
-    def _values(
-        self, times: FloatArray, following: NDArray[np.intp]
-    ) -> tuple[FloatArray, FloatArray]:
+    def _values(self, times: FloatArray, following: IntArray) -> tuple[FloatArray, FloatArray]:
         """Humidity and temperature between the corners before and at ``following``."""
         low, high = np.maximum(following - 1, 0), np.minimum(following, self.time.size - 1)
         width = self.time[high] - self.time[low]

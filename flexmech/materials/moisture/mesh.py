@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.materials.moisture.diffusivity import Diffusivity
 from flexmech.materials.moisture.unit_slab import Faces
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["DiffusionLayer", "DiffusionMesh", "graded", "layer_mesh"]
 
-FloatArray = NDArray[np.float64]
 
 FEWEST_CELLS = 4
 # Cells at a fine end are cosh(2)^2 = 14 times smaller than in the middle: with more, the error in
@@ -82,7 +81,7 @@ class DiffusionMesh:
 
     materials: tuple[DiffusionLayer, ...]
     boundaries: FloatArray
-    material: NDArray[np.intp]
+    material: IntArray
 
     @cached_property
     def sizes(self) -> FloatArray:

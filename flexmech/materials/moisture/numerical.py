@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
 from flexmech.materials.moisture.fluxes import Fluxes
@@ -14,10 +14,9 @@ from flexmech.materials.moisture.history import Surroundings
 from flexmech.materials.moisture.mesh import DiffusionLayer, graded, layer_mesh
 from flexmech.materials.moisture.unit_slab import Faces, checked_faces
 from flexmech.materials.moisture.waves import Waves, side_waves
+from flexmech.types import FloatArray
 
 __all__ = ["MoistureHistory", "diffuse", "diffuse_bar"]
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

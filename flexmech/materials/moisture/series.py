@@ -6,8 +6,7 @@ Everything is linear, so drying (``initial`` above ``surface``) follows the same
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexmech.materials.moisture.unit_slab import (
     Faces,
@@ -18,10 +17,9 @@ from flexmech.materials.moisture.unit_slab import (
     remaining_profile,
     uptake,
 )
+from flexmech.types import FloatArray
 
 __all__ = ["bar_profile", "bar_uptake", "slab_profile", "slab_uptake", "time_to_saturation"]
-
-FloatArray = NDArray[np.float64]
 
 
 def slab_profile(

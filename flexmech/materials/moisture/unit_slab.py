@@ -11,11 +11,12 @@ from __future__ import annotations
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import erfc
 
 from flexmech.errors import InputError
+from flexmech.types import FloatArray
 
 __all__ = [
     "Faces",
@@ -28,7 +29,6 @@ __all__ = [
     "uptake",
 ]
 
-FloatArray = NDArray[np.float64]
 
 Faces = Literal["both", "lower", "upper"]
 """The faces of a slab that are exposed; the other one is sealed."""

@@ -1,0 +1,184 @@
+"""The house: which room stands on which, how large its files are, and what is public.
+
+An import counts wherever it stands: at the top of a file, inside a function, or for type
+checkers alone.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+import flexmech
+
+ROOT = Path(flexmech.__file__).parent
+SCENARIOS = ROOT.parent / "scenarios"
+
+# From the ground up. A room may import from those before it, and from nothing else.
+ORDER = [
+    "errors",
+    "types",
+    "choices",
+    "threads",
+    "files",
+    "units",
+    "plots",
+    "materials",
+    "linkages",
+    "sections",
+    "mechanism",
+    "modelfile",
+    "hygrothermal",
+    "mesh",
+    "linear_system",
+    "time_domain",
+    "reference",
+    "multibody",
+    "analyses",
+    "studies",
+    "cli",
+    "__main__",
+]
+# What stands above another room and must not know it all the same.
+STRANGERS = {
+    "modelfile": {"plots"},
+    "multibody": {"reference"},
+    "analyses": {"reference", "multibody"},
+}
+# A figure is drawn from a dataset: it knows nothing of what computed it.
+PLOTS_KNOW = {"errors", "types", "units", "plots"}
+MOST_LINES = 400
+MOST_CLI_LINES = 2000
+
+
+class Import(NamedTuple):
+    """A module that a file imports, and the line where it does."""
+
+    module: str
+    line: int
+
+
+def files() -> list[Path]:
+    return sorted(ROOT.rglob("*.py"))
+
+
+def module_of(path: Path) -> str:
+    parts = path.relative_to(ROOT.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+MODULES = {module_of(path) for path in files()}
+
+
+def room_of(module: str) -> str:
+    """Room of a module: ``flexmech.reference.engine`` is in ``reference``; "" is the facade."""
+    return module.split(".")[1] if "." in module else ""
+
+
+def imports(path: Path) -> Iterator[Import]:
+    """All imports of a file; a module named as ``from package import module`` by its own name."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (Import(alias.name, node.lineno) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}:{node.lineno} imports are absolute"
+            for alias in node.names:
+                full = f"{node.module}.{alias.name}"
+                yield Import(full if full in MODULES else str(node.module), node.lineno)
+
+
+def own_imports(path: Path) -> list[Import]:
+    return [found for found in imports(path) if found.module.split(".")[0] == "flexmech"]
+
+
+def refused(room: str, known: str) -> bool:
+    """Whether a room may not import from another."""
+    if room == "plots":
+        return known not in PLOTS_KNOW
+    above = ORDER.index(known) > ORDER.index(room)
+    return above or known in STRANGERS.get(room, set())
+
+
+def test_every_room_has_its_place():
+    rooms = {room_of(module) for module in MODULES} - {""}
+    assert rooms <= set(ORDER), "a room that is not in the order"
+    assert set(ORDER) <= rooms, "a place in the order without a room"
+
+
+def test_imports_run_downward():
+    wrong = [
+        f"{path.relative_to(ROOT)}:{found.line} imports {found.module}"
+        for path in files()
+        if (room := room_of(module_of(path)))
+        for found in own_imports(path)
+        if room_of(found.module) == "" or refused(room, room_of(found.module))
+    ]
+    assert not wrong, "\n".join(wrong)
+
+
+def test_files_of_a_room_import_each_other_in_no_circle():
+    below = {
+        module_of(path): {found.module for found in own_imports(path)} - {module_of(path)}
+        for path in files()
+        if path.name != "__init__.py"
+    }
+    below = {module: known & set(below) for module, known in below.items()}
+    while below:
+        bottom = {module for module, known in below.items() if not known & set(below)}
+        assert bottom, f"a circle among {sorted(below)}"
+        below = {module: known for module, known in below.items() if module not in bottom}
+
+
+def test_the_facade_imports_each_name_when_it_is_first_used():
+    """An import by name would not be seen by these tests, so that no other file has one."""
+    for path in files():
+        calls = [n.func for n in ast.walk(ast.parse(path.read_text())) if isinstance(n, ast.Call)]
+        names = {getattr(call, "id", getattr(call, "attr", "")) for call in calls}
+        assert not names & {"import_module", "__import__"}, path
+
+
+def test_exudyn_is_imported_in_one_place():
+    assert {
+        module_of(path)
+        for path in files()
+        if any(found.module.split(".")[0] == "exudyn" for found in imports(path))
+    } == {"flexmech.multibody.library"}
+
+
+def test_files_have_one_subject():
+    """A file that grows past this length wants a door."""
+    lengths = {path: len(path.read_text(encoding="utf-8").splitlines()) for path in files()}
+    assert not {str(path): n for path, n in lengths.items() if n > MOST_LINES}
+
+
+def test_the_command_line_holds_no_logic_of_results():
+    text = [path.read_text(encoding="utf-8") for path in (ROOT / "cli").rglob("*.py")]
+    assert sum(len(t.splitlines()) for t in text) < MOST_CLI_LINES
+
+
+@pytest.mark.parametrize("path", sorted(SCENARIOS.glob("*.py")), ids=lambda path: path.stem)
+def test_scenarios_use_public_names_alone(path):
+    """Public is what ``flexmech`` and the rooms ``flexmech.<room>`` export, never a file within."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if not isinstance(node, ast.ImportFrom) or str(node.module).split(".")[0] != "flexmech":
+            continue
+        assert len(str(node.module).split(".")) <= 2, f"{path.name}:{node.lineno} {node.module}"
+        module = __import__(str(node.module), fromlist=["__all__"])
+        private = {alias.name for alias in node.names} - set(module.__all__)
+        assert not private, f"{path.name}:{node.lineno} {sorted(private)} of {node.module}"
+
+
+def test_an_upward_import_would_be_found(tmp_path):
+    assert refused("linkages", "cli")
+    assert refused("plots", "analyses")
+    assert refused("analyses", "reference")
+    assert not refused("cli", "analyses")
+    file = tmp_path / "late.py"
+    file.write_text("def draw():\n    from flexmech.cli import app\n")
+    assert list(imports(file)) == [Import("flexmech.cli", 2)] or list(imports(file)) == [
+        Import("flexmech.cli.app", 2)
+    ]
