@@ -9,10 +9,13 @@ from __future__ import annotations
 from typing import Literal, get_args
 
 __all__ = [
+    "ELEMENTS",
     "INTEGRATORS",
+    "MODES",
     "PRESTRESS_LEVELS",
     "STARTS",
     "ElementName",
+    "EngineChoice",
     "EngineName",
     "ExudynElement",
     "Integrator",
@@ -20,13 +23,30 @@ __all__ = [
     "Prestress",
     "ReferenceElement",
     "Start",
+    "TemplateKind",
+    "element_of",
+    "engine_of",
 ]
 
 EngineName = Literal["reference", "exudyn"]
+EngineChoice = Literal[EngineName, "both"]
 ReferenceElement = Literal["euler", "timoshenko", "reddy"]
 ExudynElement = Literal["ancf", "geometrically-exact"]
-ElementName = ReferenceElement | ExudynElement
+ElementName = Literal[ReferenceElement, ExudynElement]
 """Beam elements of the two engines."""
+ELEMENTS: dict[EngineName, tuple[ElementName, ...]] = {
+    "reference": get_args(ReferenceElement),
+    "exudyn": get_args(ExudynElement),
+}
+"""Of each engine: first the slender beam, then the one that shears as well."""
+# The other engine's element of the same beam theory, or of the nearest that it has.
+_COUNTERPARTS: dict[ElementName, ElementName] = {
+    "euler": "ancf",
+    "timoshenko": "geometrically-exact",
+    "reddy": "geometrically-exact",
+    "ancf": "euler",
+    "geometrically-exact": "timoshenko",
+}
 
 Prestress = Literal["none", "axial", "equilibrium"]
 """Quasi-static stress at which links are linearized."""
@@ -40,3 +60,19 @@ INTEGRATORS: tuple[Integrator, ...] = get_args(Integrator)
 Start = Literal["rigid", "equilibrium", "periodic"]
 """State in which a run begins."""
 STARTS: tuple[Start, ...] = get_args(Start)
+
+TemplateKind = Literal["four-bar", "composite-four-bar", "rotating-arm"]
+"""Model files to start from."""
+
+MODES = 4
+"""Natural frequencies asked for by default, in maps and responses alike."""
+
+
+def engine_of(element: ElementName) -> EngineName:
+    """Name the engine that has an element."""
+    return next(engine for engine, elements in ELEMENTS.items() if element in elements)
+
+
+def element_of(engine: EngineName, element: ElementName) -> ElementName:
+    """Name an engine's element of the beam theory of an element, its own or the other engine's."""
+    return element if element in ELEMENTS[engine] else _COUNTERPARTS[element]

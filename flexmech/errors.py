@@ -2,16 +2,56 @@
 
 from __future__ import annotations
 
-__all__ = ["ComputationError", "FlexmechError", "InputError"]
+from typing import Self
+
+from flexmech.unit_registry import from_si
+
+__all__ = ["CRANK_SPEED", "ComputationError", "FlexmechError", "InputError"]
+
+CRANK_SPEED = "{crank_speed}"
+"""Where a message names the crank speed of its error, in the unit that the user prefers."""
 
 
 class FlexmechError(Exception):
     """Base of every error that flexmech raises on purpose.
 
-    The message names what is wrong (file, key or crank angle) and the remedy.
+    Parameters
+    ----------
+    message : str
+        What is wrong (file, key or crank angle) and the remedy. The literal ``{crank_speed}`` in
+        it stands for the crank speed, where one is given.
+    crank_speed : float, optional
+        In rad/s.
+
+    Examples
+    --------
+    >>> error = FlexmechError("no equilibrium at {crank_speed}", crank_speed=20.0)
+    >>> str(error)
+    'no equilibrium at 20 rad/s'
+    >>> error.told("rpm")
+    'no equilibrium at 190.986 rpm'
     """
 
     exit_code = 1
+
+    def __init__(self, message: str, *, crank_speed: float | None = None) -> None:
+        super().__init__(message)
+        self.message = message
+        self.crank_speed = crank_speed
+
+    def __str__(self) -> str:
+        return self.told("rad/s")
+
+    def told(self, unit: str) -> str:
+        """Write the message with its crank speed in a unit, such as ``"rpm"``."""
+        if self.crank_speed is None:
+            return self.message
+        speed = f"{from_si(self.crank_speed, unit):.6g} {unit}"
+        return self.message.replace(CRANK_SPEED, speed)
+
+    def within(self, place: str) -> Self:
+        """The same failure with the place where it happened in front: a file, key or option."""
+        return type(self)(f"{place}: {self.message}", crank_speed=self.crank_speed)
 
 
 class InputError(FlexmechError, ValueError):

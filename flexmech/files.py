@@ -1,8 +1,7 @@
-"""Files that appear whole or not at all, and tables in them."""
+"""Files that appear whole or not at all."""
 
 from __future__ import annotations
 
-import csv
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
@@ -10,10 +9,10 @@ from pathlib import Path
 
 from flexmech.errors import InputError
 
-__all__ = ["check_writable", "moved_into", "write_table", "write_whole"]
+__all__ = ["check_writable", "matching", "moved_into", "write_whole"]
 
 
-def check_writable(folder: Path, names: Iterable[str]) -> None:
+def check_writable(folder: Path, patterns: Iterable[str]) -> None:
     """Refuse a result folder that cannot be written, before the long work.
 
     Nothing is left behind: not even the folder is made yet.
@@ -22,36 +21,46 @@ def check_writable(folder: Path, names: Iterable[str]) -> None:
     ----------
     folder : Path
         May not exist yet.
-    names : iterable of str
-        Files that will be written there.
+    patterns : iterable of str
+        Files that may be written there, such as ``"dry/*.png"``.
 
     Raises
     ------
     InputError
-        If the folder or one above it is no folder or cannot be written, or a name is taken
-        by a folder.
+        If the folder, one above it or one of a pattern is no folder or cannot be written, or
+        a name is taken by a folder.
     """
+    patterns = tuple(patterns)
+    for place in dict.fromkeys([folder, *((folder / pattern).parent for pattern in patterns)]):
+        _check_folder(place)
+    for path in matching(folder, patterns):
+        if path.is_dir():
+            name = path.relative_to(folder)
+            raise InputError(f"{folder}: {name} is a folder there; remove it or choose another one")
+
+
+def _check_folder(folder: Path) -> None:
     missing = [place for place in (folder, *folder.absolute().parents) if not _exists(place)]
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
-        raise InputError(f"--out: {_not_writable(folder, error)}") from error
+        raise InputError(_not_writable(folder, error)) from error
     finally:
         for place in missing:
             with suppress(OSError):
                 place.rmdir()
-    for name in names:
-        if (folder / name).is_dir():
-            raise InputError(
-                f"--out {folder}: {name} is a folder there; remove it or choose another --out"
-            )
+
+
+def matching(folder: Path, patterns: Iterable[str]) -> list[Path]:
+    """Paths in a folder whose names match patterns, in their order; none if there is no folder."""
+    return [path for pattern in patterns for path in sorted(folder.glob(pattern))]
 
 
 @contextmanager
 def moved_into(folder: Path) -> Iterator[Path]:
-    """Give a temporary folder whose files move into ``folder`` if the block ends well.
+    """Give a temporary folder whose files and folders move into ``folder`` if all ends well.
 
     Parameters
     ----------
@@ -72,8 +81,12 @@ def moved_into(folder: Path) -> Iterator[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=folder, prefix=".flexmech-") as temporary:
             yield Path(temporary)
-            for file in sorted(Path(temporary).iterdir()):
-                file.replace(folder / file.name)
+            for file in sorted(Path(temporary).rglob("*")):
+                target = folder / file.relative_to(temporary)
+                if file.is_dir():
+                    target.mkdir(exist_ok=True)
+                else:
+                    file.replace(target)
     except OSError as error:
         raise InputError(_not_writable(folder, error)) from error
 
@@ -113,19 +126,3 @@ def _not_writable(folder: Path, error: OSError) -> str:
     return (
         f"cannot write to {folder} ({error.strerror or error}); choose a folder that can be written"
     )
-
-
-def write_table(file: Path, columns: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
-    """Write a table as CSV, its columns' names first.
-
-    Parameters
-    ----------
-    file : Path
-    columns : iterable of str
-    rows : iterable of iterable
-        Values as they are to stand there.
-    """
-    with file.open("w", encoding="utf-8", newline="") as stream:
-        table = csv.writer(stream, lineterminator="\n")
-        table.writerow(columns)
-        table.writerows(rows)

@@ -181,6 +181,11 @@ class Mechanism:
         return self.wetting.get(link, Wetting())
 
     @property
+    def is_eccentric(self) -> bool:
+        """Whether a link's neutral axis or centre of mass is off the pins' axis."""
+        return any(section.is_eccentric for section in self.sections.values())
+
+    @property
     def is_free_strained(self) -> bool:
         """Whether a link stretches or bends without load."""
         return any(section.is_free_strained for section in self.sections.values())

@@ -1,9 +1,8 @@
 """Quantities as text, such as ``"279.4 mm"``, to SI floats: the only door for units.
 
 Everything behind this door is an SI float. Text is split here into a number and a unit, and
-pint sees the unit alone: pint's own number parsing would read "1,5 mm" as 15 mm. Units are
-compared in base units *with* the radian, so that 5 Hz and 5 rad/s are never mixed up. The
-conversion is done in decimal arithmetic: "279.4 mm" is the float 0.2794, correctly rounded.
+pint sees the unit alone: pint's own number parsing would read "1,5 mm" as 15 mm. The conversion
+is done in decimal arithmetic: "279.4 mm" is the float 0.2794, correctly rounded.
 """
 
 from __future__ import annotations
@@ -11,16 +10,13 @@ from __future__ import annotations
 import difflib
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
-from functools import cache
-from tokenize import TokenError
-from typing import TYPE_CHECKING, Any
 
+from flexmech import unit_registry
 from flexmech.errors import InputError
-
-if TYPE_CHECKING:
-    import pint
+from flexmech.unit_registry import base_units, zero_of_scale
 
 __all__ = [
     "ACCELERATION",
@@ -28,6 +24,7 @@ __all__ = [
     "ANGLE",
     "ANGULAR_SPEED",
     "BENDING_STIFFNESS",
+    "CURVATURE",
     "DENSITY",
     "DIFFUSIVITY",
     "EXPANSION",
@@ -45,7 +42,10 @@ __all__ = [
     "TEMPERATURE_DIFFERENCE",
     "TIME",
     "Dimension",
+    "Quantities",
+    "from_si",
     "parse_number",
+    "parse_quantities",
     "parse_quantity",
 ]
 
@@ -54,21 +54,8 @@ NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 
 _SPLIT = re.compile(rf"\s*(?P<number>{NUMBER})(?P<unit>.*)", re.DOTALL)
 
-# Pint skips characters that it does not know ("m$" is read as "m"), so only these may pass.
-_UNIT_CHARACTERS = re.compile(r"[A-Za-zµμÅ°%_0-9\s*/^()·⋅²³⁴⁻¹-]*")
-
-# What pint raises on malformed unit expressions, beside its own PintError, which is a class
-# of the lazily imported module.
-_MALFORMED = (
-    ArithmeticError,
-    AssertionError,
-    AttributeError,
-    KeyError,
-    SyntaxError,
-    TokenError,
-    TypeError,
-    ValueError,
-)
+# A range hits its end when it comes this close, in steps: 0:1:0.333333 means thirds.
+_HIT = Decimal("1e-5")
 
 
 @dataclass(frozen=True)
@@ -95,6 +82,22 @@ class Dimension:
         return f'"{self.examples[0]}"'
 
 
+@dataclass(frozen=True)
+class Quantities:
+    """Several quantities of one text.
+
+    Parameters
+    ----------
+    values : tuple of float
+        In SI units.
+    unit : str
+        In which they were written, the last one of several.
+    """
+
+    values: tuple[float, ...]
+    unit: str
+
+
 LENGTH = Dimension("a length", "m", ("279.4 mm", "0.2794 m", "28 cm", "11 inch"))
 MASS = Dimension("a mass", "kg", ("25 g", "0.025 kg", "1 lb"))
 TIME = Dimension("a time", "s", ("2e-5 s", "20 µs", "0.02 ms"))
@@ -105,6 +108,7 @@ ACCELERATION = Dimension("an acceleration", "m/s^2", ("-9.81 m/s^2", "0 m/s^2"))
 STRESS = Dimension("a stress", "Pa", ("68.9 GPa", "200000 MPa", "2e11 Pa", "1e7 psi"))
 DENSITY = Dimension("a density", "kg/m^3", ("7800 kg/m^3", "2.7 g/cm^3"))
 FORCE = Dimension("a force", "N", ("4900 N", "1.2 MN", "100 lbf"))
+CURVATURE = Dimension("a curvature", "1/m", ("0.2 1/m",))
 BENDING_STIFFNESS = Dimension("a bending stiffness", "N m^2", ("1.5 N m^2", "2e6 N mm^2"))
 MASS_PER_LENGTH = Dimension("a mass per length", "kg/m", ("0.2 kg/m", "200 g/m"))
 ROTARY_INERTIA = Dimension("a rotary inertia per length", "kg m", ("3e-7 kg m", "0.3 g mm"))
@@ -197,11 +201,127 @@ def parse_quantity(
                 f"for example {dimension.example}"
             )
         unit = default_unit
-    # The SI unit itself needs no pint, whose first import takes longer than small analyses.
-    factor = Decimal(1) if unit == dimension.unit else _factor(value, unit, dimension)
+    factor = _factor(value, unit, dimension)
     if dimension is TEMPERATURE:
-        number += _zero_of_scale(unit)
+        number += zero_of_scale(unit)
     return _finite(number, factor, value)
+
+
+def parse_quantities(
+    text: str, dimension: Dimension, default_unit: str, *, most: int = 10_000
+) -> Quantities:
+    """Read quantities from a comma list or from a range START:STOP:STEP.
+
+    A unit that only the last entry has covers all of them: "0,50,100 rpm". Otherwise each entry
+    other than 0 has its own.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``"0,50,100 rpm"``, ``"0:300:50 rpm"`` or ``"10 rad/s,300 rpm"``.
+    dimension : Dimension
+        Without a zero of its own: no temperature.
+    default_unit : str
+        Where no unit is written.
+    most : int
+        Longer ranges are taken for a slip of the keyboard.
+
+    Returns
+    -------
+    Quantities
+        In the order of the text. STOP is included when a whole number of steps leads to it.
+        Counted in decimal, so that nothing adds up: 0:360:0.1 ends with 359.9 and 360 exactly.
+
+    Raises
+    ------
+    InputError
+        If a value is missing or no such quantity, the range is empty, endless or too long, or
+        some entries have a unit and others have none.
+    """
+    separator = ":" if ":" in text else ","
+    parts = text.split(separator)
+    if separator == ":" and len(parts) != 3:
+        raise InputError(
+            f"got {text!r}, which has {len(parts)} parts; write START:STOP:STEP, for example "
+            f'"0:300:50 {default_unit}"'
+        )
+    if not all(part.strip() for part in parts):
+        raise InputError(
+            f"got {text!r}, in which a value is missing; write START:STOP:STEP, for example "
+            f'"0:300:50 {default_unit}", or a comma list such as "0,50,100 {default_unit}"'
+        )
+    entries = [_split(part.strip(), dimension) for part in parts]
+    unit = _unit_of_bare(text, separator, entries) or default_unit
+    factors = [_factor(text, own or unit, dimension) for _, own in entries]
+    numbers = [number for number, _ in entries]
+    if separator == ":":
+        # In the last unit, which all three parts usually have.
+        same = [
+            number * (factor / factors[-1]) for number, factor in zip(numbers, factors, strict=True)
+        ]
+        numbers = _counted(text, *same, most=most)
+        factors = [factors[-1]] * len(numbers)
+    values = (_finite(n, factor, text) for n, factor in zip(numbers, factors, strict=True))
+    return Quantities(tuple(values), unit)
+
+
+def _unit_of_bare(text: str, separator: str, entries: Sequence[tuple[Decimal, str]]) -> str:
+    """Unit of the entries that have none: the last one that is written; empty if there is none."""
+    written = [unit for _, unit in entries if unit]
+    covers_all = len(written) == 1 and entries[-1][1] != ""
+    if written and not covers_all and any(number and not unit for number, unit in entries):
+        bare = separator.join(str(number) for number, _ in entries)
+        remedy = f'write the unit once, at the end: "{bare} {written[-1]}"'
+        raise InputError(
+            f"got {text!r}, in which some values have a unit and others have none; "
+            + (remedy if len(set(written)) == 1 else "give each value its unit")
+        )
+    return written[-1] if written else ""
+
+
+def _counted(
+    text: str, start: Decimal, stop: Decimal, step: Decimal, *, most: int
+) -> list[Decimal]:
+    """Count the numbers of a range."""
+    if step <= 0:
+        raise InputError(f"got {text!r}; STEP must be positive, for example 0:360:5")
+    if stop < start:
+        raise InputError(f"got {text!r}; STOP must not be less than START, for example -90:90:5")
+    if (stop - start) >= most * step:
+        raise InputError(
+            f"got {text!r}, which is too long; choose a STEP that gives at most {most} values"
+        )
+    steps = (stop - start) / step
+    count = int(steps + _HIT)
+    numbers = [start + number * step for number in range(count + 1)]
+    if abs(steps - count) <= _HIT:
+        numbers[-1] = stop
+    return numbers
+
+
+def from_si(value: float, unit: str) -> float:
+    """Number that an SI value has in another unit, such as 31.4 rad/s in rpm.
+
+    Parameters
+    ----------
+    value : float
+        In the SI unit of the same dimension.
+    unit : str
+        Without an offset: no temperature scale.
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If the unit is unknown.
+    """
+    try:
+        return unit_registry.from_si(value, unit)
+    except ValueError as error:
+        raise InputError(str(error)) from error
 
 
 def _split(text: str, dimension: Dimension) -> tuple[Decimal, str]:
@@ -228,39 +348,16 @@ def _decimal_hint(text: str) -> str:
 
 def _factor(text: str, unit: str, dimension: Dimension) -> Decimal:
     """SI value of one ``unit``, which must have the dimension."""
-    converted = _base_units(unit)
-    if converted is None:
+    # The SI unit itself needs no pint, whose first import takes longer than small analyses.
+    if unit == dimension.unit:
+        return Decimal(1)
+    found, wanted = base_units(unit), base_units(dimension.unit)
+    if found is None:
         raise InputError(_unknown_unit(text, unit, dimension))
-    factor, base = converted
-    wanted = _base_units(dimension.unit)
     assert wanted is not None
-    if base != wanted[1]:
-        raise InputError(_wrong_dimension(text, unit, str(base), dimension))
-    return Decimal(factor)
-
-
-def _zero_of_scale(unit: str) -> Decimal:
-    """What a temperature scale counts from, above absolute zero, in its own degrees."""
-    registry = _registry()
-    zero = registry.Quantity(Decimal(0), registry.parse_units(unit)).to("kelvin").magnitude
-    converted = _base_units(unit)
-    assert converted is not None
-    return Decimal(zero / Decimal(converted[0]))
-
-
-@cache
-def _base_units(unit: str) -> tuple[Any, Any] | None:
-    """Factor and base units of a unit; None where it is none. Pint takes 5 ms for each."""
-    import pint
-
-    registry = _registry()
-    if not _UNIT_CHARACTERS.fullmatch(unit) or "//" in unit or "%%" in unit:
-        return None
-    try:
-        converted: tuple[Any, Any] = registry.get_base_units(registry.parse_units(unit))
-    except (pint.PintError, *_MALFORMED):
-        return None
-    return converted
+    if found.name != wanted.name:
+        raise InputError(_wrong_dimension(text, unit, found.name, dimension))
+    return found.factor / wanted.factor
 
 
 def _finite(number: Decimal, factor: Decimal, text: object) -> float:
@@ -300,13 +397,3 @@ def _wrong_dimension(text: str, unit: str, base: str, dimension: Dimension) -> s
         f"got {text!r}, whose unit {unit!r} ({base}) is not that of {dimension.name}; write "
         f"{dimension.name}, for example {dimension.example}"
     )
-
-
-@cache
-def _registry() -> pint.UnitRegistry[Any]:
-    """Make the one registry when a unit is first met: importing pint takes a second."""
-    import pint
-
-    registry: pint.UnitRegistry[Any] = pint.UnitRegistry(non_int_type=Decimal)
-    registry.define("@alias turn = rev")
-    return registry

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from flexmech.analyses.studies.claim import Verdict
+from flexmech.studies.claim import Verdict
 from flexmech.linkages import CouplerCurve, CuspTransition, DoublePoint, double_points
 
 CLAIMS = {

@@ -22,8 +22,8 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from flexmech import ReferenceEngine, natural_frequencies
-from flexmech.analyses.modal_damping import strain_energy_damping
-from flexmech.analyses.studies import (
+from flexmech.analyses.frequencies.modal_damping import strain_energy_damping
+from flexmech.studies import (
     composite_crank_rocker,
     deviation_at_best_scale,
     laminate_factors,

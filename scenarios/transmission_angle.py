@@ -20,7 +20,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from flexmech.analyses.studies import published_case
+from flexmech.studies import published_case
 from flexmech.linkages import (
     FourBar,
     TransmissionDesign,

@@ -1,21 +1,43 @@
-"""Analyses of linear systems, whatever the engine."""
+"""Questions put to a mechanism or to engines; each answer is a result.
 
-from flexmech.analyses.eigenproblem import Modes, solve_frequencies, solve_modes
-from flexmech.analyses.frequencies import frequency_map, moving_frequencies, natural_frequencies
-from flexmech.analyses.hygrothermal_effect import HygrothermalEffect, hygrothermal_effect
-from flexmech.analyses.mapping import FrequencyRequest
-from flexmech.analyses.result import EngineAgreement, MovingFrequencies
+A folder a question: what can be asked (request), how it is computed, and the result with its
+tables, pictures and summary.
+"""
+
+from flexmech.analyses.frequencies import (
+    Formulation,
+    FrequencyRequest,
+    Modes,
+    MovingFrequencies,
+    frequency_map,
+    moving_frequencies,
+    natural_frequencies,
+    solve_frequencies,
+    solve_modes,
+    strain_energy_damping,
+)
+from flexmech.analyses.response import Response, ResponseRequest, response
+from flexmech.analyses.result import Result
+from flexmech.analyses.speed_sweep import SpeedSweep, speed_sweep
+from flexmech.analyses.summary import Summary, Table
 
 __all__ = [
-    "EngineAgreement",
+    "Formulation",
     "FrequencyRequest",
-    "HygrothermalEffect",
     "Modes",
     "MovingFrequencies",
+    "Response",
+    "ResponseRequest",
+    "Result",
+    "SpeedSweep",
+    "Summary",
+    "Table",
     "frequency_map",
-    "hygrothermal_effect",
     "moving_frequencies",
     "natural_frequencies",
+    "response",
     "solve_frequencies",
     "solve_modes",
+    "speed_sweep",
+    "strain_energy_damping",
 ]

@@ -1,14 +1,17 @@
-"""What a result came from: model file, engines and versions."""
+"""What a result came from, and what its variables mean."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.metadata import version
 
-from flexmech.linear_system import Engine
+import xarray as xr
 
-__all__ = ["provenance"]
+from flexmech.linear_system import Engine
+from flexmech.mechanism import Mechanism
+
+__all__ = ["origin", "provenance", "versions", "with_units"]
 
 
 @cache
@@ -16,26 +19,44 @@ def _version(package: str) -> str:
     return version(package)
 
 
-def provenance(engines: Sequence[Engine]) -> dict[str, str | int]:
-    """Attributes that every result carries.
-
-    Parameters
-    ----------
-    engines : sequence of Engine
-        All of one mechanism.
-
-    Returns
-    -------
-    dict
-    """
-    source = engines[0].mechanism.provenance
-    packages = ["flexmech", "numpy", "scipy"]
-    packages += ["exudyn"] if any(e.name == "exudyn" for e in engines) else []
+def origin(mechanism: Mechanism, *packages: str) -> dict[str, str | int]:
+    """Attributes that tell a mechanism, its model file, and the versions of packages."""
+    source = mechanism.provenance
     return {
         "mechanism": source.name,
         "source": source.source,
         "model_file": source.file,
         "model_sha256": source.sha256,
-        "elements": engines[0].elements,
-        **{f"{name}_version": _version(name) for name in packages},
+        **versions(*packages),
     }
+
+
+def versions(*packages: str) -> dict[str, str]:
+    """Attributes that tell the versions of flexmech, of what it computes with, and of packages."""
+    return {f"{name}_version": _version(name) for name in ("flexmech", "numpy", "scipy", *packages)}
+
+
+def provenance(engines: Sequence[Engine]) -> dict[str, str | int]:
+    """Attributes of a result of engines, all of one mechanism."""
+    packages = ["exudyn"] if any(e.name == "exudyn" for e in engines) else []
+    return {**origin(engines[0].mechanism, *packages), "elements": engines[0].elements}
+
+
+def with_units(dataset: xr.Dataset, units: Mapping[str, tuple[str, str]]) -> xr.Dataset:
+    """The dataset, each of its variables with its unit and what it is in words.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Changed in place.
+    units : mapping of str to tuple of str
+        Unit and long name by variable; of those that are not there nothing is said.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    for name, (unit, long_name) in units.items():
+        if name in dataset.variables:
+            dataset[name].attrs.update(units=unit, long_name=long_name)
+    return dataset

@@ -1,151 +1,165 @@
-"""The result of a frequency map: a frozen object around a labelled dataset."""
+"""The base of every result: a frozen object around a labelled dataset."""
 
 from __future__ import annotations
 
+import base64
+import io
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import Any, ClassVar, Self
 
-import numpy as np
 import pandas as pd
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from flexmech.analyses.stored_result import StoredResult
+from flexmech.analyses.summary import Summary
+from flexmech.errors import InputError
+from flexmech.files import moved_into
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+__all__ = ["DOTS_PER_INCH", "Result"]
 
-__all__ = ["EngineAgreement", "MovingFrequencies"]
-
-
-@dataclass(frozen=True)
-class EngineAgreement:
-    """Greatest relative difference of two engines' frequencies, and where it is.
-
-    Parameters
-    ----------
-    engines : tuple of str
-    relative_difference : float
-        ``|f_b / f_a - 1|``.
-    crank_speed, crank_angle : float
-        rad/s and rad.
-    mode : int
-        Counted from 1.
-    """
-
-    engines: tuple[str, str]
-    relative_difference: float
-    crank_speed: float
-    crank_angle: float
-    mode: int
+DOTS_PER_INCH = 200
 
 
 @dataclass(frozen=True)
-class MovingFrequencies(StoredResult):
-    """Natural frequencies over crank angle and speed, tracked, with their errors.
+class Result(ABC):
+    """What an analysis has found.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Variables and units are in the dataset itself; see the README.
+        Variables with named dimensions, their units in the attributes, and where they come
+        from in the dataset's own attributes.
     """
 
-    stem = "frequencies"
-    hallmark = "frequency"
+    dataset: xr.Dataset
 
-    def extremes(self) -> xr.Dataset:
-        """Lowest and highest frequency of each mode and the crank angles where they are.
+    stem: ClassVar[str]
+    """Name of the NetCDF file, without its ending."""
+    hallmark: ClassVar[str]
+    """Variable that a result of this kind holds."""
+    files: ClassVar[tuple[str, ...]]
+    """Patterns of all files that such a result may write."""
+    significant_digits: ClassVar[int] = 10
+    """Of the numbers in CSV files."""
+    digits: ClassVar[Mapping[str, int]] = {}
+    """Significant digits of columns that have others, in all tables or in one, as in
+    ``"topology.x_m"``."""
 
-        Returns
-        -------
-        xarray.Dataset
-            ``lowest``, ``highest`` in Hz and ``lowest_angle``, ``highest_angle`` in rad over
-            (engine, crank_speed, mode).
-        """
-        frequency = self.dataset["frequency"]
-        angles = self.dataset["crank_angle"].values
-        if len(angles) > 1 and np.isclose(angles[-1] - angles[0], 2 * np.pi):
-            frequency = frequency.isel(crank_angle=slice(None, -1))  # the first one again
-        return xr.Dataset(
-            {
-                "lowest": frequency.min("crank_angle"),
-                "lowest_angle": frequency.idxmin("crank_angle"),
-                "highest": frequency.max("crank_angle"),
-                "highest_angle": frequency.idxmax("crank_angle"),
-            }
-        )
+    @abstractmethod
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Tables by the name of their CSV file without its ending."""
 
-    def agreement(self) -> EngineAgreement | None:
-        """How far the first two engines differ at most; None with a single engine."""
-        names = [str(name) for name in self.dataset["engine"].values]
-        if len(names) < 2:
-            return None
-        first, second = (self.dataset["frequency"].isel(engine=i).values for i in (0, 1))
-        difference = np.abs(second / first - 1)
-        speed, angle, mode = np.unravel_index(int(difference.argmax()), difference.shape)
-        return EngineAgreement(
-            engines=(names[0], names[1]),
-            relative_difference=float(difference.max()),
-            crank_speed=float(self.dataset["crank_speed"][speed]),
-            crank_angle=float(self.dataset["crank_angle"][angle]),
-            mode=int(self.dataset["mode"][mode]),
-        )
+    @abstractmethod
+    def figures(self) -> dict[str, Figure]:
+        """Every picture that there is data for, by the name of its file without its ending."""
 
-    def table(self) -> pd.DataFrame:
-        """One row for each engine, crank speed, crank angle and mode, as in the CSV file."""
-        data = self.dataset[["frequency", "damping_ratio", "branch_of_mode"]]
-        frame = data.drop_vars("element").to_dataframe(
-            dim_order=["engine", "crank_speed", "crank_angle", "mode"]
-        )
-        frame = frame.reset_index()
-        frame["crank_angle"] = np.round(np.degrees(frame["crank_angle"]), 9)
-        columns = {
-            "engine": "engine",
-            "crank_speed": "crank_speed_rad_s",
-            "crank_angle": "crank_angle_deg",
-            "mode": "mode",
-            "branch_of_mode": "branch",
-            "frequency": "frequency_Hz",
-            "damping_ratio": "damping_ratio",
-        }
-        return frame[list(columns)].rename(columns=columns)
+    @abstractmethod
+    def summary(self) -> Summary:
+        """What was found, in tables and lines."""
 
-    def vibration_effect(self) -> xr.DataArray | None:
-        """How much vibration itself moves the frequencies, relative to the quasi-static ones.
+    @abstractmethod
+    def plot(self, *, ax: Axes | None = None) -> Figure:
+        """Draw the picture that answers the question, in axes of the user's if they are given."""
+
+    def texts(self) -> dict[str, str]:
+        """Further text files, such as model files, by name."""
+        return {}
+
+    def datasets(self) -> dict[str, xr.Dataset]:
+        """What the NetCDF files hold, by their names without the ending."""
+        return {self.stem: self.dataset}
+
+    def save(self, folder: str | Path, *, figures: bool = False) -> list[Path]:
+        """Write CSV and NetCDF files, and pictures if they are wanted; all or none.
+
+        Parameters
+        ----------
+        folder : str or Path
+            Made if it is not there.
+        figures : bool
+            Whether to write the pictures too, as PNG files.
 
         Returns
         -------
-        xarray.DataArray or None
-            Over (engine, crank_speed, crank_angle, mode); None unless the frequencies are
-            those of running states (prestress ``trajectory``).
+        list of Path
+
+        Raises
+        ------
+        InputError
+            If the folder cannot be written to.
         """
-        if "quasi_static_frequency" not in self.dataset:
-            return None
-        return self.dataset["frequency"] / self.dataset["quasi_static_frequency"] - 1
+        folder, names = Path(folder), []
+        form = f"%.{self.significant_digits}g"
 
-    def further_tables(self) -> dict[str, pd.DataFrame]:
-        """Tables of what the dataset holds besides.
+        def path(name: str) -> Path:
+            names.append(name)
+            target = temporary / name
+            target.parent.mkdir(exist_ok=True)
+            return target
 
-        ``vibration_effect`` has running and quasi-static frequencies side by side,
-        ``damping`` the damping ratio by modal strain energy.
+        with moved_into(folder) as temporary:
+            for name, table in self.tables().items():
+                written = self._written(name, table)
+                written.to_csv(path(f"{name}.csv"), index=False, float_format=form)
+            for name, dataset in self.datasets().items():
+                dataset.to_netcdf(path(f"{name}.nc"), engine="h5netcdf")
+            for name, figure in self.figures().items() if figures else ():
+                figure.savefig(path(f"{name}.png"), dpi=DOTS_PER_INCH)
+            for name, text in self.texts().items():
+                path(name).write_text(text, encoding="utf-8", newline="\n")
+        return [folder / name for name in names]
+
+    def _written(self, name: str, table: pd.DataFrame) -> pd.DataFrame:
+        """A table whose columns with digits of their own are texts; not a number is nothing."""
+        texts: dict[str, Any] = {}
+        for column in table:
+            digits = self.digits.get(f"{name}.{column}", self.digits.get(column))
+            if digits is not None:
+                texts[column] = table[column].map(f"{{:.{digits}g}}".format, na_action="ignore")
+        return table.assign(**texts)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read a NetCDF file back.
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Returns
+        -------
+        Result
+            Of this class.
+
+        Raises
+        ------
+        InputError
+            If the file is not there or is no such result of flexmech.
         """
-        dims = ("engine", "crank_speed", "crank_angle", "mode")
-        tables = {}
-        effect = self.vibration_effect()
-        if effect is not None:
-            beside = self.table().drop(columns=["branch", "damping_ratio"])
-            still = self.dataset["quasi_static_frequency"].transpose(*dims)
-            beside["quasi_static_frequency_Hz"] = still.values.ravel()
-            beside["relative_change"] = effect.transpose(*dims).values.ravel()
-            tables["vibration_effect"] = beside
-        if "strain_energy_damping" in self.dataset:
-            damping = self.table().drop(columns=["branch", "frequency_Hz"])
-            ratio = self.dataset["strain_energy_damping"].transpose(*dims)
-            damping["damping_ratio"] = ratio.values.ravel()
-            tables["damping"] = damping
-        return tables
+        path = Path(path)
+        if not path.is_file():
+            raise InputError(f"{path}: no such result file")
+        try:
+            with xr.open_dataset(path, engine="h5netcdf") as dataset:
+                loaded = dataset.load()
+        except (OSError, ValueError) as error:
+            raise InputError(f"{path}: not a NetCDF file of flexmech ({error})") from error
+        if cls.hallmark not in loaded:
+            raise InputError(
+                f"{path}: holds no variable {cls.hallmark!r}; not a {cls.stem} result of flexmech"
+            )
+        return cls(loaded)
 
-    def plot(self) -> Figure:
-        """Natural frequencies against crank angle; see :mod:`flexmech.plots` for others."""
-        from flexmech.plots import plot_frequencies
+    def __repr__(self) -> str:
+        sizes = ", ".join(f"{name} {size}" for name, size in self.dataset.sizes.items())
+        return f"<{type(self).__name__} of {self.dataset.attrs.get('mechanism', '')}: {sizes}>"
 
-        return plot_frequencies(self.dataset)
+    def _repr_html_(self) -> str:
+        picture = io.BytesIO()
+        self.plot().savefig(picture, format="png")
+        source = base64.b64encode(picture.getvalue()).decode()
+        return f'<img src="data:image/png;base64,{source}"/>{self.summary()._repr_html_()}'

@@ -1,111 +1,88 @@
-"""What users type after an option, to SI values: speeds and angles; and choices."""
+"""What users type after an option, to SI values."""
 
 from __future__ import annotations
 
 import math
-from decimal import Decimal
-from enum import StrEnum
 from itertools import pairwise
-from pathlib import Path
-from typing import Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from flexmech.errors import InputError
-from flexmech.units import ANGULAR_SPEED, parse_number, parse_quantity
+from flexmech.units import (
+    ANGLE,
+    ANGULAR_SPEED,
+    LENGTH,
+    TIME,
+    Dimension,
+    Quantities,
+    from_si,
+    parse_number,
+    parse_quantities,
+    parse_quantity,
+)
+
+if TYPE_CHECKING:
+    from flexmech.linkages import CouplerPoint
 
 __all__ = [
+    "AUTO",
+    "CRANK_ANGLE",
     "MOST_ANGLES",
-    "Angles",
-    "LinkageKind",
-    "MapPrestress",
-    "Model",
-    "NoPlots",
-    "Out",
-    "Prestress",
+    "MOST_SPEEDS",
     "parse_angles",
+    "parse_option",
+    "parse_point",
+    "parse_revolutions",
+    "parse_run_up",
+    "parse_speed",
     "parse_speeds",
+    "parse_step",
 ]
 
 MOST_ANGLES = 100_000
 """More crank angles than this are taken for a slip of the keyboard."""
+MOST_SPEEDS = 10_000
 
-# A range hits its end when it comes this close, in steps: 0:1:0.333333 means thirds.
-_HIT = Decimal("1e-5")
+CRANK_ANGLE = Dimension("an angle", "deg", ("0:360:5", "45 deg", "0.785 rad"))
+"""Whole degrees stay exact if they do not pass through radians."""
 
 # Speeds nearer to each other than this, relatively, are one speed in two units.
 _SAME_SPEED = 1e-12
 
-Model = Annotated[Path, typer.Argument(help="Model file.", metavar="MODEL")]
-Out = Annotated[Path, typer.Option(help="Folder for the files.", metavar="DIR")]
-NoPlots = Annotated[bool, typer.Option("--no-plots", help="Write no pictures.")]
-Angles = Annotated[
-    str, typer.Option(help="Crank angles in degrees: START:STOP:STEP, or a comma list.")
-]
+AUTO = "auto"
+"""What ``--step`` takes for a step that the analysis chooses."""
 
 
-class Prestress(StrEnum):
-    """Choices of ``--prestress``."""
-
-    none = "none"
-    axial = "axial"
-    equilibrium = "equilibrium"
-
-
-class MapPrestress(StrEnum):
-    """Choices of ``--prestress`` where a simulation's states count as well."""
-
-    none = "none"
-    axial = "axial"
-    equilibrium = "equilibrium"
-    trajectory = "trajectory"
-
-
-class LinkageKind(StrEnum):
-    """Kinds of model files that ``flexmech new`` writes."""
-
-    four_bar = "four-bar"
-    composite_four_bar = "composite-four-bar"
-    rotating_arm = "rotating-arm"
-
-
-def parse_speeds(text: str) -> list[float]:
+def parse_speeds(text: str) -> Quantities:
     """Crank speeds of ``--speeds``.
 
     Parameters
     ----------
     text : str
-        Comma list such as ``"0,10 rad/s,300 rpm"``; rad/s unless a unit is given.
+        Comma list such as ``"0,50,100 rpm"`` or range START:STOP:STEP; rad/s unless a unit is
+        given. See :func:`flexmech.units.parse_quantities`.
 
     Returns
     -------
-    list of float
+    Quantities
         In rad/s, ascending.
 
     Raises
     ------
     InputError
-        If one is no angular speed or appears twice.
+        If one is no angular speed or appears twice, or the range cannot be.
     """
-    speeds = []
-    for item in text.split(","):
-        if not item.strip():
-            raise InputError(
-                f"--speeds: got {text!r}, in which a value is missing; write a comma list, for "
-                'example "0,10,300 rpm"'
-            )
-        try:
-            speeds.append(parse_quantity(item.strip(), ANGULAR_SPEED, default_unit="rad/s"))
-        except InputError as error:
-            raise InputError(f"--speeds: {error}") from error
-    speeds.sort()
-    for lower, upper in pairwise(speeds):
-        if math.isclose(lower, upper, rel_tol=_SAME_SPEED):
-            raise InputError(
-                f"--speeds: got {text!r}, in which {upper:g} rad/s appears twice; give each "
-                "speed once"
-            )
-    return speeds
+    try:
+        found = parse_quantities(text, ANGULAR_SPEED, "rad/s", most=MOST_SPEEDS)
+        speeds = sorted(found.values)
+        for lower, upper in pairwise(speeds):
+            if math.isclose(lower, upper, rel_tol=_SAME_SPEED):
+                raise InputError(
+                    f"got {text!r}, in which {from_si(upper, found.unit):g} {found.unit} appears "
+                    "twice; give each speed once"
+                )
+    except InputError as error:
+        raise error.within("--speeds") from error
+    return Quantities(tuple(speeds), found.unit)
 
 
 def parse_angles(text: str) -> list[float]:
@@ -114,67 +91,189 @@ def parse_angles(text: str) -> list[float]:
     Parameters
     ----------
     text : str
-        ``START:STOP:STEP`` or a comma list, in degrees. STOP is included when a whole number
-        of steps leads to it.
+        ``START:STOP:STEP`` or a comma list; degrees unless a unit is given. See
+        :func:`flexmech.units.parse_quantities`.
 
     Returns
     -------
     list of float
-        In degrees, increasing. Counted in decimal, so that nothing adds up: 0:360:0.1 ends
-        with 359.9 and 360 exactly.
+        In degrees, increasing.
 
     Raises
     ------
     InputError
-        If the range is empty, endless or too long, or the list does not increase.
+        If one is no angle, the range cannot be, or the list does not increase.
     """
-    if ":" in text:
-        return _angle_range(text)
-    angles = [_angle(text, item) for item in text.split(",")]
-    for before, after in pairwise(angles):
-        if not after > before:
-            raise InputError(
-                f"--angles: got {text!r}, in which {after:g} follows {before:g}; modes are "
-                "tracked from angle to angle, so give each angle once, in increasing order "
-                "(beyond 360 if need be)"
-            )
-    return [float(angle) for angle in angles]
-
-
-def _angle_range(text: str) -> list[float]:
-    parts = text.split(":")
-    if len(parts) != 3:
-        raise InputError(
-            f"--angles: got {text!r}, which has {len(parts)} parts; write START:STOP:STEP, for "
-            'example "0:360:5"'
-        )
-    start, stop, step = (_angle(text, part) for part in parts)
-    if step <= 0:
-        raise InputError(f"--angles: got {text!r}; STEP must be positive, for example 0:360:5")
-    if stop < start:
-        raise InputError(
-            f"--angles: got {text!r}; STOP must not be less than START, for example -90:90:5"
-        )
-    steps = (stop - start) / step
-    if steps >= MOST_ANGLES:
-        raise InputError(
-            f"--angles: got {text!r}, which is {steps:.6g} steps; choose a STEP that gives at "
-            f"most {MOST_ANGLES} angles"
-        )
-    count = int(steps + _HIT)
-    angles = [float(start + number * step) for number in range(count + 1)]
-    if abs(steps - count) <= _HIT:
-        angles[-1] = float(stop)
-    return angles
-
-
-def _angle(text: str, item: str) -> Decimal:
-    if not item.strip():
-        raise InputError(
-            f"--angles: got {text!r}, in which a value is missing; write START:STOP:STEP, for "
-            'example "0:360:5", or a comma list such as "0,60,120"'
-        )
     try:
-        return parse_number(item)
+        angles = parse_quantities(text, CRANK_ANGLE, "deg", most=MOST_ANGLES).values
+        for before, after in pairwise(angles):
+            if not after > before:
+                raise InputError(
+                    f"got {text!r}, in which {after:g} follows {before:g}; modes are tracked from "
+                    "angle to angle, so give each angle once, in increasing order (beyond 360 if "
+                    "need be)"
+                )
     except InputError as error:
-        raise InputError(f"--angles: {error} (plain degrees, without a unit)") from error
+        raise error.within("--angles") from error
+    return list(angles)
+
+
+def parse_option(
+    option: str, text: str, dimension: Dimension, default_unit: str | None = None
+) -> float:
+    """Quantity of an option.
+
+    Parameters
+    ----------
+    option : str
+        Its name, for messages.
+    text : str
+    dimension : Dimension
+    default_unit : str, optional
+        Unit of a bare number; without it such a number is refused.
+
+    Returns
+    -------
+    float
+        In the dimension's SI unit.
+
+    Raises
+    ------
+    InputError
+        If it is no such quantity.
+    """
+    try:
+        return parse_quantity(text, dimension, default_unit=default_unit)
+    except InputError as error:
+        raise error.within(option) from error
+
+
+def parse_point(text: str) -> CouplerPoint:
+    """Coupler point of ``--point``, distance and angle with their units: ``"33 mm,320 deg"``."""
+    from flexmech.linkages import CouplerPoint
+
+    parts = [part.strip() for part in text.split(",")]
+    try:
+        if len(parts) != 2:
+            raise InputError(f"got {text!r}, which has {len(parts)} parts")
+        distance, angle = parse_quantity(parts[0], LENGTH), parse_quantity(parts[1], ANGLE)
+        return CouplerPoint(distance, angle)
+    except InputError as error:
+        raise InputError(
+            f'--point: {error}; write distance and angle, each with its unit, as in "33 mm,320 deg"'
+        ) from error
+
+
+def parse_speed(text: str) -> tuple[float, str]:
+    """Crank speed of ``--speed`` in rad/s, and the unit that it was typed in.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``"20"`` or ``"300 rpm"``; rad/s unless a unit is given.
+
+    Returns
+    -------
+    float
+        In rad/s; negative turns backwards.
+    str
+
+    Raises
+    ------
+    InputError
+        If it is no angular speed, or zero.
+    """
+    speed = parse_option("--speed", text, ANGULAR_SPEED, "rad/s")
+    if speed == 0:
+        raise InputError(
+            f"--speed: got {text!r}, at which nothing turns; give a crank speed other than zero, "
+            f"for example {ANGULAR_SPEED.example} (a negative one turns backwards)"
+        )
+    return speed, parse_quantities(text, ANGULAR_SPEED, "rad/s").unit
+
+
+def parse_revolutions(text: str) -> float:
+    """Number of ``--revolutions``, which may be a fraction.
+
+    Parameters
+    ----------
+    text : str
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If it is no positive number.
+    """
+    try:
+        revolutions = float(parse_number(text))
+    except InputError as error:
+        raise InputError(f"--revolutions: {error}") from error
+    if revolutions <= 0:
+        raise InputError(
+            f"--revolutions: got {text!r}, which is not positive; write how many turns to run, "
+            "for example 4 or 0.5 (a negative --speed turns backwards)"
+        )
+    return revolutions
+
+
+def parse_step(text: str) -> float | None:
+    """Time step of ``--step``.
+
+    Parameters
+    ----------
+    text : str
+        ``"auto"`` or a time; seconds unless a unit is given.
+
+    Returns
+    -------
+    float or None
+        In s; None where the analysis is to choose.
+
+    Raises
+    ------
+    InputError
+        If it is neither, or not positive.
+    """
+    if text.strip() == AUTO:
+        return None
+    try:
+        step = parse_option("--step", text, TIME, "s")
+    except InputError as error:
+        raise InputError(f"{error}, or {AUTO}") from error
+    if step <= 0:
+        raise InputError(
+            f"--step: got {text!r}, which is not positive; write a time, for example "
+            f"{TIME.example}, or {AUTO}"
+        )
+    return step
+
+
+def parse_run_up(text: str) -> float:
+    """Duration of ``--run-up``.
+
+    Parameters
+    ----------
+    text : str
+        A time; seconds unless a unit is given.
+
+    Returns
+    -------
+    float
+        In s.
+
+    Raises
+    ------
+    InputError
+        If it is no time, or negative.
+    """
+    duration = parse_option("--run-up", text, TIME, "s")
+    if duration < 0:
+        raise InputError(
+            f"--run-up: got {text!r}, which is negative; write how long the crank takes to reach "
+            'its speed, for example "0.2 s"'
+        )
+    return duration

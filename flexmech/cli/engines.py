@@ -1,82 +1,28 @@
-"""Engines and elements of ``--engine``, ``--element`` and ``--elements``."""
+"""From ``--engine``, ``--element`` and ``--elements`` to engines."""
 
 from __future__ import annotations
 
-from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
+from flexmech.choices import ELEMENTS, ElementName, EngineChoice, EngineName, element_of, engine_of
 from flexmech.errors import InputError
 
 if TYPE_CHECKING:
-    from flexmech.linear_system import Engine as AnyEngine
+    from flexmech.linear_system import Engine
     from flexmech.mechanism import Mechanism
 
-__all__ = [
-    "Element",
-    "ElementOption",
-    "Elements",
-    "Engine",
-    "EngineOption",
-    "element_of_engines",
-    "make_engines",
-]
+__all__ = ["element_by_engine", "make_engines"]
+
+Chosen = dict[EngineName, ElementName | None]
 
 
-class Engine(StrEnum):
-    """Choices of ``--engine``."""
-
-    reference = "reference"
-    exudyn = "exudyn"
-    both = "both"
-
-
-class Element(StrEnum):
-    """Choices of ``--element``."""
-
-    euler = "euler"
-    timoshenko = "timoshenko"
-    reddy = "reddy"
-    ancf = "ancf"
-    geometrically_exact = "geometrically-exact"
-
-
-EngineOption = Annotated[Engine, typer.Option(help="Which engine computes.")]
-ElementOption = Annotated[
-    Element | None,
-    typer.Option(
-        help="Beam element: euler, timoshenko or reddy in the reference, ancf or "
-        "geometrically-exact in Exudyn; the other engine takes its element of the same theory. "
-        "Left out: euler and ancf, or timoshenko and geometrically-exact where a link's neutral "
-        "axis is off its pins."
-    ),
-]
-Elements = Annotated[int, typer.Option(min=1, help="Elements on each link.")]
-
-_ELEMENTS = {
-    Engine.reference: (Element.euler, Element.timoshenko, Element.reddy),
-    Engine.exudyn: (Element.ancf, Element.geometrically_exact),
-}
-
-
-# The other engine's element of the same beam theory, or of the nearest that it has.
-_COUNTERPARTS = {
-    Element.euler: Element.ancf,
-    Element.timoshenko: Element.geometrically_exact,
-    Element.reddy: Element.geometrically_exact,
-    Element.ancf: Element.euler,
-    Element.geometrically_exact: Element.timoshenko,
-}
-
-
-def element_of_engines(engine: Engine, element: Element | None) -> dict[Engine, Element | None]:
+def element_by_engine(engine: EngineChoice, element: ElementName | None) -> Chosen:
     """Which engines run, and the element of each.
 
     Parameters
     ----------
-    engine : Engine
-    element : Element or None
+    engine : {"reference", "exudyn", "both"}
+    element : str, optional
         Goes to the engine that has it; the other one takes the element of the same theory,
         so that the two can be held against each other.
 
@@ -90,46 +36,40 @@ def element_of_engines(engine: Engine, element: Element | None) -> dict[Engine, 
     InputError
         If none of the engines chosen has the element.
     """
-    chosen = list(_ELEMENTS) if engine is Engine.both else [engine]
-    if element is not None and not any(element in _ELEMENTS[one] for one in chosen):
-        owner = next(one for one, elements in _ELEMENTS.items() if element in elements)
-        own = ", ".join(_ELEMENTS[engine])
-        raise InputError(
-            f"--element {element} is not an element of the {engine} engine, which has {own}; "
-            f"choose --engine {owner} or --engine both, or leave --element out"
-        )
+    chosen: list[EngineName] = list(ELEMENTS) if engine == "both" else [engine]
     if element is None:
         return dict.fromkeys(chosen)
-    return {one: element if element in _ELEMENTS[one] else _COUNTERPARTS[element] for one in chosen}
+    if engine_of(element) not in chosen:
+        own = ", ".join(name for one in chosen for name in ELEMENTS[one])
+        raise InputError(
+            f"--element {element} is not an element of the {engine} engine, which has {own}; "
+            f"choose --engine {engine_of(element)} or --engine both, or leave --element out"
+        )
+    return {one: element_of(one, element) for one in chosen}
 
 
-def make_engines(
-    mechanism: Mechanism, chosen: dict[Engine, Element | None], elements: int
-) -> list[AnyEngine]:
-    """Make the engines chosen, each with its element.
+def make_engines(mechanism: Mechanism, chosen: Chosen, elements: int) -> list[Engine]:
+    """Make the engines chosen, the reference first.
 
     Parameters
     ----------
     mechanism : Mechanism
     chosen : dict
-        Element by engine, of :func:`element_of_engines`.
+        Element by engine, of :func:`element_by_engine`.
     elements : int
         On each link.
 
     Returns
     -------
-    list of flexmech.linear_system.Engine
-        The reference first.
+    list of Engine
     """
-    engines: list[AnyEngine] = []
-    if Engine.reference in chosen:
+    engines: list[Engine] = []
+    if "reference" in chosen:
         from flexmech.reference import ReferenceEngine
 
-        element = chosen[Engine.reference]
-        engines.append(ReferenceEngine(mechanism, elements=elements, element=element))
-    if Engine.exudyn in chosen:
+        engines.append(ReferenceEngine(mechanism, elements, chosen["reference"]))
+    if "exudyn" in chosen:
         from flexmech.multibody import ExudynEngine
 
-        element = chosen[Engine.exudyn]
-        engines.append(ExudynEngine(mechanism, elements=elements, element=element))
+        engines.append(ExudynEngine(mechanism, elements, chosen["exudyn"]))
     return engines

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from flexmech.cli.arguments import LinkageKind
+from flexmech.choices import TemplateKind
 from flexmech.cli.failures import reports_failures
 from flexmech.errors import InputError
 from flexmech.files import write_whole
@@ -19,7 +19,7 @@ HELP = "Write a commented model file to start from."
 
 @reports_failures
 def new(
-    kind: Annotated[LinkageKind, typer.Argument(help="Kind of linkage.")],
+    kind: Annotated[TemplateKind, typer.Argument(help="Kind of linkage.")],
     file: Annotated[Path, typer.Argument(help="Model file to write.", metavar="FILE")],
     force: Annotated[bool, typer.Option("--force", help="Replace a file that exists.")] = False,
 ) -> None:
@@ -28,5 +28,5 @@ def new(
 
     if file.exists() and not file.is_dir() and not force:
         raise InputError(f"{file}: exists already; choose another name, or --force to replace it")
-    write_whole(file, template(kind.value))
+    write_whole(file, template(kind))
     typer.echo(f"wrote {file}; next: flexmech check {file}")

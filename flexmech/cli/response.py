@@ -4,44 +4,28 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from flexmech.cli.arguments import Model, NoPlots, Out, Prestress
-from flexmech.cli.engines import (
-    ElementOption,
-    Elements,
-    Engine,
-    EngineOption,
-    element_of_engines,
-    make_engines,
-)
-from flexmech.cli.failures import reports_failures
-from flexmech.cli.run_arguments import (
+from flexmech.choices import MODES, Integrator, Prestress, Start
+from flexmech.cli import options
+from flexmech.cli.arguments import (
     AUTO,
-    Integrator,
-    Start,
     parse_revolutions,
     parse_run_up,
     parse_speed,
     parse_step,
 )
-from flexmech.cli.surroundings import (
-    ExposureTime,
-    Moisture,
-    RelativeHumidity,
-    TemperatureRise,
-    in_state,
-    parse_state,
-)
+from flexmech.cli.deliver import deliver
+from flexmech.cli.engines import element_by_engine, make_engines
+from flexmech.cli.environment import parse_environment
+from flexmech.cli.failures import reports_failures
 from flexmech.errors import InputError
-from flexmech.files import check_writable
 
 if TYPE_CHECKING:
-    from flexmech.analyses.response import Response, ResponseRequest
-    from flexmech.linkages import CrankDrive
-    from flexmech.mechanism import Mechanism
+    from flexmech.analyses import Response, ResponseRequest
+    from flexmech.types import LabelledProgress
 
 __all__ = ["HELP", "response"]
 
@@ -50,8 +34,6 @@ HELP = (
     "constant crank speed: a table, CSV and NetCDF files, pictures and an animation; dry, or in "
     "heat and moisture."
 )
-TABLES = ("response.csv", "response.nc")
-
 Speed = Annotated[
     str,
     typer.Option(
@@ -112,131 +94,84 @@ Animate = Annotated[
 
 @reports_failures
 def response(
-    model: Model,
+    model: options.Model,
     speed: Speed,
     revolutions: Revolutions = "4",
-    engine: EngineOption = Engine.both,
-    element: ElementOption = None,
-    elements: Elements = 8,
-    start: StartOption = Start.rigid,
+    engine: options.Engine = "both",
+    element: options.Element = None,
+    elements: options.Elements = 8,
+    start: StartOption = "rigid",
     step: Step = AUTO,
     samples: Samples = 720,
-    prestress: PrestressOption = Prestress.equilibrium,
-    integrator: IntegratorOption = Integrator.trapezoidal,
+    prestress: PrestressOption = "equilibrium",
+    integrator: IntegratorOption = "trapezoidal",
     run_up: RunUp = "0",
     check_mesh: CheckMesh = False,
-    modes: Modes = 4,
-    temperature_rise: TemperatureRise = None,
-    moisture: Moisture = None,
-    relative_humidity: RelativeHumidity = None,
-    time: ExposureTime = None,
-    out: Out = Path("results"),
-    no_plots: NoPlots = False,
+    modes: Modes = MODES,
+    temperature_rise: options.TemperatureRise = None,
+    moisture: options.Moisture = None,
+    relative_humidity: options.RelativeHumidity = None,
+    time: options.ExposureTime = None,
+    out: options.Out = Path("results"),
+    no_plots: options.NoPlots = False,
     animate: Animate = False,
 ) -> None:
     """Run the mechanism of a model file; save, draw and report its response."""
-    crank_speed, turns = parse_speed(speed), parse_revolutions(revolutions)
-    time_step, run_up_time = parse_step(step), parse_run_up(run_up)
-    chosen = element_of_engines(engine, element)
-    state = parse_state(temperature_rise, moisture, relative_humidity, time)
-
-    from flexmech.cli.progress import progress_bar
-    from flexmech.cli.response_pictures import (
-        ANIMATIONS,
-        PICTURES,
-        write_animations,
-        write_pictures,
-    )
-    from flexmech.cli.state_report import link_lines
-    from flexmech.linkages import CrankDrive
-    from flexmech.modelfile import load_mechanism
-
-    dry = load_mechanism(model)
-    mechanism = in_state(dry, state)
-    request = _request(
-        CrankDrive(crank_speed, run_up_time), turns, samples, modes, start, time_step
-    )
-    request = replace(request, integrator=integrator.value, prestress=prestress.value)
-    optional = (*(() if no_plots else PICTURES), *(ANIMATIONS if animate else ()))
-    check_writable(out, (*TABLES, *optional))
-
-    from flexmech.analyses.response import response as compute
-
-    with progress_bar() as progress:
-        result = compute(
-            make_engines(mechanism, chosen, elements),
-            request,
-            check_mesh=check_mesh,
-            progress=progress,
-        )
-    files = result.save(out)
-    if not no_plots:
-        files = [*files, *write_pictures(result.dataset, out)]
-    if animate:
-        with progress_bar() as progress:
-            files = [*files, *write_animations(result.dataset, out, progress)]
-    _report(result, mechanism, out, files, link_lines(dry, state), animate=animate)
-
-
-def _request(
-    drive: CrankDrive,
-    revolutions: float,
-    samples: int,
-    modes: int,
-    start: Start,
-    step: float | None,
-) -> ResponseRequest:
-    """What is asked for; where that is refused, the message names the options."""
-    from flexmech.analyses.response import ResponseRequest
-
-    if start is Start.periodic and not drive.is_constant:
+    crank_speed, unit = parse_speed(speed)
+    asked = {"revolutions": parse_revolutions(revolutions), "samples": samples, "start": start}
+    run_up_time, time_step = parse_run_up(run_up), parse_step(step)
+    chosen = element_by_engine(engine, element)
+    environment = parse_environment(temperature_rise, moisture, relative_humidity, time)
+    if start == "periodic" and run_up_time:
         raise InputError(
             "--start periodic needs a constant crank speed; leave --run-up out, or choose "
             "--start rigid or equilibrium"
         )
+
+    from flexmech.analyses import Response
+    from flexmech.analyses import response as compute
+    from flexmech.linkages import CrankDrive
+    from flexmech.modelfile import load_mechanism
+
+    mechanism = load_mechanism(model)
+    request = _request(
+        CrankDrive(crank_speed, run_up_time),
+        time_step,
+        **asked,
+        modes=modes,
+        integrator=integrator,
+        prestress=prestress,
+        speed_unit=unit,
+    )
+
+    def animations(result: Response, progress: LabelledProgress | None) -> list[Path]:
+        return result.save_animations(out, progress) if animate else []
+
+    deliver(
+        Response,
+        lambda progress: compute(
+            make_engines(mechanism, chosen, elements),
+            request,
+            check_mesh=check_mesh,
+            environment=environment,
+            progress=progress,
+        ),
+        out,
+        draw=not no_plots,
+        speed_unit=unit,
+        further=animations,
+    )
+
+
+def _request(drive: Any, step: float | None, **asked: Any) -> ResponseRequest:
+    """What is asked for; where that is refused, the message names the options."""
+    from flexmech.analyses import ResponseRequest
+
     try:
-        request = ResponseRequest(
-            drive, revolutions=revolutions, samples=samples, start=start.value, modes=modes
-        )
+        request = ResponseRequest(drive, **asked)
     except InputError as error:
-        raise InputError(f"--revolutions, --samples, --run-up: {error}") from error
+        raise error.within("--revolutions, --samples, --run-up") from error
     try:
         return replace(request, step=step)
     except InputError as error:
-        raise InputError(f"--step: {error}") from error
-
-
-def _report(
-    result: Response,
-    mechanism: Mechanism,
-    out: Path,
-    files: list[Path],
-    state_lines: list[str],
-    *,
-    animate: bool,
-) -> None:
-    """Print the table and the lines below it; the last one compares the engines."""
-    from flexmech.cli.pictures import file_lines
-    from flexmech.cli.report import print_table
-    from flexmech.cli.response_pictures import ANIMATIONS, PICTURES
-    from flexmech.cli.response_report import (
-        agreement_line,
-        check_lines,
-        load_lines,
-        peak_table,
-        spectrogram_lines,
-    )
-
-    speed = result.dataset.attrs["crank_speed"]
-    print_table(peak_table(result, f"peaks at {speed:.6g} rad/s, {mechanism.provenance.name}"))
-    lines = [
-        *check_lines(result.dataset),
-        *load_lines(result),
-        *spectrogram_lines(result.dataset),
-        *state_lines,
-    ]
-    if animate and ANIMATIONS[-1] not in {file.name for file in files}:
-        lines.append("animation: a GIF alone, for MP4 needs ffmpeg; install it and run again")
-    lines += [*file_lines(out, files, (*PICTURES, *ANIMATIONS)), agreement_line(result)]
-    for line in lines:
-        typer.echo(line)
+        raise error.within("--step") from error

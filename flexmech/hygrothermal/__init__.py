@@ -1,6 +1,5 @@
 """Mechanisms in heat and water: from surroundings to a mechanism as it is in them."""
 
-from flexmech.hygrothermal.coupler_path import CouplerPath, coupler_path
 from flexmech.hygrothermal.in_state import (
     SwollenLink,
     coupler_point_in_state,
@@ -15,23 +14,19 @@ from flexmech.hygrothermal.link_moisture import (
     resin_retention,
     silent_links,
 )
-from flexmech.hygrothermal.state import Exposure, HygrothermalState, State
-from flexmech.hygrothermal.uptake import LinkUptake, link_uptake
+from flexmech.hygrothermal.state import Environment, Exposure, HygrothermalState, State
 
 __all__ = [
-    "CouplerPath",
+    "Environment",
     "Exposure",
     "HygrothermalState",
     "LinkDiffusion",
-    "LinkUptake",
     "State",
     "SwollenLink",
     "absorbing_links",
-    "coupler_path",
     "coupler_point_in_state",
     "link_condition",
     "link_diffusion",
-    "link_uptake",
     "linkage_in_state",
     "mechanism_in_state",
     "resin_retention",

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.materials import Laminate, Layer, PlyRecipe
+from flexmech.materials import Laminate, Layer, PlyComposition
 from flexmech.materials.moisture import (
     DiffusionLayer,
     Diffusivity,
@@ -196,7 +196,7 @@ def _diffusion_layer(layer: Layer) -> DiffusionLayer:
     along, across = 1.0, 1.0
     if resin.volume_fraction < 1:
         along, across = composite_diffusivity_ratio(1 - resin.volume_fraction)
-    woven = isinstance(layer.ply.origin, PlyRecipe) and layer.ply.origin.woven
+    woven = isinstance(layer.ply.origin, PlyComposition) and layer.ply.origin.woven
     share = 0.5 if woven else float(np.sin(layer.angle) ** 2)
     water = resin.hygrothermal.equilibrium.saturation * resin.mass_fraction * layer.ply.density
     return DiffusionLayer(

@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmech.errors import InputError
 
-__all__ = ["Exposure", "HygrothermalState", "State"]
+__all__ = ["Environment", "Exposure", "HygrothermalState", "State"]
 
 DAY = 86400.0
 
@@ -90,7 +90,8 @@ class Exposure:
         )
 
 
-State = HygrothermalState | Exposure
+Environment = HygrothermalState | Exposure
+State = Environment
 
 
 def _check_rise(rise: float) -> None:

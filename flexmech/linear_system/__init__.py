@@ -1,21 +1,27 @@
 """Linear systems in link frames: the contract between engines and analyses."""
 
+from flexmech.choices import PRESTRESS_LEVELS, Prestress
+from flexmech.linear_system.checks import checked_count, checked_mechanism
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
-from flexmech.linear_system.engine import (
-    PRESTRESS_LEVELS,
-    ConvergenceOrders,
-    Engine,
-    Prestress,
+from flexmech.linear_system.convergence import ConvergenceOrders
+from flexmech.linear_system.engine import Engine
+from flexmech.linear_system.equilibrium import (
+    LOAD_STEPS,
+    ROUND_OFF,
+    free_load,
+    refuse_large_displacements,
 )
 from flexmech.linear_system.link_frames import LinkDamping, LinkFrames, RotationTerms
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
-from flexmech.linear_system.posture import refuse_other_postures
+from flexmech.linear_system.position_errors import refuse_positions
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem, condense
 from flexmech.linear_system.tension import element_tensions
 
 __all__ = [
+    "LOAD_STEPS",
     "PRESTRESS_LEVELS",
+    "ROUND_OFF",
     "ComponentModes",
     "ConvergenceOrders",
     "Engine",
@@ -27,9 +33,13 @@ __all__ = [
     "RigidFields",
     "RotationTerms",
     "StressedLinks",
+    "checked_count",
+    "checked_mechanism",
     "component_modes",
     "condense",
     "element_tensions",
+    "free_load",
     "inertia_loads",
-    "refuse_other_postures",
+    "refuse_large_displacements",
+    "refuse_positions",
 ]

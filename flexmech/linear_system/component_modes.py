@@ -28,7 +28,7 @@ __all__ = ["ComponentModes", "ReducedLink", "component_modes"]
 
 # Modes of the held links are kept up to this multiple of the frequency of the highest
 # mode asked for; the frequencies asked for mostly come out within 1e-5. Maps measure their
-# own error and take more modes where that is not enough (flexmech.analyses.reduction).
+# own error and take more modes where that is not enough (flexmech.analyses.frequencies.reduction).
 BENDING_CUTOFF = 1.5
 # An axial mode of frequency w answers Coriolis forces at angular velocity W with a
 # relative frequency shift of about (2 W / w)^2; beyond this ratio w / W it is below 1e-5.

@@ -4,52 +4,39 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import ClassVar, Literal, Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.choices import MODES, PRESTRESS_LEVELS, Prestress
 from flexmech.errors import InputError
+from flexmech.linear_system.checks import checked_count, checked_mechanism
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
-from flexmech.linear_system.link_frames import LinkDamping, LinkFrames, RotationTerms
+from flexmech.linear_system.convergence import ConvergenceOrders
+from flexmech.linear_system.link_frames import RotationTerms
 from flexmech.linear_system.link_model import LinkModel
+from flexmech.linear_system.reduced_system import reduced_system, unreduced_system
 from flexmech.linear_system.stressed_links import StressedLinks
-from flexmech.linear_system.system import LinearSystem, condense
+from flexmech.linear_system.system import LinearSystem
 from flexmech.linkages import RigidMotion
+from flexmech.linkages.motion import checked_drive
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["PRESTRESS_LEVELS", "ConvergenceOrders", "Engine", "Prestress"]
+__all__ = ["Engine"]
 
-Prestress = Literal["none", "axial", "equilibrium"]
-PRESTRESS_LEVELS: tuple[Prestress, ...] = ("none", "axial", "equilibrium")
+# What a map of that many frequencies asks for: it tracks modes among two more.
+SYSTEM_MODES = MODES + 2
 # Working memory of a batch; keeps what is alive at a time independent of the map's size.
 BATCH_BYTES = 32_000_000
 
 
-@dataclass(frozen=True)
-class ConvergenceOrders:
-    """Order in the element length of each part of a natural frequency's error.
-
-    Parameters
-    ----------
-    elastic : int
-        Of the unloaded linkage at rest.
-    prestress : int
-        Of the change by prestress.
-    rotation : int
-        Of the change by rotation terms. A pin's displacement turns with the leader's
-        frame, the rest of the link with its own: a layer one element wide, so first order.
-    """
-
-    elastic: int
-    prestress: int
-    rotation: int = 1
-
-
 class Engine(ABC):
     """Turns a mechanism and crank positions into a :class:`LinearSystem`.
+
+    An engine is a value: it does not change, and two that compute the same are equal.
+    :meth:`with_` makes another one.
 
     Parameters
     ----------
@@ -61,14 +48,23 @@ class Engine(ABC):
     component_modes : bool
         Reduce each link to component modes (Craig-Bampton). Off: all coordinates.
 
+    Attributes
+    ----------
+    name : str
+    element_kinds : tuple of str
+    simulates : bool
+        Whether the engine runs the linkage with large displacements; see
+        :func:`flexmech.time_domain.simulator`.
+
     Raises
     ------
     InputError
-        If the element is unknown or there is no element.
+        If the mechanism is none, the element unknown or the number of elements no such.
     """
 
     name: ClassVar[str]
     element_kinds: ClassVar[tuple[str, ...]]
+    simulates: ClassVar[bool] = False
 
     def __init__(
         self,
@@ -77,24 +73,90 @@ class Engine(ABC):
         element: str | None = None,
         component_modes: bool = True,
     ) -> None:
-        if elements < 1:
-            raise InputError(f"elements must be 1 or more a link, got {elements}")
-        element = element or self.default_element(mechanism)
-        if element not in self.element_kinds:
+        self.mechanism = checked_mechanism(mechanism)
+        self.elements = checked_count(elements, "elements")
+        self.element = self.default_element(mechanism) if element is None else element
+        if self.element not in self.element_kinds:
             raise InputError(
                 f"the {self.name} engine has no element {element!r}; "
                 f"it has {', '.join(self.element_kinds)}"
             )
-        self.mechanism = mechanism
-        self.elements = elements
-        self.element = element
         self.component_modes = component_modes
+        self._element_asked = element
         self._reductions: dict[tuple[int, float, bool, float], ComponentModes] = {}
+
+    def with_(
+        self,
+        *,
+        mechanism: Mechanism | None = None,
+        elements: int | None = None,
+        element: str | None = None,
+        component_modes: bool | None = None,
+    ) -> Self:
+        """Make the same engine with something changed.
+
+        Parameters
+        ----------
+        mechanism : Mechanism, optional
+            An element that was not asked for is chosen anew for it.
+        elements : int, optional
+        element : str, optional
+        component_modes : bool, optional
+
+        Returns
+        -------
+        Engine
+
+        Raises
+        ------
+        InputError
+            As of a new engine.
+        """
+        return type(self)(
+            self.mechanism if mechanism is None else mechanism,
+            self.elements if elements is None else elements,
+            self._element_asked if element is None else element,
+            self.component_modes if component_modes is None else component_modes,
+        )
+
+    def unreduced(self) -> Self:
+        """Make the same engine without component modes."""
+        return self.with_(component_modes=False)
+
+    def __repr__(self) -> str:
+        modes = "" if self.component_modes else ", without component modes"
+        name, plural = self.mechanism.provenance.name, "s" if self.elements > 1 else ""
+        beams = f"{self.elements} {self.element} element{plural} a link"
+        return f"{type(self).__name__}({name}, {beams}{modes})"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Engine) or type(self) is not type(other):
+            return NotImplemented
+        return self._computes == other._computes and self.mechanism == other.mechanism
+
+    def __hash__(self) -> int:
+        # A mechanism has none, because its sections are in a dictionary.
+        return hash((type(self), self._computes, self.mechanism.provenance))
+
+    def __setattr__(self, name: str, value: object) -> None:
+        # What has been computed from an attribute would not follow it.
+        if name in vars(self):
+            raise AttributeError(f"an engine does not change; make another by with_({name}=...)")
+        super().__setattr__(name, value)
+
+    @property
+    def _computes(self) -> tuple[int, str, bool]:
+        """What decides over the results, besides the mechanism."""
+        return self.elements, self.element, self.component_modes
 
     @classmethod
     def default_element(cls, mechanism: Mechanism) -> str:
-        """Kind of element for a mechanism if none is asked for: the first."""
-        return cls.element_kinds[0]
+        """Kind of element if none is asked for.
+
+        The first, a slender beam. The second, one that shears, where the neutral axis or the
+        centre of mass of a link is off the pins' axis.
+        """
+        return cls.element_kinds[int(mechanism.is_eccentric)]
 
     @property
     @abstractmethod
@@ -167,14 +229,6 @@ class Engine(ABC):
             f"the {self.name} engine does not linearize about states of the running linkage"
         )
 
-    def with_elements(self, elements: int) -> Self:
-        """The same engine on another mesh."""
-        return type(self)(self.mechanism, elements, self.element, self.component_modes)
-
-    def unreduced(self) -> Self:
-        """The same engine without component modes."""
-        return type(self)(self.mechanism, self.elements, self.element, component_modes=False)
-
     @property
     def batch_size(self) -> int:
         """Positions to hold in memory at a time."""
@@ -189,7 +243,7 @@ class Engine(ABC):
         prestress: Prestress = "equilibrium",
         running: Sequence[FloatArray] | None = None,
         rotation_terms: bool | RotationTerms = True,
-        modes: int = 6,
+        modes: int = SYSTEM_MODES,
         fastest: float | None = None,
         detail: float = 1.0,
     ) -> LinearSystem:
@@ -220,7 +274,8 @@ class Engine(ABC):
         Raises
         ------
         InputError
-            Where the linkage cannot be assembled or locks.
+            If an argument is none of the kind, or where the linkage cannot be assembled or
+            locks.
         ComputationError
             If the equilibrium does not converge.
         """
@@ -228,9 +283,7 @@ class Engine(ABC):
             raise InputError(
                 f"prestress must be one of {', '.join(PRESTRESS_LEVELS)}, got {prestress!r}"
             )
-        angle, speed = np.broadcast_arrays(
-            np.asarray(crank_angle, dtype=float), np.asarray(crank_speed, dtype=float)
-        )
+        angle, speed, _ = checked_drive(crank_angle, crank_speed, 0.0)
         motion = self.mechanism.linkage.motion(angle.ravel(), speed.ravel())
         terms = (
             rotation_terms
@@ -244,8 +297,9 @@ class Engine(ABC):
             if running is None
             else self.running_links(motion, running)
         )
+        topology = self.mechanism.linkage.topology
         if not self.component_modes:
-            return _unreduced_system(self.mechanism, self.links, motion, stressed, terms)
+            return unreduced_system(topology, self.links, motion, stressed, terms)
         greatest = float(np.max(np.abs(motion.angular_velocity), initial=0.0))
         if not terms.any:
             greatest = 0.0
@@ -253,7 +307,7 @@ class Engine(ABC):
             greatest = abs(fastest)
         loaded = any(t.ndim == 3 for t in stressed.tangent)
         reduction = self._reduction(modes, greatest, loaded, detail)
-        return _reduced_system(self.mechanism, self.links, reduction, motion, stressed, terms)
+        return reduced_system(topology, self.links, reduction, motion, stressed, terms)
 
     def _reduction(self, modes: int, fastest: float, loaded: bool, detail: float) -> ComponentModes:
         key = (modes, fastest, loaded, detail)
@@ -267,66 +321,3 @@ class Engine(ABC):
                 detail=detail,
             )
         return self._reductions[key]
-
-
-def _unreduced_system(
-    mechanism: Mechanism,
-    links: Sequence[LinkModel],
-    motion: RigidMotion,
-    stressed: StressedLinks,
-    terms: RotationTerms,
-) -> LinearSystem:
-    frames = LinkFrames(mechanism.linkage.topology, links)
-    damping = None
-    if stressed.damping is not None:
-        damping = [LinkDamping(matrix, matrix) for matrix in stressed.damping]
-    matrices = frames.assemble(motion, stressed.tangent, terms, damping)
-    return LinearSystem(motion, matrices.mass, matrices.damping, matrices.stiffness, terms, frames)
-
-
-def _reduced_system(
-    mechanism: Mechanism,
-    links: Sequence[LinkModel],
-    reduction: ComponentModes,
-    motion: RigidMotion,
-    stressed: StressedLinks,
-    terms: RotationTerms,
-) -> LinearSystem:
-    frames = LinkFrames(mechanism.linkage.topology, reduction.models)
-    projected = [
-        link.basis.T @ (tangent @ link.basis)
-        for link, tangent in zip(reduction.links, stressed.tangent, strict=True)
-    ]
-    matrices = frames.assemble(motion, projected, terms, _damping(links, reduction, stressed))
-    condensed = np.zeros(frames.size, dtype=bool)
-    for target, link in zip(frames.targets, reduction.links, strict=True):
-        condensed[target[link.condensed]] = True
-    expansion = None
-    if condensed.any():
-        matrices, expansion = condense(matrices, condensed)
-    return LinearSystem(
-        motion,
-        matrices.mass,
-        matrices.damping,
-        matrices.stiffness,
-        terms,
-        frames,
-        expansion,
-        tuple(link.basis for link in reduction.links),
-        # Component modes are normalized by the mass; condensed ones bring theirs along.
-        unit_mass_from=frames.end_count if expansion is None else None,
-    )
-
-
-def _damping(
-    links: Sequence[LinkModel], reduction: ComponentModes, stressed: StressedLinks
-) -> list[LinkDamping] | None:
-    """Damping of the stressed links in component modes."""
-    if stressed.damping is None:
-        return None
-    damping = []
-    for full, link, matrix in zip(links, reduction.links, stressed.damping, strict=True):
-        ends = full.end_basis(link.model.size, {"start": link.model.start, "end": link.model.end})
-        forces = link.basis.T @ matrix
-        damping.append(LinkDamping(forces @ link.basis, forces @ ends))
-    return damping

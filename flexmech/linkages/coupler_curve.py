@@ -12,7 +12,10 @@ from numpy.typing import ArrayLike
 from flexmech.errors import InputError
 from flexmech.linkages.fourbar import FourBar
 from flexmech.linkages.motion import RigidMotion, direction, normal
+from flexmech.model_text import TomlTable, quantity
+from flexmech.numbers import POSITIVE, check_angle, check_number
 from flexmech.types import FloatArray
+from flexmech.units import ANGLE, LENGTH
 
 __all__ = ["CouplerCurve", "CouplerPoint", "CouplerTriangle"]
 
@@ -64,13 +67,13 @@ class CouplerPoint:
     angle: float
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.distance) and self.distance >= 0):
+        check_number(self.distance, "distance of the coupler point from pin A", "m")
+        if self.distance < 0:
             raise InputError(
                 "distance of the coupler point from pin A must not be negative, got "
                 f"{self.distance} m; for the other side of the pin turn the angle by 180 deg"
             )
-        if not np.isfinite(self.angle):
-            raise InputError(f"angle of the coupler point must be finite, got {self.angle} rad")
+        check_angle(self.angle, "angle of the coupler point")
 
     @property
     def place(self) -> FloatArray:
@@ -113,9 +116,12 @@ class CouplerPoint:
         InputError
             If the factor is not a positive number.
         """
-        if not (np.isfinite(factor) and factor > 0):
-            raise InputError(f"factor of the coupler's lengths must be positive, got {factor}")
+        check_number(factor, "factor of the coupler's lengths", bounds=POSITIVE)
         return CouplerPoint(self.distance * factor, self.angle)
+
+    def to_table(self) -> TomlTable:
+        """Table ``[linkage.coupler_point]`` of a model file."""
+        return {"distance": quantity(self.distance, LENGTH), "angle": quantity(self.angle, ANGLE)}
 
 
 @dataclass(frozen=True)

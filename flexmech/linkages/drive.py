@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
+from flexmech.numbers import NOT_NEGATIVE, check_number
 from flexmech.types import FloatArray
 
 __all__ = ["CrankDrive"]
@@ -41,14 +42,11 @@ class CrankDrive:
     start_angle: float = 0.0
 
     def __post_init__(self) -> None:
-        if not np.isfinite(self.speed) or self.speed == 0:
-            raise InputError(
-                f"crank speed must be a finite number other than zero, got {self.speed}"
-            )
-        if not (np.isfinite(self.run_up_time) and self.run_up_time >= 0):
-            raise InputError(f"run-up time must be zero or positive, got {self.run_up_time} s")
-        if not np.isfinite(self.start_angle):
-            raise InputError(f"start angle must be finite, got {self.start_angle} rad")
+        check_number(self.speed, "crank speed", "rad/s")
+        if self.speed == 0:
+            raise InputError("crank speed must be a number other than zero, got 0 rad/s")
+        check_number(self.run_up_time, "run-up time", "s", NOT_NEGATIVE)
+        check_number(self.start_angle, "start angle", "rad")
 
     @property
     def revolution_time(self) -> float:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
-from flexmech.linkages.motion import RigidMotion, direction, normal
+from flexmech.linkages.motion import RigidMotion, checked_drive, direction, normal
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
+from flexmech.model_text import TomlTable, quantity
+from flexmech.numbers import POSITIVE, check_number, checked_array
 from flexmech.types import FloatArray
+from flexmech.units import LENGTH
 
 __all__ = ["Branch", "FourBar", "GrashofClass"]
 
@@ -51,10 +55,11 @@ class FourBar:
     rocker: float
     branch: Branch = "open"
 
+    kind: ClassVar = "four-bar"
+
     def __post_init__(self) -> None:
         for name, length in self.lengths.items():
-            if not (np.isfinite(length) and length > 0):
-                raise InputError(f"length of the {name} must be positive, got {length} m")
+            check_number(length, f"length of the {name}", "m", POSITIVE)
         if self.branch not in ("open", "crossed"):
             raise InputError(f"branch must be 'open' or 'crossed', got {self.branch!r}")
         longest = max(self.lengths, key=lambda name: self.lengths[name])
@@ -135,7 +140,7 @@ class FourBar:
         InputError
             Where the linkage cannot be assembled.
         """
-        theta = np.asarray(crank_angle, dtype=float)
+        theta = checked_array(crank_angle, "crank_angle", "rad")
         cosine = (
             self.coupler**2
             + self.rocker**2
@@ -194,9 +199,7 @@ class FourBar:
             Where the linkage cannot be assembled, locks or meets a change point; the
             message names the crank angle.
         """
-        theta2, omega2, alpha2 = np.broadcast_arrays(
-            *(np.asarray(a, dtype=float) for a in (crank_angle, crank_speed, crank_acceleration))
-        )
+        theta2, omega2, alpha2 = checked_drive(crank_angle, crank_speed, crank_acceleration)
         theta3, theta4 = self._follower_angles(theta2)
         sine = np.sin(theta4 - theta3)
         omega3 = self.crank * omega2 * np.sin(theta4 - theta2) / (-self.coupler * sine)
@@ -230,6 +233,42 @@ class FourBar:
             origin_velocity=np.stack([zero, a_velocity, zero], axis=-2),
             origin_acceleration=np.stack([zero, a_acceleration, zero], axis=-2),
         )
+
+    def resized(self, lengths: Mapping[str, float], ground_growth: float) -> FourBar:
+        """Four-bar with other lengths of crank, coupler and rocker, and a larger ground.
+
+        Parameters
+        ----------
+        lengths : mapping of str to float
+            New length in m of each link.
+        ground_growth : float
+            New over old distance of the ground pivots.
+
+        Returns
+        -------
+        FourBar
+        """
+        names = ("crank", "coupler", "rocker")
+        return FourBar(
+            self.ground * ground_growth, *(lengths[name] for name in names), branch=self.branch
+        )
+
+    def described(self) -> list[str]:
+        """Kind, lengths, Grashof class and range of the transmission angle, a line each."""
+        lengths = ", ".join(f"{name} {size * 1e3:.6g} mm" for name, size in self.lengths.items())
+        least, greatest = np.degrees(self.transmission_angle_limits())
+        turns = "turns fully" if self.crank_turns_fully else "does not turn fully"
+        return [
+            f"kind: four-bar, {self.branch} branch",
+            f"lengths: {lengths}",
+            f"Grashof class: {self.grashof_class}; the crank {turns}",
+            f"transmission angle: {least:.4g} to {greatest:.4g} deg",
+        ]
+
+    def to_table(self) -> TomlTable:
+        """Table ``[linkage]`` of a model file."""
+        lengths = {name: quantity(length, LENGTH) for name, length in self.lengths.items()}
+        return {"kind": self.kind, **lengths, "branch": self.branch}
 
     def _follower_angles(self, theta2: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Coupler and rocker angles from the two circles about A and O4 that meet in B."""

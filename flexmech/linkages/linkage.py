@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Mapping
+from typing import Protocol, Self
 
 from numpy.typing import ArrayLike
 
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.topology import Topology
+from flexmech.model_text import TomlTable
 
 __all__ = ["Linkage"]
 
@@ -16,8 +18,37 @@ class Linkage(Protocol):
     """A rigid linkage of one degree of freedom, driven by its crank."""
 
     @property
+    def kind(self) -> str:
+        """Its name in model files, such as ``"four-bar"``."""
+        ...
+
+    @property
     def topology(self) -> Topology:
         """Links and connections."""
+        ...
+
+    def resized(self, lengths: Mapping[str, float], ground_growth: float) -> Self:
+        """The linkage with links of other lengths, as after swelling.
+
+        Parameters
+        ----------
+        lengths : mapping of str to float
+            New length in m of each link of the topology.
+        ground_growth : float
+            New over old size of what the links are mounted to.
+
+        Returns
+        -------
+        Linkage
+        """
+        ...
+
+    def described(self) -> list[str]:
+        """Lines that say what was understood: kind, lengths, range of motion."""
+        ...
+
+    def to_table(self) -> TomlTable:
+        """Table ``[linkage]`` of a model file."""
         ...
 
     def motion(

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from flexmech.numbers import checked_array
 from flexmech.types import FloatArray
 
-__all__ = ["RigidMotion", "direction", "normal"]
+__all__ = ["RigidMotion", "checked_drive", "direction", "normal"]
 
 
 def direction(angle: FloatArray) -> FloatArray:
@@ -19,6 +21,17 @@ def direction(angle: FloatArray) -> FloatArray:
 def normal(angle: FloatArray) -> FloatArray:
     """Unit vectors a quarter turn ahead of given angles; shape (...) -> (..., 2)."""
     return np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+
+
+def checked_drive(
+    crank_angle: ArrayLike, crank_speed: ArrayLike, crank_acceleration: ArrayLike
+) -> tuple[FloatArray, ...]:
+    """Angle, speed and acceleration of the crank as arrays of one shape."""
+    return np.broadcast_arrays(
+        checked_array(crank_angle, "crank_angle", "rad"),
+        checked_array(crank_speed, "crank_speed", "rad/s"),
+        checked_array(crank_acceleration, "crank_acceleration", "rad/s^2"),
+    )
 
 
 @dataclass(frozen=True)

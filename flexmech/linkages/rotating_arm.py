@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.errors import InputError
-from flexmech.linkages.motion import RigidMotion, direction, normal
+from flexmech.linkages.motion import RigidMotion, checked_drive, direction, normal
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Topology
+from flexmech.model_text import TomlTable, quantity
+from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_number
+from flexmech.units import LENGTH
 
 __all__ = ["RotatingArm"]
 
@@ -34,11 +37,11 @@ class RotatingArm:
     length: float
     hub_radius: float = 0.0
 
+    kind: ClassVar = "rotating-arm"
+
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.length) and self.length > 0):
-            raise InputError(f"length of the arm must be positive, got {self.length} m")
-        if not (np.isfinite(self.hub_radius) and self.hub_radius >= 0):
-            raise InputError(f"hub_radius must be zero or positive, got {self.hub_radius} m")
+        check_number(self.length, "length of the arm", "m", POSITIVE)
+        check_number(self.hub_radius, "hub_radius", "m", NOT_NEGATIVE)
 
     @property
     def topology(self) -> Topology:
@@ -66,9 +69,7 @@ class RotatingArm:
         RigidMotion
             With one link.
         """
-        theta, omega, alpha = np.broadcast_arrays(
-            *(np.asarray(a, dtype=float) for a in (crank_angle, crank_speed, crank_acceleration))
-        )
+        theta, omega, alpha = checked_drive(crank_angle, crank_speed, crank_acceleration)
         along, across = direction(theta), normal(theta)
         hub = self.hub_radius
         return RigidMotion(
@@ -83,3 +84,35 @@ class RotatingArm:
                 ..., None, :
             ],
         )
+
+    def resized(self, lengths: Mapping[str, float], ground_growth: float) -> RotatingArm:
+        """Arm of another length on a larger hub.
+
+        Parameters
+        ----------
+        lengths : mapping of str to float
+            New length in m of the link ``arm``.
+        ground_growth : float
+            New over old radius of the hub.
+
+        Returns
+        -------
+        RotatingArm
+        """
+        return RotatingArm(lengths["arm"], self.hub_radius * ground_growth)
+
+    def described(self) -> list[str]:
+        """Kind, length and radius of the hub, a line each."""
+        return [
+            "kind: rotating arm",
+            f"lengths: arm {self.length * 1e3:.6g} mm",
+            f"hub radius: {self.hub_radius * 1e3:.6g} mm",
+        ]
+
+    def to_table(self) -> TomlTable:
+        """Table ``[linkage]`` of a model file."""
+        return {
+            "kind": self.kind,
+            "length": quantity(self.length, LENGTH),
+            "hub_radius": quantity(self.hub_radius, LENGTH),
+        }

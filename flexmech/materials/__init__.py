@@ -1,5 +1,6 @@
 """Materials, from fibres to laminates. No mechanisms here."""
 
+from flexmech.materials.composition import RULES, PlyComposition, Rule
 from flexmech.materials.constituents import (
     Fibre,
     Matrix,
@@ -17,7 +18,6 @@ from flexmech.materials.plies_in_state import (
     through_thickness_strain,
 )
 from flexmech.materials.ply import Ply, PlyDamping
-from flexmech.materials.recipe import RULES, PlyRecipe, Rule
 
 __all__ = [
     "PACKING_LIMIT",
@@ -30,8 +30,8 @@ __all__ = [
     "Material",
     "Matrix",
     "Ply",
+    "PlyComposition",
     "PlyDamping",
-    "PlyRecipe",
     "ResinContent",
     "Rule",
     "moisture_of",

@@ -7,19 +7,49 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 from importlib import resources
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from flexmech.errors import InputError
 from flexmech.materials.hygrothermal import Hygrothermal
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
+from flexmech.model_text import SharedTables, TomlTable, stated
+from flexmech.numbers import (
+    FINITE,
+    NOT_NEGATIVE,
+    POSITIVE,
+    Bounds,
+    check_fields,
+    check_number,
+)
+from flexmech.units import (
+    DENSITY,
+    EXPANSION,
+    MOISTURE_EXPANSION,
+    RATIO,
+    STRESS,
+    TEMPERATURE,
+    TEMPERATURE_DIFFERENCE,
+)
 
 __all__ = ["Constituent", "Fibre", "Matrix", "propagated_uncertainty", "published_constituents"]
 
-_POSITIVE = ("youngs_modulus", "shear_modulus", "density")
-_NOT_NEGATIVE = ("specific_damping", "moisture_expansion")
-_NO_PROPERTIES = ("name", "source", "uncertainty", "equilibrium", "diffusivity")
+# Properties by the names of their fields.
+DIMENSIONS = {
+    "youngs_modulus": STRESS,
+    "shear_modulus": STRESS,
+    "density": DENSITY,
+    "poisson_ratio": RATIO,
+    "thermal_expansion": EXPANSION,
+    "moisture_expansion": MOISTURE_EXPANSION,
+    "specific_damping": RATIO,
+    "transverse_modulus": STRESS,
+    "transverse_shear_modulus": STRESS,
+    "wet_thermal_expansion": EXPANSION,
+    "glass_transition": TEMPERATURE,
+    "tensile_strength": STRESS,
+}
 # Of an uncertainty: small enough for a derivative, far above rounding.
 _STEP = 1e-3
 
@@ -68,33 +98,55 @@ class Constituent:
     source: str = ""
     uncertainty: Mapping[str, float] = field(default_factory=dict, hash=False)
 
+    kind: ClassVar[str]
+    """Name of the table of such constituents in a model file."""
+
     def __post_init__(self) -> None:
-        for name in (*_POSITIVE, *_NOT_NEGATIVE):
-            value = getattr(self, name)
-            least = "positive" if name in _POSITIVE else "zero or positive"
-            if not np.isfinite(value) or value < 0 or (name in _POSITIVE and value == 0):
-                raise InputError(f"{name} of {self.name!r} must be {least}, got {value}")
-        if not np.isfinite(self.thermal_expansion):
-            raise InputError(
-                f"thermal_expansion of {self.name!r} must be a number, got {self.thermal_expansion}"
-            )
-        if not 0 <= self.poisson_ratio < 0.5:
-            raise InputError(
-                f"poisson_ratio of {self.name!r} must lie between 0 and 0.5, got "
-                f"{self.poisson_ratio}"
-            )
-        names = [f.name for f in fields(self) if f.name not in _NO_PROPERTIES]
-        known = [name for name in names if getattr(self, name) is not None]
+        of = f"of {self.name!r}"
+        units = {"youngs_modulus": "Pa", "shear_modulus": "Pa", "density": "kg/m^3"}
+        check_fields(self, units, POSITIVE, of)
+        check_fields(self, {"specific_damping": "", "moisture_expansion": ""}, NOT_NEGATIVE, of)
+        check_fields(self, {"thermal_expansion": "1/K"}, FINITE, of)
+        check_fields(self, {"poisson_ratio": ""}, Bounds(least=0.0, below=0.5), of)
+        known = [name for name in DIMENSIONS if getattr(self, name, None) is not None]
         for name, value in self.uncertainty.items():
             if name not in known:
                 raise InputError(
                     f"uncertainty of {self.name!r} is of {name!r}, which is no property with a "
                     f"value; those are {', '.join(known)}"
                 )
-            if not (np.isfinite(value) and value >= 0):
-                raise InputError(
-                    f"uncertainty of {name} of {self.name!r} must be zero or positive, got {value}"
-                )
+            unit = DIMENSIONS[name].unit
+            check_number(value, f"uncertainty of {name} {of}", unit, NOT_NEGATIVE)
+
+    def to_table(self) -> TomlTable:
+        """Table of a model file, without the name."""
+        usual = {field.name: field.default for field in fields(self)}
+        known = {
+            name: (getattr(self, name), dimension)
+            for name, dimension in DIMENSIONS.items()
+            if name in usual and getattr(self, name) != usual[name]
+        }
+        spreads = {
+            name: (spread, TEMPERATURE_DIFFERENCE if name == "glass_transition" else known[name][1])
+            for name, spread in self.uncertainty.items()
+        }
+        table = stated(**known)
+        if self.source:
+            table["source"] = self.source
+        return {**table, "uncertainty": stated(**spreads)} if spreads else table
+
+    def name_in(self, shared: SharedTables) -> str:
+        """Name by which plies refer to it in a model file; its table is added if it needs one."""
+        published = published_constituents()
+        if published.get(self.name) == self:
+            return self.name
+        return shared.name_of(
+            self.kind,
+            self.to_table(),
+            self.name,
+            own_name=self.name,
+            taken=frozenset(published),
+        )
 
 
 @dataclass(frozen=True)
@@ -132,12 +184,12 @@ class Fibre(Constituent):
     transverse_modulus: float | None = None
     transverse_shear_modulus: float | None = None
 
+    kind: ClassVar[str] = "fibres"
+
     def __post_init__(self) -> None:
         super().__post_init__()
-        for name in ("transverse_modulus", "transverse_shear_modulus"):
-            value = getattr(self, name)
-            if value is not None and not (np.isfinite(value) and value > 0):
-                raise InputError(f"{name} of {self.name!r} must be positive, got {value}")
+        units = {"transverse_modulus": "Pa", "transverse_shear_modulus": "Pa"}
+        check_fields(self, units, POSITIVE, f"of {self.name!r}", optional=True)
 
     @property
     def modulus_across(self) -> float:
@@ -196,11 +248,12 @@ class Matrix(Constituent):
     glass_transition: float | None = None
     tensile_strength: float | None = None
 
+    kind: ClassVar[str] = "matrices"
+
     def __post_init__(self) -> None:
         super().__post_init__()
-        strength = self.tensile_strength
-        if strength is not None and not (np.isfinite(strength) and strength > 0):
-            raise InputError(f"tensile_strength of {self.name!r} must be positive, got {strength}")
+        units = {"tensile_strength": "Pa"}
+        check_fields(self, units, POSITIVE, f"of {self.name!r}", optional=True)
         _ = self.hygrothermal
 
     @property
@@ -214,6 +267,10 @@ class Matrix(Constituent):
             self.diffusivity,
             self.glass_transition,
         )
+
+    def to_table(self) -> TomlTable:
+        """Table of a model file, without the name."""
+        return {**super().to_table(), **self.hygrothermal.to_table()}
 
     def in_state(self, temperature: float, moisture: float, reference: float) -> Matrix:
         """The moist and hot resin: softer and weaker, with its expansion then.

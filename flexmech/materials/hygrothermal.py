@@ -13,6 +13,16 @@ import numpy as np
 
 from flexmech.errors import InputError
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
+from flexmech.model_text import TomlTable, stated
+from flexmech.numbers import NOT_NEGATIVE, POSITIVE, Bounds, check_fields
+from flexmech.units import (
+    ACTIVATION_ENERGY,
+    DIFFUSIVITY,
+    EXPANSION,
+    MOISTURE_EXPANSION,
+    RATIO,
+    TEMPERATURE,
+)
 
 __all__ = ["REFERENCE_TEMPERATURE", "Hygrothermal", "ResinContent"]
 
@@ -60,23 +70,36 @@ class Hygrothermal:
     glass_transition: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("thermal_expansion", "wet_thermal_expansion", "moisture_expansion"):
-            value = getattr(self, name)
-            if value is not None and not np.isfinite(value):
-                raise InputError(f"{name} must be a number, got {value}")
-        if self.moisture_expansion < 0:
-            raise InputError(
-                f"moisture_expansion must be zero or positive, got {self.moisture_expansion}"
-            )
+        check_fields(self, {"thermal_expansion": "1/K"})
+        check_fields(self, {"moisture_expansion": ""}, NOT_NEGATIVE)
+        check_fields(self, {"wet_thermal_expansion": "1/K"}, optional=True)
+        check_fields(self, {"glass_transition": "K"}, POSITIVE, optional=True)
         if self.wet_thermal_expansion is not None and self.equilibrium is None:
             raise InputError(
                 "wet_thermal_expansion is that of the saturated resin; give its "
                 "equilibrium_moisture too"
             )
-        if self.glass_transition is not None and not (
-            np.isfinite(self.glass_transition) and self.glass_transition > 0
-        ):
-            raise InputError(f"glass_transition must be above 0 K, got {self.glass_transition} K")
+
+    def to_table(self) -> TomlTable:
+        """Keys of a resin or a material in a model file; empty where nothing is known."""
+        table = stated(
+            thermal_expansion=(self.thermal_expansion or None, EXPANSION),
+            wet_thermal_expansion=(self.wet_thermal_expansion, EXPANSION),
+            moisture_expansion=(self.moisture_expansion or None, MOISTURE_EXPANSION),
+            glass_transition=(self.glass_transition, TEMPERATURE),
+        )
+        if self.equilibrium is not None:
+            table |= stated(
+                equilibrium_moisture=(self.equilibrium.saturation, RATIO),
+                humidity_exponent=(self.equilibrium.humidity_exponent, RATIO),
+            )
+        if self.diffusivity is not None:
+            table |= stated(
+                diffusivity=(self.diffusivity.value, DIFFUSIVITY),
+                diffusivity_temperature=(self.diffusivity.reference_temperature, TEMPERATURE),
+                activation_energy=(self.diffusivity.activation_energy, ACTIVATION_ENERGY),
+            )
+        return table
 
     @property
     def is_known(self) -> bool:
@@ -241,10 +264,16 @@ class ResinContent:
     volume_fraction: float = 1.0
 
     def __post_init__(self) -> None:
-        for name in ("mass_fraction", "volume_fraction"):
-            value = getattr(self, name)
-            if not 0 < value <= 1:
-                raise InputError(f"{name} of the resin must be above 0, up to 1; got {value}")
+        fractions = {"mass_fraction": "", "volume_fraction": ""}
+        check_fields(self, fractions, Bounds(above=0.0, most=1.0), "of the resin")
+
+    def to_table(self) -> TomlTable:
+        """Table ``resin`` of a ply in a model file."""
+        fractions = {
+            "mass_fraction": float(self.mass_fraction),
+            "volume_fraction": float(self.volume_fraction),
+        }
+        return {**self.hygrothermal.to_table(), **fractions}
 
 
 def _fahrenheit(temperature: float) -> float:

@@ -16,9 +16,19 @@ import numpy as np
 
 from flexmech.errors import InputError
 from flexmech.materials.ply import Ply
+from flexmech.materials.ply_table import ply_table
+from flexmech.materials.stacking import stacking_text
+from flexmech.model_text import SharedTables, TomlTable, quantity
+from flexmech.numbers import POSITIVE, check_angle, check_fields
 from flexmech.types import FloatArray
+from flexmech.units import ANGLE, LENGTH
 
 __all__ = ["Laminate", "Layer"]
+
+# Thickness of a layer over that of the stack, below which rounding takes over.
+THINNEST = 1e-9
+# Of an angle that is written in degrees.
+DIGITS = 12
 
 
 @dataclass(frozen=True)
@@ -44,10 +54,8 @@ class Layer:
     angle: float = 0.0
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.thickness) and self.thickness > 0):
-            raise InputError(f"thickness of a layer must be positive, got {self.thickness} m")
-        if not np.isfinite(self.angle):
-            raise InputError(f"angle of a layer must be a number, got {self.angle} rad")
+        check_fields(self, {"thickness": "m"}, POSITIVE, "of a layer")
+        check_angle(self.angle, "angle of a layer")
 
     @property
     def transformed_stiffness(self) -> FloatArray:
@@ -96,7 +104,7 @@ class Laminate:
     Raises
     ------
     InputError
-        If there is no layer.
+        If there is no layer, or one is too thin against the others to compute with.
     """
 
     layers: tuple[Layer, ...]
@@ -104,6 +112,12 @@ class Laminate:
     def __post_init__(self) -> None:
         if not self.layers:
             raise InputError("a laminate needs one layer or more, got none")
+        thinnest = min(layer.thickness for layer in self.layers)
+        if thinnest < THINNEST * self.thickness:
+            raise InputError(
+                f"the thinnest layer has {thinnest:g} m of {self.thickness:g} m, too little to "
+                "compute with; check the units"
+            )
 
     @classmethod
     def stacked(cls, plies: Sequence[Ply], thickness: float, angles: Sequence[float]) -> Self:
@@ -185,6 +199,34 @@ class Laminate:
         """Integral of the density times ``y**order`` in kg/m^2 times m to the order."""
         density = np.array([layer.ply.density for layer in self.layers])
         return float(self._weights(order) @ density)
+
+    def to_table(self, shared: SharedTables) -> TomlTable:
+        """Table under ``[laminates]`` of a model file.
+
+        Parameters
+        ----------
+        shared : SharedTables
+            Its plies are added.
+
+        Returns
+        -------
+        dict
+        """
+        names = [
+            shared.name_of("plies", ply_table(ply, shared), ply.name or "ply", own_name=ply.name)
+            for ply in (layer.ply for layer in self.layers)
+        ]
+        angles = [layer.angle for layer in self.layers]
+        degrees = [float(f"{np.degrees(angle):.{DIGITS}g}") for angle in angles]
+        # Not every angle in rad is a number of degrees to the last bit.
+        whole = [float(np.radians(degree)) for degree in degrees] == angles
+        pairs = zip(names, degrees if whole else [0.0] * len(names), strict=True)
+        table: TomlTable = {"stacking": stacking_text(list(pairs), DIGITS)}
+        if not whole:
+            table["angles"] = [quantity(angle, ANGLE) for angle in angles]
+        thicknesses = [quantity(layer.thickness, LENGTH) for layer in self.layers]
+        alike = len(set(thicknesses)) == 1
+        return {**table, "ply_thickness": thicknesses[0] if alike else thicknesses}
 
     def _weights(self, order: int) -> FloatArray:
         """Integral of ``y**order`` over each layer, (N,)."""

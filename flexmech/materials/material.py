@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from flexmech.errors import InputError
 from flexmech.materials.hygrothermal import Hygrothermal
+from flexmech.model_text import TomlTable, quantity
+from flexmech.numbers import POSITIVE, Bounds, check_fields
+from flexmech.units import DENSITY, RATIO, STRESS
 
 __all__ = ["Material"]
 
@@ -41,14 +41,19 @@ class Material:
     hygrothermal: Hygrothermal = UNKNOWN
 
     def __post_init__(self) -> None:
-        for name in ("youngs_modulus", "density"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise InputError(f"{name} must be positive, got {value}")
-        if not -1.0 < self.poisson_ratio < 0.5:
-            raise InputError(f"poisson_ratio must lie between -1 and 0.5, got {self.poisson_ratio}")
+        check_fields(self, {"youngs_modulus": "Pa", "density": "kg/m^3"}, POSITIVE)
+        check_fields(self, {"poisson_ratio": ""}, Bounds(above=-1.0, below=0.5))
 
     @property
     def shear_modulus(self) -> float:
         """G = E / (2 (1 + nu)) in Pa."""
         return self.youngs_modulus / (2 * (1 + self.poisson_ratio))
+
+    def to_table(self) -> TomlTable:
+        """Table under ``[materials]`` of a model file."""
+        return {
+            "youngs_modulus": quantity(self.youngs_modulus, STRESS),
+            "density": quantity(self.density, DENSITY),
+            "poisson_ratio": quantity(self.poisson_ratio, RATIO),
+            **self.hygrothermal.to_table(),
+        }

@@ -19,11 +19,11 @@ from typing import TypeVar
 import numpy as np
 
 from flexmech.errors import InputError
+from flexmech.materials.composition import RULES, PlyComposition, Rule
 from flexmech.materials.constituents import Fibre, Matrix
 from flexmech.materials.ply import Ply, PlyDamping
-from flexmech.materials.recipe import RULES, PlyRecipe, Rule
 
-__all__ = ["PACKING_LIMIT", "ply_from_constituents", "woven_ply"]
+__all__ = ["PACKING_LIMIT", "ply_from_constituents", "ply_of", "woven_ply"]
 
 # Round fibres in hexagonal array that touch.
 PACKING_LIMIT = float(np.pi / (2 * np.sqrt(3)))
@@ -108,8 +108,16 @@ def ply_from_constituents(
             fibre, matrix, share, (fibre.moisture_expansion, matrix.moisture_expansion)
         ),
         name=f"{fibre.name}/{matrix.name}",
-        origin=PlyRecipe(fibre, matrix, share, rule),
+        origin=PlyComposition(fibre, matrix, share, rule),
     )
+
+
+def ply_of(composition: PlyComposition) -> Ply:
+    """Ply of a composition: unidirectional or woven."""
+    ply = ply_from_constituents(
+        composition.fibre, composition.matrix, composition.fibre_volume_fraction, composition.rule
+    )
+    return woven_ply(ply) if composition.woven else ply
 
 
 def woven_ply(unidirectional: Ply) -> Ply:
@@ -164,7 +172,7 @@ def woven_ply(unidirectional: Ply) -> Ply:
         thermal_expansion=expanded(unidirectional.thermal_expansion),
         moisture_expansion=expanded(unidirectional.moisture_expansion),
         name=f"woven {unidirectional.name}".strip(),
-        origin=replace(origin, woven=True) if isinstance(origin, PlyRecipe) else origin,
+        origin=replace(origin, woven=True) if isinstance(origin, PlyComposition) else origin,
     )
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from flexmech.errors import InputError
+from flexmech.materials.composition import PlyComposition
 from flexmech.materials.hygrothermal import ResinContent
-from flexmech.materials.micromechanics import ply_from_constituents, woven_ply
+from flexmech.materials.micromechanics import ply_of
 from flexmech.materials.ply import Ply
-from flexmech.materials.recipe import PlyRecipe
 
 __all__ = ["moisture_of", "ply_diluted", "ply_in_state", "through_thickness_strain"]
 
@@ -45,9 +45,9 @@ def moisture_of(ply: Ply, offered: float) -> float:
 def ply_in_state(ply: Ply, temperature: float, moisture: float, reference: float) -> Ply:
     """The ply with its resin moist and hot.
 
-    A ply with a recipe is computed again from its fibre and the softer resin. Of a neat resin
-    all moduli fall alike; of a ply by its measured constants those that the resin dominates do
-    (E2, G12, G13, G23), and E1, Poisson's ratio, the damping and the expansions stay.
+    A ply of known composition is computed again from its fibre and the softer resin. Of a neat
+    resin all moduli fall alike; of a ply by its measured constants those that the resin dominates
+    do (E2, G12, G13, G23), and E1, Poisson's ratio, the damping and the expansions stay.
 
     Parameters
     ----------
@@ -71,18 +71,20 @@ def ply_in_state(ply: Ply, temperature: float, moisture: float, reference: float
     InputError
         If the resin is above its wet glass transition.
     """
-    if isinstance(ply.origin, PlyRecipe):
-        return replace(_again(ply.origin, temperature, moisture, reference), name=ply.name)
-    if ply.origin is None:
+    origin = ply.origin
+    if origin is None:
         return ply
-    return _softened(ply, ply.origin, temperature, moisture, reference)
+    if isinstance(origin, PlyComposition):
+        moist = origin.matrix.in_state(temperature, moisture, reference)
+        return replace(ply_of(replace(origin, matrix=moist)), name=ply.name)
+    return _softened(ply, origin, temperature, moisture, reference)
 
 
 def ply_diluted(ply: Ply, growth: float) -> Ply:
     """The ply after its volume has grown by that of its resin: as many fibres in more of it.
 
-    A ply with a recipe is computed again with a smaller fibre volume fraction; of one by its
-    measured constants the modulus along the fibres falls, which is theirs. A neat resin stays.
+    A ply of known composition is computed again with a smaller fibre volume fraction; of one by
+    its measured constants the modulus along the fibres falls, which is theirs. A neat resin stays.
 
     Parameters
     ----------
@@ -95,11 +97,11 @@ def ply_diluted(ply: Ply, growth: float) -> Ply:
     -------
     Ply
     """
-    recipe = ply.origin
-    if isinstance(recipe, PlyRecipe):
-        thinner = replace(recipe, fibre_volume_fraction=recipe.fibre_volume_fraction / growth)
-        return replace(_of_recipe(thinner), name=ply.name)
-    if recipe is not None and recipe.volume_fraction < 1:
+    origin = ply.origin
+    if isinstance(origin, PlyComposition):
+        thinner = replace(origin, fibre_volume_fraction=origin.fibre_volume_fraction / growth)
+        return replace(ply_of(thinner), name=ply.name)
+    if origin is not None and origin.volume_fraction < 1:
         return replace(ply, longitudinal_modulus=ply.longitudinal_modulus / growth)
     return ply
 
@@ -122,25 +124,9 @@ def through_thickness_strain(ply: Ply, temperature_rise: float, moisture: float)
     -------
     float
     """
-    recipe = ply.origin
-    if isinstance(recipe, PlyRecipe) and recipe.woven:
-        ply = ply_from_constituents(
-            recipe.fibre, recipe.matrix, recipe.fibre_volume_fraction, recipe.rule
-        )
+    if isinstance(ply.origin, PlyComposition) and ply.origin.woven:
+        ply = ply_of(replace(ply.origin, woven=False))
     return ply.thermal_expansion[1] * temperature_rise + ply.moisture_expansion[1] * moisture
-
-
-def _again(recipe: PlyRecipe, temperature: float, moisture: float, reference: float) -> Ply:
-    return _of_recipe(
-        replace(recipe, matrix=recipe.matrix.in_state(temperature, moisture, reference))
-    )
-
-
-def _of_recipe(recipe: PlyRecipe) -> Ply:
-    ply = ply_from_constituents(
-        recipe.fibre, recipe.matrix, recipe.fibre_volume_fraction, recipe.rule
-    )
-    return woven_ply(ply) if recipe.woven else ply
 
 
 def _softened(

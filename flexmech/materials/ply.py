@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.materials.hygrothermal import ResinContent
+from flexmech.materials.composition import PlyComposition
+from flexmech.materials.hygrothermal import Hygrothermal, ResinContent
 from flexmech.materials.material import Material
-from flexmech.materials.recipe import PlyRecipe
+from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_fields, check_number, check_pair
 from flexmech.types import FloatArray
 
-__all__ = ["Ply", "PlyDamping"]
+__all__ = ["MODULI", "Ply", "PlyDamping"]
+
+MODULI = (
+    "longitudinal_modulus",
+    "transverse_modulus",
+    "in_plane_shear_modulus",
+    "longitudinal_shear_modulus",
+    "transverse_shear_modulus",
+)
+"""Fields of a ply in Pa."""
 
 
 @dataclass(frozen=True)
@@ -36,12 +46,8 @@ class PlyDamping:
     shear: float = 0.0
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if not (np.isfinite(value) and value >= 0):
-                raise InputError(
-                    f"{field.name} specific damping must be zero or positive, got {value}"
-                )
+        directions = {"longitudinal": "", "transverse": "", "shear": ""}
+        check_fields(self, directions, NOT_NEGATIVE, "specific damping")
 
     @property
     def any(self) -> bool:
@@ -72,7 +78,7 @@ class Ply:
         Along and across the fibres, strain per unit of moisture: mass over the dry mass of
         the resin.
     name : str
-    origin : PlyRecipe or ResinContent, optional
+    origin : PlyComposition or ResinContent, optional
         What the ply was computed from, or the resin in it where only that is known: by it the
         ply takes up water and softens.
 
@@ -94,24 +100,14 @@ class Ply:
     thermal_expansion: tuple[float, float] = (0.0, 0.0)
     moisture_expansion: tuple[float, float] = (0.0, 0.0)
     name: str = ""
-    origin: PlyRecipe | ResinContent | None = None
+    origin: PlyComposition | ResinContent | None = None
 
     def __post_init__(self) -> None:
-        for name in (
-            "longitudinal_modulus",
-            "transverse_modulus",
-            "in_plane_shear_modulus",
-            "longitudinal_shear_modulus",
-            "transverse_shear_modulus",
-            "density",
-        ):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise InputError(f"{name} of a ply must be positive, got {value}")
-        for name in ("thermal_expansion", "moisture_expansion"):
-            pair = getattr(self, name)
-            if len(pair) != 2 or not np.all(np.isfinite(pair)):
-                raise InputError(f"{name} of a ply must be two numbers, along and across: {pair}")
+        units = dict.fromkeys(MODULI, "Pa") | {"density": "kg/m^3"}
+        check_fields(self, units, POSITIVE, "of a ply")
+        check_number(self.poisson_ratio, "poisson_ratio of a ply")
+        check_pair(self.thermal_expansion, "thermal_expansion of a ply", "1/K")
+        check_pair(self.moisture_expansion, "moisture_expansion of a ply")
         bound = float(np.sqrt(self.longitudinal_modulus / self.transverse_modulus))
         if not abs(self.poisson_ratio) < bound:
             raise InputError(
@@ -140,9 +136,20 @@ class Ply:
         )
 
     @property
+    def isotropic_material(self) -> Material | None:
+        """Material of which :meth:`isotropic` makes this ply; None where it is another one."""
+        known = self.origin.hygrothermal if isinstance(self.origin, ResinContent) else None
+        if not -1 < self.poisson_ratio < 0.5:
+            return None
+        material = Material(
+            self.longitudinal_modulus, self.density, self.poisson_ratio, known or Hygrothermal()
+        )
+        return material if replace(Ply.isotropic(material), name=self.name) == self else None
+
+    @property
     def resin(self) -> ResinContent | None:
         """The resin in the ply, where it is known."""
-        return self.origin.resin if isinstance(self.origin, PlyRecipe) else self.origin
+        return self.origin.resin if isinstance(self.origin, PlyComposition) else self.origin
 
     @property
     def reduced_stiffness(self) -> FloatArray:

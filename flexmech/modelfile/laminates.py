@@ -33,7 +33,7 @@ from flexmech.modelfile.laminate_tables import (
     PlyTable,
 )
 from flexmech.modelfile.messages import known_name, located
-from flexmech.modelfile.stacking import parse_stacking
+from flexmech.materials.stacking import parse_stacking
 from flexmech.modelfile.table import suggestion
 from flexmech.modelfile.tables import MaterialTable, ModelFile
 

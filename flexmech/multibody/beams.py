@@ -21,9 +21,7 @@ __all__ = [
     "BEAM_KINDS",
     "AncfCable",
     "GeometricallyExactBeam",
-    "eccentric_links",
-    "refuse_eccentric_sections",
-    "refuse_free_strain",
+    "refuse_sections",
 ]
 
 
@@ -202,8 +200,8 @@ BEAM_KINDS: dict[str, BeamKind] = {
 }
 
 
-def refuse_free_strain(mechanism: Mechanism, kind: str) -> None:
-    """Refuse sections that stretch without load where an element cannot have that.
+def refuse_sections(mechanism: Mechanism, kind: str) -> None:
+    """Refuse sections that an element cannot have.
 
     Parameters
     ----------
@@ -214,42 +212,21 @@ def refuse_free_strain(mechanism: Mechanism, kind: str) -> None:
     Raises
     ------
     InputError
-        If a section has a free strain; names the links.
+        If the element would ignore that a section is eccentric, or stretches without load;
+        names the links.
     """
-    names = mechanism.linkage.topology.link_names
-    links = [name for name in names if mechanism.sections[name].free_strain]
-    if links and kind == "geometrically-exact":
+    sections = [(name, mechanism.sections[name]) for name in mechanism.linkage.topology.link_names]
+    eccentric = [name for name, section in sections if section.is_eccentric]
+    stretched = [name for name, section in sections if section.free_strain]
+    if eccentric and not BEAM_KINDS[kind].turns_arms:
         raise InputError(
-            f"the section of {', '.join(links)} has a free_strain, which Exudyn's element {kind!r} "
-            "has no reference strain for; give the link its swollen length instead, or use "
-            "element 'ancf'"
-        )
-
-
-def eccentric_links(mechanism: Mechanism) -> list[str]:
-    """Links whose neutral axis or centre of mass is off the pins' axis, by name."""
-    names = mechanism.linkage.topology.link_names
-    return [name for name in names if mechanism.sections[name].is_eccentric]
-
-
-def refuse_eccentric_sections(mechanism: Mechanism, kind: str) -> None:
-    """Refuse eccentric sections where an element would ignore the eccentricity.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    kind : str
-        Key of :data:`flexmech.multibody.beams.BEAM_KINDS`.
-
-    Raises
-    ------
-    InputError
-        If a section is eccentric; names the links.
-    """
-    links = eccentric_links(mechanism)
-    if links and not BEAM_KINDS[kind].turns_arms:
-        raise InputError(
-            f"the section of {', '.join(links)} has its neutral axis or its centre of mass off "
+            f"the section of {', '.join(eccentric)} has its neutral axis or its centre of mass off "
             f"the pins' axis, which Exudyn's element {kind!r} cannot have; use element "
             "'geometrically-exact'"
+        )
+    if stretched and kind == "geometrically-exact":
+        raise InputError(
+            f"the section of {', '.join(stretched)} has a free_strain, which Exudyn's element "
+            f"{kind!r} has no reference strain for; give the link its swollen length instead, or "
+            "use element 'ancf'"
         )

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
 
+from flexmech.choices import ELEMENTS, INTEGRATORS, Integrator
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     ConvergenceOrders,
@@ -17,22 +18,19 @@ from flexmech.linear_system import (
     StressedLinks,
     element_tensions,
     inertia_loads,
-    refuse_other_postures,
+    refuse_large_displacements,
 )
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.mechanism import Mechanism
-from flexmech.multibody.beams import (
-    eccentric_links,
-    refuse_eccentric_sections,
-    refuse_free_strain,
-)
+from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.linearize import running_tangents, static_equilibrium
-from flexmech.multibody.model import MultibodyModel
 from flexmech.multibody.running_model import RunningModel
 from flexmech.multibody.simulation import Simulation
+from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
-from flexmech.time_domain import INTEGRATORS, Integrator, LinkState, Recorder, Trajectory
-from flexmech.types import FloatArray
+from flexmech.numbers import POSITIVE, check_number, checked_array
+from flexmech.time_domain import LinkState, Recorder, Trajectory
+from flexmech.types import FloatArray, StepProgress
 
 __all__ = ["ExudynEngine"]
 
@@ -53,7 +51,8 @@ class ExudynEngine(Engine):
     """
 
     name: ClassVar[str] = "exudyn"
-    element_kinds: ClassVar[tuple[str, ...]] = ("ancf", "geometrically-exact")
+    element_kinds: ClassVar[tuple[str, ...]] = ELEMENTS["exudyn"]
+    simulates: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -63,13 +62,7 @@ class ExudynEngine(Engine):
         component_modes: bool = True,
     ) -> None:
         super().__init__(mechanism, elements, element, component_modes)
-        refuse_eccentric_sections(mechanism, self.element)
-        refuse_free_strain(mechanism, self.element)
-
-    @classmethod
-    def default_element(cls, mechanism: Mechanism) -> str:
-        """ANCF cables, unless a section has its neutral axis or mass off the pins' axis."""
-        return "geometrically-exact" if eccentric_links(mechanism) else "ancf"
+        refuse_sections(mechanism, self.element)
 
     def convergence(self, prestress: Prestress) -> ConvergenceOrders:
         """Cubic ANCF: fourth order; linear geometrically exact beam: second.
@@ -82,9 +75,9 @@ class ExudynEngine(Engine):
         return ConvergenceOrders(elastic=2, prestress=2)
 
     @cached_property
-    def model(self) -> MultibodyModel:
+    def model(self) -> StaticModel:
         """The Exudyn system, moved through the crank angles."""
-        return MultibodyModel(self.mechanism, self.elements, self.element)
+        return StaticModel(self.mechanism, self.elements, self.element)
 
     @cached_property
     def _links(self) -> tuple[LinkModel, ...]:
@@ -97,13 +90,13 @@ class ExudynEngine(Engine):
 
     @cached_property
     def _unit_tension(self) -> list[FloatArray]:
-        return unit_tension_stiffness(self.model)
+        return unit_tension_stiffness(self.model.assembly)
 
     def stressed_links(self, motion: RigidMotion, prestress: Prestress) -> StressedLinks:
         """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
         straight = self._is_straight(motion, prestress)
         if prestress == "axial" and self.element != "ancf":
-            other = "" if eccentric_links(self.mechanism) else "element 'ancf' or "
+            other = "" if self.mechanism.is_eccentric else "element 'ancf' or "
             raise InputError(
                 "prestress 'axial' needs an element that can carry tension in its straight "
                 "shape; the geometrically exact beam cannot: use "
@@ -116,7 +109,7 @@ class ExudynEngine(Engine):
         loads = inertia_loads(self.links, motion, self.mechanism.gravity)
         equilibrium = static_equilibrium(self.model, motion, loads)
         topology = self.mechanism.linkage.topology
-        refuse_other_postures(topology, self.links, motion, equilibrium.displacement)
+        refuse_large_displacements(topology, self.links, motion, equilibrium.displacement)
         return StressedLinks(
             equilibrium.tangent, equilibrium.displacement, damping=equilibrium.damping
         )
@@ -129,7 +122,7 @@ class ExudynEngine(Engine):
         step: float,
         *,
         integrator: Integrator = "trapezoidal",
-        progress: Callable[[int, int], None] | None = None,
+        progress: StepProgress | None = None,
     ) -> Trajectory:
         """Run the linkage with large displacements from time zero to the last sample.
 
@@ -159,8 +152,8 @@ class ExudynEngine(Engine):
         ComputationError
             If a step does not converge; names its time and the crank angle.
         """
-        if not (np.isfinite(step) and step > 0):
-            raise InputError(f"the time step must be positive, got {step} s")
+        check_number(step, "step", "s", POSITIVE)
+        sample_time = checked_array(sample_time, "sample_time", "s")
         if integrator not in INTEGRATORS:
             raise InputError(
                 f"integrator must be one of {', '.join(INTEGRATORS)}, got {integrator!r}"
@@ -181,7 +174,7 @@ class ExudynEngine(Engine):
         return StressedLinks(tangent, list(displacement), damping=damping)
 
     def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
-        nodes = [part.positions for part in self.model.parts]
+        nodes = [part.positions for part in self.model.assembly.parts]
         tensions = element_tensions(self.mechanism, nodes, motion)
         return [
             link.stiffness + np.tensordot(tension[..., 0], unit, axes=1)

@@ -10,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.errors import ComputationError
+from flexmech.linear_system import LOAD_STEPS, ROUND_OFF, refuse_positions
 from flexmech.linkages import RigidMotion
+from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.model import MultibodyModel
+from flexmech.multibody.static_model import StaticModel
 from flexmech.types import FloatArray, IntArray
 
 __all__ = [
@@ -25,12 +26,9 @@ __all__ = [
 ]
 
 
-# Out-of-balance force at which Newton's method stops, relative to the load, and what
-# round-off leaves of the forces between nodes whose absolute positions are subtracted.
+# Out-of-balance force at which Newton's method stops, relative to the load.
 RELATIVE_RESIDUAL = 1e-9
-ROUND_OFF = 8 * float(np.finfo(float).eps)
-# Where all load at once leads nowhere, it is brought on in steps, swelling along with it.
-LOAD_STEPS = (1, 5, 25)
+MAX_ITERATIONS = 50
 
 
 def simulation_settings(absolute_tolerance: float = 1e-8) -> Any:
@@ -44,12 +42,12 @@ def simulation_settings(absolute_tolerance: float = 1e-8) -> Any:
     # The relative tolerance refers to the first residual and fails near an easy start.
     newton.relativeTolerance = 0.0
     newton.absoluteTolerance = absolute_tolerance
-    newton.maxIterations = 50
+    newton.maxIterations = MAX_ITERATIONS
     return settings
 
 
 def linearized(
-    model: MultibodyModel, settings: Any, state: FloatArray
+    assembly: LinkAssembly, settings: Any, state: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Mass, stiffness and damping by Exudyn's coordinates.
 
@@ -57,7 +55,7 @@ def linearized(
 
     Parameters
     ----------
-    model : MultibodyModel
+    assembly : LinkAssembly
     settings : exudyn.SimulationSettings
     state : ndarray, shape (size,)
         Exudyn's coordinates, less the reference ones.
@@ -67,8 +65,8 @@ def linearized(
     mass, stiffness, damping : ndarray, shape (size, size)
     """
     initial = load_exudyn().ConfigurationType.Initial
-    model.mbs.systemData.SetODE2Coordinates(state, initial)
-    mass, stiffness, damping = model.mbs.ComputeLinearizedSystem(settings)[:3]
+    assembly.mbs.systemData.SetODE2Coordinates(state, initial)
+    mass, stiffness, damping = assembly.mbs.ComputeLinearizedSystem(settings)[:3]
     return np.array(mass), np.array(stiffness), np.array(damping)
 
 
@@ -88,13 +86,13 @@ class StaticEquilibrium:
 
 
 def static_equilibrium(
-    model: MultibodyModel, motion: RigidMotion, loads: list[FloatArray]
+    model: StaticModel, motion: RigidMotion, loads: list[FloatArray]
 ) -> StaticEquilibrium:
     """Quasi-static equilibrium of each position and its tangent stiffness.
 
     Parameters
     ----------
-    model : MultibodyModel
+    model : StaticModel
     motion : RigidMotion
         Batch of shape (B,).
     loads : list of ndarray, shape (B, n_link)
@@ -109,44 +107,43 @@ def static_equilibrium(
     ComputationError
         If Exudyn's static solver does not converge; names the crank angle and speed.
     """
-    batch = len(motion.crank_angle)
-    tangents = _Tangents(model, batch)
-    relative = motion.angle - motion.angle[:, model.base, None]
+    assembly, batch = model.assembly, len(motion.crank_angle)
+    tangents = _Tangents(assembly, batch)
+    relative = motion.angle - motion.angle[:, assembly.base, None]
     forces = np.concatenate(
-        [model.kind.turned(load, relative[:, link]) for link, load in enumerate(loads)],
+        [assembly.kind.turned(load, relative[:, link]) for link, load in enumerate(loads)],
         axis=1,
     )
-    round_off = ROUND_OFF * model.nodal_force_scale
-    deformation = np.zeros(model.size)
-    displacement = np.empty((batch, model.size))
+    round_off = ROUND_OFF * assembly.nodal_force_scale
+    deformation = np.zeros(assembly.size)
+    displacement = np.empty((batch, assembly.size))
     for number in range(batch):
         pose = model.move_to(motion, number)
         model.set_forces(forces[number])
         loaded = float(np.abs(forces[number]).sum()) + model.free_load
-        tolerance = max(RELATIVE_RESIDUAL * loaded, round_off)
-        settings = simulation_settings(tolerance)
-        start = pose + _turned(model, deformation, relative[number])
-        if not _solve_static(model, settings, model.arms.to_nodes(start)):
+        settings = simulation_settings(max(RELATIVE_RESIDUAL * loaded, round_off))
+        start = pose + _turned(assembly, deformation, relative[number])
+        if not _solve_static(assembly, settings, assembly.arms.to_nodes(start)):
             _solve_afresh(model, settings, pose, forces[number], motion, number)
-        state = model.arms.to_axis(model.mbs.systemData.GetODE2Coordinates())
-        deformation = displacement[number] = _turned(model, state - pose, -relative[number])
+        state = assembly.arms.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
+        deformation = displacement[number] = _turned(assembly, state - pose, -relative[number])
         tangents.take(number, settings, state)
     stiffness, damping = tangents.in_link_frames(relative)
     return StaticEquilibrium(
-        displacement=[displacement[:, part.coordinates] for part in model.parts],
+        displacement=[displacement[:, part.coordinates] for part in assembly.parts],
         tangent=stiffness,
         damping=damping,
     )
 
 
 def running_tangents(
-    model: MultibodyModel, motion: RigidMotion, displacement: Sequence[FloatArray]
+    model: StaticModel, motion: RigidMotion, displacement: Sequence[FloatArray]
 ) -> tuple[list[FloatArray], list[FloatArray]]:
     """Tangent stiffness and damping of each link in its frame in given states.
 
     Parameters
     ----------
-    model : MultibodyModel
+    model : StaticModel
     motion : RigidMotion
         Batch of shape (B,).
     displacement : sequence of ndarray, shape (B, n_link)
@@ -159,11 +156,12 @@ def running_tangents(
     list of ndarray, shape (B, n_link, n_link)
         Damping.
     """
-    relative = motion.angle - motion.angle[:, model.base, None]
+    assembly = model.assembly
+    relative = motion.angle - motion.angle[:, assembly.base, None]
     together = np.concatenate(displacement, axis=1)
-    settings, tangents = simulation_settings(), _Tangents(model, len(together))
+    settings, tangents = simulation_settings(), _Tangents(assembly, len(together))
     for number, q in enumerate(together):
-        state = model.move_to(motion, number) + _turned(model, q, relative[number])
+        state = model.move_to(motion, number) + _turned(assembly, q, relative[number])
         tangents.take(number, settings, state)
     return tangents.in_link_frames(relative)
 
@@ -171,35 +169,37 @@ def running_tangents(
 class _Tangents:
     """Stiffness and damping of each link over a batch of states."""
 
-    def __init__(self, model: MultibodyModel, batch: int) -> None:
-        self._model = model
-        sizes = [part.coordinates.stop - part.coordinates.start for part in model.parts]
+    def __init__(self, assembly: LinkAssembly, batch: int) -> None:
+        self._assembly = assembly
+        sizes = [part.coordinates.stop - part.coordinates.start for part in assembly.parts]
         self._stiffness, self._damping = (
             [np.empty((batch, size, size)) for size in sizes] for _ in range(2)
         )
-        self._state: FloatArray = np.empty((batch, model.size))
+        self._state: FloatArray = np.empty((batch, assembly.size))
 
     def take(self, number: int, settings: Any, state: FloatArray) -> None:
         """Linearize about a state."""
-        _, stiffness, damping = linearized(self._model, settings, self._model.arms.to_nodes(state))
+        assembly = self._assembly
+        _, stiffness, damping = linearized(assembly, settings, assembly.arms.to_nodes(state))
         self._state[number] = state
-        for link, part in enumerate(self._model.parts):
+        for link, part in enumerate(assembly.parts):
             own = (part.coordinates, part.coordinates)
             self._stiffness[link][number] = stiffness[own]
             self._damping[link][number] = damping[own]
 
     def in_link_frames(self, angle: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """Both in frames turned by ``angle`` (B, n_links) against the model's."""
-        for link, part in enumerate(self._model.parts):
+        assembly = self._assembly
+        for link, part in enumerate(assembly.parts):
             if part.arms is not None:
                 state = self._state[:, part.coordinates]
-                force = _internal_force(self._model, link, part.arms.moved(state))
+                force = _internal_force(assembly, link, part.arms.moved(state))
                 stiff, damped = self._stiffness[link], self._damping[link]
                 self._stiffness[link] = part.arms.tangent(state, stiff, force)
                 self._damping[link] = part.arms.matrix(state, damped)
         stiffness, damping = (
             [
-                _to_link_frame(matrix, angle[:, link], *_pairs(self._model, link))
+                _to_link_frame(matrix, angle[:, link], *_vectors(assembly, link))
                 for link, matrix in enumerate(matrices)
             ]
             for matrices in (self._stiffness, self._damping)
@@ -207,18 +207,18 @@ class _Tangents:
         return stiffness, damping
 
 
-def _solve_static(model: MultibodyModel, settings: Any, start: FloatArray) -> bool:
+def _solve_static(assembly: LinkAssembly, settings: Any, start: FloatArray) -> bool:
     exudyn = load_exudyn()
-    model.mbs.systemData.SetODE2Coordinates(start, exudyn.ConfigurationType.Initial)
+    assembly.mbs.systemData.SetODE2Coordinates(start, exudyn.ConfigurationType.Initial)
     with contextlib.redirect_stdout(io.StringIO()):
         try:
-            return bool(model.mbs.SolveStatic(settings, updateInitialValues=False))
+            return bool(assembly.mbs.SolveStatic(settings, updateInitialValues=False))
         except exudyn.SolverError:
             return False
 
 
 def _solve_afresh(
-    model: MultibodyModel,
+    model: StaticModel,
     settings: Any,
     pose: FloatArray,
     forces: FloatArray,
@@ -226,45 +226,46 @@ def _solve_afresh(
     number: int,
 ) -> None:
     """Try again from the undeformed links, in steps if need be; say so if that fails as well."""
-    nodes = model.arms.to_nodes(pose)
+    assembly = model.assembly
+    nodes = assembly.arms.to_nodes(pose)
     for steps in LOAD_STEPS:
         start = nodes
         for part in np.arange(1, steps + 1) / steps:
             model.set_forces(part * forces)
             model.swell(float(part))
-            if not _solve_static(model, settings, start):
+            if not _solve_static(assembly, settings, start):
                 break
-            start = np.array(model.mbs.systemData.GetODE2Coordinates())
+            start = np.array(assembly.mbs.systemData.GetODE2Coordinates())
         else:
             return
     model.swell(1.0)
-    residual = float(model.mbs.sys["staticSolver"].conv.residual)
-    angle = np.degrees(motion.crank_angle[number])
-    other = "none" if model.kind.turns_arms else "axial"  # only cables carry tension straight
-    raise ComputationError(
-        f"Exudyn finds no quasi-static equilibrium at crank angle {angle:.6g} deg and crank "
-        f"speed {motion.crank_speed[number]:.6g} rad/s (residual {residual:.3g} N), even in "
-        f"{LOAD_STEPS[-1]} load steps; lower the crank speed, or use prestress {other!r}"
+    residual = float(assembly.mbs.sys["staticSolver"].conv.residual)
+    other = "none" if assembly.kind.turns_arms else "axial"  # only cables carry tension straight
+    refuse_positions(
+        motion,
+        np.arange(len(motion.crank_angle)) == number,
+        "Exudyn finds no quasi-static equilibrium",
+        f" (residual {residual:.3g} N), even in {LOAD_STEPS[-1]} load steps; lower the crank "
+        f"speed, or use prestress {other!r}",
     )
 
 
-def _internal_force(model: MultibodyModel, link: int, nodes: FloatArray) -> FloatArray:
+def _internal_force(assembly: LinkAssembly, link: int, nodes: FloatArray) -> FloatArray:
     """Elastic forces on a link's nodes, (B, n), at coordinates less the reference ones."""
-    part = model.parts[link]
-    section = model.mechanism.sections[model.topology.link_names[link]]
-    place = nodes + model.kind.rigid_fields(part.positions).centripetal
-    return model.kind.internal_force(place, np.diff(part.positions), section)
+    part = assembly.parts[link]
+    place = nodes + assembly.kind.rigid_fields(part.positions).centripetal
+    return assembly.kind.internal_force(place, np.diff(part.positions), assembly.sections[link])
 
 
-def _pairs(model: MultibodyModel, link: int) -> tuple[IntArray, IntArray]:
-    return model.kind.vector_pairs(len(model.parts[link].nodes))
+def _vectors(assembly: LinkAssembly, link: int) -> tuple[IntArray, IntArray]:
+    return assembly.kind.vector_pairs(len(assembly.parts[link].nodes))
 
 
-def _turned(model: MultibodyModel, vector: FloatArray, angles: FloatArray) -> FloatArray:
+def _turned(assembly: LinkAssembly, vector: FloatArray, angles: FloatArray) -> FloatArray:
     """All links' coordinates (size,), each link's vectors turned by its angle."""
     parts = [
-        model.kind.turned(vector[None, p.coordinates], angles[link : link + 1])[0]
-        for link, p in enumerate(model.parts)
+        assembly.kind.turned(vector[None, part.coordinates], angles[link : link + 1])[0]
+        for link, part in enumerate(assembly.parts)
     ]
     return np.concatenate(parts)
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import RigidMotion
+from flexmech.multibody.assembly import LinkPart
 from flexmech.multibody.beam_kind import BeamKind
-from flexmech.multibody.model import LinkPart
 from flexmech.types import FloatArray
 
 __all__ = ["MovingFrames"]

@@ -16,15 +16,16 @@ import numpy as np
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import Clamp, CrankDrive, LinkEnd
 from flexmech.mechanism import Mechanism
+from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.model import MultibodyModel
+from flexmech.multibody.link_energies import LinkEnergies
 from flexmech.multibody.node_bodies import NodeBodies
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["RunningModel"]
 
 
-class RunningModel(MultibodyModel):
+class RunningModel:
     """Exudyn system of a running mechanism.
 
     Parameters
@@ -40,6 +41,9 @@ class RunningModel(MultibodyModel):
 
     Attributes
     ----------
+    assembly : LinkAssembly
+        The links in ground axes.
+    energies : LinkEnergies
     total_size : int
         Coordinates of the links and the hub, which come last.
     """
@@ -52,104 +56,55 @@ class RunningModel(MultibodyModel):
         drive: CrankDrive,
         links: Sequence[LinkModel],
     ) -> None:
+        self.assembly = assembly = LinkAssembly(mechanism, elements, kind)
         self.drive = drive
         self.links = links
+        self.energies = LinkEnergies(assembly, links)
+        self.total_size = assembly.size + 3
         self._start = mechanism.linkage.motion(drive.crank_angle(0.0))
-        self._connections: list[tuple[str, list[int]]] = []
-        super().__init__(mechanism, elements, kind)
-        for pin, number in zip(self.topology.pins, self.pins, strict=True):
-            self._connections.append((pin.joint, [number]))
-        self.total_size = self.size + 3
-        first = self._end(self._clamp.held)[1]
-        self._clamped = slice(first, first + self.kind.per_node)
-        self._clamped_x = float(self._straight_place(self._clamp.held)[0])
+        self._lever = self._clamp_on_hub()
+        self._add_loads()
+        fixed = assembly.add_fixed_coordinate()
+        hub, self._shaft = self._add_hub(fixed)
+        self._constraints = {self._clamp.joint: [self._add_clamp(hub)]}
+        self._constraints |= self._add_pivots(fixed)
+        for pin, number in zip(assembly.topology.pins, assembly.add_pins(), strict=True):
+            self._constraints[pin.joint] = [number]
+        assembly.mbs.Assemble()
         self._pivots_on_arms = [
             (pivot.held, self._place(pivot.held))
-            for pivot in self.topology.pivots
-            if self._part(pivot.held).arms is not None
+            for pivot in assembly.topology.pivots
+            if assembly.part_of(pivot.held).arms is not None
         ]
-        pins = [(self.topology.leader_of(p.leader), p.follower) for p in self.topology.pins]
+        leader_of = assembly.topology.leader_of
+        pins = [(leader_of(pin.leader), pin.follower) for pin in assembly.topology.pins]
         self._pins_on_arms = [
-            pair for pair in pins if any(self._part(end).arms is not None for end in pair)
+            pair for pair in pins if any(assembly.part_of(end).arms is not None for end in pair)
         ]
 
     def shaft_angle(self, time: float) -> float:
         """Angle of the clamped link at its clamp in rad."""
         turned = self.drive.crank_angle(time) - self.drive.start_angle
-        return float(self._start.angle[self.base] + turned)
+        return float(self._start.angle[self.assembly.base] + turned)
 
     @property
     def joint_multipliers(self) -> IntArray:
         """Multipliers that are minus the force at each joint, shape (n_joints, 2)."""
-        names = self.topology.joint_names
+        names = self.assembly.topology.joint_names
         found = np.zeros((len(names), 2), dtype=np.intp)
-        for joint, constraints in self._connections:
+        for joint, constraints in self._constraints.items():
             found[names.index(joint)] = np.concatenate([self._multipliers(c) for c in constraints])
         return found
 
     @property
     def multiplier_count(self) -> int:
         """Number of all multipliers."""
-        return len(self.mbs.systemData.GetAECoordinates())
+        return len(self.assembly.mbs.systemData.GetAECoordinates())
 
     @property
     def torque_multiplier(self) -> int:
         """Multiplier that is minus the torque of the shaft."""
         return self._multipliers(self._shaft)[0]
-
-    def weight(self, link: int) -> FloatArray:
-        """Generalized weight of a link in ground axes, shape (n_link,)."""
-        x, y = self.mechanism.gravity
-        fields = self.links[link].fields
-        return self.links[link].mass @ (x * fields.along + y * fields.across)
-
-    def kinetic_energy(self, link: int, position: FloatArray, velocity: FloatArray) -> FloatArray:
-        """Kinetic energy of a link.
-
-        Parameters
-        ----------
-        link : int
-        position, velocity : ndarray, shape (m, n_link)
-            Its coordinates in ground axes.
-
-        Returns
-        -------
-        ndarray, shape (m,)
-        """
-        mass, arms = self.links[link].mass, self.parts[link].arms
-        if arms is None:
-            return np.asarray(np.sum(velocity @ mass * velocity, axis=1) / 2)
-        # By the nodes only the first moments of the bodies there turn with the sections.
-        rate = arms.moved_rate(position, velocity)
-        mass = arms.back.matrix(np.zeros(len(mass)), mass)
-        angles = np.arange(2, len(mass), self.kind.per_node)
-        moment = -mass[angles - 2, angles]
-        turn, spin = position[:, angles], rate[:, angles]
-        turned = (1 - np.cos(turn)) * rate[:, angles - 2] - np.sin(turn) * rate[:, angles - 1]
-        energy = np.sum(rate @ mass * rate, axis=1) / 2
-        return np.asarray(energy + (spin * turned) @ moment)
-
-    def gravity_energy(self, link: int, position: FloatArray) -> FloatArray:
-        """Potential of a link's weight but for a constant.
-
-        Parameters
-        ----------
-        link : int
-        position : ndarray, shape (m, n_link)
-            Its coordinates in ground axes.
-
-        Returns
-        -------
-        ndarray, shape (m,)
-        """
-        part = self.parts[link]
-        if part.bodies is None or part.arms is None:
-            return np.asarray(-position @ self.weight(link))
-        x, y = self.mechanism.gravity
-        nodes = part.arms.moved(position).reshape(len(position), -1, self.kind.per_node)
-        arm, turn = part.bodies.centre, nodes[..., 2]
-        lifted = x * (nodes[..., 0] - arm * np.sin(turn)) + y * (nodes[..., 1] + arm * np.cos(turn))
-        return np.asarray(-lifted @ part.bodies.mass)
 
     def set_start(self, position: FloatArray, velocity: FloatArray) -> None:
         """State at time zero.
@@ -158,11 +113,11 @@ class RunningModel(MultibodyModel):
         ----------
         position, velocity : ndarray, shape (size,)
         """
-        nodes = self.arms.to_nodes(position)
-        velocity = self.arms.rate_to_nodes(position, velocity)
+        nodes = self.assembly.arms.to_nodes(position)
+        velocity = self.assembly.arms.rate_to_nodes(position, velocity)
         initial = load_exudyn().ConfigurationType.Initial
         speed = float(self.drive.crank_speed(0.0))
-        data = self.mbs.systemData
+        data = self.assembly.mbs.systemData
         data.SetODE2Coordinates([*nodes, 0.0, 0.0, self.shaft_angle(0.0)], initial)
         data.SetODE2Coordinates_t([*velocity, 0.0, 0.0, speed], initial)
 
@@ -179,15 +134,16 @@ class RunningModel(MultibodyModel):
         float
             In m.
         """
+        assembly, topology = self.assembly, self.assembly.topology
 
         def place(end: LinkEnd) -> FloatArray:
-            first = self._end(end)[1]
-            return np.asarray(position[first : first + 2] + self._straight_place(end))
+            first = assembly.end_node(end)[1]
+            return np.asarray(position[first : first + 2] + assembly.reference_place(end))
 
-        held = [clamp.held for clamp in self.topology.clamps]
-        held += [pivot.held for pivot in self.topology.pivots]
+        held = [clamp.held for clamp in topology.clamps]
+        held += [pivot.held for pivot in topology.pivots]
         gaps = [place(end) - self._place(end) for end in held]
-        gaps += [place(pin.leader) - place(pin.follower) for pin in self.topology.pins]
+        gaps += [place(pin.leader) - place(pin.follower) for pin in topology.pins]
         return float(np.max(np.linalg.norm(gaps, axis=1)))
 
     def put_joints_in_place(self, position: FloatArray, time: float) -> None:
@@ -207,11 +163,11 @@ class RunningModel(MultibodyModel):
         angle = self.shaft_angle(time)
         cosine, sine = math.cos(angle), math.sin(angle)
         x, y = self._lever
-        node = position[self._clamped]
-        node[0] = cosine * x - sine * y - self._clamped_x
+        node = self._node(position, self._clamp.held)
+        node[0] = cosine * x - sine * y - self.assembly.reference_place(self._clamp.held)[0]
         node[1] = sine * x + cosine * y
-        self.kind.align(node, angle)
-        arms = self.parts[self.base].arms
+        self.assembly.kind.align(node, angle)
+        arms = self.assembly.parts[self.assembly.base].arms
         if arms is not None:
             node[:] = arms.moved(node)
         position[-1] = angle
@@ -220,88 +176,71 @@ class RunningModel(MultibodyModel):
         for leader, follower in self._pins_on_arms:
             self._move_end(position, follower, self._axis_place(position, leader))
 
+    def _node(self, position: FloatArray, end: LinkEnd) -> FloatArray:
+        """Coordinates of the node at a link end, a view of all coordinates."""
+        first = self.assembly.end_node(end)[1]
+        return position[first : first + self.assembly.kind.per_node]
+
     def _axis_place(self, position: FloatArray, end: LinkEnd) -> FloatArray:
         """Where the point on the pins' axis at a link end is, (2,), by Exudyn's coordinates."""
-        first, arms = self._end(end)[1], self._part(end).arms
-        node = position[first : first + self.kind.per_node]
+        node, arms = self._node(position, end), self.assembly.part_of(end).arms
         axis = node if arms is None else arms.back.moved(node)
-        return np.asarray(axis[:2] + self._straight_place(end))
+        return np.asarray(axis[:2] + self.assembly.reference_place(end))
 
     def _move_end(self, position: FloatArray, end: LinkEnd, place: FloatArray) -> None:
         """Move a node so that its point on the pins' axis gets to a place."""
-        first = self._end(end)[1]
-        position[first : first + 2] += place - self._axis_place(position, end)
-
-    def _add_supports(self) -> list[tuple[int, int]]:
-        """Hub, shaft and pivots; nothing whose offset moves with the crank angle."""
-        fixed = self._add_fixed_coordinate()
-        hub = self._add_hub(fixed)
-        self._add_clamp(hub)
-        for pivot in self.topology.pivots:
-            if self._part(pivot.held).arms is not None:
-                place = [*map(float, self._place(pivot.held)), 0.0]
-                self._connections.append((pivot.joint, [self._pin_to_ground(pivot.held, place)[1]]))
-                continue
-            node = self._end(pivot.held)[0]
-            offset = self._place(pivot.held) - self._straight_place(pivot.held)
-            held = [self._hold(fixed, node, i, offset=float(offset[i])) for i in (0, 1)]
-            self._connections.append((pivot.joint, held))
-        return []
+        self._node(position, end)[:2] += place - self._axis_place(position, end)
 
     def _place(self, held: LinkEnd) -> FloatArray:
         """Where a link end is at time zero, shape (2,)."""
-        link = self.topology.index(held.link)
-        x = 0.0 if held.end == "start" else self.topology.links[link].length
+        topology = self.assembly.topology
+        link = topology.index(held.link)
+        x = 0.0 if held.end == "start" else topology.links[link].length
         return self._start.position(link, x)
 
-    def _add_loads(self) -> int:
-        """Point masses and weight, node by node; returns their number.
+    def _add_loads(self) -> None:
+        """Point masses and weight, node by node.
 
-        One object over all nodes, as in the base class, would make each tangent dense.
+        One object over all nodes, as in the model at standstill, would make each tangent dense.
         """
-        items = load_exudyn().itemInterface
-        carriers = 0
-        for link, part in enumerate(self.parts):
+        assembly, items = self.assembly, load_exudyn().itemInterface
+        for link, part in enumerate(assembly.parts):
             if part.bodies is not None:
                 self._add_weight(part.bodies)
-                carriers += len(part.nodes)
                 continue
-            masses = self.point_masses(link)
-            weights = self.weight(link).reshape(len(part.nodes), -1)
+            masses = assembly.point_masses(link)
+            weights = self.energies.weight(link).reshape(len(part.nodes), -1)
             for node, mass, weight in zip(part.nodes, masses, weights, strict=True):
                 if mass or weight.any():
-                    matrix = np.diag([mass, mass] + [0.0] * (self.kind.per_node - 2))
-                    self.mbs.AddObject(
+                    matrix = np.diag([mass, mass] + [0.0] * (assembly.kind.per_node - 2))
+                    assembly.mbs.AddObject(
                         items.ObjectGenericODE2(
                             nodeNumbers=[node], massMatrix=matrix, forceVector=weight
                         )
                     )
-                    carriers += 1
-        return carriers
 
     def _add_weight(self, bodies: NodeBodies) -> None:
         """Weight of an eccentric link at the centres of mass of the bodies at its nodes."""
-        items = load_exudyn().itemInterface
-        x, y = self.mechanism.gravity
+        mbs, items = self.assembly.mbs, load_exudyn().itemInterface
+        x, y = self.assembly.mechanism.gravity
         if not (x or y):
             return
         for body, mass, arm in zip(bodies.numbers, bodies.mass, bodies.centre, strict=True):
             centre = items.MarkerBodyRigid(bodyNumber=body, localPosition=[0.0, arm, 0.0])
             load = items.LoadForceVector(
-                markerNumber=self.mbs.AddMarker(centre), loadVector=[mass * x, mass * y, 0.0]
+                markerNumber=mbs.AddMarker(centre), loadVector=[mass * x, mass * y, 0.0]
             )
-            self.mbs.AddLoad(load)
+            mbs.AddLoad(load)
 
-    def _add_hub(self, fixed: int) -> int:
-        """Body without mass that turns with the shaft; returns its number."""
-        items = load_exudyn().itemInterface
-        node = self.mbs.AddNode(items.NodeRigidBody2D())
+    def _add_hub(self, fixed: int) -> tuple[int, int]:
+        """Body without mass that turns with the shaft, and the constraint on its angle."""
+        assembly, items = self.assembly, load_exudyn().itemInterface
+        node = assembly.mbs.AddNode(items.NodeRigidBody2D())
         for coordinate in (0, 1):
-            self._hold(fixed, node, coordinate)
-        self._shaft = self._hold(fixed, node, 2, **self._turning())
-        return int(
-            self.mbs.AddObject(items.ObjectRigidBody2D(nodeNumber=node, mass=0.0, inertia=0.0))
-        )
+            assembly.add_constraint(fixed, node, coordinate)
+        shaft = assembly.add_constraint(fixed, node, 2, **self._turning())
+        body = items.ObjectRigidBody2D(nodeNumber=node, mass=0.0, inertia=0.0)
+        return int(assembly.mbs.AddObject(body)), shaft
 
     def _turning(self) -> dict[str, Any]:
         """Constraint on the hub's angle: a constant speed, or angle and speed of time."""
@@ -312,31 +251,56 @@ class RunningModel(MultibodyModel):
             "offsetUserFunction_t": lambda mbs, t, item, offset: float(self.drive.crank_speed(t)),
         }
 
-    def _add_clamp(self, hub: int) -> None:
-        """Pin the clamped end to the hub and keep the link's axis there parallel to it."""
-        items = load_exudyn().itemInterface
-        place, turn = self._place(self._clamp.held), -float(self._start.angle[self.base])
+    def _clamp_on_hub(self) -> tuple[float, float]:
+        """Where the clamped end is on the hub in m."""
+        place, turn = self._place(self._clamp.held), -float(self._start.angle[self.assembly.base])
         cosine, sine = math.cos(turn), math.sin(turn)
-        self._lever = (cosine * place[0] - sine * place[1], sine * place[0] + cosine * place[1])
-        on_hub = self.mbs.AddMarker(
+        return cosine * place[0] - sine * place[1], sine * place[0] + cosine * place[1]
+
+    def _add_clamp(self, hub: int) -> int:
+        """Pin the clamped end to the hub and keep the link's axis there parallel to it.
+
+        Returns
+        -------
+        int
+            Exudyn's number of the pin.
+        """
+        assembly, items = self.assembly, load_exudyn().itemInterface
+        on_hub = assembly.mbs.AddMarker(
             items.MarkerBodyRigid(bodyNumber=hub, localPosition=[*self._lever, 0.0])
         )
-        node, _ = self._end(self._clamp.held)
-        on_link = self._end_marker(self._clamp.held)
-        pin = self.mbs.AddObject(items.RevoluteJoint2D(markerNumbers=[on_hub, on_link]))
-        self._connections.append((self._clamp.joint, [int(pin)]))
-        part = self.parts[self.base]
+        node, _ = assembly.end_node(self._clamp.held)
+        on_link = assembly.add_end_marker(self._clamp.held)
+        pin = assembly.mbs.AddObject(items.RevoluteJoint2D(markerNumbers=[on_hub, on_link]))
+        part = assembly.parts[assembly.base]
         at_start = self._clamp.held.end == "start"
         element = part.elements[0 if at_start else -1]
         x = 0.0 if at_start else float(part.positions[-1] - part.positions[-2])
-        axis = self.kind.add_axis_marker(self.mbs, node, element, x)
-        self.mbs.AddObject(
+        axis = assembly.kind.add_axis_marker(assembly.mbs, node, element, x)
+        assembly.mbs.AddObject(
             items.GenericJoint(markerNumbers=[on_hub, axis], constrainedAxes=[0, 0, 0, 0, 0, 1])
         )
+        return int(pin)
+
+    def _add_pivots(self, fixed: int) -> dict[str, list[int]]:
+        """Pin links to the ground; returns the constraints of each pivot."""
+        assembly, constraints = self.assembly, {}
+        for pivot in assembly.topology.pivots:
+            place = self._place(pivot.held)
+            if assembly.part_of(pivot.held).arms is not None:
+                pin = assembly.add_ground_pin(pivot.held, [*map(float, place), 0.0])[1]
+                constraints[pivot.joint] = [pin]
+                continue
+            node = assembly.end_node(pivot.held)[0]
+            offset = place - assembly.reference_place(pivot.held)
+            constraints[pivot.joint] = [
+                assembly.add_constraint(fixed, node, i, offset=float(offset[i])) for i in (0, 1)
+            ]
+        return constraints
 
     @property
     def _clamp(self) -> Clamp:
-        return self.topology.clamps[0]
+        return self.assembly.topology.clamps[0]
 
     def _multipliers(self, constraint: int) -> list[int]:
-        return list(self.mbs.systemData.GetObjectLTGAE(constraint))
+        return list(self.assembly.mbs.systemData.GetObjectLTGAE(constraint))

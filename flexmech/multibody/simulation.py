@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from flexmech.errors import ComputationError, InputError
+from flexmech.linear_system import ROUND_OFF
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.linearize import ROUND_OFF
 from flexmech.multibody.moving_frames import MovingFrames
 from flexmech.multibody.running_model import RunningModel
 from flexmech.time_domain import Integrator, LinkState, Recorder, StepBlock
@@ -58,7 +58,7 @@ class Simulation:
         self.step = step
         self.steps = steps
         self.integrator = integrator
-        self._frames = MovingFrames(model.kind, model.parts, model.links)
+        self._frames = MovingFrames(model.assembly.kind, model.assembly.parts, model.links)
         self._joints = model.joint_multipliers
         self._torque = model.torque_multiplier
 
@@ -86,12 +86,12 @@ class Simulation:
         """
         self._set_start(start)
         steps = _Steps(self, recorder, progress)
-        self.model.mbs.SetPostStepUserFunction(steps.take)
+        self.model.assembly.mbs.SetPostStepUserFunction(steps.take)
         exudyn = load_exudyn()
         refused = False
         with contextlib.redirect_stdout(io.StringIO()):
             try:
-                self.model.mbs.SolveDynamic(self._settings())
+                self.model.assembly.mbs.SolveDynamic(self._settings())
             except (exudyn.SolverError, exudyn.InternalError):  # the latter if values overflow
                 refused = True
         if steps.failure is not None:
@@ -116,22 +116,22 @@ class Simulation:
         -------
         StepBlock
         """
-        model, motion = self.model, self._motion(time)
+        assembly, energies, motion = self.model.assembly, self.model.energies, self._motion(time)
         position, velocity = (
-            model.arms.to_axis(position),
-            model.arms.rate_to_axis(position, velocity),
+            assembly.arms.to_axis(position),
+            assembly.arms.rate_to_axis(position, velocity),
         )
         displacement, rate = self._frames.to_frames(motion, position, velocity)
         kinetic, strain, gravity, dissipation = np.zeros((4, len(time)))
-        for number, (part, link) in enumerate(zip(model.parts, model.links, strict=True)):
-            section, lengths = model.mechanism.sections[link.name], np.diff(part.positions)
+        for number, (part, link) in enumerate(zip(assembly.parts, self.model.links, strict=True)):
+            section, lengths = assembly.sections[number], np.diff(part.positions)
             own = part.coordinates
-            kinetic += model.kinetic_energy(number, position[:, own], velocity[:, own])
-            gravity += model.gravity_energy(number, position[:, own])
+            kinetic += energies.kinetic(number, position[:, own], velocity[:, own])
+            gravity += energies.gravity(number, position[:, own])
             place, speed = displacement[number] + link.fields.centripetal, rate[number]
             if part.arms is not None:
                 place, speed = part.arms.moved(place), part.arms.moved_rate(place, speed)
-            for part_of in model.kind.strains(place, speed, lengths, section):
+            for part_of in assembly.kind.strains(place, speed, lengths, section):
                 strain += part_of.energy
                 dissipation += part_of.dissipation
         return StepBlock(
@@ -150,7 +150,7 @@ class Simulation:
 
     def _motion(self, time: FloatArray) -> RigidMotion:
         drive = self.model.drive
-        return self.model.mechanism.linkage.motion(
+        return self.model.assembly.mechanism.linkage.motion(
             drive.crank_angle(time), drive.crank_speed(time), drive.crank_acceleration(time)
         )
 
@@ -158,7 +158,7 @@ class Simulation:
         batch = [[values[None] for values in part] for part in (start.displacement, start.rate)]
         position, velocity = self._frames.to_absolute(self._motion(np.zeros(1)), *batch)
         gap = self.model.greatest_gap(position[0])
-        allowed = START_GAP * sum(link.length for link in self.model.topology.links)
+        allowed = START_GAP * sum(link.length for link in self.model.assembly.topology.links)
         if gap > allowed:
             raise InputError(
                 f"the start displaces link ends that a joint holds by {gap:.3g} m (at most "
@@ -181,7 +181,7 @@ class Simulation:
         stepping.newton.useModifiedNewton = True
         stepping.newton.modifiedNewtonContractivity = CONTRACTIVITY
         stepping.newton.relativeTolerance = RELATIVE_RESIDUAL
-        stepping.newton.absoluteTolerance = ROUND_OFF * self.model.nodal_force_scale
+        stepping.newton.absoluteTolerance = ROUND_OFF * self.model.assembly.nodal_force_scale
         # A first iteration may meet forces a million times those of the step.
         stepping.newton.adaptInitialResidual = False
         if self.integrator == "trapezoidal":
@@ -193,7 +193,7 @@ class Simulation:
 
     def _failure(self, number: int) -> ComputationError:
         """What to say of a step that did not converge."""
-        residual = float(self.model.mbs.sys["dynamicSolver"].conv.residual)
+        residual = float(self.model.assembly.mbs.sys["dynamicSolver"].conv.residual)
         cause = f"Newton's method does not converge (residual {residual:.3g} N)"
         if not np.isfinite(residual):
             cause = "the values are not finite"
@@ -257,7 +257,7 @@ class _Steps:
             first_bad = self._first + int(np.argmin(finite))
             raise _step_error(self._simulation, first_bad, "the values are not finite")
         time = self._simulation.step * (self._first + np.arange(count, dtype=np.float64))
-        links = slice(0, self._simulation.model.size)
+        links = slice(0, self._simulation.model.assembly.size)
         self._recorder.add(
             self._simulation.block(time, position[:, links], velocity[:, links], multiplier)
         )

@@ -8,26 +8,28 @@ import numpy as np
 
 from flexmech.linear_system import LinkModel
 from flexmech.mesh import middle_curvature, station_shapes
+from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.linearize import linearized, simulation_settings
-from flexmech.multibody.model import MultibodyModel
+from flexmech.multibody.static_model import StaticModel
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["link_models", "unit_tension_stiffness"]
 
 
-def link_models(model: MultibodyModel) -> tuple[LinkModel, ...]:
+def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
     """Link models from the linearization of the undeformed system.
 
     In the reference configuration every link lies along the global x axis, so absolute
     coordinates are those of the link frames. A link that swelling bends is taken as if it
     had no free curvature yet: held straight against it, it would be under stress.
     """
-    straight = np.zeros(model.size)
+    assembly = model.assembly
+    straight = np.zeros(assembly.size)
     model.swell(0.0)
-    mass, stiffness, damping = linearized(model, simulation_settings(), straight)
+    mass, stiffness, damping = linearized(assembly, simulation_settings(), straight)
     model.swell(1.0)
-    kind, models = model.kind, []
-    for name, part in zip(model.topology.link_names, model.parts, strict=True):
+    kind, models = assembly.kind, []
+    for name, part in zip(assembly.topology.link_names, assembly.parts, strict=True):
         count, size = len(part.nodes), part.coordinates.stop - part.coordinates.start
         own = [matrix[part.coordinates, part.coordinates] for matrix in (mass, stiffness, damping)]
         if part.arms is not None:
@@ -58,7 +60,7 @@ def link_models(model: MultibodyModel) -> tuple[LinkModel, ...]:
     return tuple(models)
 
 
-def unit_tension_stiffness(model: MultibodyModel) -> list[FloatArray]:
+def unit_tension_stiffness(assembly: LinkAssembly) -> list[FloatArray]:
     """Geometric stiffness that unit tension in each element adds, in link frames.
 
     A cable element at rest in its straight shape carries tension when its reference axial
@@ -66,26 +68,25 @@ def unit_tension_stiffness(model: MultibodyModel) -> list[FloatArray]:
 
     Parameters
     ----------
-    model : MultibodyModel
+    assembly : LinkAssembly
         Of ANCF cables.
 
     Returns
     -------
     list of ndarray, shape (e, n_link, n_link)
     """
-    straight = np.zeros(model.size)
+    straight = np.zeros(assembly.size)
     settings = simulation_settings()
-    relaxed = linearized(model, settings, straight)[1]
+    relaxed = linearized(assembly, settings, straight)[1]
     parts = []
-    for name, part in zip(model.topology.link_names, model.parts, strict=True):
-        axial_stiffness = model.mechanism.sections[name].axial_stiffness
+    for section, part in zip(assembly.sections, assembly.parts, strict=True):
         unit = []
         for element in part.elements:
-            model.mbs.SetObjectParameter(element, "referenceAxialStrain", -1.0)
-            tense = linearized(model, settings, straight)[1]
-            model.mbs.SetObjectParameter(element, "referenceAxialStrain", 0.0)
+            assembly.mbs.SetObjectParameter(element, "referenceAxialStrain", -1.0)
+            tense = linearized(assembly, settings, straight)[1]
+            assembly.mbs.SetObjectParameter(element, "referenceAxialStrain", 0.0)
             change = (tense - relaxed)[part.coordinates, part.coordinates]
-            unit.append(change / axial_stiffness)
+            unit.append(change / section.axial_stiffness)
         parts.append(np.stack(unit))
     return parts
 

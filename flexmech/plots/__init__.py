@@ -5,6 +5,7 @@ figures need no closing and can be drawn in any thread.
 """
 
 from flexmech.plots.agreement import plot_agreement
+from flexmech.plots.angle_panels import grid_height, panel_grid
 from flexmech.plots.animation import mp4_available, write_animation
 from flexmech.plots.composite_study import (
     plot_composite_damping,
@@ -24,14 +25,39 @@ from flexmech.plots.spectra import plot_spectrum
 from flexmech.plots.spectrogram import plot_spectrogram
 from flexmech.plots.speed_effect import plot_speed_effect
 from flexmech.plots.speed_sweep import plot_speed_sweep
-from flexmech.plots.style import publication_style
+from flexmech.plots.style import (
+    LIGHT_GREY,
+    MID_GREY,
+    SERIES_STYLES,
+    crank_angle_axis,
+    header_height,
+    header_legend,
+    mode_label,
+    new_figure,
+    plain_numbers,
+    publication_style,
+    series_handle,
+    series_style,
+    speed_label,
+)
 from flexmech.plots.transmission_angle import plot_transmission_angle
 from flexmech.plots.vibration_effect import plot_vibration_effect
 
 __all__ = [
+    "LIGHT_GREY",
+    "MID_GREY",
+    "SERIES_STYLES",
     "DrawnMoisture",
     "DrawnPath",
+    "crank_angle_axis",
+    "grid_height",
+    "header_height",
+    "header_legend",
+    "mode_label",
     "mp4_available",
+    "new_figure",
+    "panel_grid",
+    "plain_numbers",
     "plot_agreement",
     "plot_composite_damping",
     "plot_composite_frequencies",
@@ -53,5 +79,8 @@ __all__ = [
     "plot_transmission_angle",
     "plot_vibration_effect",
     "publication_style",
+    "series_handle",
+    "series_style",
+    "speed_label",
     "write_animation",
 ]

@@ -2,42 +2,38 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from flexmech.errors import InputError
-from flexmech.plots.frequencies import engine_label
-from flexmech.plots.panels import degrees, grid_height, panel_grid
-from flexmech.plots.style import (
-    MID_GREY,
-    POINT_SIZE,
-    few_points,
-    header_height,
-    header_legend,
-    mode_label,
-    new_figure,
-    publication_style,
-    series_handle,
-    series_style,
-    speed_label,
-)
+from flexmech.plots.angle_panels import draw_line, mode_panels, speed_texts
+from flexmech.plots.reading import degrees, engine_label, names_of, values_of
+from flexmech.plots.sheet import AxesLike
+from flexmech.plots.style import MID_GREY, line_handle, log_scale, series_handle, series_line
 from flexmech.types import FloatArray
 
 __all__ = ["plot_agreement"]
 
-
 # Zero has no place on a logarithmic axis: equal frequencies are drawn at about machine epsilon.
 FLOOR = 1e-16
-ERROR_MARKERS = ("x", "+")
-ERROR_LINES = ((0.0, (4.0, 2.0)), (0.0, (1.0, 1.5)))
+ERRORS: tuple[dict[str, Any], ...] = tuple(
+    {
+        "color": MID_GREY,
+        "linestyle": (0.0, dashes),
+        "linewidth": 0.7,
+        "marker": marker,
+        "markersize": 4,
+        "markeredgewidth": 0.8,
+    }
+    for dashes, marker in (((4.0, 2.0), "x"), ((1.0, 1.5), "+"))
+)
 
 
-def plot_agreement(dataset: xr.Dataset) -> Figure:
+def plot_agreement(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the relative difference of two engines against crank angle, one panel a mode.
 
     Grey are the discretisation errors that the engines estimate of themselves (the largest
@@ -48,6 +44,8 @@ def plot_agreement(dataset: xr.Dataset) -> Figure:
     ----------
     dataset : Dataset
         Of a ``MovingFrequencies`` result with two engines.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a mode. Left out: a new figure is made.
 
     Returns
     -------
@@ -61,93 +59,49 @@ def plot_agreement(dataset: xr.Dataset) -> Figure:
     if dataset.sizes["engine"] < 2:
         raise InputError(
             "agreement needs two engines and this result has one "
-            f"({engine_label(dataset, 0)}): compute with both"
+            f"({engine_label(dataset)}): compute with both"
         )
-    with publication_style():
-        dataset = dataset.sortby(["crank_angle", "check_angle"])
-        difference = _relative_difference(dataset)
-        angles = degrees(dataset["crank_angle"])
-        marked = few_points(angles)
-        title = f"Frequencies of {engine_label(dataset, 1)} against {engine_label(dataset, 0)}"
-        handles = _handles(dataset, marked)
-        sizes = [1] * dataset.sizes["mode"]
-        figure = new_figure(grid_height(sizes) + header_height(handles, title))
-        label = "Relative difference (-)"
-        panels = panel_grid(figure, sizes, angles, label, share_y=True)
-        for mode, axes in enumerate(panels):
-            axes.set_title(mode_label([int(dataset["mode"].values[mode])]))
-            for number in range(dataset.sizes["crank_speed"]):
-                style = series_style(number)
-                axes.plot(
-                    angles,
-                    difference[number, :, mode],
-                    color=style.color,
-                    linestyle=style.linestyle,
-                    marker=style.marker if marked else "",
-                    markersize=POINT_SIZE,
-                )
-            _draw_errors(axes, dataset, mode)
-        _scale_logarithm(panels)
-        header_legend(figure, handles, title)
-    return figure
+    dataset = dataset.sortby(["crank_angle", "check_angle"])
+    angles, check_angles = (degrees(dataset[name]) for name in ("crank_angle", "check_angle"))
+    difference, error = _relative_difference(dataset), _own_errors(dataset)
+    with mode_panels(dataset, "Relative difference (-)", ax=ax, share_y=True) as drawn:
+        handles: list[Artist] = [
+            series_handle(number, text, **series_line(number, angles))
+            for number, text in enumerate(speed_texts(dataset))
+        ]
+        for engine, line in zip(names_of(dataset, "engine"), ERRORS, strict=False):
+            handles.append(line_handle(f"estimated error of {engine}", **line))
+        title = f"Frequencies of {engine_label(dataset, 1)} against {engine_label(dataset)}"
+        drawn.header(handles, title)
+        low, high = _decades(np.concatenate([difference.ravel(), error.ravel()]))
+        for mode, axes in enumerate(drawn.panels):
+            for number, values in enumerate(difference[mode]):
+                draw_line(axes, angles, values, number)
+            for values, line in zip(error[mode], ERRORS, strict=False):
+                axes.plot(check_angles, values, **line, zorder=1.5, clip_on=False)
+            log_scale(axes, low, high)
+    return drawn.figure
 
 
 def _relative_difference(dataset: xr.Dataset) -> FloatArray:
-    """|f_b / f_a - 1| of the first two engines; shape (speed, angle, mode)."""
-    frequency = dataset["frequency"].transpose("engine", "crank_speed", "crank_angle", "mode")
-    first, second = frequency.values[0], frequency.values[1]
+    """|f_b / f_a - 1| of the first two engines; shape (mode, speed, angle)."""
+    frequency = values_of(dataset["frequency"], "engine", "mode", "crank_speed", "crank_angle")
     with np.errstate(divide="ignore", invalid="ignore"):
-        difference: FloatArray = np.abs(second / first - 1)
+        difference: FloatArray = np.abs(frequency[1] / frequency[0] - 1)
     return np.where(np.isfinite(difference), np.maximum(difference, FLOOR), np.nan)
 
 
-def _draw_errors(axes: Axes, dataset: xr.Dataset, mode: int) -> None:
-    error = dataset["discretisation_error"].isel(mode=mode)
-    error = error.transpose("engine", "crank_speed", "check_angle")
+def _own_errors(dataset: xr.Dataset) -> FloatArray:
+    """Largest discretisation error over the speeds; shape (mode, engine, check_angle)."""
+    order = ("crank_speed", "mode", "engine", "check_angle")
     # fmax ignores nan: an angle without an estimate at one speed may have it at another.
-    largest = np.maximum(np.fmax.reduce(np.abs(error.values), axis=1), FLOOR)
-    for engine in range(2):
-        axes.plot(
-            degrees(dataset["check_angle"]),
-            largest[engine],
-            color=MID_GREY,
-            linestyle=ERROR_LINES[engine],
-            lw=0.7,
-            marker=ERROR_MARKERS[engine],
-            markersize=4,
-            markeredgewidth=0.8,
-            zorder=1.5,
-            clip_on=False,
-        )
+    largest = np.fmax.reduce(np.abs(values_of(dataset["discretisation_error"], *order)), axis=0)
+    return np.asarray(np.maximum(largest, FLOOR))
 
 
-def _scale_logarithm(panels: list[Axes]) -> None:
-    """Whole decades around all data of all panels, ticked at every one or every few."""
-    values = np.concatenate(
-        [[FLOOR], *(np.asarray(line.get_ydata(), dtype=float) for a in panels for line in a.lines)]
-    )
-    finite = np.isfinite(values)
-    # The floor is there for a result without any finite value; else the data set the scale.
-    decades = np.log10(values[finite][1:] if finite.sum() > 1 else values[:1])
+def _decades(values: FloatArray) -> tuple[float, float]:
+    """Whole decades around values, at least one; around the floor where there are none."""
+    finite = values[np.isfinite(values)]
+    decades = np.log10(finite if finite.size else [FLOOR])
     low, high = float(np.floor(decades.min())), float(np.ceil(decades.max()))
-    high = max(high, low + 1)
-    for axes in panels:
-        axes.set_yscale("log")
-        axes.set_ylim(10.0**low, 10.0**high)
-        axes.yaxis.set_major_locator(LogLocator(base=10, numticks=7))
-        axes.yaxis.set_minor_formatter(NullFormatter())
-
-
-def _handles(dataset: xr.Dataset, marked: bool) -> list[Artist]:
-    handles: list[Artist] = []
-    for number, speed in enumerate(dataset["crank_speed"].values):
-        marker = series_style(number).marker if marked else ""
-        label = speed_label(float(speed))
-        handles.append(series_handle(number, label, marker=marker, markersize=POINT_SIZE))
-    for engine in range(2):
-        error = Line2D([], [], color=MID_GREY, linestyle=ERROR_LINES[engine], lw=0.7)
-        error.set_marker(ERROR_MARKERS[engine])
-        error.set_markersize(4)
-        error.set_label(f"estimated error of {dataset['engine'].values[engine]}")
-        handles.append(error)
-    return handles
+    return 10.0**low, 10.0 ** max(high, low + 1)

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon, Rectangle
 from numpy.typing import NDArray
 
-from flexmech.plots.frequencies import engine_label
+from flexmech.plots.reading import engine_label
 from flexmech.plots.style import (
     FIGURE_WIDTH,
     LIGHT_GREY,

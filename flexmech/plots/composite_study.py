@@ -70,7 +70,7 @@ def plot_composite_frequencies(study: xr.Dataset) -> Figure:
     Parameters
     ----------
     study : Dataset
-        Of :func:`flexmech.analyses.studies.study_composites`.
+        Of :func:`flexmech.studies.study_composites`.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def plot_composite_damping(study: xr.Dataset) -> Figure:
     Parameters
     ----------
     study : Dataset
-        Of :func:`flexmech.analyses.studies.study_composites`.
+        Of :func:`flexmech.studies.study_composites`.
 
     Returns
     -------

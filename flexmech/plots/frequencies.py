@@ -2,54 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from flexmech.plots.panels import (
-    contiguous_runs,
-    degrees,
-    grid_height,
-    mode_groups,
-    panel_grid,
+from flexmech.plots.angle_panels import (
+    ONE_MODE,
+    angle_layout,
+    draw_line,
+    draw_marks,
+    engine_handles,
+    label_angles,
+    marked_handles,
+    speed_texts,
 )
-from flexmech.plots.style import (
-    MID_GREY,
-    POINT_SIZE,
-    few_points,
-    header_height,
-    header_legend,
-    mode_label,
-    new_figure,
-    plain_numbers,
-    publication_style,
-    series_handle,
-    series_style,
-    speed_label,
-)
-from flexmech.types import FloatArray, IntArray
+from flexmech.plots.branches import MAP, branch_lines, contiguous_runs, mode_groups
+from flexmech.plots.reading import cell_edges, degrees, values_of
+from flexmech.plots.sheet import AxesLike, sheet
+from flexmech.plots.style import MID_GREY, mode_label, scale_y
+from flexmech.types import FloatArray
 
-__all__ = ["engine_label", "plot_frequencies"]
+__all__ = ["plot_frequencies"]
 
-
-# The second engine's markers: enough to judge by, few enough to see the lines through.
-MARKERS_ALONG_ANGLE = 12
-MARK_SIZE = 4.2
-# Narrowest y axis as a fraction of the frequency: below it one would look at round-off.
+# Narrowest y axis as a part of the frequency: below it one would look at round-off.
 LEAST_BAND = 4e-3
 # Veering can last for a large part of the turn: a strip of this part of a mode's height.
 VEERING_STRIP = 0.035
 STRIP_GREY = "0.72"
 
 
-def plot_frequencies(dataset: xr.Dataset) -> Figure:
+def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw natural frequencies against crank angle, one panel a mode, one line a speed.
 
     Modes lie far apart and the crank speed moves them by about one per cent, so each mode
@@ -62,169 +47,69 @@ def plot_frequencies(dataset: xr.Dataset) -> Figure:
     ----------
     dataset : Dataset
         Of a ``MovingFrequencies`` result; frequencies in Hz, angles in rad, speeds in rad/s.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a panel. Left out: a new figure is made.
 
     Returns
     -------
     Figure
     """
-    with publication_style():
-        dataset = dataset.sortby("crank_angle")
-        groups = mode_groups(dataset)
-        sizes = [len(group) for group in groups]
-        map_ = _FrequencyMap.of(dataset)
-        handles = _speed_handles(dataset) + _engine_handles(dataset, bool(map_.veering[0].any()))
-        figure = new_figure(grid_height(sizes) + header_height(handles))
-        panels = panel_grid(figure, sizes, map_.angles, "Frequency (Hz)")
-        numbers = [int(number) for number in dataset["mode"].values]
-        for axes, group in zip(panels, groups, strict=True):
-            axes.set_title(mode_label([numbers[mode] for mode in group]))
-            _scale_frequency(axes, map_.frequency[..., group])
-            _mark_veering(axes, map_, group)
-            _draw_lines(axes, map_, group)
-            _draw_markers(axes, map_, group)
-            if len(group) > 1:
-                _number_branches(axes, map_, group)
-        header_legend(figure, handles)
-    return figure
+    dataset = dataset.sortby("crank_angle")
+    groups, angles = mode_groups(dataset), degrees(dataset["crank_angle"])
+    frequency, branch = (values_of(dataset[name], *MAP) for name in ("frequency", "branch_of_mode"))
+    veering = dataset["veering"].transpose(*MAP).values.astype(bool)[0]
+    layout = angle_layout([len(group) for group in groups])
+    with sheet(layout, ax=ax, fewer=ONE_MODE) as drawn:
+        handles = marked_handles(dataset, speed_texts(dataset)) + engine_handles(dataset)
+        if veering.any():
+            handles.append(Patch(color=STRIP_GREY, lw=0, label="veering"))
+        drawn.header(handles)
+        label_angles(drawn, angles, "Frequency (Hz)")
+        for axes, group in zip(drawn.panels, groups, strict=True):
+            axes.set_title(mode_label(dataset["mode"].values[group].tolist()))
+            scale_y(axes, frequency[..., group], least_part=LEAST_BAND)
+            _mark_veering(axes, angles, veering[..., group])
+            _draw_speeds(axes, angles, frequency[..., group], branch[0][..., group])
+    return drawn.figure
 
 
-@dataclass(frozen=True)
-class _FrequencyMap:
-    """Arrays of the dataset in a known order of dimensions.
-
-    ``angles`` are degrees; the other arrays have the dimensions engine, crank speed, crank
-    angle, mode.
-    """
-
-    angles: FloatArray
-    frequency: FloatArray
-    branch: IntArray
-    veering: NDArray[np.bool_]
-
-    @classmethod
-    def of(cls, dataset: xr.Dataset) -> _FrequencyMap:
-        order = ("engine", "crank_speed", "crank_angle", "mode")
-        return cls(
-            angles=degrees(dataset["crank_angle"]),
-            frequency=dataset["frequency"].transpose(*order).values,
-            branch=dataset["branch_of_mode"].transpose(*order).values,
-            veering=dataset["veering"].transpose(*order).values.astype(bool),
-        )
-
-
-def engine_label(dataset: xr.Dataset, engine: int) -> str:
-    """Name of an engine with its element, for legends."""
-    name = str(dataset["engine"].values[engine])
-    if "element" in dataset.coords and dataset["element"].dims == ("engine",):
-        return f"{name} ({dataset['element'].values[engine]})"
-    return name
-
-
-def _scale_frequency(axes: Axes, frequency: FloatArray) -> None:
-    low, high = float(np.nanmin(frequency)), float(np.nanmax(frequency))
-    middle = (low + high) / 2
-    span = max(high - low, LEAST_BAND * abs(middle), 1e-9)
-    axes.set_ylim(middle - 0.58 * span, middle + 0.58 * span)
-    plain_numbers(axes)
-
-
-def _mark_veering(axes: Axes, map_: _FrequencyMap, group: list[int]) -> None:
-    """Grey strip along the axis where the first engine veers in these modes at any speed."""
-    flags = np.any(map_.veering[0][..., group], axis=(0, 2))
+def _mark_veering(axes: Axes, angles: FloatArray, veering: NDArray[np.bool_]) -> None:
+    """Grey strip along the axis where a mode veers at any speed; (speed, angle, mode)."""
     # A flagged angle stands for the interval half way to its neighbours.
-    edges = np.concatenate(
-        [map_.angles[:1], (map_.angles[1:] + map_.angles[:-1]) / 2, map_.angles[-1:]]
-    )
-    for first, last in contiguous_runs(flags):
+    edges = np.clip(cell_edges(angles), angles[0], angles[-1])
+    for first, last in contiguous_runs(np.any(veering, axis=(0, 2))):
         axes.axvspan(
             edges[first],
             edges[last + 1],
-            ymax=VEERING_STRIP / len(group),
+            ymax=VEERING_STRIP / veering.shape[-1],
             color=STRIP_GREY,
             lw=0,
             zorder=0,
         )
 
 
-def _lines_of(frequency: FloatArray, branch: IntArray, group: list[int]) -> dict[int, FloatArray]:
-    """Frequency of each line in a panel over the angles, by branch where branches meet.
-
-    A line that leaves the panel is nan there. With one mode in the panel there is one line,
-    numbered 0: sorted frequencies do not jump.
-    """
-    if len(group) == 1:
-        return {0: frequency[:, group[0]]}
-    inside, numbers = frequency[:, group], branch[:, group]
-    lines = {}
-    for number in np.unique(numbers):
-        here = numbers == number
-        values = np.where(here, inside, 0.0).sum(axis=1)
-        lines[int(number)] = np.where(here.any(axis=1), values, np.nan)
-    return lines
-
-
-def _draw_lines(axes: Axes, map_: _FrequencyMap, group: list[int]) -> None:
-    """First engine: a line for each speed and branch, with a point where it is alone."""
-    marked = few_points(map_.angles)
-    for number in range(map_.frequency.shape[1]):
-        style = series_style(number)
-        lines = _lines_of(map_.frequency[0, number], map_.branch[0, number], group)
+def _draw_speeds(axes: Axes, angles: FloatArray, frequency: FloatArray, branch: FloatArray) -> None:
+    """All speeds in one panel: frequency (engine, speed, angle, mode), branch without engine."""
+    n_engines, n_speeds, _, n_modes = frequency.shape
+    for number in range(n_speeds):
+        # One mode alone is one line: sorted frequencies do not jump.
+        along = branch[number] if n_modes > 1 else np.zeros_like(branch[number])
+        lines = branch_lines(frequency[0, number], along)
         for values in lines.values():
-            axes.plot(
-                map_.angles,
-                values,
-                color=style.color,
-                linestyle=style.linestyle,
-                marker=style.marker if marked else "",
-                markersize=POINT_SIZE,
-                zorder=2.5,
-            )
-            alone = _alone(values)
-            if not marked and alone.any():
-                axes.plot(map_.angles[alone], values[alone], ".", color=style.color, ms=3)
+            draw_line(axes, angles, values, number)
+        for engine in range(1, n_engines):
+            draw_marks(axes, angles, frequency[engine, number], number, n_speeds, engine)
+        if number == 0 and n_modes > 1:
+            _number_branches(axes, lines)
 
 
-def _alone(values: FloatArray) -> NDArray[np.bool_]:
-    """Points with a value whose neighbours have none: a line would not show them."""
-    present = np.concatenate([[False], np.isfinite(values), [False]])
-    isolated: NDArray[np.bool_] = present[1:-1] & ~present[:-2] & ~present[2:]
-    return isolated
-
-
-def _draw_markers(axes: Axes, map_: _FrequencyMap, group: list[int]) -> None:
-    """Further engines: open markers at some angles, staggered from speed to speed."""
-    n_engines, n_speeds, n_angles, _ = map_.frequency.shape
-    coarse = few_points(map_.angles)
-    step = 1 if coarse else max(1, -(-n_angles // MARKERS_ALONG_ANGLE))
-    for engine in range(1, n_engines):
-        for number in range(n_speeds):
-            style = series_style(number)
-            chosen = np.arange((number * step) // n_speeds, n_angles, step)
-            values = map_.frequency[engine, number][chosen][:, group]
-            axes.plot(
-                np.repeat(map_.angles[chosen], len(group)),
-                values.ravel(),
-                linestyle="",
-                marker=style.marker,
-                # On a coarse map the first engine has marks too: ring them.
-                markersize=1.5 * MARK_SIZE if coarse else MARK_SIZE,
-                markerfacecolor="white" if engine == 1 else style.color,
-                markeredgecolor=style.color,
-                markeredgewidth=0.9,
-                clip_on=False,
-                zorder=2.4,
-            )
-
-
-def _number_branches(axes: Axes, map_: _FrequencyMap, group: list[int]) -> None:
-    """Write each branch's number beside the right end of its lines, spread to be read."""
-    lines = _lines_of(map_.frequency[0, 0], map_.branch[0, 0], group)
-    ends = {number: values[-1] for number, values in lines.items() if np.isfinite(values[-1])}
+def _number_branches(axes: Axes, lines: dict[int, FloatArray]) -> None:
+    """Write each branch's number beside the right end of its line, spread to be read."""
+    ends = {number: float(values[-1]) for number, values in lines.items()}
     low, high = axes.get_ylim()
-    least = (high - low) * 0.07
     height = -np.inf
-    for number in sorted(ends, key=lambda key: float(ends[key])):
-        height = max(float(ends[number]), height + least)
+    for number in sorted((n for n in ends if np.isfinite(ends[n])), key=ends.__getitem__):
+        height = max(ends[number], height + 0.07 * (high - low))
         axes.annotate(
             f"branch {number}",
             xy=(1.0, height),
@@ -235,38 +120,3 @@ def _number_branches(axes: Axes, map_: _FrequencyMap, group: list[int]) -> None:
             fontsize=7,
             color=MID_GREY,
         )
-
-
-def _speed_handles(dataset: xr.Dataset) -> list[Artist]:
-    # The marks of the second engine if there is one, else of a coarse map.
-    marked = dataset.sizes["engine"] > 1 or few_points(dataset["crank_angle"].values)
-    fill = "white" if dataset.sizes["engine"] > 1 else None
-    return [
-        series_handle(
-            number,
-            speed_label(float(speed)),
-            marker=series_style(number).marker if marked else "",
-            markersize=MARK_SIZE,
-            markerfacecolor=fill,
-            markeredgewidth=0.9,
-        )
-        for number, speed in enumerate(dataset["crank_speed"].values)
-    ]
-
-
-def _engine_handles(dataset: xr.Dataset, veers: bool) -> list[Artist]:
-    """Legend entries of the engines and of the veering strip, only as far as they are drawn."""
-    dot = "o" if few_points(dataset["crank_angle"].values) else ""
-    line = Line2D([], [], color=MID_GREY, marker=dot, ms=POINT_SIZE)
-    line.set_label(engine_label(dataset, 0))
-    handles: list[Artist] = [line]
-    for engine in range(1, dataset.sizes["engine"]):
-        fill = "white" if engine == 1 else MID_GREY
-        marks = Line2D(
-            [], [], color=MID_GREY, ls="", marker="o", ms=MARK_SIZE, markerfacecolor=fill
-        )
-        marks.set_label(engine_label(dataset, engine))
-        handles.append(marks)
-    if veers:
-        handles.append(Patch(color=STRIP_GREY, lw=0, label="veering"))
-    return handles

@@ -1,4 +1,4 @@
-"""Natural frequencies in heat and water beside the dry ones."""
+"""Natural frequencies in two states of heat and moisture."""
 
 from __future__ import annotations
 
@@ -7,79 +7,60 @@ from typing import Any
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from flexmech.plots.panels import degrees, grid_height, panel_grid
-from flexmech.plots.style import (
-    MID_GREY,
-    POINT_SIZE,
-    few_points,
-    header_height,
-    header_legend,
-    mode_label,
-    new_figure,
-    plain_numbers,
-    publication_style,
-    series_style,
-    speed_label,
-)
-from flexmech.types import FloatArray
+from flexmech.errors import InputError
+from flexmech.plots.angle_panels import mode_panels, speed_texts
+from flexmech.plots.reading import degrees, names_of, values_of
+from flexmech.plots.sheet import AxesLike
+from flexmech.plots.style import MID_GREY, line_handle, scale_y, series_line, series_style
 
 __all__ = ["plot_hygrothermal_effect"]
 
-_DRY: Any = {"linestyle": "-", "linewidth": 1.2}
-_WET: Any = {"linestyle": (0.0, (4.0, 1.5)), "linewidth": 1.5}
+LINES: tuple[dict[str, Any], ...] = (
+    {"linestyle": "-", "linewidth": 1.2},
+    {"linestyle": (0.0, (4.0, 1.5)), "linewidth": 1.5},
+)
+# Narrowest y axis as a part of the frequency: below it one would look at round-off.
+LEAST_BAND = 4e-3
 
 
-def plot_hygrothermal_effect(dataset: xr.Dataset) -> Figure:
+def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the frequencies of both states against crank angle, one panel a mode.
 
     Parameters
     ----------
     dataset : Dataset
-        Of a ``HygrothermalEffect``; Hz and rad. Its first engine is drawn, at every speed.
+        Of a ``MovingFrequencies`` result in two states; Hz and rad. Its first engine is drawn,
+        at every speed.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a mode. Left out: a new figure is made.
 
     Returns
     -------
     Figure
+
+    Raises
+    ------
+    InputError
+        If the dataset does not hold two states.
     """
-    with publication_style():
-        dataset = dataset.sortby("crank_angle").isel(engine=0)
-        angles = degrees(dataset["crank_angle"])
-        speeds = dataset["crank_speed"].values
-        state = str(dataset.attrs.get("state", "wet"))
-        title = f"Natural frequencies dry and in heat and moisture ({state})"
-        marked = few_points(angles)
-        handles = _handles(speeds)
-        sizes = [1] * dataset.sizes["mode"]
-        figure = new_figure(grid_height(sizes) + header_height(handles, title))
-        panels = panel_grid(figure, sizes, angles, "Natural frequency (Hz)")
-        for mode, axes in enumerate(panels):
-            axes.set_title(mode_label([int(dataset["mode"].values[mode])]))
-            for number in range(len(speeds)):
-                place = dataset.isel(crank_speed=number, mode=mode)
-                style = series_style(number)
-                for name, how in (("dry_frequency", _DRY), ("frequency", _WET)):
-                    axes.plot(
-                        angles,
-                        place[name].values,
-                        color=style.color,
-                        marker=style.marker if marked else "",
-                        markersize=POINT_SIZE,
-                        **how,
-                    )
-            axes.margins(y=0.08)
-            plain_numbers(axes)
-        header_legend(figure, handles, title)
-    return figure
-
-
-def _handles(speeds: FloatArray) -> list[Artist]:
-    handles: list[Artist] = [
-        Line2D([], [], color=MID_GREY, label=label, **how)
-        for label, how in (("dry", _DRY), ("in heat and moisture", _WET))
-    ]
-    for number, speed in enumerate(speeds):
-        color = series_style(number).color
-        handles.append(Line2D([], [], color=color, linewidth=1.5, label=speed_label(float(speed))))
-    return handles
+    if dataset.sizes.get("state") != len(LINES):
+        raise InputError("the effect of heat and moisture needs frequencies in two states")
+    dataset = dataset.sortby("crank_angle")
+    angles = degrees(dataset["crank_angle"])
+    order = ("mode", "crank_speed", "state", "crank_angle")
+    frequency = values_of(dataset["frequency"].isel(engine=0), *order)
+    with mode_panels(dataset, "Natural frequency (Hz)", ax=ax) as drawn:
+        handles: list[Artist] = [
+            line_handle(label, color=MID_GREY, **line)
+            for label, line in zip(names_of(dataset, "state"), LINES, strict=True)
+        ]
+        for number, text in enumerate(speed_texts(dataset)):
+            handles.append(line_handle(text, color=series_style(number).color, linewidth=1.5))
+        drawn.header(handles, "Natural frequencies in two states of heat and moisture")
+        for axes, speeds in zip(drawn.panels, frequency, strict=True):
+            for number, states in enumerate(speeds):
+                for values, line in zip(states, LINES, strict=True):
+                    axes.plot(angles, values, **(series_line(number, angles) | line))
+            scale_y(axes, speeds, least_part=LEAST_BAND)
+    return drawn.figure

@@ -14,7 +14,7 @@ from matplotlib.patches import Circle
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from flexmech.plots.frequencies import engine_label
+from flexmech.plots.reading import engine_label
 from flexmech.plots.style import (
     FIGURE_WIDTH,
     LIGHT_GREY,

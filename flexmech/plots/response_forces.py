@@ -2,31 +2,27 @@
 
 from __future__ import annotations
 
-import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
+from typing import Any
 
-from flexmech.plots.response import (
-    draw_engines,
-    engine_handles,
-    fitting_unit,
-    run_title,
-)
-from flexmech.plots.style import header_height, header_legend, new_figure, publication_style
-from flexmech.plots.time_axis import time_panels, time_panels_height
+import xarray as xr
+from matplotlib.figure import Figure
+
+from flexmech.plots.reading import Units, names_of, run_title
+from flexmech.plots.response import draw_engines, engine_lines
+from flexmech.plots.sheet import AxesLike, sheet
+from flexmech.plots.style import line_handle
+from flexmech.plots.time_axis import label_times, time_layout
 
 __all__ = ["plot_forces"]
 
-TORQUE_UNITS = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
-FORCE_UNITS = ((1.0, "N"), (1e3, "mN"), (1e6, "µN"))
+TORQUE_UNITS: Units = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
+FORCE_UNITS: Units = ((1.0, "N"), (1e3, "mN"), (1e6, "µN"))
 
-RIGID_GREY = "0.25"
 # Thinner than the engines' lines, which it covers where the links are as good as rigid.
-RIGID_WIDTH = 0.6
+RIGID: dict[str, Any] = {"color": "0.25", "lw": 0.6}
 
 
-def plot_forces(dataset: xr.Dataset) -> Figure:
+def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the driving torque and the pin forces against time, with those of rigid links.
 
     Forces are those of the pins between links, or of the clamped joint where there is no
@@ -37,49 +33,29 @@ def plot_forces(dataset: xr.Dataset) -> Figure:
     ----------
     dataset : Dataset
         Of a ``Response`` result; N m, N, s and rad.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a panel. Left out: a new figure is made.
 
     Returns
     -------
     Figure
     """
-    with publication_style():
-        places = [
-            {"joint": joint, "component": str(component)}
-            for joint in _pins(dataset)
-            for component in dataset["component"].values
-        ]
-        rigid = Line2D([], [], color=RIGID_GREY, lw=RIGID_WIDTH, label="rigid links")
-        handles, title = [*engine_handles(dataset), rigid], run_title(dataset)
-        count = 1 + len(places)
-        figure = new_figure(time_panels_height(count) + header_height(handles, title))
-        panels = time_panels(figure, count, dataset)
-        torque = dataset["driving_torque"]
-        factor, unit = fitting_unit(torque.values, TORQUE_UNITS)
-        draw_engines(panels[0], dataset, factor * torque)
-        _draw_rigid(panels[0], factor * dataset["rigid_driving_torque"])
-        panels[0].set_ylabel(f"Driving\ntorque ({unit})")
-        for axes, place in zip(panels[1:], places, strict=True):
-            force = dataset["joint_force"].sel(place)
-            factor, unit = fitting_unit(force.values, FORCE_UNITS)
-            draw_engines(axes, dataset, factor * force)
-            _draw_rigid(axes, factor * dataset["rigid_joint_force"].sel(place))
-            axes.set_ylabel(f"Force at {place['joint']},\n{place['component']} ({unit})")
-        figure.align_ylabels()
-        header_legend(figure, handles, title)
-    return figure
-
-
-def _pins(dataset: xr.Dataset) -> list[str]:
-    """Joints between links; of a lone link, its joint with the ground."""
-    names = [str(name) for name in dataset["joint"].values]
-    if "joint_kind" in dataset.coords:
-        kinds = dataset["joint_kind"].values
-        pins = [name for name, kind in zip(names, kinds, strict=True) if kind == "pin"]
-    else:
-        # Without kinds only the custom is left of naming joints with the ground O2, O4, ...
-        pins = [name for name in names if not name.startswith("O")]
-    return pins or names
-
-
-def _draw_rigid(axes: Axes, values: xr.DataArray) -> None:
-    axes.plot(values["time"].values, values.values, color=RIGID_GREY, lw=RIGID_WIDTH, zorder=3)
+    torque = dataset["driving_torque"], dataset["rigid_driving_torque"]
+    shown = [(*torque, TORQUE_UNITS, "Driving\ntorque")]
+    pins = dataset["joint"].values[dataset["joint_kind"].values == "pin"]
+    for joint in pins if pins.size else dataset["joint"].values:
+        for component in names_of(dataset, "component"):
+            place = {"joint": joint, "component": component}
+            force, rigid = (
+                dataset[name].sel(place) for name in ("joint_force", "rigid_joint_force")
+            )
+            shown.append((force, rigid, FORCE_UNITS, f"Force at {joint},\n{component}"))
+    with sheet(time_layout(len(shown)), ax=ax) as drawn:
+        drawn.header(
+            [*engine_lines(dataset), line_handle("rigid links", **RIGID)], run_title(dataset)
+        )
+        label_times(drawn, dataset)
+        for axes, (elastic, rigid, units, what) in zip(drawn.panels, shown, strict=True):
+            factor = draw_engines(axes, elastic, units, what)
+            axes.plot(rigid["time"].values, factor * rigid.values, **RIGID, zorder=3)
+    return drawn.figure

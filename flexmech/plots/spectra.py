@@ -2,35 +2,31 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import LogLocator, NullFormatter
 
-from flexmech.plots.response import (
+from flexmech.plots.reading import (
     LENGTH_UNITS,
-    engine_handles,
     fitting_unit,
     link_label,
+    names_of,
     run_title,
+    values_of,
 )
-from flexmech.plots.style import (
-    MID_GREY,
-    header_height,
-    header_legend,
-    new_figure,
-    publication_style,
-    series_style,
-)
+from flexmech.plots.response import engine_lines
+from flexmech.plots.sheet import AxesLike, Layout, grid, sheet
+from flexmech.plots.style import MID_GREY, log_scale, series_line
 from flexmech.types import FloatArray
 
-__all__ = ["highest_frequency", "plot_spectrum", "spread"]
+__all__ = ["ONE_LINK", "highest_frequency", "link_layout", "plot_spectrum", "spread"]
 
+ONE_LINK = "choose one link (links=...)"
 
-PANEL_HEIGHT = 1.5
-LEAST_HEIGHT = 2.2
 # What the axes of frequency and of harmonics take, in inches.
 AXES_HEIGHT = 0.9
 # Frequencies drawn, as a multiple of the highest natural frequency.
@@ -47,8 +43,10 @@ MOST_ORDER_LINES = 100
 # Least distance of two labels as a fraction of a panel's width.
 LABEL_ROOM = 0.024
 
+Bands = list[tuple[int, float, float]]
 
-def plot_spectrum(dataset: xr.Dataset) -> Figure:
+
+def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the amplitude spectrum of each link's deflection, one panel a link.
 
     Shaded bands are the ranges that the predicted natural frequencies pass through over the
@@ -59,37 +57,48 @@ def plot_spectrum(dataset: xr.Dataset) -> Figure:
     dataset : Dataset
         Of a ``Response`` result. One without natural frequencies (of a run too short for
         a spectrogram) is drawn without bands.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a link. Left out: a new figure is made.
 
     Returns
     -------
     Figure
     """
-    with publication_style():
-        limit = highest_frequency(dataset, "spectrum_frequency")
-        shown = dataset["spectrum_frequency"].values <= limit
-        frequency = dataset["spectrum_frequency"].values[shown]
-        bands = _bands(dataset)
-        handles, title = engine_handles(dataset), run_title(dataset)
+    limit = highest_frequency(dataset, "spectrum_frequency")
+    within = dataset.sel(spectrum_frequency=slice(0.0, limit))
+    bands, links = _bands(dataset), names_of(dataset, "link")
+    with sheet(link_layout(len(links), 1.5, 2.2), ax=ax, fewer=ONE_LINK) as drawn:
+        handles = engine_lines(dataset)
         if bands:
             handles.append(Patch(color=BAND_COLOR, lw=0, label="predicted natural frequencies"))
-        links = [str(name) for name in dataset["link"].values]
-        height = max(len(links) * PANEL_HEIGHT, LEAST_HEIGHT) + AXES_HEIGHT
-        figure = new_figure(height + header_height(handles, title))
-        panels = list(figure.subplots(len(links), 1, sharex=True, squeeze=False)[:, 0])
-        panels[0].set_xlim(0.0, limit)
-        for axes, link in zip(panels, links, strict=True):
-            spectrum = dataset["spectrum"].sel(link=link).transpose("engine", "spectrum_frequency")
-            amplitude = spectrum.values[:, shown]
-            factor, unit = fitting_unit(amplitude, LENGTH_UNITS)
-            _mark_bands(axes, bands)
-            _draw_spectra(axes, frequency, factor * amplitude)
+        drawn.header(handles, run_title(dataset))
+        for axes, link in zip(drawn.panels, links, strict=True):
+            axes.set_xlim(0.0, limit)
+            for _, low, high in bands:
+                # The edge line keeps a frequency that hardly moves visible.
+                axes.axvspan(low, high, fc=BAND_COLOR, ec=BAND_EDGE, lw=0.5, zorder=0)
+            unit = _draw_spectra(axes, within["spectrum"].sel(link=link))
             axes.set_ylabel(f"{link_label(dataset, link)}\namplitude ({unit})")
-        _label_bands(panels[0], bands)
-        _order_axis(panels, abs(float(dataset.attrs["crank_speed"])) / (2 * np.pi), limit)
-        panels[-1].set_xlabel("Frequency (Hz)")
-        figure.align_ylabels()
-        header_legend(figure, handles, title)
-    return figure
+        _label_bands(drawn.panels[0], bands)
+        _order_axis(drawn.panels, abs(float(dataset.attrs["crank_speed"])) / (2 * np.pi), limit)
+        drawn.label_x("Frequency (Hz)")
+    return drawn.figure
+
+
+def link_layout(links: int, panel: float, least: float) -> Layout:
+    """A stack of panels, one a link, between two axes along x.
+
+    Parameters
+    ----------
+    links : int
+    panel, least : float
+        Height of a panel, and of all together at least, in inches.
+
+    Returns
+    -------
+    Layout
+    """
+    return grid(links, 1, max(links * panel, least) + AXES_HEIGHT, sharex=True)
 
 
 def highest_frequency(dataset: xr.Dataset, name: str) -> float:
@@ -111,38 +120,21 @@ def highest_frequency(dataset: xr.Dataset, name: str) -> float:
     return min(end, REACH * float(dataset["natural_frequency"].max()))
 
 
-def _bands(dataset: xr.Dataset) -> list[tuple[int, float, float]]:
+def _bands(dataset: xr.Dataset) -> Bands:
     """Number of each mode with its lowest and highest natural frequency by any engine."""
     if "natural_frequency" not in dataset:
         return []
-    frequency = dataset["natural_frequency"].transpose("mode", "engine", "window_time").values
-    return [
-        (int(mode), float(np.nanmin(values)), float(np.nanmax(values)))
-        for mode, values in zip(dataset["mode"].values, frequency, strict=True)
-    ]
+    frequency = dataset["natural_frequency"].transpose("mode", ...)
+    return [(int(each["mode"]), float(each.min()), float(each.max())) for each in frequency]
 
 
-def _mark_bands(axes: Axes, bands: list[tuple[int, float, float]]) -> None:
-    for _, low, high in bands:
-        # The edge line keeps a frequency that hardly moves visible.
-        axes.axvspan(low, high, facecolor=BAND_COLOR, edgecolor=BAND_EDGE, lw=0.5, zorder=0)
-
-
-def _label_bands(axes: Axes, bands: list[tuple[int, float, float]]) -> None:
+def _label_bands(axes: Axes, bands: Bands) -> None:
     """Write f1, f2, ... over the bands, apart from each other where bands are close."""
     limit = axes.get_xlim()[1]
     wanted = np.array([(low + high) / 2 / limit for _, low, high in bands])
+    look: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": 8, "color": "0.25"}
     for place, (mode, _, _) in zip(spread(wanted, LABEL_ROOM), bands, strict=True):
-        axes.text(
-            place,
-            0.985,
-            f"$f_{{{mode}}}$",
-            transform=axes.transAxes,
-            ha="center",
-            va="top",
-            fontsize=8,
-            color="0.25",
-        )
+        axes.text(place, 0.985, f"$f_{{{mode}}}$", transform=axes.transAxes, **look)
 
 
 def spread(places: FloatArray, least: float) -> FloatArray:
@@ -173,20 +165,20 @@ def spread(places: FloatArray, least: float) -> FloatArray:
     )
 
 
-def _draw_spectra(axes: Axes, frequency: FloatArray, amplitude: FloatArray) -> None:
-    """Spectra of the engines; shape (engine, frequency), in the panel's unit."""
-    highest = float(np.nanmax(amplitude, initial=0.0)) or 1.0
-    width = 1.1 if frequency.size < 150 else 0.8
-    for number, values in enumerate(amplitude):
-        style = series_style(number)
+def _draw_spectra(axes: Axes, spectrum: xr.DataArray) -> str:
+    """Spectra of the engines on a logarithmic axis; the unit of its numbers."""
+    amplitude = values_of(spectrum, "engine", "spectrum_frequency")
+    factor, unit = fitting_unit(amplitude, LENGTH_UNITS)
+    highest = factor * float(np.nanmax(amplitude, initial=0.0)) or 1.0
+    width = 1.1 if amplitude.shape[1] < 150 else 0.8
+    for number, values in enumerate(factor * amplitude):
         wider = 1.4 if number < len(amplitude) - 1 else 1.0
-        axes.plot(frequency, values, color=style.color, linestyle=style.linestyle, lw=wider * width)
-    lowest = max(float(np.nanmin(amplitude)), highest * 10.0**-DECADES)
-    axes.set_yscale("log")
+        frequency = spectrum["spectrum_frequency"].values
+        axes.plot(frequency, values, **series_line(number), lw=wider * width)
+    lowest = max(factor * float(np.nanmin(amplitude)), highest * 10.0**-DECADES)
     lowest = min(lowest, 0.1 * highest)
-    axes.set_ylim(lowest, highest * (highest / lowest) ** HEADROOM)
-    axes.yaxis.set_major_locator(LogLocator(base=10, numticks=7))
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    log_scale(axes, lowest, highest * (highest / lowest) ** HEADROOM)
+    return unit
 
 
 def _order_axis(panels: list[Axes], turning: float, limit: float) -> None:
@@ -197,8 +189,7 @@ def _order_axis(panels: list[Axes], turning: float, limit: float) -> None:
         return
     labelled = np.arange(step, int(orders) + 1, step)
     top = panels[0].secondary_xaxis("top")
-    top.set_xticks((labelled * turning).tolist())
-    top.set_xticklabels([f"{order}" for order in labelled])
+    top.set_xticks((labelled * turning).tolist(), [f"{order}" for order in labelled])
     if orders <= MOST_ORDER_LINES:
         top.set_xticks((np.arange(1, int(orders) + 1) * turning).tolist(), minor=True)
     top.set_xlabel("Harmonic of the crank's turning frequency")

@@ -6,39 +6,28 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from flexmech.errors import InputError
-from flexmech.plots.panels import degrees, grid_height, panel_grid
+from flexmech.plots.angle_panels import draw_line, mode_panels
+from flexmech.plots.reading import at_highest_speed, degrees, names_of, values_of
+from flexmech.plots.sheet import AxesLike
 from flexmech.plots.style import (
     MID_GREY,
-    POINT_SIZE,
     few_points,
-    header_height,
-    header_legend,
-    mode_label,
-    new_figure,
-    plain_numbers,
-    publication_style,
+    line_handle,
+    scale_y,
     series_handle,
-    series_style,
-    speed_label,
+    series_line,
 )
-from flexmech.types import FloatArray
 
 __all__ = ["plot_speed_effect"]
 
-
-TOTAL_MARKER = "*"
-_TOTAL: Any = {"color": "black", "linewidth": 1.8, "markersize": 5}
 # Narrowest y axis in Hz: far below what can be measured, far above round-off.
 LEAST_BAND = 2e-4
 
 
-def plot_speed_effect(dataset: xr.Dataset) -> Figure:
+def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the change of each frequency with crank speed, split by term, at the top speed.
 
     The terms are those of the linkage's equation of motion in link frames: geometric
@@ -50,6 +39,8 @@ def plot_speed_effect(dataset: xr.Dataset) -> Figure:
     ----------
     dataset : Dataset
         Of a ``MovingFrequencies`` result made with ``speed_effect=True``; Hz and rad.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a mode. Left out: a new figure is made.
 
     Returns
     -------
@@ -65,58 +56,22 @@ def plot_speed_effect(dataset: xr.Dataset) -> Figure:
             "this result does not split the effect of speed by term: compute it with "
             "moving_frequencies(..., speed_effect=True)"
         )
-    with publication_style():
-        dataset = dataset.sortby("crank_angle")
-        speeds = dataset["crank_speed"].values
-        fastest = int(np.argmax(np.abs(speeds)))
-        effect = dataset["speed_effect"].isel(crank_speed=fastest)
-        values = effect.transpose("term", "crank_angle", "mode").values
-        angles = degrees(dataset["crank_angle"])
-        title = f"Change of frequency from rest to {speed_label(float(speeds[fastest]))}, by term"
-        marked = few_points(angles)
-        handles = _term_handles(dataset, marked)
-        sizes = [1] * dataset.sizes["mode"]
-        figure = new_figure(grid_height(sizes) + header_height(handles, title))
-        panels = panel_grid(figure, sizes, angles, "Change of frequency (Hz)")
-        for mode, axes in enumerate(panels):
-            axes.set_title(mode_label([int(dataset["mode"].values[mode])]))
-            axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=1)
-            _draw_terms(axes, angles, values[..., mode], marked)
-        header_legend(figure, handles, title)
-    return figure
-
-
-def _draw_terms(axes: Axes, angles: FloatArray, values: FloatArray, marked: bool) -> None:
-    """One line a term and their sum; ``values`` has the shape (term, crank_angle)."""
-    total = values.sum(axis=0)
-    # Under the terms, so that a term which makes up the whole effect is seen on it.
-    axes.plot(angles, total, **_TOTAL, marker=TOTAL_MARKER if marked else "", zorder=1.9)
-    for term, change in enumerate(values):
-        style = series_style(term)
-        axes.plot(
-            angles,
-            change,
-            color=style.color,
-            linestyle=style.linestyle,
-            marker=style.marker if marked else "",
-            markersize=POINT_SIZE,
-        )
-    _scale_change(axes, np.concatenate([values.ravel(), total, [0.0]]))
-
-
-def _scale_change(axes: Axes, values: FloatArray) -> None:
-    low, high = float(np.nanmin(values)), float(np.nanmax(values))
-    room = max(0.07 * (high - low), LEAST_BAND / 2)
-    axes.set_ylim(low - room, high + room)
-    plain_numbers(axes)
-
-
-def _term_handles(dataset: xr.Dataset, marked: bool) -> list[Artist]:
-    total = Line2D([], [], **_TOTAL, marker=TOTAL_MARKER if marked else "", label="total")
-    handles: list[Artist] = [total]
-    for number, term in enumerate(dataset["term"].values):
+    fastest, speed = at_highest_speed(dataset.sortby("crank_angle"))
+    effect = values_of(fastest["speed_effect"], "mode", "term", "crank_angle")
+    angles = degrees(fastest["crank_angle"])
+    total: dict[str, Any] = {"color": "black", "linewidth": 1.8, "markersize": 5}
+    total["marker"] = "*" if few_points(angles) else ""
+    with mode_panels(fastest, "Change of frequency (Hz)", ax=ax) as drawn:
         # Coriolis is a name; the others are plain words.
-        label = "Coriolis" if str(term) == "coriolis" else str(term)
-        marker = series_style(number).marker if marked else ""
-        handles.append(series_handle(number, label, marker=marker, markersize=POINT_SIZE))
-    return handles
+        terms = [name.replace("coriolis", "Coriolis") for name in names_of(dataset, "term")]
+        lines = [series_handle(n, t, **series_line(n, angles)) for n, t in enumerate(terms)]
+        title = f"Change of frequency from rest to {speed}, by term"
+        drawn.header([line_handle("total", **total), *lines], title)
+        for axes, changes in zip(drawn.panels, effect, strict=True):
+            axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=1)
+            # Under the terms, so that a term which makes up the whole effect is seen on it.
+            axes.plot(angles, changes.sum(axis=0), **total, zorder=1.9)
+            for number, change in enumerate(changes):
+                draw_line(axes, angles, change, number)
+            scale_y(axes, np.vstack([changes, changes.sum(axis=0), 0.0 * angles]), least=LEAST_BAND)
+    return drawn.figure

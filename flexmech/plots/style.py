@@ -1,10 +1,12 @@
-"""The look shared by all figures: one style, one palette, one crank-angle axis."""
+"""The look shared by all figures: one style sheet, one palette, one crank-angle axis."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from io import BytesIO
+from pathlib import Path
 from typing import Any, Literal
 
 import matplotlib as mpl
@@ -14,39 +16,51 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator, MultipleLocator, ScalarFormatter
+from matplotlib.ticker import (
+    LogLocator,
+    MaxNLocator,
+    MultipleLocator,
+    NullFormatter,
+    ScalarFormatter,
+)
+from numpy.typing import ArrayLike
 
 from flexmech.types import FloatArray
+from flexmech.units import ANGULAR_SPEED, from_si
 
 __all__ = [
     "FIGURE_WIDTH",
     "LABEL_SIZE",
     "LIGHT_GREY",
+    "MARK_SIZE",
     "MID_GREY",
     "POINT_SIZE",
     "SERIES_STYLES",
     "TITLE_SIZE",
+    "NotebookFigure",
     "SeriesStyle",
     "crank_angle_axis",
     "few_points",
     "header_height",
     "header_legend",
     "legend_columns",
+    "line_handle",
+    "log_scale",
     "mode_label",
     "new_figure",
     "plain_numbers",
     "publication_style",
+    "scale_y",
     "series_handle",
+    "series_line",
     "series_style",
     "speed_label",
 ]
 
-
 MILLIMETRE = 1 / 25.4
 FIGURE_WIDTH = 180 * MILLIMETRE
 """Width of every figure in inches: the full text width of a two-column journal."""
-TITLE_SIZE = 9.0
-LABEL_SIZE = 9.0
+LABEL_SIZE = TITLE_SIZE = 9.0
 LIGHT_GREY = "0.90"
 MID_GREY = "0.45"
 
@@ -54,44 +68,16 @@ MID_GREY = "0.45"
 # resolution that is not there, and a single point would not show at all.
 FEW_POINTS = 10
 POINT_SIZE = 3.0
-
+MARK_SIZE = 4.2
+"""Size of markers that carry a meaning of their own, in points."""
+# Half the height of a y axis over the span of the values on it.
+HALF_AXIS = 0.58
 # Mean width of a letter of the font as a fraction of its size, on the safe side.
 MEAN_LETTER = 0.62
 
-# Any: matplotlib types the keys as a long Literal that grows from version to version.
-_STYLE: Any = {
-    # DejaVu Sans comes with matplotlib, so a figure looks the same on every machine.
-    "font.family": "DejaVu Sans",
-    "font.size": 9,
-    "axes.titlesize": TITLE_SIZE,
-    "axes.titlelocation": "left",
-    "axes.titlepad": 4,
-    "axes.labelsize": LABEL_SIZE,
-    "axes.linewidth": 0.6,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.unicode_minus": True,
-    "axes.grid": False,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "xtick.major.width": 0.6,
-    "ytick.major.width": 0.6,
-    "xtick.minor.width": 0.4,
-    "ytick.minor.width": 0.4,
-    "lines.linewidth": 1.2,
-    "lines.solid_capstyle": "butt",
-    "lines.dash_capstyle": "butt",
-    "legend.fontsize": 8,
-    "legend.title_fontsize": TITLE_SIZE,
-    "legend.frameon": False,
-    "legend.handlelength": 2.6,
-    "legend.columnspacing": 1.6,
-    "figure.facecolor": "white",
-    "savefig.facecolor": "white",
-    "savefig.dpi": 300,
-    "pdf.fonttype": 42,
-    "svg.fonttype": "none",
-}
+_STYLE = mpl.rc_params_from_file(
+    Path(__file__).with_name("publication.mplstyle"), use_default_template=False
+)
 
 
 @dataclass(frozen=True)
@@ -114,6 +100,15 @@ SERIES_STYLES = (
 """Okabe and Ito's colours (safe for colour-blind readers), each with a dash and a marker."""
 
 
+class NotebookFigure(Figure):
+    """Figure that a notebook shows by itself, though pyplot does not know of it."""
+
+    def _repr_png_(self) -> bytes:
+        picture = BytesIO()
+        self.savefig(picture, format="png", dpi=self.dpi)
+        return picture.getvalue()
+
+
 @contextmanager
 def publication_style() -> Iterator[None]:
     """Matplotlib settings of the figures, for as long as the context lasts.
@@ -125,26 +120,55 @@ def publication_style() -> Iterator[None]:
         yield
 
 
+def new_figure(height: float) -> Figure:
+    """Empty figure of journal width and the given height in inches, laid out on drawing."""
+    layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05, wspace=0.03, hspace=0.03)
+    return NotebookFigure(figsize=(FIGURE_WIDTH, height), dpi=150, layout=layout)
+
+
 def series_style(number: int) -> SeriesStyle:
     """Style of the series of a given number from 0; repeats after six."""
     return SERIES_STYLES[number % len(SERIES_STYLES)]
 
 
-def new_figure(height: float) -> Figure:
-    """Empty figure of journal width and the given height in inches, laid out on drawing."""
-    layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05, wspace=0.03, hspace=0.03)
-    return Figure(figsize=(FIGURE_WIDTH, height), dpi=150, layout=layout)
+def series_line(number: int, points: FloatArray | None = None) -> dict[str, Any]:
+    """Properties of a series' line; each of the points is marked where they are few.
+
+    Parameters
+    ----------
+    number : int
+        Of the series, from 0.
+    points : ndarray, optional
+        Abscissas of the computed points. Without them no point is marked.
+
+    Returns
+    -------
+    dict
+        For ``Axes.plot``.
+    """
+    style = series_style(number)
+    marked = points is not None and few_points(points)
+    return {
+        "color": style.color,
+        "linestyle": style.linestyle,
+        "marker": style.marker if marked else "",
+        "markersize": POINT_SIZE,
+    }
+
+
+def line_handle(label: str, **properties: Any) -> Line2D:
+    """Legend entry with the properties of a ``Line2D``."""
+    return Line2D([], [], label=label, **properties)
 
 
 def series_handle(number: int, label: str, **properties: Any) -> Line2D:
     """Legend entry in the style of a series; properties are those of ``Line2D``."""
-    style = series_style(number)
-    return Line2D([], [], color=style.color, linestyle=style.linestyle, label=label, **properties)
+    return line_handle(label, **(series_line(number) | properties))
 
 
-def few_points(angles: FloatArray) -> bool:
-    """Whether the angles are few enough to mark each computed point."""
-    return angles.size <= FEW_POINTS
+def few_points(points: FloatArray) -> bool:
+    """Whether the points are few enough to mark each of them."""
+    return points.size <= FEW_POINTS
 
 
 def crank_angle_axis(axes: Axes, angles: FloatArray, *, narrow: bool = False) -> None:
@@ -192,21 +216,47 @@ def plain_numbers(axes: Axes) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
 
 
-def speed_label(speed: float) -> str:
-    """Crank speed in rad/s as text, with a true minus sign."""
-    return f"{speed:.4g} rad/s".replace("-", "\N{MINUS SIGN}")
+def scale_y(axes: Axes, values: ArrayLike, *, least: float = 1e-9, least_part: float = 0.0) -> None:
+    """Fit the y axis to values, in plain numbers, and never so closely that one sees round-off.
+
+    Parameters
+    ----------
+    axes : Axes
+    values : array_like
+        All that the axis shall hold; not a number is left out.
+    least : float
+        Least span of the axis.
+    least_part : float
+        Least span as a part of the mean of the greatest and the least value.
+    """
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    middle = (low + high) / 2
+    half = HALF_AXIS * max(high - low, least_part * abs(middle), least)
+    axes.set_ylim(middle - half, middle + half)
+    plain_numbers(axes)
 
 
-def mode_label(numbers: list[int]) -> str:
+def log_scale(axes: Axes, low: float, high: float) -> None:
+    """Make the y axis logarithmic between two limits, ticked at every decade or every few."""
+    axes.set_yscale("log")
+    axes.set_ylim(low, high)
+    axes.yaxis.set_major_locator(LogLocator(base=10, numticks=7))
+    axes.yaxis.set_minor_formatter(NullFormatter())
+
+
+def speed_label(speed: float, unit: str = ANGULAR_SPEED.unit) -> str:
+    """Crank speed, given in rad/s, as text in a unit such as rpm, with a true minus sign."""
+    return f"{from_si(speed, unit):.4g} {unit}".replace("-", "\N{MINUS SIGN}")
+
+
+def mode_label(numbers: Sequence[int]) -> str:
     """Heading of a panel for one mode or several neighbours."""
     if len(numbers) == 1:
         return f"Mode {numbers[0]}"
-    if len(numbers) == 2:
-        return f"Modes {numbers[0]} and {numbers[1]}"
-    return f"Modes {numbers[0]} to {numbers[-1]}"
+    return f"Modes {numbers[0]} {'and' if len(numbers) == 2 else 'to'} {numbers[-1]}"
 
 
-def header_legend(figure: Figure, handles: list[Artist], title: str = "") -> None:
+def header_legend(figure: Figure, handles: Sequence[Artist], title: str = "") -> None:
     """Put one legend for all panels above them, under an optional heading line.
 
     Entries run along the rows, as many a row as the figure's width holds.
@@ -214,24 +264,22 @@ def header_legend(figure: Figure, handles: list[Artist], title: str = "") -> Non
     Parameters
     ----------
     figure : matplotlib.figure.Figure
-    handles : list of matplotlib.artist.Artist
+    handles : sequence of matplotlib.artist.Artist
         With their labels.
     title : str
         Heading line; none by default.
     """
-    labels = [str(handle.get_label()) for handle in handles]
-    columns = legend_columns(labels)
-    # Matplotlib fills a legend column by column; every column but the last ones is full.
-    by_column = [handles[start::columns] for start in range(columns)]
+    columns = legend_columns([str(handle.get_label()) for handle in handles])
     figure.legend(
-        handles=[handle for column in by_column for handle in column],
+        # Matplotlib fills a legend column by column; every column but the last ones is full.
+        handles=[handle for start in range(columns) for handle in handles[start::columns]],
         loc="outside upper center",
         ncols=columns,
         title=title or None,
     )
 
 
-def header_height(handles: list[Artist], title: str = "") -> float:
+def header_height(handles: Sequence[Artist], title: str = "") -> float:
     """Height in inches that the legend above the panels takes."""
     columns = legend_columns([str(handle.get_label()) for handle in handles])
     rows = -(-len(handles) // columns) + bool(title)

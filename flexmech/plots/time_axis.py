@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from flexmech.plots.sheet import Layout, Sheet, grid
 from flexmech.plots.style import LIGHT_GREY
 from flexmech.types import FloatArray
 
-__all__ = ["angle_axis", "time_panels", "time_panels_height"]
+__all__ = ["angle_axis", "label_times", "time_layout"]
 
 
 PANEL_HEIGHT = 1.12
@@ -25,38 +25,28 @@ MOST_INTERVALS = 8
 MOST_TURNS = 12
 
 
-def time_panels_height(count: int) -> float:
-    """Height in inches of panels over time with the axes below and on top."""
-    return max(count * PANEL_HEIGHT, 2.2) + AXES_HEIGHT
+def time_layout(count: int) -> Layout:
+    """A stack of panels over time, with the axes below and on top."""
+    return grid(count, 1, max(count * PANEL_HEIGHT, 2.2) + AXES_HEIGHT, sharex=True)
 
 
-def time_panels(figure: Figure, count: int, dataset: xr.Dataset) -> list[Axes]:
-    """Stack panels over the whole time of a response, with the crank angle on top.
+def label_times(drawn: Sheet, dataset: xr.Dataset) -> None:
+    """Scale and label panels over the whole time of a response, with the crank angle on top.
 
     Parameters
     ----------
-    figure : Figure
-        Where to put them.
-    count : int
-        Number of panels.
+    drawn : Sheet
     dataset : Dataset
         With ``time`` and ``crank_angle``.
-
-    Returns
-    -------
-    list of Axes
-        From top to bottom.
     """
     time = dataset["time"].values.astype(float)
-    grid = figure.subplots(count, 1, sharex=True, squeeze=False)
-    panels: list[Axes] = list(grid[:, 0])
-    panels[0].set_xlim(float(time[0]), float(time[-1]))
-    panels[-1].set_xlabel("Time (s)")
-    turns = angle_axis(panels[0], dataset)
-    for axes in panels:
+    for axes in drawn.panels:
+        axes.set_xlim(float(time[0]), float(time[-1]))
+    turns = angle_axis(drawn.panels[0], dataset)
+    for axes in drawn.panels:
         for place in turns:
             axes.axvline(place, color=LIGHT_GREY, lw=0.6, zorder=0)
-    return panels
+    drawn.label_x("Time (s)")
 
 
 def angle_axis(axes: Axes, dataset: xr.Dataset) -> list[float]:
@@ -87,8 +77,8 @@ def angle_axis(axes: Axes, dataset: xr.Dataset) -> list[float]:
     step = next((s for s in steps if span <= s * most * (1 + 1e-6)), float(np.ceil(span / most)))
     ticks = _multiples(low / unit, high / unit, step)
     top = axes.secondary_xaxis("top")
-    top.set_xticks(_times(ticks * unit, time, angle).tolist())
-    top.set_xticklabels([f"{tick:g}".replace("-", "\N{MINUS SIGN}") for tick in ticks])
+    labels = [f"{tick:g}".replace("-", "\N{MINUS SIGN}") for tick in ticks]
+    top.set_xticks(_times(ticks * unit, time, angle).tolist(), labels)
     top.set_xlabel("Crank angle (revolutions)" if whole else "Crank angle (deg)")
     turns = _multiples(low / (2 * np.pi), high / (2 * np.pi), 1.0)
     return [float(place) for place in _times(turns * 2 * np.pi, time, angle)]

@@ -2,53 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
+import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from flexmech.errors import InputError
-from flexmech.plots.style import (
-    LIGHT_GREY,
-    MID_GREY,
-    SERIES_STYLES,
-    crank_angle_axis,
-    header_height,
-    header_legend,
-    new_figure,
-    publication_style,
-    series_handle,
-    series_style,
-)
-from flexmech.types import FloatArray
+from flexmech.plots.angle_panels import label_angles
+from flexmech.plots.reading import degrees, names_of, values_of
+from flexmech.plots.sheet import AxesLike, grid, sheet
+from flexmech.plots.style import LIGHT_GREY, MID_GREY, SERIES_STYLES, series_handle, series_line
 
 __all__ = ["plot_transmission_angle"]
 
-HEIGHT = 3.2
+TITLE = "Transmission angle over a turn of the crank"
 
 
-def plot_transmission_angle(
-    crank_angle: FloatArray,
-    curves: Mapping[str, FloatArray],
-    band: tuple[float, float] | None = None,
-    band_label: str = "range",
-) -> Figure:
+def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw transmission angles of linkages over the crank's turn.
 
     As Elamy et al. 2023, Figure 7.
 
     Parameters
     ----------
-    crank_angle : ndarray, shape (A,)
-        In rad.
-    curves : mapping of str to ndarray, shape (A,)
-        Transmission angles in rad, by what the legend calls them.
-    band : tuple of float, optional
-        Range to shade, in rad.
-    band_label : str
-        What the legend calls it.
+    dataset : Dataset
+        With ``transmission_angle`` (linkage, crank_angle) in rad; the names along ``linkage``
+        are those of the legend. The attributes ``wanted_least`` and ``wanted_greatest`` in rad
+        shade a range, which the legend calls ``wanted_label``; ``title`` is the heading.
+    ax : Axes, optional
+        The user's. Left out: a new figure is made.
 
     Returns
     -------
@@ -57,26 +40,23 @@ def plot_transmission_angle(
     Raises
     ------
     InputError
-        If there are no curves, or more than there are styles to tell them apart.
+        If there are no linkages, or more than there are styles to tell them apart.
     """
-    if not 1 <= len(curves) <= len(SERIES_STYLES):
-        raise InputError(f"one to {len(SERIES_STYLES)} curves can be drawn, got {len(curves)}")
-    with publication_style():
-        title = "Transmission angle over a turn of the crank"
-        handles: list[Artist] = [series_handle(n, name) for n, name in enumerate(curves)]
-        if band is not None:
-            handles.append(Patch(color=LIGHT_GREY, label=band_label))
-        figure = new_figure(HEIGHT + header_height(handles, title))
-        axes = figure.subplots()
-        degrees = np.degrees(crank_angle)
+    names = names_of(dataset, "linkage")
+    if not 1 <= len(names) <= len(SERIES_STYLES):
+        raise InputError(f"one to {len(SERIES_STYLES)} linkages can be drawn, got {len(names)}")
+    curves = np.degrees(values_of(dataset["transmission_angle"], "linkage", "crank_angle"))
+    angles, attrs = degrees(dataset["crank_angle"]), dataset.attrs
+    with sheet(grid(1, 1, 3.2), ax=ax) as drawn:
+        (axes,) = drawn.panels
+        handles: list[Artist] = [series_handle(n, name) for n, name in enumerate(names)]
+        if "wanted_least" in attrs:
+            wanted = np.degrees([attrs["wanted_least"], attrs["wanted_greatest"]])
+            axes.axhspan(*wanted, color=LIGHT_GREY, zorder=0)
+            handles.append(Patch(color=LIGHT_GREY, label=attrs.get("wanted_label", "wanted range")))
+        drawn.header(handles, str(attrs.get("title", TITLE)))
         axes.axhline(90.0, color=MID_GREY, lw=0.6, zorder=1)
-        if band is not None:
-            axes.axhspan(*np.degrees(band), color=LIGHT_GREY, zorder=0)
-        for number, values in enumerate(curves.values()):
-            style = series_style(number)
-            axes.plot(degrees, np.degrees(values), color=style.color, linestyle=style.linestyle)
-        crank_angle_axis(axes, degrees)
-        axes.set_xlabel("Crank angle (deg)")
-        axes.set_ylabel("Transmission angle (deg)")
-        header_legend(figure, handles, title)
-    return figure
+        for number, values in enumerate(curves):
+            axes.plot(angles, values, **series_line(number))
+        label_angles(drawn, angles, "Transmission angle (deg)")
+    return drawn.figure

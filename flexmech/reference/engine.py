@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import ClassVar
 
+from flexmech.choices import ELEMENTS
 from flexmech.linear_system import (
     ConvergenceOrders,
     Engine,
@@ -14,10 +15,9 @@ from flexmech.linear_system import (
     StressedLinks,
     element_tensions,
     inertia_loads,
-    refuse_other_postures,
+    refuse_large_displacements,
 )
 from flexmech.linkages import RigidMotion
-from flexmech.mechanism import Mechanism
 from flexmech.reference.beam_shapes import BEAM_SHAPES
 from flexmech.reference.equilibrium import Equilibrium
 from flexmech.reference.link_matrices import Chain, assemble_chain, build_chain
@@ -39,7 +39,7 @@ class ReferenceEngine(Engine):
     """
 
     name: ClassVar[str] = "reference"
-    element_kinds: ClassVar[tuple[str, ...]] = tuple(BEAM_SHAPES)
+    element_kinds: ClassVar[tuple[str, ...]] = ELEMENTS["reference"]
 
     def convergence(self, prestress: Prestress) -> ConvergenceOrders:
         """Cubic elements: fourth order; second for links bent without load.
@@ -49,12 +49,6 @@ class ReferenceEngine(Engine):
         if self.mechanism.is_free_strained:
             return ConvergenceOrders(elastic=2, prestress=2)
         return ConvergenceOrders(elastic=4, prestress=4)
-
-    @classmethod
-    def default_element(cls, mechanism: Mechanism) -> str:
-        """Timoshenko beams where a link is off its pins, as in Exudyn; else Euler-Bernoulli."""
-        eccentric = any(section.is_eccentric for section in mechanism.sections.values())
-        return "timoshenko" if eccentric else cls.element_kinds[0]
 
     @cached_property
     def chains(self) -> tuple[Chain, ...]:
@@ -99,7 +93,7 @@ class ReferenceEngine(Engine):
         loads = inertia_loads(self.links, motion, self.mechanism.gravity)
         displacement = self.equilibrium.solve(motion, loads, varying)
         topology = self.mechanism.linkage.topology
-        refuse_other_postures(topology, self.links, motion, displacement)
+        refuse_large_displacements(topology, self.links, motion, displacement)
         force, tangent = self.equilibrium.response(displacement, varying)
         damping = None
         if any(section.damping.any for section in self.mechanism.sections.values()):

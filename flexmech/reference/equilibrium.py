@@ -14,8 +14,7 @@ import numpy as np
 import scipy.sparse
 from numpy.typing import NDArray
 
-from flexmech.errors import ComputationError
-from flexmech.linear_system import LinkFrames
+from flexmech.linear_system import LOAD_STEPS, ROUND_OFF, LinkFrames, free_load, refuse_positions
 from flexmech.linkages import RigidMotion
 from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements
@@ -28,12 +27,9 @@ logger = logging.getLogger(__name__)
 
 
 MAX_ITERATIONS = 40
-# Where the whole load at once leads nowhere, it is brought on in steps.
-LOAD_STEPS = (1, 5, 25)
 # Newton's method stops when this part of the load is out of balance, or what round-off
 # leaves. Convergence is quadratic: the last step brings far more than that.
 RELATIVE_RESIDUAL = 1e-10
-ROUND_OFF = 8 * float(np.finfo(float).eps)
 # Least length of a Newton step when the full one makes the out-of-balance forces worse.
 SHORTEST_STEP = 1 / 16
 
@@ -88,7 +84,7 @@ class Equilibrium:
             float(np.abs(e.neutral_stiffness[:, [0, 1], [0, 1]]).max()) for e in links
         )
         self._moves = _translations(frames, self._per_node)
-        self._free_load = max(_free_load(elements) for elements in links)
+        self._free_load = max(free_load(e.section, float(e.length.min())) for e in links)
 
     def solve(
         self, motion: RigidMotion, loads: Sequence[FloatArray], extra: Sequence[FloatArray]
@@ -251,21 +247,22 @@ class Equilibrium:
             tangent[:, element, pair, :] = back @ tangent[:, element, pair, :]
 
     def _refuse_instability(self, motion: RigidMotion, factors: FloatArray) -> None:
-        unstable = np.any(factors[:, 0] <= 0, axis=0)
-        if np.any(unstable):
-            raise ComputationError(
-                f"the linkage buckles under its inertia forces at {_place(motion, unstable)}: "
-                "the tangent stiffness is not positive; lower the crank speed or stiffen the "
-                "links"
-            )
+        refuse_positions(
+            motion,
+            np.any(factors[:, 0] <= 0, axis=0),
+            "the linkage buckles under its inertia forces",
+            ": the tangent stiffness is not positive; lower the crank speed or stiffen the links",
+        )
 
     def _refuse_divergence(self, motion: RigidMotion, state: _State) -> None:
         failed = ~state.converged
         worst = float(np.nan_to_num(state.error[failed], nan=np.inf).max())
-        raise ComputationError(
-            f"no quasi-static equilibrium at {_place(motion, failed)}: Newton's method left "
-            f"{worst:.3g} N out of balance, even in {LOAD_STEPS[-1]} load steps; lower the "
-            "crank speed, or use prestress 'axial'"
+        refuse_positions(
+            motion,
+            failed,
+            "no quasi-static equilibrium",
+            f": Newton's method left {worst:.3g} N out of balance, even in {LOAD_STEPS[-1]} load "
+            "steps; lower the crank speed, or use prestress 'axial'",
         )
 
 
@@ -273,19 +270,6 @@ def element_ends(q: FloatArray, per_node: int) -> FloatArray:
     """Coordinates of both nodes of each element; (B, p (e + 1)) -> (B, e, 2 p)."""
     nodal = q.reshape(len(q), -1, per_node)
     return np.concatenate([nodal[:, :-1], nodal[:, 1:]], axis=2)
-
-
-def _place(motion: RigidMotion, where: NDArray[np.bool_]) -> str:
-    first = int(np.flatnonzero(where)[0])
-    angle = np.degrees(motion.crank_angle[first])
-    return f"crank angle {angle:.6g} deg and crank speed {motion.crank_speed[first]:.6g} rad/s"
-
-
-def _free_load(elements: BeamElements) -> float:
-    """Force in N by which swelling that is held back pulls and bends an element."""
-    section, shortest = elements.section, float(elements.length.min())
-    bending = abs(section.free_curvature) * section.bending_stiffness / shortest
-    return bending + abs(section.free_strain) * section.axial_stiffness
 
 
 def _translations(frames: LinkFrames, per_node: int) -> IntArray:

@@ -8,11 +8,40 @@ import numpy as np
 
 from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Material, Ply
+from flexmech.model_text import SharedTables, TomlTable, quantity, stated
+from flexmech.numbers import (
+    FINITE,
+    NOT_NEGATIVE,
+    POSITIVE,
+    check_fields,
+    check_number,
+)
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.third_order import ThirdOrder
+from flexmech.units import (
+    BENDING_STIFFNESS,
+    CURVATURE,
+    FORCE,
+    FREQUENCY,
+    LENGTH,
+    MASS_PER_LENGTH,
+    RATIO,
+    ROTARY_INERTIA,
+    TIME,
+)
 
 __all__ = ["BeamSection"]
+
+# What no section is without.
+DIMENSIONS = {
+    "axial_stiffness": FORCE,
+    "bending_stiffness": BENDING_STIFFNESS,
+    "shear_stiffness": FORCE,
+    "mass_per_length": MASS_PER_LENGTH,
+    "rotary_inertia": ROTARY_INERTIA,
+    "in_plane_thickness": LENGTH,
+}
 
 UNDAMPED = DampingTimes()
 
@@ -81,24 +110,16 @@ class BeamSection:
     damping_frequency: float | None = None
 
     def __post_init__(self) -> None:
-        for name in (
-            "axial_stiffness",
-            "bending_stiffness",
-            "shear_stiffness",
-            "mass_per_length",
-            "rotary_inertia",
-            "in_plane_thickness",
-        ):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise InputError(f"{name} of a beam section must be positive, got {value}")
+        of = "of a beam section"
+        units = {name: dimension.unit for name, dimension in DIMENSIONS.items()}
+        check_fields(self, units, POSITIVE, of)
         for name in ("neutral_axis", "mass_axis"):
             value = getattr(self, name)
+            check_number(value, f"{name} {of}", "m")
             if not abs(value) < self.in_plane_thickness / 2:
                 raise InputError(f"{name} must lie inside the section, got {value} m")
-        for name in ("free_strain", "free_curvature"):
-            if not np.isfinite(getattr(self, name)):
-                raise InputError(f"{name} must be a number, got {getattr(self, name)}")
+        check_fields(self, {"free_strain": "", "free_curvature": "1/m"}, FINITE, of)
+        check_fields(self, {"damping_frequency": "Hz"}, POSITIVE, of, optional=True)
 
     @classmethod
     def rectangle(
@@ -120,12 +141,8 @@ class BeamSection:
             Undamped. Shear correction factor of Cowper (1966) for a rectangle,
             k = 10 (1 + nu) / (12 + 11 nu).
         """
-        for name, value in (
-            ("in_plane_thickness", in_plane_thickness),
-            ("out_of_plane_width", out_of_plane_width),
-        ):
-            if not (np.isfinite(value) and value > 0):
-                raise InputError(f"{name} must be positive, got {value} m")
+        check_number(in_plane_thickness, "in_plane_thickness", "m", POSITIVE)
+        check_number(out_of_plane_width, "out_of_plane_width", "m", POSITIVE)
         area = in_plane_thickness * out_of_plane_width
         second_moment = out_of_plane_width * in_plane_thickness**3 / 12
         nu = material.poisson_ratio
@@ -255,8 +272,74 @@ class BeamSection:
 
         A mode of pure Kelvin-Voigt material has the damping ratio omega tau / 2.
         """
-        if not (np.isfinite(ratio) and ratio >= 0):
-            raise InputError(f"damping ratio must be zero or positive, got {ratio}")
-        if not (np.isfinite(frequency) and frequency > 0):
-            raise InputError(f"damping frequency must be positive, got {frequency} Hz")
+        check_number(ratio, "damping ratio", "", NOT_NEGATIVE)
+        check_number(frequency, "damping frequency", "Hz", POSITIVE)
         return self.with_damping_time(2 * ratio / (2 * np.pi * frequency))
+
+    def to_table(self, shared: SharedTables) -> TomlTable:
+        """Table of a link in a model file.
+
+        Parameters
+        ----------
+        shared : SharedTables
+            Its material or its laminate is added.
+
+        Returns
+        -------
+        dict
+            A rectangle or a laminate where that gives the same section to the last bit, else
+            its stiffness and mass per length.
+        """
+        layers, damping = self.layers, self._short_damping()
+        if layers is not None and damping is not None:
+            single = layers.laminate.layers[0]
+            material = single.ply.isotropic_material
+            if material is not None and self == BeamSection.rectangle(
+                material, single.thickness, layers.width
+            )._damped_as(self):
+                return {
+                    "section": "rectangle",
+                    "material": shared.name_of("materials", material.to_table(), "material"),
+                    "in_plane_thickness": quantity(single.thickness, LENGTH),
+                    "out_of_plane_width": quantity(layers.width, LENGTH),
+                    **damping,
+                }
+            if self == BeamSection.of_laminate(layers)._damped_as(self):
+                return {"section": "laminate", **layers.to_table(shared), **damping}
+        return {"section": "general", **self._general_table(), **self._tables_within(shared)}
+
+    def _damped_as(self, other: BeamSection) -> BeamSection:
+        return replace(self, damping=other.damping, damping_frequency=other.damping_frequency)
+
+    def _short_damping(self) -> TomlTable | None:
+        """Key of a link that says its damping; None if it takes more than one."""
+        frequency, loss = self.damping_frequency, self.specific_damping
+        if frequency is None and self.damping.is_uniform:
+            return stated(damping_time=(self.damping.axial or None, TIME))
+        if frequency and loss and loss.times(2 * np.pi * frequency) == self.damping:
+            return stated(damping_frequency=(frequency, FREQUENCY))
+        return None
+
+    def _general_table(self) -> TomlTable:
+        """Stiffness, mass and what a section without load does, in keys of a link."""
+        return {
+            **stated(**{name: (getattr(self, name), unit) for name, unit in DIMENSIONS.items()}),
+            **stated(
+                neutral_axis=(self.neutral_axis or None, LENGTH),
+                mass_axis=(self.mass_axis or None, LENGTH),
+                free_strain=(self.free_strain or None, RATIO),
+                free_curvature=(self.free_curvature or None, CURVATURE),
+            ),
+        }
+
+    def _tables_within(self, shared: SharedTables) -> TomlTable:
+        """Layers and damping of a general section, in keys and tables of a link."""
+        table = {} if self.layers is None else self.layers.to_table(shared)
+        short = self._short_damping()
+        if short is None:
+            short = stated(damping_frequency=(self.damping_frequency, FREQUENCY))
+            short["damping_times"] = self.damping.to_table()
+        table |= short
+        if self.specific_damping is not None:
+            table["specific_damping"] = self.specific_damping.to_table()
+        return table

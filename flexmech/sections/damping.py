@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from flexmech.errors import InputError
+from flexmech.model_text import TomlTable, quantity
+from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_number
+from flexmech.units import RATIO, TIME
 
 __all__ = ["DampingTimes", "SpecificDamping"]
 
@@ -33,7 +35,8 @@ class DampingTimes:
     shear: float = 0.0
 
     def __post_init__(self) -> None:
-        _check_not_negative(self, "damping_time", " s")
+        for name in ("axial", "bending", "shear"):
+            check_number(getattr(self, name), "damping_time", "s", NOT_NEGATIVE)
 
     @classmethod
     def uniform(cls, time: float) -> DampingTimes:
@@ -44,6 +47,15 @@ class DampingTimes:
     def any(self) -> bool:
         """Whether anything is damped."""
         return self.axial > 0 or self.bending > 0 or self.shear > 0
+
+    @property
+    def is_uniform(self) -> bool:
+        """Whether all deformations are damped alike."""
+        return self.axial == self.bending == self.shear
+
+    def to_table(self) -> TomlTable:
+        """Table ``damping_times`` of a link in a model file."""
+        return {name: quantity(time, TIME) for name, time in asdict(self).items()}
 
 
 @dataclass(frozen=True)
@@ -70,7 +82,8 @@ class SpecificDamping:
     shear: float
 
     def __post_init__(self) -> None:
-        _check_not_negative(self, "specific damping", "")
+        for name in ("axial", "bending", "shear"):
+            check_number(getattr(self, name), "specific damping", "", NOT_NEGATIVE)
 
     def times(self, angular_frequency: float) -> DampingTimes:
         """Kelvin-Voigt times with the same loss at one angular frequency in rad/s.
@@ -91,14 +104,10 @@ class SpecificDamping:
         InputError
             If the frequency is not positive.
         """
-        if not (np.isfinite(angular_frequency) and angular_frequency > 0):
-            raise InputError(f"damping frequency must be positive, got {angular_frequency} rad/s")
+        check_number(angular_frequency, "damping frequency", "rad/s", POSITIVE)
         turn = 2 * np.pi * angular_frequency
         return DampingTimes(self.axial / turn, self.bending / turn, self.shear / turn)
 
-
-def _check_not_negative(record: DampingTimes | SpecificDamping, what: str, unit: str) -> None:
-    for field in fields(record):
-        value = getattr(record, field.name)
-        if not (np.isfinite(value) and value >= 0):
-            raise InputError(f"{what} must be zero or positive, got {value}{unit}")
+    def to_table(self) -> TomlTable:
+        """Table ``specific_damping`` of a link in a model file."""
+        return {name: quantity(loss, RATIO) for name, loss in asdict(self).items()}

@@ -22,6 +22,7 @@ from flexmech.materials import (
     ply_in_state,
     through_thickness_strain,
 )
+from flexmech.numbers import check_fields
 from flexmech.sections.beam_section import BeamSection
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.reduction import Reduction
@@ -59,9 +60,7 @@ class Condition:
     reference_temperature: float
 
     def __post_init__(self) -> None:
-        for name in ("temperature_rise", "reference_temperature"):
-            if not np.isfinite(getattr(self, name)):
-                raise InputError(f"{name} must be a number, got {getattr(self, name)}")
+        check_fields(self, {"temperature_rise": "K", "reference_temperature": "K"})
         if not (self.reference_temperature > 0 and self.temperature > 0):
             raise InputError(
                 f"a temperature of {self.temperature:g} K, {self.temperature_rise:g} K from the "

@@ -15,6 +15,8 @@ import numpy as np
 
 from flexmech.errors import InputError
 from flexmech.materials import Laminate
+from flexmech.model_text import SharedTables, TomlTable, quantity
+from flexmech.numbers import POSITIVE, check_number
 from flexmech.sections.damping import SpecificDamping
 from flexmech.sections.plane_state import PlaneState, gauss_points, layer_of
 from flexmech.sections.reduction import (
@@ -26,6 +28,7 @@ from flexmech.sections.reduction import (
 )
 from flexmech.sections.third_order import ThirdOrder, parabolic_shear, third_order_of
 from flexmech.types import FloatArray
+from flexmech.units import LENGTH
 
 __all__ = ["SHEAR_THEORIES", "LaminateSection", "ShearTheory", "ThroughThickness"]
 
@@ -77,8 +80,7 @@ class LaminateSection:
     reduction: Reduction = "narrow"
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.width) and self.width > 0):
-            raise InputError(f"width of a laminate section must be positive, got {self.width} m")
+        check_number(self.width, "width of a laminate section", "m", POSITIVE)
         if self.reduction not in REDUCTIONS:
             raise InputError(
                 f"reduction must be one of {', '.join(REDUCTIONS)}, got {self.reduction!r}"
@@ -249,6 +251,15 @@ class LaminateSection:
             normal_stress=self._state(strains).stress(place, layer)[..., 0],
             shear_stress=shear_force * shear,
         )
+
+    def to_table(self, shared: SharedTables) -> TomlTable:
+        """Keys of a link in a model file; the laminate is added to the shared tables."""
+        laminate = shared.name_of("laminates", self.laminate.to_table(shared), "laminate")
+        return {
+            "laminate": laminate,
+            "out_of_plane_width": quantity(self.width, LENGTH),
+            "reduction": self.reduction,
+        }
 
     @cached_property
     def _classical(self) -> FloatArray:

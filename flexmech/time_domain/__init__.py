@@ -1,11 +1,12 @@
 """Motion in time: linear time-varying systems, their periodic motion, and recorded runs."""
 
+from flexmech.choices import INTEGRATORS, Integrator
 from flexmech.time_domain.driven_linkage import DETAIL, DrivenLinkage, Equations, is_reduced
 from flexmech.time_domain.linear_run import linear_run
 from flexmech.time_domain.orbit import PeriodicOrbit, simulated_orbit
 from flexmech.time_domain.periodic import TurnMap, periodic_state, periodic_turn, turn_map
 from flexmech.time_domain.recording import EnergyHistory, Recorder, StepBlock, Trajectory
-from flexmech.time_domain.simulator import INTEGRATORS, Integrator, Simulator
+from flexmech.time_domain.simulator import Simulator, simulator
 from flexmech.time_domain.state import LinkState, VibrationState
 
 __all__ = [
@@ -28,5 +29,6 @@ __all__ = [
     "periodic_state",
     "periodic_turn",
     "simulated_orbit",
+    "simulator",
     "turn_map",
 ]

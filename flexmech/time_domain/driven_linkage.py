@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.choices import MODES
 from flexmech.linear_system import (
     Engine,
     LinkDamping,
@@ -88,7 +89,7 @@ class DrivenLinkage:
     Parameters
     ----------
     engine : Engine
-        With component modes, or without (:meth:`Engine.unreduced`; see :func:`is_reduced`).
+        With component modes or without; see :func:`is_reduced`.
     drive : CrankDrive
     prestress : {"none", "axial", "equilibrium"}
         ``equilibrium`` linearizes about the quasi-static equilibrium, whose displacement is
@@ -115,7 +116,7 @@ class DrivenLinkage:
         drive: CrankDrive,
         prestress: Prestress = "equilibrium",
         *,
-        modes: int = 4,
+        modes: int = MODES,
         detail: float = DETAIL,
         with_energy: bool = True,
     ) -> None:

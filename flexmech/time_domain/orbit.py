@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.errors import ComputationError
+from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.time_domain.periodic import periodic_state, turn_map
 from flexmech.time_domain.recording import Trajectory
@@ -100,9 +100,10 @@ def simulated_orbit(linkage: DrivenLinkage, steps: int, simulate_turn: Turn) -> 
     if best.closure <= LEAST_CLOSURE:
         return best
     raise ComputationError(
-        f"no periodic motion found at crank speed {linkage.drive.speed:.6g} rad/s: the best of "
-        f"{turns} turns ends {100 * best.closure:.3g} % of its greatest displacement away from "
-        "its start; change the crank speed a little, or give the links damping"
+        f"no periodic motion found at crank speed {CRANK_SPEED}: the best of {turns} turns ends "
+        f"{100 * best.closure:.3g} % of its greatest displacement away from its start; change the "
+        "crank speed a little, or give the links damping",
+        crank_speed=linkage.drive.speed,
     )
 
 

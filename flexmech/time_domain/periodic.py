@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.errors import ComputationError, InputError
+from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.time_domain.driven_linkage import DrivenLinkage, Equations
 from flexmech.time_domain.state import VibrationState
 from flexmech.time_domain.trapezoidal import initial_state, march, step_operators
@@ -180,9 +180,10 @@ def _fixed_point(
     gap = scale[:, None] * (np.eye(2 * n) - turn.monodromy) / scale
     if 1 / np.linalg.cond(gap) < RESONANT:
         raise ComputationError(
-            f"crank speed {linkage.drive.speed:.6g} rad/s is critical: a free vibration fits "
-            "one turn of the crank exactly, and without damping no motion is periodic; change "
-            "the speed a little, or give the links damping"
+            f"crank speed {CRANK_SPEED} is critical: a free vibration fits one turn of the crank "
+            "exactly, and without damping no motion is periodic; change the speed a little, or "
+            "give the links damping",
+            crank_speed=linkage.drive.speed,
         )
     state = np.linalg.solve(gap, scale * turn.forced) / scale
     return state[:n], state[n:]

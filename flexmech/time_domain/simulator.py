@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Literal, Protocol, get_args, runtime_checkable
+from typing import Protocol, cast
 
+from flexmech.choices import Integrator
+from flexmech.errors import InputError
+from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain.recording import Trajectory
 from flexmech.time_domain.state import LinkState
-from flexmech.types import FloatArray
+from flexmech.types import FloatArray, StepProgress
 
-__all__ = ["INTEGRATORS", "Integrator", "Simulator"]
-
-Integrator = Literal["trapezoidal", "generalized-alpha"]
-INTEGRATORS: tuple[Integrator, ...] = get_args(Integrator)
+__all__ = ["Simulator", "simulator"]
 
 
-@runtime_checkable
 class Simulator(Protocol):
     """An engine that runs the linkage with large displacements."""
 
@@ -28,7 +26,7 @@ class Simulator(Protocol):
         step: float,
         *,
         integrator: Integrator = "trapezoidal",
-        progress: Callable[[int, int], None] | None = None,
+        progress: StepProgress | None = None,
     ) -> Trajectory:
         """Run from a state of the links.
 
@@ -54,3 +52,13 @@ class Simulator(Protocol):
         ComputationError
             If a step does not converge; names its time and the crank angle.
         """
+
+
+def simulator(engine: Engine) -> Simulator:
+    """Take an engine as one that simulates; refuse one that does not."""
+    if not engine.simulates:
+        raise InputError(
+            f"the {engine.name} engine does not simulate the running linkage with large "
+            "displacements; use the exudyn engine"
+        )
+    return cast(Simulator, engine)

@@ -18,7 +18,7 @@ from flexmech.materials import (
     Material,
     Matrix,
     Ply,
-    PlyRecipe,
+    PlyComposition,
     ResinContent,
     ply_from_constituents,
 )
@@ -185,10 +185,10 @@ def test_swelling_adds_no_fibres(measured: bool) -> None:
         )
         ply = replace(CARBON_EPOXY, origin=kept)
     else:
-        recipe = CARBON_EPOXY.origin
-        assert isinstance(recipe, PlyRecipe)
-        stiff = replace(recipe.matrix, glass_transition=None)
-        ply = ply_from_constituents(recipe.fibre, stiff, 0.6)
+        composition = CARBON_EPOXY.origin
+        assert isinstance(composition, PlyComposition)
+        stiff = replace(composition.matrix, glass_transition=None)
+        ply = ply_from_constituents(composition.fibre, stiff, 0.6)
     dry = BeamSection.of_laminate(LaminateSection(Laminate((Layer(ply, 2e-3),)), 0.02))
     wet = section_in_condition(dry, Condition(60.0, 0.06, REFERENCE)).section
     grown = wet.in_plane_thickness / dry.in_plane_thickness

@@ -10,7 +10,7 @@ from flexmech import (
     moving_frequencies,
     natural_frequencies,
 )
-from flexmech.analyses.discretisation import check_angle_indices, discretisation_error
+from flexmech.analyses.frequencies.discretisation import check_angle_indices, discretisation_error
 from flexmech.mechanism import Mechanism
 
 ANGLES = np.radians(np.arange(0, 360, 30))
@@ -20,7 +20,7 @@ CASES = [("none", 0.0, False), ("axial", 20.0, True), ("equilibrium", 20.0, True
 def within_factor_two(engines, prestress, speed, rotation_terms):
     """Of engines of one kind and mechanism, which differ in their elements alone."""
     options = {"modes": 4, "prestress": prestress, "rotation_terms": rotation_terms}
-    fine = natural_frequencies(engines[0].with_elements(64), ANGLES, speed, **options)
+    fine = natural_frequencies(engines[0].with_(elements=64), ANGLES, speed, **options)
     for engine in engines:
         estimate = discretisation_error(engine, ANGLES, speed, **options).max(axis=0)
         found = natural_frequencies(engine, ANGLES, speed, **options)

@@ -140,7 +140,7 @@ def test_exudyn_against_its_own_eigenvalues(aluminium, against, detail):
         lambda: solve_frequencies(
             engine.linear_system(angles, modes=MODES, detail=detail or 1.0), MODES
         ),
-        engine.model.mbs.ComputeODE2Eigenvalues,
+        engine.model.assembly.mbs.ComputeODE2Eigenvalues,
         plain_covers=1 / len(angles),
     )
 
@@ -152,6 +152,6 @@ def test_exudyn_equilibrium(aluminium, against):
     against(
         "Exudyn at equilibrium, 20 rad/s, against its own at rest",
         lambda: solve_frequencies(engine.linear_system(angles, 20.0, modes=MODES), MODES),
-        engine.model.mbs.ComputeODE2Eigenvalues,
+        engine.model.assembly.mbs.ComputeODE2Eigenvalues,
         plain_covers=1 / len(angles),
     )

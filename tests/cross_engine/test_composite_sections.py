@@ -31,7 +31,6 @@ from flexmech.linear_system import inertia_loads
 from flexmech.linkages import CrankDrive, inverse_dynamics
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.linearize import static_equilibrium
-from flexmech.multibody.model import MultibodyModel
 from flexmech.reference.beam_shapes import Timoshenko
 from flexmech.sections import DampingTimes
 from flexmech.threads import one_thread
@@ -208,13 +207,14 @@ def test_unreduced_frequencies_are_exudyn_s_own():
     mechanism, angles = laden(), np.radians([0.0, 70.0, 200.0, 310.0])
     engine = exudyn(mechanism, 6)
     model, motion = engine.model, mechanism.linkage.motion(angles)
+    assembly = model.assembly
     computed = solve_frequencies(engine.linear_system(angles, prestress="none"), 6)
     initial = load_exudyn().ConfigurationType.Initial
     with one_thread():
         for number, expected in enumerate(computed):
-            pose = model.arms.to_nodes(model.move_to(motion, number))
-            model.mbs.systemData.SetODE2Coordinates(pose, initial)
-            squares = np.sort(model.mbs.ComputeODE2Eigenvalues()[0])[:6]
+            pose = assembly.arms.to_nodes(model.move_to(motion, number))
+            assembly.mbs.systemData.SetODE2Coordinates(pose, initial)
+            squares = np.sort(assembly.mbs.ComputeODE2Eigenvalues()[0])[:6]
             np.testing.assert_allclose(np.sqrt(squares) / (2 * np.pi), expected, rtol=1e-8)
 
 
@@ -241,10 +241,10 @@ def test_a_section_s_mass_is_all_there(neutral, mass):
 
 def strain_energy(engine, link, displacement):
     """Of a link displaced in its frame; ``displacement`` (m, n) are those of the pins' axis."""
-    model, part = engine.model, engine.model.parts[link]
-    section = engine.mechanism.sections[model.topology.link_names[link]]
+    assembly = engine.model.assembly
+    part, section = assembly.parts[link], assembly.sections[link]
     nodes = part.arms.moved(displacement) + engine.links[link].fields.centripetal
-    strains = model.kind.strains(nodes, 0 * nodes, np.diff(part.positions), section)
+    strains = assembly.kind.strains(nodes, 0 * nodes, np.diff(part.positions), section)
     return sum(strain.energy for strain in strains)
 
 
@@ -430,9 +430,8 @@ def test_start_and_joints_are_kept(integrator):
 
 def test_cables_of_eccentric_sections_are_refused():
     mechanism = fourbar(UNSYMMETRIC, eccentric=("coupler",))
-    for build in (ExudynEngine, MultibodyModel):
-        with pytest.raises(InputError, match=r"section of coupler .* use element 'geometrically"):
-            build(mechanism, 4, "ancf")
+    with pytest.raises(InputError, match=r"section of coupler .* use element 'geometrically"):
+        ExudynEngine(mechanism, 4, "ancf")
     with pytest.raises(InputError, match=r"cannot: use prestress 'equilibrium'"):
         ExudynEngine(mechanism, 4).linear_system(0.0, 10.0, prestress="axial")
 
@@ -442,4 +441,4 @@ def test_the_element_left_out_follows_the_sections():
     for axes in ((0.1, 0.0), (0.0, 0.1)):
         engine = ExudynEngine(fourbar(axes, eccentric=("rocker",)), 4)
         assert engine.element == "geometrically-exact"
-        assert engine.with_elements(6).unreduced().element == "geometrically-exact"
+        assert engine.with_(elements=6).unreduced().element == "geometrically-exact"

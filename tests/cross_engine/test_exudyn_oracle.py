@@ -17,12 +17,13 @@ TOLERANCE = {"ancf": 1e-8, "geometrically-exact": 5e-8}
 def oracle(engine, mechanism):
     """mbs.ComputeODE2Eigenvalues at each crank angle; squares of angular frequencies."""
     model, motion = engine.model, mechanism.linkage.motion(ANGLES)
+    mbs = model.assembly.mbs
     initial = load_exudyn().ConfigurationType.Initial
     frequencies = []
     with one_thread():
         for number in range(len(ANGLES)):
-            model.mbs.systemData.SetODE2Coordinates(model.move_to(motion, number), initial)
-            squares = np.sort(model.mbs.ComputeODE2Eigenvalues()[0])
+            mbs.systemData.SetODE2Coordinates(model.move_to(motion, number), initial)
+            squares = np.sort(mbs.ComputeODE2Eigenvalues()[0])
             frequencies.append(np.sqrt(squares[:6]) / (2 * np.pi))
     return np.array(frequencies)
 

@@ -83,28 +83,27 @@ def arm(element, **changes):
     return ExudynEngine(Mechanism(RotatingArm(1.0, 0.2), {"arm": section}), 4, element)
 
 
-def strains(model, displacement, rate):
-    part = model.parts[0]
-    straight = model.kind.rigid_fields(part.positions).centripetal
+def strains(assembly, displacement, rate):
+    part = assembly.parts[0]
+    straight = assembly.kind.rigid_fields(part.positions).centripetal
     lengths = np.diff(part.positions)
-    section = model.mechanism.sections["arm"]
-    return model.kind.strains(straight + displacement, rate, lengths, section)
+    return assembly.kind.strains(straight + displacement, rate, lengths, assembly.sections[0])
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
 def test_static_force_is_the_derivative_of_the_strain_energy(element):
     engine = arm(element)
-    model = engine.model
+    model, assembly = engine.model, engine.model.assembly
     motion = engine.mechanism.linkage.motion(np.array([0.7]), 0.4, 5.0)
     loads = inertia_loads(engine.links, motion, (0.0, 0.0))
     bent = static_equilibrium(model, motion, loads).displacement[0][0]
     assert np.abs(bent[engine.links[0].end]).max() > 0.1
-    free = np.arange(model.size) >= model.kind.per_node
-    away = 1e-6 * np.eye(model.size)[free]
+    free = np.arange(assembly.size) >= assembly.kind.per_node
+    away = 1e-6 * np.eye(assembly.size)[free]
     gradient = [
         np.diff(
             [
-                sum(s.energy[0] for s in strains(model, (bent + d)[None], 0 * bent[None]))
+                sum(s.energy[0] for s in strains(assembly, (bent + d)[None], 0 * bent[None]))
                 for d in (-change, change)
             ]
         )[0]
@@ -119,9 +118,10 @@ def test_static_force_is_the_derivative_of_the_strain_energy(element):
 def test_dissipation_is_that_of_exudyn_s_damping_matrix(element):
     engine = arm(element, damping=DampingTimes(axial=0.02, bending=0.03, shear=0.05))
     random = np.random.default_rng(3)
-    bent, rate = random.normal(0, 0.05, (2, engine.model.size))
-    damping = linearized(engine.model, simulation_settings(), bent)[2]
-    power = sum(s.dissipation[0] for s in strains(engine.model, bent[None], rate[None]))
+    assembly = engine.model.assembly
+    bent, rate = random.normal(0, 0.05, (2, assembly.size))
+    damping = linearized(assembly, simulation_settings(), bent)[2]
+    power = sum(s.dissipation[0] for s in strains(assembly, bent[None], rate[None]))
     assert power == pytest.approx(rate @ damping @ rate, rel=1e-9)
 
 
@@ -218,7 +218,7 @@ def test_small_vibration_is_that_of_the_linear_model(element, integrator):
     """A clamped arm that hardly turns, started in its first mode: cosines to the end."""
     engine = arm(element)
     link = engine.links[0]
-    free = np.arange(link.size)[engine.model.kind.per_node :]
+    free = np.arange(link.size)[engine.model.assembly.kind.per_node :]
     if element == "ancf":
         free = np.concatenate([[2], free])  # the clamp leaves the stretch
     stiffness, mass = link.stiffness[np.ix_(free, free)], link.mass[np.ix_(free, free)]

@@ -6,39 +6,35 @@ import importlib
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from flexmech.analyses import natural_frequencies, studies
-from flexmech.analyses.modal_damping import strain_energy_damping
-from flexmech.analyses.studies import (
-    BEAMS,
-    PLY_MODELS,
+from flexmech import studies
+from flexmech.analyses import natural_frequencies, strain_energy_damping
+from flexmech.cli.app import app
+from flexmech.mechanism import Mechanism
+from flexmech.modelfile import load_mechanism, mechanism_from_toml
+from flexmech.plots import plot_composite_frequencies
+from flexmech.reference import ReferenceEngine
+from flexmech.studies import (
     Claim,
-    all_models,
-    composite_claims,
+    CompositeStudy,
     composite_crank_rocker,
     composite_model_file,
     deviation_at_best_scale,
     laminate_factors,
-    model_file_name,
     position_angles,
     published_case,
     published_tables,
-    separable_error,
     study_composites,
 )
-from flexmech.cli.app import app
-from flexmech.cli.study_report import SECOND, frequency_frame
-from flexmech.mechanism import Mechanism
-from flexmech.modelfile import load_mechanism, mechanism_from_toml
-from flexmech.plots import (
-    plot_composite_damping,
-    plot_composite_frequencies,
-    plot_laminate_factors,
-)
-from flexmech.reference import ReferenceEngine
+from flexmech.studies.composite_crank_rockers.claims import all_models
+from flexmech.studies.composite_crank_rockers.compute import composite_dataset
+from flexmech.studies.composite_crank_rockers.linkages import BEAMS, PLY_MODELS
+from flexmech.studies.composite_crank_rockers.structure import separable_error
+from flexmech.studies.composite_crank_rockers.tables import SECOND
 from tests.unit.figure_checks import FULL_WIDTH_PANEL, check_layout, legend_texts
 
 LAMINATES = ("C1", "C2", "C3", "C4", "C5", "C6")
@@ -46,27 +42,27 @@ LAMINATES = ("C1", "C2", "C3", "C4", "C5", "C6")
 
 @pytest.fixture(scope="module")
 def invented() -> xr.Dataset:
-    """A study whose every frequency and damping is the published one."""
-    tables = published_tables()
-    turn = np.radians(np.arange(0.0, 361.0, 60.0))
-    dims = {"plies": list(PLY_MODELS), "beams": list(BEAMS)}
-    angle = np.stack([published_case(c).transmission_angle(turn) for c in (1, 2, 3, 4)], axis=1)
-    return tables.assign(
-        frequency=tables["finite_element"].expand_dims(dims),
-        other_posture=tables["finite_element"].sel(position="90", drop=True).expand_dims(dims),
-        strain_energy_damping=tables["damping"].expand_dims(dims),
-        transmission_angle=(("crank_angle", "case"), angle),
-    ).assign_coords(crank_angle=turn)
+    """Dataset of a study whose every frequency and damping is the published one."""
+    tables = published_tables().sel(position=["min", "90", "max", "90"])
+    shape = (len(PLY_MODELS), len(BEAMS), *tables["damping"].shape)
+    return composite_dataset(
+        np.broadcast_to(tables["finite_element"], shape), np.broadcast_to(tables["damping"], shape)
+    )
 
 
 @pytest.fixture(scope="module")
-def study() -> xr.Dataset:
+def coarse() -> CompositeStudy:
     """The study on two elements a link in place of eight; the paper's one stays."""
 
-    def coarse(mechanism: Mechanism, element: str, elements: int) -> ReferenceEngine:
+    def engine(mechanism: Mechanism, elements: int, element: str) -> ReferenceEngine:
         return ReferenceEngine(mechanism, min(elements, 2), element, component_modes=False)
 
-    return study_composites(coarse)
+    return study_composites(engine)
+
+
+@pytest.fixture(scope="module")
+def study(coarse: CompositeStudy) -> xr.Dataset:
+    return coarse.dataset
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +72,7 @@ def published_claims(invented: xr.Dataset) -> dict[str, Claim]:
 
 
 def claims_of(dataset: xr.Dataset) -> dict[str, Claim]:
-    return {claim.statement: claim for claim in composite_claims(dataset)}
+    return {claim.statement: claim for claim in CompositeStudy(dataset).claims()}
 
 
 def test_tables_4_to_6_are_whole() -> None:
@@ -229,8 +225,22 @@ def test_damping_follows_the_laminate_one_way_in_bending_and_the_other_in_shear(
     assert study["strain_energy_damping"].sel(plies="table 2").isnull().all()
 
 
-def test_each_row_of_the_table_has_its_own_damping(study: xr.Dataset) -> None:
-    frame = frequency_frame(study)
+def test_saved_studies_load_back_equal_and_say_the_same(
+    coarse: CompositeStudy, tmp_path: Path
+) -> None:
+    files = [path.relative_to(tmp_path).as_posix() for path in coarse.save(tmp_path)]
+    assert files[:3] == ["composites.csv", "composite_claims.csv", "composites.nc"]
+    assert len(files) == 3 + 72
+    loaded = CompositeStudy.load(tmp_path / "composites.nc")
+    xr.testing.assert_identical(loaded.dataset, coarse.dataset)
+    assert loaded.summary() == coarse.summary()
+    assert loaded.dataset.attrs["flexmech_version"]
+    rows = pd.read_csv(tmp_path / "composite_claims.csv", keep_default_na=False)
+    assert [Claim(**row) for row in rows.to_dict("records")] == loaded.claims()
+
+
+def test_each_row_of_the_table_has_its_own_damping(coarse: CompositeStudy) -> None:
+    frame = coarse.tables()["composites"]
     assert len(frame) == 3 * 3 * 4 * 6 * 4
     row = frame[(frame.plies == "woven") & (frame.beams == "with shear") & (frame.case == 2)]
     row = row[(row.laminate == "C3") & (row.position == "90")].squeeze()
@@ -298,17 +308,18 @@ def test_flexural_moduli_of_the_six_laminates() -> None:
 
 
 def test_command(invented: xr.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(studies, "study_composites", lambda make, progress: invented)
+    monkeypatch.setattr(studies, "study_composites", lambda progress: CompositeStudy(invented))
     result = CliRunner().invoke(app, ["study", "composites", "--no-plots", "--out", str(tmp_path)])
     assert result.exit_code == 0, result.output
     assert "frequency: C6 is below C1 by: printed 62.22 %, from its tables 62.65 %" in result.output
     assert "1.00 / 1.00 / 1.00 │ 0.74 / 0.74 / 0.73" in result.output
+    assert f"{tmp_path / 'models'} (72 files)" in result.output
+    assert result.output.splitlines()[-1].startswith("33 claims: ")
     tables = sorted(path.name for path in tmp_path.glob("*.*"))
-    assert tables == ["composite_claims.csv", "composites.csv"]
+    assert tables == ["composite_claims.csv", "composites.csv", "composites.nc"]
     models = tmp_path / "models"
     assert len(list(models.iterdir())) == 72
     for plies, name in zip(PLY_MODELS, ("", "_woven", "_table_2"), strict=True):
-        assert model_file_name(2, "C3", plies) == f"case_2_C3{name}.toml"
         written = load_mechanism(models / f"case_2_C3{name}.toml")
         assert written.sections == composite_crank_rocker(2, "C3", plies).sections
 
@@ -316,7 +327,7 @@ def test_command(invented: xr.Dataset, tmp_path: Path, monkeypatch: pytest.Monke
 def test_command_refuses_a_folder_that_it_cannot_write_before_it_computes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def never(make: object, progress: object) -> None:
+    def never(progress: object) -> None:
         raise AssertionError
 
     monkeypatch.setattr(studies, "study_composites", never)
@@ -325,6 +336,7 @@ def test_command_refuses_a_folder_that_it_cannot_write_before_it_computes(
         refused = CliRunner().invoke(app, ["study", "composites", "--out", str(out)])
         assert refused.exit_code == 2
         assert "--out" in refused.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["models"]
 
 
 def test_bars_and_points_are_the_study_s(invented: xr.Dataset) -> None:
@@ -345,15 +357,25 @@ def test_bars_and_points_are_the_study_s(invented: xr.Dataset) -> None:
 
 
 def test_other_pictures(invented: xr.Dataset) -> None:
-    figure = plot_composite_damping(invented)
-    check_layout(figure, FULL_WIDTH_PANEL)
-    assert legend_texts(figure) == [*LAMINATES, "with shear", "measured"]
-    published = laminate_factors(invented["finite_element"])
-    drawn = plot_laminate_factors(laminate_factors(invented["frequency"]), published)
-    check_layout(drawn, FULL_WIDTH_PANEL)
-    assert len(drawn.axes[0].lines) == 5
-    for line in drawn.axes[0].lines:
-        np.testing.assert_allclose(line.get_ydata(), published)
+    study = CompositeStudy(invented)
+    figures = study.figures()
+    assert list(figures) == [
+        "transmission_angle",
+        "frequencies_by_laminate",
+        "damping_by_laminate",
+        "laminate_factors",
+    ]
+    for figure in figures.values():
+        check_layout(figure, FULL_WIDTH_PANEL)
+    assert legend_texts(figures["damping_by_laminate"]) == [*LAMINATES, "with shear", "measured"]
+    assert legend_texts(figures["transmission_angle"]) == [f"case {n}" for n in (1, 2, 3, 4)]
+    drawn = figures["laminate_factors"].axes[0].lines
+    assert len(drawn) == 5
+    factors = laminate_factors(invented["finite_element"])
+    for line in drawn[:3]:
+        np.testing.assert_allclose(line.get_ydata(), factors)
+    np.testing.assert_allclose(drawn[3].get_ydata(), invented["published_laminate_factor"])
+    assert len(study.plot().axes[0].lines) == 5
 
 
 @pytest.mark.usefixtures("rough_pictures")

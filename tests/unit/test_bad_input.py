@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from flexmech.cli import app
-from flexmech.cli.arguments import MOST_ANGLES
+from flexmech.cli.arguments import MOST_ANGLES, MOST_SPEEDS
 from flexmech.errors import InputError
 from flexmech.modelfile import load_mechanism, mechanism_from_toml, template
 
@@ -292,16 +292,19 @@ WRONG_COMMAND_LINES = [
     (["--speeds", "inf"], "--speeds: got 'inf'"),
     (["--speeds", "1e999"], "--speeds: .*too large"),
     (["--speeds", "0,10,10"], "--speeds: .*10 rad/s appears twice; give each speed once"),
-    (["--speeds", "60 rpm,1 rps"], "--speeds: .*6.28319 rad/s appears twice"),
+    (["--speeds", "60 rpm,1 rps"], "--speeds: .*1 rps appears twice"),
+    (["--speeds", "0,50 rpm,100"], '--speeds: .*once, at the end: "0,50,100 rpm"'),
+    (["--speeds", "10 rad/s,50,100 rpm"], "--speeds: .*give each value its unit"),
+    (["--speeds", "0:100:0.001 rpm"], f"--speeds: .*at most {MOST_SPEEDS} values"),
     (["--angles", ""], "--angles: .*a value is missing"),
     (["--angles", "0:360"], "--angles: .*has 2 parts; write START:STOP:STEP"),
     (["--angles", "0:360:5:1"], "--angles: .*has 4 parts"),
     (["--angles", "0:360:0"], "--angles: .*STEP must be positive"),
     (["--angles", "0:360:-5"], "--angles: .*STEP must be positive"),
     (["--angles", "360:0:5"], "--angles: .*STOP must not be less than START"),
-    (["--angles", "0:360:1e-9"], f"--angles: .*at most {MOST_ANGLES} angles"),
-    (["--angles", "0:nan:5"], "--angles: got 'nan'.*plain degrees"),
-    (["--angles", "0:360:5 deg"], "--angles: .*plain degrees"),
+    (["--angles", "0:360:1e-9"], f"--angles: .*at most {MOST_ANGLES} values"),
+    (["--angles", "0:nan:5"], "--angles: got 'nan'"),
+    (["--angles", "0:360:5 mm"], "--angles: .*not that of an angle"),
     (["--angles", "::"], "--angles: .*a value is missing"),
     (["--angles", "0,10,10"], "--angles: .*10 follows 10.*increasing order"),
     (["--angles", "0,20,10"], "--angles: .*10 follows 20.*increasing order"),

@@ -19,6 +19,7 @@ from flexmech.cli import app
 from flexmech.cli.arguments import parse_angles, parse_speeds
 from flexmech.errors import InputError
 from flexmech.modelfile import json_schema, load_mechanism, template
+from flexmech.units import Quantities
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 
@@ -148,6 +149,8 @@ def test_the_default_angles_are_whole_numbers_and_close_the_circle() -> None:
     assert parse_angles("30:30:5") == [30.0]
     assert parse_angles("0,60,120.5") == [0.0, 60.0, 120.5]
     assert parse_angles(" 45 ") == [45.0]
+    assert parse_angles("0:360:0.1 deg") == parse_angles("0:360:0.1")
+    assert parse_angles("0,1.5 rad") == [0.0, 85.94366926962348]
 
 
 @given(st.lists(st.floats(-720, 720), min_size=1, max_size=8, unique=True).map(sorted))
@@ -157,11 +160,18 @@ def test_angle_lists_are_taken_as_they_are(angles: list[float]) -> None:
 
 @given(st.lists(st.integers(-1000, 1000), min_size=1, max_size=6, unique=True))
 def test_speeds_are_sorted(speeds: list[int]) -> None:
-    assert parse_speeds(",".join(map(str, speeds))) == sorted(speeds)
+    assert parse_speeds(",".join(map(str, speeds))) == Quantities(tuple(sorted(speeds)), "rad/s")
 
 
 def test_speeds_mix_units() -> None:
-    assert parse_speeds("300 rpm, 10 rad/s ,0") == pytest.approx([0.0, 10.0, 31.41592653589793])
+    found = parse_speeds("300 rpm, 10 rad/s ,0")
+    assert found.values == pytest.approx([0.0, 10.0, 31.41592653589793])
+    assert found.unit == "rad/s"
+
+
+def test_one_unit_covers_all_speeds() -> None:
+    assert parse_speeds("0,50,100 rpm") == parse_speeds("0:100:50 rpm")
+    assert parse_speeds("0,60,30 rpm").values == pytest.approx([0.0, np.pi, 2 * np.pi])
 
 
 @given(st.text(alphabet="0123456789.,:e+- rpmad/s", max_size=12))
@@ -173,7 +183,8 @@ def test_any_text_is_angles_and_speeds_or_an_input_error(text: str) -> None:
             message = str(error)
         else:
             message = option
-            assert values == sorted(set(values))
+            numbers = list(values.values if isinstance(values, Quantities) else values)
+            assert numbers == sorted(set(numbers))
         assert message.startswith(option)
 
 

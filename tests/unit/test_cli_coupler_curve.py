@@ -150,7 +150,8 @@ def test_dry_alone_without_pictures(tmp_path: Path) -> None:
 def test_point_of_the_command_line_goes_first(tmp_path: Path) -> None:
     model = MODELS / "neat_resin_figure_12.toml"
     assert (
-        run("coupler-curve", model, "--point", "0.01,90", "--no-plots", "--out", tmp_path)[0] == 0
+        run("coupler-curve", model, "--point", "1 cm,90 deg", "--no-plots", "--out", tmp_path)[0]
+        == 0
     )
     curve = pd.read_csv(tmp_path / "coupler_curve.csv")
     angle = np.radians(curve["theta3_deg"] + 90)
@@ -170,7 +171,7 @@ def test_exposure_in_place_of_moisture(tmp_path: Path) -> None:
     ("text", "point"),
     [
         ("33 mm,320 deg", CouplerPoint(0.033, np.radians(320))),
-        ("4.5, -90", CouplerPoint(4.5, -np.pi / 2)),
+        ("4.5 m, -90 deg", CouplerPoint(4.5, -np.pi / 2)),
     ],
 )
 def test_points(text: str, point: CouplerPoint) -> None:
@@ -178,9 +179,21 @@ def test_points(text: str, point: CouplerPoint) -> None:
     assert (found.distance, found.angle) == pytest.approx((point.distance, point.angle))
 
 
-@pytest.mark.parametrize("text", ["33 mm", "1,2,3", "33 deg,4", "-1,0", "nan,0", ","])
-def test_points_that_cannot_be(text: str) -> None:
-    with pytest.raises(InputError, match="--point: "):
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("33 mm", "has 1 parts"),
+        ("1,2,3", "has 3 parts"),
+        ("33 deg,4 deg", "not that of a length"),
+        ("-1 mm,0 deg", "zero or positive"),
+        ("nan,0 deg", "begin with a number"),
+        (",", "begin with a number"),
+        ("100,30", "got '100', which has no unit; write a length with its unit"),
+        ("100 mm,30", "got '30', which has no unit; write an angle with its unit"),
+    ],
+)
+def test_points_that_cannot_be(text: str, message: str) -> None:
+    with pytest.raises(InputError, match=f"--point: .*{message}"):
         parse_point(text)
 
 
@@ -188,9 +201,9 @@ def test_points_that_cannot_be(text: str) -> None:
     ("model", "options", "said"),
     [
         ("neat_resin_figure_3.toml", [], "linkage.coupler_point: is missing"),
-        ("rotating_arm.toml", ["--point", "1,0"], "four-bar"),
+        ("rotating_arm.toml", ["--point", "1 m,0 deg"], "four-bar"),
         ("neat_resin_figure_8.toml", ["--temperature-rise", "95", "--moisture", "7"], "wet glass"),
-        ("steel_fourbar.toml", ["--point", "0.1,0", "--moisture", "1"], "change nothing in"),
+        ("steel_fourbar.toml", ["--point", "0.1 m,0 deg", "--moisture", "1"], "change nothing in"),
         ("neat_resin_figure_8.toml", ["--angles", "0:360"], "--angles"),
     ],
 )

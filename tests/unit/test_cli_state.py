@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from flexmech.analyses import HygrothermalEffect, MovingFrequencies, hygrothermal_effect
 from flexmech.cli import app
-from flexmech.cli.surroundings import parse_state
+from flexmech.cli.environment import parse_state
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Exposure, HygrothermalState
 from tests.unit.figure_checks import HALF_WIDTH_PANEL, check_layout

@@ -176,9 +176,10 @@ def test_curvature_at_a_cusp_is_refused() -> None:
     ("distance", "angle", "message"),
     [
         (-0.1, 0.0, "must not be negative"),
-        (np.nan, 0.0, "must not be negative"),
-        (np.inf, 0.0, "must not be negative"),
-        (0.1, np.nan, "angle of the coupler point must be finite"),
+        (np.nan, 0.0, "pin A must be a number, got nan m"),
+        ("33 mm", 0.0, "pin A must be a number of m, got '33 mm'; .* units are for model files"),
+        (0.1, np.nan, "angle of the coupler point must be a number"),
+        (0.1, 320.0, r"a full turn .* got 320.0 rad; for degrees give np.radians\(320.0\)"),
     ],
 )
 def test_points_that_are_none(distance: float, angle: float, message: str) -> None:

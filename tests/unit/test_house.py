@@ -20,12 +20,15 @@ SCENARIOS = ROOT.parent / "scenarios"
 
 # From the ground up. A room may import from those before it, and from nothing else.
 ORDER = [
+    "unit_registry",
     "errors",
     "types",
     "choices",
     "threads",
     "files",
     "units",
+    "numbers",
+    "model_text",
     "plots",
     "materials",
     "linkages",

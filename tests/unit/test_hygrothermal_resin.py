@@ -16,7 +16,7 @@ from flexmech.materials import (
     Material,
     Matrix,
     Ply,
-    PlyRecipe,
+    PlyComposition,
     ResinContent,
     moisture_of,
     ply_from_constituents,
@@ -100,7 +100,7 @@ def test_rubber_is_an_error(temperature: float, moisture: float, said: str) -> N
         ({"thermal_expansion": np.nan}, "thermal_expansion must be a number"),
         ({"moisture_expansion": -1.0}, "moisture_expansion must be zero or positive"),
         ({"wet_thermal_expansion": 1e-6}, "equilibrium_moisture too"),
-        ({"glass_transition": -1.0}, "above 0 K"),
+        ({"glass_transition": -1.0}, "glass_transition must be positive, got -1.0 K"),
     ],
 )
 def test_impossible_resins(arguments: dict[str, float], said: str) -> None:
@@ -147,7 +147,7 @@ def test_neat_resin_softens_alike_in_all_directions() -> None:
     assert wet.thermal_expansion == (R_914.thermal_expansion_at(0.05),) * 2
 
 
-def test_recipe_is_computed_again_with_the_softer_resin() -> None:
+def test_composition_is_computed_again_with_the_softer_resin() -> None:
     ply = ply_from_constituents(CARBON, EPOXY, 0.6)
     wet = ply_in_state(ply, REFERENCE + 40, 0.05, REFERENCE)
     by_hand = ply_from_constituents(CARBON, EPOXY.in_state(REFERENCE + 40, 0.05, REFERENCE), 0.6)
@@ -183,7 +183,7 @@ def test_dry_and_unheated_plies_are_the_same_to_the_last_bit() -> None:
             assert getattr(again, name) == getattr(ply, name), name
 
 
-def test_resin_of_a_recipe() -> None:
+def test_resin_of_a_composition() -> None:
     resin = ply_from_constituents(CARBON, EPOXY, 0.6).resin
     assert resin is not None
     assert resin.volume_fraction == pytest.approx(0.4)
@@ -204,7 +204,7 @@ def test_measured_ply_keeps_its_fibres() -> None:
 def test_woven_ply_is_free_through_its_thickness() -> None:
     single = ply_from_constituents(CARBON, EPOXY, 0.5)
     woven = woven_ply(single)
-    assert isinstance(woven.origin, PlyRecipe)
+    assert isinstance(woven.origin, PlyComposition)
     assert woven.origin.woven
     through = through_thickness_strain(woven, 50.0, 0.03)
     assert through == pytest.approx(through_thickness_strain(single, 50.0, 0.03))

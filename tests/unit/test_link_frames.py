@@ -301,23 +301,6 @@ def test_more_modes_than_coordinates_are_refused(count: int) -> None:
         solve_modes(system_at(engine_of(fourbar()), 0.3, 0.0), count)
 
 
-def test_engine_refuses_wrong_settings() -> None:
-    mechanism = fourbar()
-    with pytest.raises(InputError, match="elements must be 1 or more a link, got 0"):
-        ReferenceEngine(mechanism, 0)
-    with pytest.raises(InputError, match="reference engine has no element 'ancf'; it has euler"):
-        ReferenceEngine(mechanism, element="ancf")
-    with pytest.raises(InputError, match="prestress must be one of none, axial, equilibrium"):
-        ReferenceEngine(mechanism).linear_system(0.0, prestress="trajectory")  # type: ignore[arg-type]
-
-
-def test_engine_on_another_mesh_keeps_its_settings() -> None:
-    engine = ReferenceEngine(fourbar(), 4, component_modes=False)
-    other = engine.with_elements(6)
-    assert (other.elements, other.component_modes, other.mechanism) == (6, False, engine.mechanism)
-    assert ReferenceEngine(fourbar(), 4).unreduced().component_modes is False
-
-
 def test_positions_out_of_reach_are_refused() -> None:
     linkage = FourBar(0.5, 0.3, 0.3, 0.3)
     engine = engine_of(fourbar(linkage, thickness=(2e-3, 2e-3, 2e-3)))

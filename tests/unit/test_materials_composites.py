@@ -344,18 +344,20 @@ def test_a_ply_needs_positive_values(name: str, value: float) -> None:
         replace(PLY, **{name: value})
 
 
-@pytest.mark.parametrize("value", [3.75, -3.75, np.nan])
+@pytest.mark.parametrize("value", [3.75, -3.75])
 def test_poissons_ratio_must_leave_the_ply_stable(value: float) -> None:
     bound = np.sqrt(14.0)
     with pytest.raises(InputError, match=rf"between -{bound:.6g} and {bound:.6g} .*E1 / E2"):
         replace(PLY, poisson_ratio=value)
+    with pytest.raises(InputError, match="poisson_ratio of a ply must be a number, got nan"):
+        replace(PLY, poisson_ratio=np.nan)
     assert replace(PLY, poisson_ratio=3.74).reduced_stiffness[0, 0] > 0
 
 
 @pytest.mark.parametrize("name", ["thermal_expansion", "moisture_expansion"])
-@pytest.mark.parametrize("value", [(np.nan, 0.0), (0.0,), (0.0, np.inf)])
+@pytest.mark.parametrize("value", [(np.nan, 0.0), (0.0,), (0.0, np.inf), "12", 1.0])
 def test_expansion_is_two_numbers(name: str, value: tuple[float, ...]) -> None:
-    with pytest.raises(InputError, match=f"{name} of a ply must be two numbers"):
+    with pytest.raises(InputError, match=f"{name} of a ply must be (two numbers|a number)"):
         replace(PLY, **{name: value})
 
 
@@ -388,8 +390,8 @@ def test_a_laminate_needs_a_layer() -> None:
         ({"youngs_modulus": -1.0}, "youngs_modulus of 'carbon' must be positive, got -1"),
         ({"shear_modulus": 0.0}, "shear_modulus of 'carbon' must be positive"),
         ({"density": np.nan}, "density of 'carbon' must be positive"),
-        ({"poisson_ratio": 0.5}, "poisson_ratio of 'carbon' must lie between 0 and 0.5"),
-        ({"poisson_ratio": np.nan}, "poisson_ratio of 'carbon' must lie between 0 and 0.5"),
+        ({"poisson_ratio": 0.5}, "poisson_ratio of 'carbon' must be at least 0 and less than 0.5"),
+        ({"poisson_ratio": np.nan}, "poisson_ratio of 'carbon' must be at least 0 and less than 0.5"),
         ({"specific_damping": -0.1}, "specific_damping of 'carbon' must be zero or positive"),
         ({"moisture_expansion": -0.1}, "moisture_expansion of 'carbon' must be zero or positive"),
         ({"thermal_expansion": np.inf}, "thermal_expansion of 'carbon' must be a number"),

@@ -12,12 +12,12 @@ from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from flexmech.analyses import MovingFrequencies, moving_frequencies, solve_modes
-from flexmech.analyses.modal_damping import (
+from flexmech.analyses.frequencies.modal_damping import (
     StrainEnergyDamping,
     links_without_loss,
     strain_energy_damping,
 )
-from flexmech.analyses.running_states import RunningStates
+from flexmech.analyses.frequencies.running_states import RunningStates
 from flexmech.cli import app
 from flexmech.cli.report import damping_lines
 from flexmech.errors import InputError

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from flexmech.errors import InputError
 from flexmech.materials import ply_from_constituents, published_constituents, woven_ply
 from flexmech.modelfile import json_schema, load_mechanism, mechanism_from_toml, template
-from flexmech.modelfile.stacking import parse_stacking, stacking_text
+from flexmech.materials.stacking import parse_stacking, stacking_text
 
 MODEL = Path(__file__).parents[2] / "models" / "composite_fourbar.toml"
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from flexmech.errors import InputError
 from flexmech.plots import plot_agreement, plot_frequencies, plot_mode_shapes, plot_speed_effect
-from flexmech.plots.panels import contiguous_runs, mode_groups
+from flexmech.plots.branches import contiguous_runs, mode_groups
 from flexmech.plots.style import SERIES_STYLES, legend_columns, speed_label
 from tests.unit.figure_checks import check_layout, legend_texts
 from tests.unit.plot_data import FULL_TURN, TERMS, arm_dataset, frequency_dataset

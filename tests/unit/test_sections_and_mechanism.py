@@ -68,10 +68,12 @@ def test_a_section_needs_positive_values(name: str, value: float) -> None:
 
 
 @pytest.mark.parametrize("name", ["neutral_axis", "mass_axis"])
-@pytest.mark.parametrize("value", [0.005, -0.006, np.nan])
-def test_the_axes_of_a_section_lie_inside_it(name: str, value: float) -> None:
-    with pytest.raises(InputError, match=f"{name} must lie inside the section, got {value} m"):
-        replace(SECTION, **{name: value})
+def test_the_axes_of_a_section_lie_inside_it(name: str) -> None:
+    for value in (0.005, -0.006):
+        with pytest.raises(InputError, match=f"{name} must lie inside the section, got {value} m"):
+            replace(SECTION, **{name: value})
+    with pytest.raises(InputError, match=f"{name} of a beam section must be a number, got nan m"):
+        replace(SECTION, **{name: np.nan})
 
 
 @pytest.mark.parametrize("value", [-1e-9, np.nan, np.inf])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import re
+from decimal import Decimal
 
 import pytest
 from hypothesis import assume, given
@@ -12,7 +13,14 @@ from hypothesis import strategies as st
 
 from flexmech import units
 from flexmech.errors import InputError
-from flexmech.units import Dimension, parse_number, parse_quantity
+from flexmech.units import (
+    Dimension,
+    Quantities,
+    from_si,
+    parse_number,
+    parse_quantities,
+    parse_quantity,
+)
 
 ALL = [value for name in units.__all__ if isinstance(value := getattr(units, name), Dimension)]
 
@@ -167,3 +175,76 @@ def test_plain_numbers_are_what_float_reads_but_for_its_oddities(text: str) -> N
             raise
     else:
         assert float(number) == float(text)
+
+
+RPM = math.pi / 30
+
+
+@pytest.mark.parametrize(
+    ("text", "values", "unit"),
+    [
+        ("0,50,100", [0.0, 50.0, 100.0], "rad/s"),
+        ("0,50,100 rpm", [0.0, 50 * RPM, 100 * RPM], "rpm"),
+        ("0, 50 rpm ,100 rpm", [0.0, 50 * RPM, 100 * RPM], "rpm"),
+        ("10 rad/s,300 rpm", [10.0, 300 * RPM], "rpm"),
+        ("300 rpm,10 rad/s,0", [300 * RPM, 10.0, 0.0], "rad/s"),
+        ("-1", [-1.0], "rad/s"),
+        ("0:100:50 rpm", [0.0, 50 * RPM, 100 * RPM], "rpm"),
+        ("0:100:60 rpm", [0.0, 60 * RPM], "rpm"),
+        ("0:0.3:0.1", [0.0, 0.1, 0.2, 0.3], "rad/s"),
+        ("0 rpm:1 rps:30 rpm", [0.0, 30 * RPM, 60 * RPM], "rpm"),
+        ("0:6:2 rad/s", [0.0, 2.0, 4.0, 6.0], "rad/s"),
+    ],
+)
+def test_one_unit_at_the_end_covers_a_list_or_a_range(text, values, unit) -> None:
+    found = parse_quantities(text, units.ANGULAR_SPEED, "rad/s")
+    assert (found.values, found.unit) == (pytest.approx(values, rel=1e-15), unit)
+
+
+def test_the_default_unit_is_that_of_the_option() -> None:
+    found = parse_quantities("0,3", units.LENGTH, "mm")
+    assert found == Quantities((0.0, 0.003), "mm")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("50,100 rpm,150", r'none; write the unit once, at the end: "50,100,150 rpm"'),
+        ("50 rpm,100", r'write the unit once, at the end: "50,100 rpm"'),
+        ("0 rpm:100:50", r'write the unit once, at the end: "0:100:50 rpm"'),
+        ("10 rad/s,50,300 rpm", r"give each value its unit"),
+        ("0,,1", r'a value is missing; write START:STOP:STEP, for example "0:300:50 rad/s"'),
+        ("0:1", r"has 2 parts"),
+        ("0:1:0 rpm", r"STEP must be positive"),
+        ("0:1:-1", r"STEP must be positive"),
+        ("2:1:1", r"STOP must not be less than START"),
+        ("0:1:1e-4", r"choose a STEP that gives at most 100 values"),
+        ("0:1:1e-9999999", r"STEP must be positive"),
+        ("0:1e300:1e-300", r"at most 100 values"),
+        ("0,5 Hz", r"is a frequency and not an angular speed"),
+        ("0,nan", r"got 'nan', which does not begin with a number"),
+        ("0,3 foo", r"unit 'foo' is unknown"),
+        ("1e308,1e308 km/m rad/s", r"too large"),
+    ],
+)
+def test_what_is_no_list_or_range_is_refused(text, message) -> None:
+    with pytest.raises(InputError, match=message):
+        parse_quantities(text, units.ANGULAR_SPEED, "rad/s", most=100)
+
+
+@given(st.integers(-500, 500), st.integers(1, 40), st.sampled_from(["0.1", "7", "2.5e-3"]))
+def test_a_range_is_the_list_of_its_values(start: int, steps: int, step: str) -> None:
+    values = [Decimal(start) + number * Decimal(step) for number in range(steps + 1)]
+    listed = ",".join(map(str, values))
+    ranged = f"{start}:{values[-1]}:{step}"
+    for unit in ("rad/s", "rpm", "deg/s"):
+        assert parse_quantities(f"{ranged} {unit}", units.ANGULAR_SPEED, "rad/s") == (
+            parse_quantities(f"{listed} {unit}", units.ANGULAR_SPEED, "rad/s")
+        )
+
+
+def test_an_si_value_is_told_in_any_unit() -> None:
+    assert from_si(10 * math.pi, "rpm") == pytest.approx(300)
+    assert from_si(0.2794, "mm") == pytest.approx(279.4)
+    with pytest.raises(InputError, match="'wheels' is unknown"):
+        from_si(1.0, "wheels")

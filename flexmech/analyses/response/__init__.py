@@ -1,18 +1,18 @@
 """The linkage running: response in time at constant crank speed."""
 
 from flexmech.analyses.response.compute import response
-from flexmech.analyses.response.request import STARTS, ResponseRequest
+from flexmech.analyses.response.measurements import deflections, deflections_of, probes
+from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.result import Response
 from flexmech.analyses.response.spectra import Spectrogram, ridge
-from flexmech.analyses.response.speed_sweep import SpeedSweep, speed_sweep
 
 __all__ = [
-    "STARTS",
     "Response",
     "ResponseRequest",
     "Spectrogram",
-    "SpeedSweep",
+    "deflections",
+    "deflections_of",
+    "probes",
     "response",
     "ridge",
-    "speed_sweep",
 ]

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
+from flexmech.analyses.environment import environment_lines
 from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.analyses.requests import engines_of
 from flexmech.analyses.response.dataset import SPECTRUM_REACH, build_dataset
 from flexmech.analyses.response.request import MOST_SAMPLES, ResponseRequest
 from flexmech.analyses.response.result import Response
 from flexmech.analyses.response.run import highest_frequency, mesh_error, run_engine
+from flexmech.analyses.turn import sampled_turn
 from flexmech.errors import InputError
+from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress
+from flexmech.types import LabelledProgress, StepProgress
 
 __all__ = ["response"]
 
@@ -28,6 +32,7 @@ def response(
     request: ResponseRequest,
     *,
     check_mesh: bool = False,
+    environment: Environment | None = None,
     progress: LabelledProgress | None = None,
 ) -> Response:
     """Run a linkage at constant crank speed.
@@ -42,6 +47,8 @@ def response(
     request : ResponseRequest
     check_mesh : bool
         Run again with twice the elements.
+    environment : HygrothermalState or Exposure, optional
+        Heat and moisture that the mechanism runs in; dry by default.
     progress : callable, optional
         Called with a label, the steps done and the steps to do.
 
@@ -56,10 +63,20 @@ def response(
         without load (unequally wet ones) are to start straight.
     ComputationError
         If a run diverges or does not converge; names the time and the crank angle.
+
+    Examples
+    --------
+    >>> engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/aluminium_fourbar.toml"))
+    >>> request = flexmech.ResponseRequest(flexmech.CrankDrive(20.0), revolutions=0.25)
+    >>> run = flexmech.response(engine, request)
+    >>> [str(name) for name in run.dataset["deflection"].dims]
+    ['engine', 'time', 'link']
     """
-    chosen = [engines] if isinstance(engines, Engine) else list(engines)
-    if not chosen:
-        raise InputError("response needs one engine or more")
+    chosen = engines_of(engines)
+    lines = environment_lines(chosen[0].mechanism, environment)
+    if environment is not None:
+        wet = mechanism_in_state(chosen[0].mechanism, environment)
+        chosen = [engine.with_(mechanism=wet) for engine in chosen]
     if request.start == "rigid" and chosen[0].mechanism.is_free_strained:
         raise InputError(
             "start rigid would hold links straight that are bent without any load, and then let "
@@ -81,12 +98,15 @@ def response(
                 mesh_error(run, request, _labelled(progress, run.engine, " on twice the elements"))
                 for run in runs
             ]
-        return Response(build_dataset(runs, request, refinement, highest, mesh_errors))
+        dataset = build_dataset(runs, request, refinement, highest, mesh_errors)
+    if lines:
+        dataset.attrs["environment_lines"] = "\n".join(lines)
+    return Response(dataset)
 
 
 def _predict(engines: Sequence[Engine], request: ResponseRequest) -> None:
     """Predict frequencies over a turn: what cannot be done shows itself before the long run."""
-    turn = request.drive.start_angle + np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+    turn = sampled_turn(request.drive.start_angle)
     for engine in engines:
         natural_frequencies(
             engine, turn, request.drive.speed, modes=request.modes, prestress=request.prestress
@@ -107,7 +127,7 @@ def _refinement(request: ResponseRequest, highest: float) -> int:
 
 def _labelled(
     progress: LabelledProgress | None, engine: Engine, what: str = ""
-) -> Callable[[int, int], None] | None:
+) -> StepProgress | None:
     if progress is None:
         return None
     return lambda done, total: progress(engine.name + what, done, total)

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.frequencies import natural_frequencies
-from flexmech.analyses.provenance import provenance
-from flexmech.analyses.response.quantities import (
+from flexmech.analyses.frequencies import Formulation, frequencies_at, natural_frequencies
+from flexmech.analyses.provenance import provenance, with_units
+from flexmech.analyses.response.measurements import (
     bending_strains,
     constraint_drift,
     deflections,
@@ -20,6 +20,8 @@ from flexmech.analyses.response.quantities import (
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.run import EngineRun
 from flexmech.analyses.response.spectra import amplitude_spectrum, spectrogram
+from flexmech.analyses.stations import rigid_positions
+from flexmech.analyses.turn import sampled_turn
 from flexmech.linear_system import Engine
 from flexmech.linkages import RigidMotion, Topology, inverse_dynamics
 from flexmech.types import FloatArray
@@ -116,6 +118,7 @@ def build_dataset(
         attrs={
             **provenance(engines),
             "crank_speed": request.drive.speed,
+            "speed_unit": request.speed_unit,
             "run_up_time": request.drive.run_up_time,
             "revolutions": request.revolutions,
             "start": request.start,
@@ -123,10 +126,7 @@ def build_dataset(
             "prestress": request.prestress,
         },
     )
-    for name, (units, long_name) in UNITS.items():
-        if name in dataset.variables:
-            dataset[name].attrs.update(units=units, long_name=long_name)
-    return dataset
+    return with_units(dataset, UNITS)
 
 
 def _kind(topology: Topology, joint: str) -> str:
@@ -181,18 +181,16 @@ def _rigid_values(engine: Engine, motion: RigidMotion) -> Variables:
     mechanism = engine.mechanism
     topology = mechanism.linkage.topology
     forces = inverse_dynamics(topology, motion, mechanism.link_masses_in_order, mechanism.gravity)
-    stations = engine.links[0].shape.shape[0]
-    positions = [
-        np.stack([motion.position(i, float(x)) for x in np.linspace(0, link.length, stations)], 1)
-        for i, link in enumerate(topology.links)
-    ]
     return {
         "rigid_driving_torque": (("time",), forces.driving_torque),
         "rigid_joint_force": (
             ("time", "joint", "component"),
             np.stack([forces.joint_force[name] for name in topology.joint_names], axis=1),
         ),
-        "rigid_position": (("time", "link", "station", "component"), np.stack(positions, axis=1)),
+        "rigid_position": (
+            ("time", "link", "station", "component"),
+            rigid_positions(engine, motion),
+        ),
     }
 
 
@@ -221,8 +219,7 @@ def _spectra(
         "spectrum": (("engine", "link", "spectrum_frequency"), np.stack([a for _, a in whole]))
     }
     coordinates: dict[str, Any] = {"spectrum_frequency": whole[0][0]}
-    turn = request.drive.start_angle + np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
-    engine = runs[0].engine
+    engine, turn = runs[0].engine, sampled_turn(request.drive.start_angle)
     at_rest = natural_frequencies(engine, turn, modes=1, prestress=engine.prestress_at_rest)
     lowest = float(at_rest.min())
     pictures = [spectrogram(signal, interval, lowest, up_to) for signal in signals]
@@ -232,12 +229,11 @@ def _spectra(
     start = request.drive.run_up_time
     middle = shown[0].time + start
     prediction = [
-        natural_frequencies(
+        frequencies_at(
             run.engine,
             np.asarray(request.drive.crank_angle(middle)),
             request.drive.speed,
-            modes=request.modes,
-            prestress=request.prestress,
+            Formulation(request.prestress, modes=request.modes),
         )
         for run in runs
     ]

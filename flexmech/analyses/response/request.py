@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 
+from flexmech.choices import (
+    INTEGRATORS,
+    MODES,
+    PRESTRESS_LEVELS,
+    STARTS,
+    Integrator,
+    Prestress,
+    Start,
+)
 from flexmech.errors import InputError
-from flexmech.linear_system import PRESTRESS_LEVELS, Prestress
 from flexmech.linkages import CrankDrive
-from flexmech.time_domain import INTEGRATORS, Integrator
 from flexmech.types import FloatArray
 
-__all__ = ["STARTS", "ResponseRequest", "Start"]
-
-Start = Literal["rigid", "equilibrium", "periodic"]
-STARTS: tuple[Start, ...] = get_args(Start)
+__all__ = ["ResponseRequest"]
 
 # More samples than this are taken for a slip of the keyboard.
 MOST_SAMPLES = 2_000_000
@@ -47,6 +50,8 @@ class ResponseRequest:
     modes : int
         The highest natural frequency of interest, counted from 1, sets the time step, the
         component modes and the spectra.
+    speed_unit : str
+        In which results speak of crank speeds, such as ``"rpm"``.
 
     Raises
     ------
@@ -61,9 +66,15 @@ class ResponseRequest:
     step: float | None = None
     integrator: Integrator = "trapezoidal"
     prestress: Prestress = "equilibrium"
-    modes: int = 4
+    modes: int = MODES
+    speed_unit: str = "rad/s"
 
     def __post_init__(self) -> None:
+        if not isinstance(self.drive, CrankDrive):
+            raise InputError(
+                f"drive must be a CrankDrive, got {self.drive!r}; write flexmech.CrankDrive(20.0) "
+                "for 20 rad/s"
+            )
         if not (np.isfinite(self.revolutions) and self.revolutions > 0):
             raise InputError(f"revolutions must be positive, got {self.revolutions}")
         if self.samples < 8:

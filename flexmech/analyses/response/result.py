@@ -1,32 +1,52 @@
-"""The result of a run: histories, checks and spectra."""
+"""The result of a run: peaks, agreement, tables and pictures."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from flexmech.analyses.stored_result import StoredResult
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from flexmech import plots
+from flexmech.analyses.response import words
+from flexmech.analyses.result import Result
+from flexmech.analyses.summary import Summary
+from flexmech.files import moved_into
+from flexmech.types import LabelledProgress, StepProgress
+from flexmech.units import from_si
 
 __all__ = ["Response"]
 
+ANIMATIONS = ("animation.gif", "animation.mp4")
 
-class Response(StoredResult):
+
+@dataclass(frozen=True, repr=False)
+class Response(Result):
     """How the linkage answers its own running, by one engine or more.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Variables and units are in the dataset itself; see the README.
+        ``deflection`` in m and ``strain`` over (engine, time, link), ``driving_torque`` in N m,
+        ``joint_force`` in N; checks, energies and spectra. All units are in the dataset itself.
     """
 
     stem = "response"
     hallmark = "deflection"
+    files = (
+        "response.csv",
+        "response.nc",
+        "response.png",
+        "forces.png",
+        "spectrum.png",
+        "spectrogram.png",
+        *ANIMATIONS,
+    )
 
     def peaks(self) -> xr.Dataset:
         """Greatest size of each link's deflection and strain, and of torque and joint forces.
@@ -66,9 +86,10 @@ class Response(StoredResult):
         peak = abs(second).max("time")
         return (abs(first - second).max("time") / peak).where(peak > 0, 0.0)
 
-    def table(self) -> pd.DataFrame:
-        """One row for each engine and sample, as in the CSV file."""
-        return pd.concat([self._engine_table(str(e)) for e in self.dataset["engine"].values])
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Histories, one row for each engine and sample."""
+        parts = [self._engine_table(str(e)) for e in self.dataset["engine"].values]
+        return {"response": pd.concat(parts)}
 
     def _engine_table(self, engine: str) -> pd.DataFrame:
         data = self.dataset.sel(engine=engine)
@@ -100,12 +121,87 @@ class Response(StoredResult):
             if kind == "pin"
         ]
 
-    def plot(self) -> Figure:
-        """Deflections against time; see :mod:`flexmech.plots` for others."""
-        from flexmech.plots import plot_response
+    def figures(self) -> dict[str, Figure]:
+        """Histories, forces and spectra; see :mod:`flexmech.plots`."""
+        data = self.dataset
+        figures = {
+            "response": plots.plot_response(data),
+            "forces": plots.plot_forces(data),
+            "spectrum": plots.plot_spectrum(data),
+        }
+        if "spectrogram" in data:
+            figures["spectrogram"] = plots.plot_spectrogram(data)
+        return figures
 
-        return plot_response(self.dataset)
+    def plot(
+        self,
+        *,
+        ax: Axes | Sequence[Axes] | None = None,
+        links: str | Sequence[str] | None = None,
+        engine: str | None = None,
+    ) -> Figure:
+        """Draw deflections and strains against time.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes or sequence of them, optional
+            As many as there are panels: a deflection for each link, then a strain for each
+            pinned one.
+        links : str or sequence of str, optional
+        engine : str, optional
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If something chosen is not there, or the axes are too few or too many.
+        """
+        return plots.plot_response(plots.chosen(self.dataset, engine=engine, links=links), ax=ax)
+
+    def save_animations(
+        self, folder: str | Path, progress: LabelledProgress | None = None
+    ) -> list[Path]:
+        """Write the animation as a GIF, and as an MP4 where ffmpeg exists.
+
+        Parameters
+        ----------
+        folder : str or Path
+            The files appear there together, after the last one is written.
+        progress : callable, optional
+            Called with the name of the file, the frames done and the frames to do.
+
+        Returns
+        -------
+        list of Path
+        """
+        names = ANIMATIONS if plots.mp4_available() else ANIMATIONS[:1]
+        with moved_into(Path(folder)) as temporary:
+            for name in names:
+                shown = None if progress is None else _labelled(progress, name)
+                plots.write_animation(self.dataset, temporary / name, progress=shown)
+        return [Path(folder) / name for name in names]
+
+    def summary(self) -> Summary:
+        """Peaks and how far they can be trusted; the last line compares the engines."""
+        data, unit = self.dataset, str(self.dataset.attrs.get("speed_unit", "rad/s"))
+        speed = f"{from_si(float(data.attrs['crank_speed']), unit):.6g} {unit}"
+        title = f"peaks at {speed}, {data.attrs.get('mechanism', '')}"
+        lines = (
+            *words.check_lines(data),
+            *words.load_lines(self.peaks(), data),
+            *words.spectrogram_lines(data),
+            *str(data.attrs.get("environment_lines", "")).splitlines(),
+        )
+        table = words.peak_table(self.peaks(), float(data["crank_angle"][0]), title)
+        return Summary((table, *lines), words.agreement_line(self.agreement(), data))
 
 
 def _place(data: xr.Dataset, link: str) -> str:
     return str(data["probe"].sel(link=link).item())
+
+
+def _labelled(progress: LabelledProgress, name: str) -> StepProgress:
+    return lambda done, total: progress(name, done, total)

@@ -8,18 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.analyses.frequencies import natural_frequencies
-from flexmech.analyses.response.quantities import deflections
+from flexmech.analyses.response.measurements import deflections
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start, simulation_start
+from flexmech.analyses.turn import sampled_turn
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
 from flexmech.time_domain import (
     DETAIL,
     DrivenLinkage,
-    Simulator,
     Trajectory,
     is_reduced,
     linear_run,
+    simulator,
 )
 from flexmech.types import FloatArray, StepProgress
 
@@ -63,10 +64,9 @@ class EngineRun:
 
 def highest_frequency(engine: Engine, request: ResponseRequest) -> float:
     """Greatest value over a turn of the highest natural frequency asked for, at rest; Hz."""
-    turn = request.drive.start_angle + np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
     frequency = natural_frequencies(
         engine,
-        turn,
+        sampled_turn(request.drive.start_angle),
         modes=request.modes,
         prestress=engine.prestress_at_rest,
         rotation_terms=False,
@@ -132,7 +132,7 @@ def _checked(
     engine: Engine, request: ResponseRequest, trajectory: Trajectory, step_error: float
 ) -> EngineRun:
     """A run with the error of its component modes."""
-    if isinstance(engine, Simulator) or not is_reduced(engine):
+    if engine.simulates or not is_reduced(engine):
         return EngineRun(engine, trajectory, step_error, 0.0)
     finer = _linear_run(engine, request, trajectory.time, trajectory.step, None, detail=2 * DETAIL)
     return EngineRun(engine, trajectory, step_error, _difference(engine, trajectory, finer))
@@ -158,7 +158,7 @@ def mesh_error(
     ComputationError
         If the run on the finer mesh fails.
     """
-    finer = run.engine.with_elements(2 * run.engine.elements)
+    finer = run.engine.with_(elements=2 * run.engine.elements)
     trajectory = _run(finer, request, run.trajectory.time, run.trajectory.step, progress)
     first, second = deflections(run.engine, run.trajectory), deflections(finer, trajectory)
     return _relative(run.engine, first, second)
@@ -182,9 +182,9 @@ def _run(
     step: float,
     progress: StepProgress | None,
 ) -> Trajectory:
-    if isinstance(engine, Simulator):
+    if engine.simulates:
         start = simulation_start(engine, request, step)
-        return engine.simulate(
+        return simulator(engine).simulate(
             request.drive,
             start,
             sample_time,

@@ -1,0 +1,6 @@
+"""What is known of a mechanism?"""
+
+from flexmech.analyses.check.compute import check_mechanism
+from flexmech.analyses.check.result import ModelCheck
+
+__all__ = ["ModelCheck", "check_mechanism"]

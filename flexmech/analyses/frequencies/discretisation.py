@@ -1,0 +1,106 @@
+"""How far a computed frequency can be trusted: the error of the mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
+from flexmech.analyses.frequencies.formulation import Formulation, Systems
+from flexmech.linear_system import Engine
+from flexmech.mesh import pieces
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["check_angle_indices", "discretisation_error"]
+
+
+CHECK_ANGLES = 12
+
+
+def check_angle_indices(crank_angles: FloatArray, full_turn: bool) -> IntArray:
+    """About a dozen of the crank angles, evenly spread, the first among them."""
+    count = len(crank_angles)
+    closed = full_turn and np.isclose(crank_angles[-1] - crank_angles[0], 2 * np.pi)
+    places = np.linspace(0, count - 1, CHECK_ANGLES + 1 if closed else CHECK_ANGLES)
+    chosen = np.unique(np.round(places[:-1] if closed else places).astype(np.intp))
+    return chosen[chosen < count]
+
+
+def discretisation_error(
+    systems: Systems, crank_angles: FloatArray, crank_speed: float
+) -> FloatArray:
+    """Estimated relative error of the frequencies by the mesh (Richardson).
+
+    The same mechanism on coarser meshes; elastic part, change by prestress and change by
+    rotation terms are extrapolated apart, each with its own powers of the element length.
+
+    Parameters
+    ----------
+    systems : Systems
+        As in the map. Running states are left out: the mesh acts as about the equilibrium.
+    crank_angles : ndarray, shape (A,)
+    crank_speed : float
+
+    Returns
+    -------
+    ndarray, shape (A, modes)
+        Positive.
+    """
+    engine, formulation = systems.engine, systems.formulation.quasi_static
+    order = engine.convergence(formulation.quasi_static_prestress)
+    at_rest = replace(formulation, prestress=engine.prestress_at_rest, rotation_terms=False)
+    levels, powers = [(0.0, at_rest)], [order.elastic]
+    if formulation.prestress != "none":
+        levels.append((crank_speed, replace(formulation, rotation_terms=False)))
+        powers.append(order.prestress)
+    if formulation.rotation_terms and crank_speed:
+        levels.append((crank_speed, formulation))
+        powers.append(order.rotation)
+
+    meshes = [engine, *(engine.with_(elements=n) for n in _companion_meshes(engine))]
+    parts = np.stack(
+        [
+            _effects(Systems(mesh, formulation, detail=systems.detail), crank_angles, levels)
+            for mesh in meshes
+        ]
+    )
+    element_length = np.array([1 / mesh.elements for mesh in meshes])
+    error = sum(
+        _mesh_error(parts[:, number], element_length, power) for number, power in enumerate(powers)
+    )
+    return np.asarray(np.abs(error) / parts[0].sum(axis=0), dtype=float)
+
+
+def _effects(
+    systems: Systems, crank_angles: FloatArray, levels: Sequence[tuple[float, Formulation]]
+) -> FloatArray:
+    """Frequencies at the first level, then what each level adds; (levels, A, modes)."""
+    values = [
+        solve_frequencies(replace(systems, formulation=level).at(crank_angles, speed), level.modes)
+        for speed, level in levels
+    ]
+    return np.concatenate([values[:1], np.diff(np.stack(values), axis=0)])
+
+
+def _mesh_error(values: FloatArray, element_length: FloatArray, power: int) -> FloatArray:
+    """Error of ``values[0]`` if it goes with a power of the element length.
+
+    A first-order error has a second-order part of like size (the layer at a pin is one
+    element wide, and the shape changes across it): three meshes fit both.
+    """
+    if power > 1:
+        ratio = (element_length[1] / element_length[0]) ** power
+        return np.asarray((values[0] - values[1]) / (1 - ratio), dtype=float)
+    fit = np.linalg.solve(element_length[:, None] ** [0, 1, 2], values.reshape(3, -1))
+    return np.asarray(values[0] - fit[0].reshape(values[0].shape), dtype=float)
+
+
+def _companion_meshes(engine: Engine) -> tuple[int, int]:
+    """Half and quarter mesh; twice and four times where these are too coarse."""
+    mechanism = engine.mechanism
+    least = max(len(pieces(m.length, m.point_positions)) for m in mechanism.link_masses_in_order)
+    if engine.elements // 4 >= max(2, least):
+        return engine.elements // 2, engine.elements // 4
+    return 2 * engine.elements, 4 * engine.elements

@@ -1,0 +1,185 @@
+"""The frozen eigenproblem of a linear system, in many positions at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import InputError
+from flexmech.linear_system import LinearSystem, refuse_positions
+from flexmech.types import FloatArray
+
+__all__ = ["Modes", "solve_frequencies", "solve_modes"]
+
+
+# A mode whose frequency is this many times the undamped one is the next mode.
+LEFT_OUT = 1.2
+
+
+@dataclass(frozen=True)
+class Modes:
+    """Lowest modes over a batch of B positions, in ascending order of frequency.
+
+    Parameters
+    ----------
+    eigenvalues : ndarray of complex, shape (B, m)
+        ``lambda`` in rad/s, imaginary part positive.
+    vectors : ndarray, shape (B, n, m)
+        Mode shapes in the system's coordinates, normalized so that x^H M x = 1; real for
+        a conservative system.
+    """
+
+    eigenvalues: NDArray[np.complex128]
+    vectors: NDArray[Any]
+
+    @property
+    def count(self) -> int:
+        """Number of modes m."""
+        return self.eigenvalues.shape[1]
+
+    @property
+    def frequency(self) -> FloatArray:
+        """Natural frequency ``|lambda| / 2 pi`` in Hz, shape (B, m)."""
+        return np.abs(self.eigenvalues) / (2 * np.pi)
+
+    @property
+    def damping_ratio(self) -> FloatArray:
+        """``-Re(lambda) / |lambda|``, shape (B, m)."""
+        # 0.0 - x rather than -x: an undamped mode has ratio 0, not -0
+        return (0.0 - self.eigenvalues.real) / np.abs(self.eigenvalues)
+
+
+def solve_modes(system: LinearSystem, count: int) -> Modes:
+    """Lowest ``count`` modes in each position.
+
+    A conservative system (frozen inertial form without damping) is solved as
+    ``(K - w^2 M) x = 0``; any other as ``(lambda^2 M + lambda C + K) x = 0``.
+
+    Parameters
+    ----------
+    system : LinearSystem
+    count : int
+
+    Returns
+    -------
+    Modes
+
+    Raises
+    ------
+    InputError
+        If the system has fewer than ``count`` coordinates.
+    ComputationError
+        If a mode asked for does not oscillate (the frozen linkage is unstable or
+        overdamped there); names the crank angle and speed.
+    """
+    _require(system, count)
+    return _conservative(system, count) if system.is_conservative else _general(system, count)
+
+
+def solve_frequencies(system: LinearSystem, count: int) -> FloatArray:
+    """Lowest ``count`` natural frequencies in Hz, without mode shapes; shape (B, count).
+
+    Errors as for :func:`solve_modes`.
+    """
+    _require(system, count)
+    if not system.is_conservative:
+        return _general(system, count).frequency
+    values = np.asarray(np.linalg.eigvalsh(_standard_form(system)[0])[:, :count], dtype=float)
+    _refuse_unstable(system, values)
+    return np.asarray(np.sqrt(values) / (2 * np.pi), dtype=float)
+
+
+def _require(system: LinearSystem, count: int) -> None:
+    if not 1 <= count <= system.size:
+        raise InputError(
+            f"{count} modes were asked for, the model has {system.size} coordinates; ask for "
+            "fewer modes or more elements"
+        )
+
+
+def _conservative(system: LinearSystem, count: int) -> Modes:
+    stiffness, unit_mass = _standard_form(system)
+    values, vectors = np.linalg.eigh(stiffness)
+    values, vectors = values[:, :count], vectors[:, :, :count]
+    _refuse_unstable(system, values)
+    ends = unit_mass.shape[2]
+    shapes = unit_mass @ vectors[:, :ends]
+    shapes[:, ends:] += vectors[:, ends:]
+    return Modes(1j * np.sqrt(values), shapes)
+
+
+def _standard_form(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
+    """Stiffness in coordinates of unit mass, and how the first of them are made.
+
+    ``z = W y`` with ``W' M W = 1``. Where the mass is the unit matrix from coordinate e on,
+    only the first e columns of W differ from the unit matrix.
+
+    Returns
+    -------
+    stiffness : ndarray, shape (B, n, n)
+    columns : ndarray, shape (B, n, e)
+        First columns of W.
+    """
+    ends = system.size if system.unit_mass_from is None else system.unit_mass_from
+    coupling = system.mass[:, ends:, :ends]
+    remainder = system.mass[:, :ends, :ends] - np.swapaxes(coupling, 1, 2) @ coupling
+    upper = np.swapaxes(np.linalg.inv(np.linalg.cholesky(remainder)), 1, 2)
+    columns = np.concatenate([upper, -coupling @ upper], axis=1)
+    stiffness = system.stiffness.copy()
+    stiffness[:, :, :ends] = stiffness @ columns
+    stiffness[:, :ends] = np.swapaxes(columns, 1, 2) @ stiffness
+    return stiffness, columns
+
+
+def _refuse_unstable(system: LinearSystem, squares: FloatArray) -> None:
+    unstable = ~np.all(squares > 0, axis=1)
+    _refuse(system, unstable, "the frozen linkage is statically unstable")
+
+
+def _general(system: LinearSystem, count: int) -> Modes:
+    """Eigenvalues of the inverse companion matrix: the lowest modes are its largest."""
+    size = system.size
+    flexible = np.linalg.solve(
+        system.stiffness, np.concatenate([system.damping, system.mass], axis=2)
+    )
+    # In units of time of the slowest mode both blocks are of order one.
+    unit = 1 / np.sqrt(np.abs(flexible[:, :, size:]).sum(axis=2).max(axis=1))[:, None, None]
+    companion = np.zeros((len(flexible), 2 * size, 2 * size))
+    companion[:, :size, :size] = -flexible[:, :, :size] * unit
+    companion[:, :size, size:] = -flexible[:, :, size:] * unit**2
+    companion[:, np.arange(size, 2 * size), np.arange(size)] = 1.0
+    inverse, states = np.linalg.eig(companion)
+    oscillates = inverse.imag < 0  # the inverse of lambda = a + ib has imaginary part -b
+    order = np.argsort(np.where(oscillates, -np.abs(inverse), 0.0), axis=1)[:, :count]
+    chosen = np.take_along_axis(inverse, order, axis=1)
+    real = inverse.imag == 0
+    diverges: NDArray[np.bool_] = (real & (inverse.real > 0)).any(axis=1)
+    _refuse(system, diverges, "the frozen linkage diverges without oscillating")
+    enough = np.asarray(np.take_along_axis(oscillates, order, axis=1).all(axis=1))
+    if real.any():
+        enough &= _none_left_out(system, np.abs(unit[:, 0] / chosen))
+    _refuse(system, ~enough, f"fewer than {count} of the lowest modes oscillate (overdamped)")
+    vectors = np.take_along_axis(states[:, :size], order[:, None, :], axis=2)
+    norm = np.einsum("bim,bij,bjm->bm", vectors.conj(), system.mass, vectors, optimize=True)
+    return Modes(unit[:, 0] / chosen, vectors / np.sqrt(norm.real)[:, None, :])
+
+
+def _none_left_out(system: LinearSystem, found: FloatArray) -> NDArray[np.bool_]:
+    """Whether the oscillating modes found are the lowest of all; shape (B,).
+
+    Damping and rotation move a natural frequency little. A mode that does not oscillate
+    leaves a gap: from there on the frequencies found are those of the next modes.
+    """
+    symmetric = (system.stiffness + np.swapaxes(system.stiffness, 1, 2)) / 2
+    undamped = replace(system, stiffness=symmetric)
+    squares = np.linalg.eigvalsh(_standard_form(undamped)[0])[:, : found.shape[1]]
+    lowest: NDArray[np.bool_] = (found**2 <= LEFT_OUT**2 * np.abs(squares)).all(axis=1)
+    return lowest
+
+
+def _refuse(system: LinearSystem, failed: NDArray[np.bool_], what: str) -> None:
+    remedy = "; lower the crank speed, ask for fewer modes, or stiffen the links"
+    refuse_positions(system.motion, failed, what, remedy)

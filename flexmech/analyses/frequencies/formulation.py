@@ -1,0 +1,110 @@
+"""Which terms of the moving linkage are counted, and the linear systems that follow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmech.analyses.frequencies.running_states import RunningStates
+from flexmech.choices import MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
+from flexmech.errors import InputError
+from flexmech.linear_system import Engine, LinearSystem, RotationTerms
+from flexmech.types import FloatArray
+
+__all__ = ["Formulation", "Systems"]
+
+
+@dataclass(frozen=True)
+class Formulation:
+    """Which terms of the moving linkage are counted, and how many modes must be right.
+
+    Parameters
+    ----------
+    prestress : {"none", "axial", "equilibrium", "trajectory"}
+        ``trajectory``: in the states of the simulated, settled motion.
+    rotation_terms : bool or RotationTerms
+        Terms of the turning link frames.
+    modes : int
+        Natural frequencies that component modes must get right.
+
+    Raises
+    ------
+    InputError
+        If the prestress is unknown or no mode is asked for.
+    """
+
+    prestress: MapPrestress = "equilibrium"
+    rotation_terms: bool | RotationTerms = True
+    modes: int = MODES
+
+    def __post_init__(self) -> None:
+        levels = (*PRESTRESS_LEVELS, "trajectory")
+        if self.prestress not in levels:
+            raise InputError(
+                f"prestress must be one of {', '.join(levels)}, got {self.prestress!r}"
+            )
+        if not isinstance(self.modes, int | np.integer) or self.modes < 1:
+            raise InputError(f"modes must be 1 or more, a whole number, got {self.modes!r}")
+
+    @property
+    def quasi_static_prestress(self) -> Prestress:
+        """The level nearest to the one asked for that needs no simulation."""
+        return "equilibrium" if self.prestress == "trajectory" else self.prestress
+
+    @property
+    def quasi_static(self) -> Formulation:
+        """The same about the quasi-static state of the links."""
+        return replace(self, prestress=self.quasi_static_prestress)
+
+
+@dataclass(frozen=True)
+class Systems:
+    """Linear systems of one engine in any positions, all reduced alike.
+
+    Parameters
+    ----------
+    engine : Engine
+    formulation : Formulation
+    fastest : float, optional
+        Greatest angular velocity of a link in rad/s, by which component modes are chosen; that
+        of the positions asked for by default.
+    detail : float
+        How many component modes to take; see :meth:`flexmech.linear_system.Engine.linear_system`.
+    running : RunningStates, optional
+        States to linearize about in place of the prestress.
+    """
+
+    engine: Engine
+    formulation: Formulation
+    fastest: float | None = None
+    detail: float = 1.0
+    running: RunningStates | None = None
+
+    def at(self, crank_angle: FloatArray, crank_speed: FloatArray | float) -> LinearSystem:
+        """Linear system at crank angles (B,) and speeds that match them."""
+        return self.engine.linear_system(
+            crank_angle,
+            crank_speed,
+            prestress=self.formulation.quasi_static_prestress,
+            running=self.states(crank_angle),
+            rotation_terms=self.formulation.rotation_terms,
+            modes=self.formulation.modes,
+            fastest=self.fastest,
+            detail=self.detail,
+        )
+
+    def states(self, crank_angle: FloatArray) -> list[FloatArray] | None:
+        """Displacements to linearize about, (B, n_link) each; None where there is a prestress."""
+        return None if self.running is None else self.running.at(crank_angle)
+
+    def batches(
+        self, crank_angle: FloatArray, crank_speed: FloatArray | float
+    ) -> Iterator[LinearSystem]:
+        """Linear systems along crank angles (A,) and speeds that match, a batch at a time."""
+        speed = np.broadcast_to(crank_speed, crank_angle.shape)
+        size = self.engine.batch_size
+        for start in range(0, len(crank_angle), size):
+            batch = slice(start, start + size)
+            yield self.at(crank_angle[batch], speed[batch])

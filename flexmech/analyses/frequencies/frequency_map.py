@@ -1,0 +1,66 @@
+"""Natural frequencies of one engine over a map, without tracking or error estimates."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
+from flexmech.analyses.frequencies.formulation import Systems
+from flexmech.analyses.frequencies.request import FrequencyRequest
+from flexmech.analyses.frequencies.running_states import RunningStates
+from flexmech.linear_system import Engine
+from flexmech.threads import one_thread
+from flexmech.types import FloatArray
+
+__all__ = ["frequency_map", "systems_at"]
+
+
+def systems_at(
+    engine: Engine, request: FrequencyRequest, crank_speed: float, detail: float = 1.0
+) -> Systems:
+    """Linear systems of an engine at one crank speed of a map.
+
+    Parameters
+    ----------
+    engine : Engine
+    request : FrequencyRequest
+    crank_speed : float
+        In rad/s.
+    detail : float
+        How many component modes to take.
+
+    Returns
+    -------
+    Systems
+        About running states where they are asked for; at rest there is nothing to run.
+    """
+    motion = engine.mechanism.linkage.motion(request.crank_angles, 1.0)
+    fastest = float(np.abs(motion.angular_velocity).max()) * abs(crank_speed)
+    runs = request.formulation.prestress == "trajectory" and crank_speed
+    running = RunningStates.of(engine, crank_speed) if runs else None
+    return Systems(engine, request.formulation, fastest, detail, running)
+
+
+def frequency_map(engine: Engine, request: FrequencyRequest, detail: float = 1.0) -> FloatArray:
+    """Natural frequencies of a map without tracking or error estimates.
+
+    Parameters
+    ----------
+    engine : Engine
+    request : FrequencyRequest
+    detail : float
+        How many component modes to take.
+
+    Returns
+    -------
+    ndarray, shape (S, A, modes)
+        In Hz, ascending.
+    """
+
+    def along_angles(crank_speed: float) -> FloatArray:
+        systems = systems_at(engine, request, crank_speed, detail)
+        batches = systems.batches(request.crank_angles, crank_speed)
+        return np.concatenate([solve_frequencies(s, request.formulation.modes) for s in batches])
+
+    with one_thread():
+        return np.stack([along_angles(speed) for speed in request.crank_speeds.tolist()])

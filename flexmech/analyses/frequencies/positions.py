@@ -1,0 +1,163 @@
+"""Natural frequencies and damping ratios at given positions."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexmech.analyses.frequencies.discretisation import check_angle_indices
+from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
+from flexmech.analyses.frequencies.formulation import Formulation, Systems
+from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
+from flexmech.analyses.frequencies.reduction import settled
+from flexmech.analyses.requests import engine_of, in_radians
+from flexmech.choices import MODES, Prestress
+from flexmech.errors import InputError
+from flexmech.linear_system import Engine
+from flexmech.numbers import checked_array
+from flexmech.threads import one_thread
+from flexmech.types import FloatArray
+
+__all__ = ["frequencies_at", "natural_frequencies", "strain_energy_damping"]
+
+
+def natural_frequencies(
+    engine: Engine,
+    crank_angle: ArrayLike,
+    crank_speed: ArrayLike = 0.0,
+    *,
+    modes: int = MODES,
+    prestress: Prestress = "equilibrium",
+    rotation_terms: bool = True,
+) -> FloatArray:
+    """Natural frequencies at given positions.
+
+    Parameters
+    ----------
+    engine : Engine
+    crank_angle, crank_speed : array_like
+        rad and rad/s; broadcast against each other to shape (...).
+    modes : int
+    prestress : {"none", "axial", "equilibrium"}
+    rotation_terms : bool
+
+    Returns
+    -------
+    ndarray, shape (..., modes)
+        In Hz, ascending.
+
+    Raises
+    ------
+    InputError, ComputationError
+        See :meth:`flexmech.linear_system.Engine.linear_system` and
+        :func:`flexmech.analyses.solve_modes`.
+
+    Examples
+    --------
+    >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
+    >>> engine = flexmech.ReferenceEngine(mechanism)
+    >>> flexmech.natural_frequencies(engine, 0.0, modes=2).round(2)
+    array([44.31, 48.08])
+    """
+    return frequencies_at(
+        engine_of(engine),
+        in_radians("crank_angle", crank_angle),
+        checked_array(crank_speed, "crank_speed", "rad/s"),
+        Formulation(prestress, rotation_terms, modes),
+    )
+
+
+def frequencies_at(
+    engine: Engine, crank_angle: ArrayLike, crank_speed: ArrayLike, formulation: Formulation
+) -> FloatArray:
+    """Natural frequencies at positions that may be any number of turns apart.
+
+    Parameters
+    ----------
+    engine : Engine
+    crank_angle, crank_speed : array_like
+        rad and rad/s; broadcast against each other to shape (...).
+    formulation : Formulation
+
+    Returns
+    -------
+    ndarray, shape (..., modes)
+        In Hz, ascending.
+    """
+    angle, speed, systems = _systems(engine, crank_angle, crank_speed, formulation)
+    flat_angle, flat_speed = angle.ravel(), speed.ravel()
+    some = check_angle_indices(np.arange(angle.size, dtype=float), full_turn=False)
+    with one_thread():
+        checked = settled(systems, flat_angle[some], flat_speed[some])
+        if len(some) == angle.size:
+            return checked.modes.frequency.reshape(*angle.shape, formulation.modes)
+        batches = checked.systems.batches(flat_angle, flat_speed)
+        parts = [solve_frequencies(system, formulation.modes) for system in batches]
+    return np.concatenate(parts).reshape(*angle.shape, formulation.modes)
+
+
+def strain_energy_damping(
+    engine: Engine,
+    crank_angle: ArrayLike,
+    crank_speed: ArrayLike = 0.0,
+    *,
+    modes: int = MODES,
+    prestress: Prestress = "equilibrium",
+    rotation_terms: bool = True,
+) -> FloatArray:
+    """Damping ratios by modal strain energy at given positions.
+
+    Parameters
+    ----------
+    engine : Engine
+    crank_angle, crank_speed : array_like
+        rad and rad/s; broadcast against each other to shape (...).
+    modes : int
+    prestress : {"none", "axial", "equilibrium"}
+    rotation_terms : bool
+
+    Returns
+    -------
+    ndarray, shape (..., modes)
+        Of the modes in ascending order of frequency.
+
+    Raises
+    ------
+    InputError
+        If no section of the mechanism has specific damping.
+    InputError, ComputationError
+        See :func:`flexmech.analyses.natural_frequencies`.
+    """
+    loss = StrainEnergyDamping.of(engine_of(engine))
+    if loss is None:
+        raise InputError(
+            "no section of this mechanism has specific damping, which damping by strain energy "
+            "needs: make the sections of plies whose loss is known, or set specific_damping"
+        )
+    angle, speed, systems = _systems(
+        engine,
+        in_radians("crank_angle", crank_angle),
+        checked_array(crank_speed, "crank_speed", "rad/s"),
+        Formulation(prestress, rotation_terms, modes),
+    )
+
+    def in_batch(batch: slice) -> FloatArray:
+        checked = settled(systems, angle.ravel()[batch], speed.ravel()[batch])
+        return loss.ratio(checked.system, checked.modes, prestress)
+
+    size = engine.batch_size
+    with one_thread():
+        parts = [in_batch(slice(i, i + size)) for i in range(0, angle.size, size)]
+    return np.concatenate(parts).reshape(*angle.shape, modes)
+
+
+def _systems(
+    engine: Engine, crank_angle: ArrayLike, crank_speed: ArrayLike, formulation: Formulation
+) -> tuple[FloatArray, FloatArray, Systems]:
+    """Angles and speeds of one shape, and the systems of an engine there."""
+    angle, speed = np.broadcast_arrays(
+        np.asarray(crank_angle, dtype=float), np.asarray(crank_speed, dtype=float)
+    )
+    motion = engine.mechanism.linkage.motion(angle, speed)
+    fastest = float(np.abs(motion.angular_velocity).max(initial=0.0))
+    return angle, speed, Systems(engine, formulation, fastest)

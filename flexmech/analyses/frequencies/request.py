@@ -1,0 +1,84 @@
+"""What a map of natural frequencies is asked to cover."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.analyses.frequencies.formulation import Formulation
+from flexmech.analyses.requests import in_radians
+from flexmech.errors import InputError
+from flexmech.mechanism import Mechanism
+from flexmech.numbers import checked_array
+from flexmech.types import FloatArray
+
+__all__ = ["FrequencyRequest", "operating_speeds"]
+
+FORMULATION = Formulation()
+SPEEDS = (0.0, 10.0, 20.0)
+
+
+@dataclass(frozen=True)
+class FrequencyRequest:
+    """A map of natural frequencies over crank angles and speeds.
+
+    Parameters
+    ----------
+    crank_angles : array_like, shape (A,)
+        Increasing, rad; kept as an array.
+    crank_speeds : array_like, shape (S,)
+        rad/s; kept as an array.
+    formulation : Formulation
+    speed_effect : bool
+        Whether to split the effect of speed by term, with the first engine.
+    speed_unit : str
+        In which results speak of crank speeds, such as ``"rpm"``.
+
+    Raises
+    ------
+    InputError
+        If angles do not increase or are degrees, a value is not finite, or a speed repeats.
+    """
+
+    crank_angles: FloatArray
+    crank_speeds: FloatArray
+    formulation: Formulation = FORMULATION
+    speed_effect: bool = False
+    speed_unit: str = "rad/s"
+
+    def __post_init__(self) -> None:
+        angles = in_radians("crank_angles", self.crank_angles)
+        speeds = checked_array(self.crank_speeds, "crank_speeds", "rad/s")
+        for name, values in (("crank_angles", angles), ("crank_speeds", speeds)):
+            if values.ndim != 1 or not len(values):
+                raise InputError(f"{name} must be a list of one value or more")
+            object.__setattr__(self, name, values)
+        if np.any(np.diff(angles) <= 0):
+            raise InputError("crank_angles must increase; sort them and leave out repetitions")
+        if len(np.unique(speeds)) != len(speeds):
+            raise InputError("crank_speeds repeats a speed; give each one once")
+
+    @property
+    def splits_speed(self) -> bool:
+        """Whether there is an effect of speed to split by term."""
+        return self.speed_effect and bool(self.crank_speeds.any())
+
+    @property
+    def full_turn(self) -> bool:
+        """Whether the angles cover a full turn, so that the last leads back to the first."""
+        if len(self.crank_angles) < 3:
+            return False
+        covered = self.crank_angles[-1] - self.crank_angles[0]
+        step = float(np.max(np.diff(self.crank_angles)))
+        return bool(2 * np.pi - 1.001 * step <= covered <= 2 * np.pi + 1e-9)
+
+
+def operating_speeds(mechanism: Mechanism) -> FloatArray:
+    """Standstill and the speeds in rad/s at which a mechanism operates, ascending.
+
+    0, 10 and 20 rad/s, the speeds of Kumar & Chandrakar, if it names none.
+    """
+    return np.array(
+        sorted({0.0, *mechanism.operating_speeds}) if mechanism.operating_speeds else SPEEDS
+    )

@@ -1,0 +1,346 @@
+"""The result of a frequency map: extremes, agreement of the engines, tables and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flexmech import plots
+from flexmech.analyses.frequencies import words
+from flexmech.analyses.result import Result
+from flexmech.analyses.summary import Summary
+from flexmech.errors import InputError
+from flexmech.units import from_si
+
+__all__ = ["EngineAgreement", "MovingFrequencies"]
+
+DIMS = ("engine", "crank_speed", "crank_angle", "mode")
+COLUMNS = {
+    "engine": "engine",
+    "crank_speed": "crank_speed_rad_s",
+    "crank_angle": "crank_angle_deg",
+    "mode": "mode",
+}
+FILES = (
+    "frequencies.csv",
+    "frequencies.nc",
+    "vibration_effect.csv",
+    "damping.csv",
+    "frequencies.png",
+    "speed_effect.png",
+    "vibration_effect.png",
+    "damping.png",
+    "mode_shapes.png",
+    "agreement.png",
+)
+
+
+@dataclass(frozen=True)
+class EngineAgreement:
+    """Greatest relative difference of two engines' frequencies, and where it is.
+
+    Parameters
+    ----------
+    engines : tuple of str
+    relative_difference : float
+        ``|f_b / f_a - 1|``.
+    crank_speed, crank_angle : float
+        rad/s and rad.
+    mode : int
+        Counted from 1.
+    """
+
+    engines: tuple[str, str]
+    relative_difference: float
+    crank_speed: float
+    crank_angle: float
+    mode: int
+
+
+@dataclass(frozen=True, repr=False)
+class MovingFrequencies(Result):
+    """Natural frequencies over crank angle and speed, tracked, with their errors.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        ``frequency`` in Hz over (engine, crank_speed, crank_angle, mode), and over ``state``
+        before these where the mechanism was computed dry and in an environment. Further
+        variables and all units are in the dataset itself.
+    """
+
+    stem = "frequencies"
+    hallmark = "frequency"
+    files = (
+        *FILES,
+        *(f"dry/{name}" for name in FILES),
+        *(f"hygrothermal_effect.{ending}" for ending in ("csv", "nc", "png")),
+    )
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states, the dry one first; none where no environment was asked for."""
+        return tuple(str(name) for name in self.dataset["state"].values) if self._has_states else ()
+
+    def state(self, name: str) -> MovingFrequencies:
+        """The result in one of its states.
+
+        Parameters
+        ----------
+        name : str
+            One of :attr:`states`.
+
+        Returns
+        -------
+        MovingFrequencies
+
+        Raises
+        ------
+        InputError
+            If there is no such state.
+        """
+        if name not in self.states:
+            known = ", ".join(map(repr, self.states)) or "none: it was computed dry alone"
+            raise InputError(f"this result has no state {name!r}; its states are {known}")
+        chosen = self.dataset.sel(state=name, drop=True)
+        if "speed_effect" in chosen and chosen["speed_effect"].isnull().all():
+            chosen = chosen.drop_vars("speed_effect").drop_dims("term", errors="ignore")
+        if name != "dry":
+            chosen.attrs["mechanism"] = f"{chosen.attrs['mechanism']}, {name}"
+        return MovingFrequencies(chosen)
+
+    @property
+    def _has_states(self) -> bool:
+        return "state" in self.dataset.dims
+
+    @property
+    def _last(self) -> MovingFrequencies:
+        """The result in the environment asked for, or as it is."""
+        return self.state(self.states[-1]) if self._has_states else self
+
+    def relative_change(self) -> xr.DataArray:
+        """Frequency in the environment over the dry one, less one.
+
+        Modes are paired by their order. Where two come near to each other and swap their
+        shapes (veering), a pair is not the same shape.
+
+        Returns
+        -------
+        xarray.DataArray
+            Over (engine, crank_speed, crank_angle, mode).
+
+        Raises
+        ------
+        InputError
+            If the result has no states.
+        """
+        if not self._has_states:
+            raise InputError("relative_change needs a result with an environment")
+        frequency = self.dataset["frequency"]
+        return frequency.isel(state=-1, drop=True) / frequency.isel(state=0, drop=True) - 1
+
+    def extremes(self) -> xr.Dataset:
+        """Lowest and highest frequency of each mode and the crank angles where they are.
+
+        Returns
+        -------
+        xarray.Dataset
+            ``lowest``, ``highest`` in Hz and ``lowest_angle``, ``highest_angle`` in rad over
+            (engine, crank_speed, mode), and over ``state`` if there are any.
+        """
+        frequency = self.dataset["frequency"]
+        angles = self.dataset["crank_angle"].values
+        if len(angles) > 1 and np.isclose(angles[-1] - angles[0], 2 * np.pi):
+            frequency = frequency.isel(crank_angle=slice(None, -1))  # the first one again
+        return xr.Dataset(
+            {
+                "lowest": frequency.min("crank_angle"),
+                "lowest_angle": frequency.idxmin("crank_angle"),
+                "highest": frequency.max("crank_angle"),
+                "highest_angle": frequency.idxmax("crank_angle"),
+            }
+        )
+
+    def agreement(self) -> EngineAgreement | None:
+        """How far the first two engines differ at most; None with a single engine.
+
+        Of a result with states, in the environment asked for.
+        """
+        data = self._last.dataset
+        names = [str(name) for name in data["engine"].values]
+        if len(names) < 2:
+            return None
+        first, second = (data["frequency"].isel(engine=i).values for i in (0, 1))
+        difference = np.abs(second / first - 1)
+        speed, angle, mode = np.unravel_index(int(difference.argmax()), difference.shape)
+        return EngineAgreement(
+            engines=(names[0], names[1]),
+            relative_difference=float(difference.max()),
+            crank_speed=float(data["crank_speed"][speed]),
+            crank_angle=float(data["crank_angle"][angle]),
+            mode=int(data["mode"][mode]),
+        )
+
+    def vibration_effect(self) -> xr.DataArray | None:
+        """How much vibration itself moves the frequencies, relative to the quasi-static ones.
+
+        Returns
+        -------
+        xarray.DataArray or None
+            Over (engine, crank_speed, crank_angle, mode); None unless the frequencies are
+            those of running states (prestress ``trajectory``).
+        """
+        if "quasi_static_frequency" not in self.dataset:
+            return None
+        return self.dataset["frequency"] / self.dataset["quasi_static_frequency"] - 1
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Frequencies, and what the dataset holds besides, one row for each position and mode.
+
+        Returns
+        -------
+        dict of str to pandas.DataFrame
+            ``frequencies``; ``vibration_effect`` with running and quasi-static frequencies,
+            ``damping`` with the damping ratio by modal strain energy. With states these are
+            in the environment, those in ``dry/`` of the dry mechanism, and
+            ``hygrothermal_effect`` has both frequencies side by side.
+        """
+        if self._has_states:
+            dry, wet = (self.state(name) for name in self.states)
+            below = {f"dry/{name}": table for name, table in dry.tables().items()}
+            frequency = {
+                "dry_frequency_Hz": dry.dataset["frequency"],
+                "frequency_Hz": wet.dataset["frequency"],
+                "relative_change": self.relative_change(),
+            }
+            return {**wet.tables(), **below, "hygrothermal_effect": _rows(frequency)}
+        data = self.dataset
+        tables = {
+            "frequencies": _rows(
+                {
+                    "branch": data["branch_of_mode"],
+                    "frequency_Hz": data["frequency"],
+                    "damping_ratio": data["damping_ratio"],
+                }
+            )
+        }
+        effect = self.vibration_effect()
+        if effect is not None:
+            tables["vibration_effect"] = _rows(
+                {
+                    "frequency_Hz": data["frequency"],
+                    "quasi_static_frequency_Hz": data["quasi_static_frequency"],
+                    "relative_change": effect,
+                }
+            )
+        if "strain_energy_damping" in data:
+            tables["damping"] = _rows({"damping_ratio": data["strain_energy_damping"]})
+        return tables
+
+    def datasets(self) -> dict[str, xr.Dataset]:
+        """NetCDF files: the result; with states also each of them, as a result of its own."""
+        if not self._has_states:
+            return super().datasets()
+        dry, wet = (self.state(name).dataset for name in self.states)
+        return {self.stem: wet, f"dry/{self.stem}": dry, "hygrothermal_effect": self.dataset}
+
+    def figures(self) -> dict[str, Figure]:
+        """Every picture that there is data for; see :mod:`flexmech.plots`."""
+        if self._has_states:
+            dry, wet = (self.state(name).figures() for name in self.states)
+            below = {f"dry/{name}": figure for name, figure in dry.items()}
+            return {**wet, **below, "hygrothermal_effect": self.plot()}
+        data = self.dataset
+        figures = {"frequencies": plots.plot_frequencies(data)}
+        for variable, name, draw in (
+            ("speed_effect", "speed_effect", plots.plot_speed_effect),
+            ("quasi_static_frequency", "vibration_effect", plots.plot_vibration_effect),
+            ("strain_energy_damping", "damping", plots.plot_modal_damping),
+        ):
+            if variable in data:
+                figures[name] = draw(data)
+        figures["mode_shapes"] = plots.plot_mode_shapes(data)
+        if data.sizes["engine"] > 1:
+            figures["agreement"] = plots.plot_agreement(data)
+        return figures
+
+    def plot(
+        self,
+        *,
+        ax: Axes | Sequence[Axes] | None = None,
+        modes: int | Sequence[int] | None = None,
+        speeds: float | Sequence[float] | None = None,
+        engine: str | None = None,
+        state: str | None = None,
+    ) -> Figure:
+        """Draw natural frequencies against crank angle; both states where there are two.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes or sequence of them, optional
+            As many as there are panels: one for each mode, or group of modes that cross.
+        modes : int or sequence of int, optional
+        speeds : float or sequence of float, optional
+            In rad/s.
+        engine : str, optional
+        state : str, optional
+            One of :attr:`states` alone.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If something chosen is not there, or the axes are too few or too many.
+        """
+        of = self if state is None else self.state(state)
+        data = plots.chosen(of.dataset, engine=engine, modes=modes, speeds=speeds)
+        draw = plots.plot_hygrothermal_effect if of._has_states else plots.plot_frequencies
+        return draw(data, ax=ax)
+
+    def summary(self) -> Summary:
+        """Extremes, errors, branches and damping; the last line compares the engines."""
+        last, change = self._last, self.relative_change() if self._has_states else None
+        data, unit = last.dataset, str(self.dataset.attrs.get("speed_unit", "rad/s"))
+        title = f"natural frequencies, {data.attrs.get('mechanism', '')}"
+        lines = [
+            *words.error_lines(data),
+            *words.tracking_lines(data),
+            *words.vibration_lines(last.vibration_effect(), data),
+            *words.damping_lines(data),
+            *str(self.dataset.attrs.get("environment_lines", "")).splitlines(),
+            *words.change_lines(change),
+        ]
+        if "speed_effect" in self.dataset and "speed_effect" not in data:
+            lines.append("effect of speed: not split by term, since links bend without load")
+        table = words.extremes_table(last.extremes(), title, unit)
+        return Summary((table, *lines), self._verdict(unit))
+
+    def _verdict(self, unit: str) -> str:
+        """How far the engines differ at most, and where; or that only one ran."""
+        found = self.agreement()
+        if found is None:
+            engine = self.dataset["engine"].values[0]
+            return f"engines: no comparison was made, only the {engine} engine ran"
+        first, second = found.engines
+        return (
+            f"engines: {first} and {second} differ by at most {found.relative_difference:.2e} of "
+            f"the frequency, at {from_si(found.crank_speed, unit):.6g} {unit}, "
+            f"{np.degrees(found.crank_angle):.6g} deg, mode {found.mode}"
+        )
+
+
+def _rows(columns: dict[str, xr.DataArray]) -> pd.DataFrame:
+    """Columns side by side, one row for each engine, crank speed, crank angle and mode."""
+    plain = {name: values.reset_coords(drop=True) for name, values in columns.items()}
+    frame = xr.Dataset(plain).to_dataframe(dim_order=DIMS).reset_index()
+    frame["crank_angle"] = np.round(np.degrees(frame["crank_angle"]), 9)
+    return frame[[*COLUMNS, *columns]].rename(columns=COLUMNS)

@@ -1,0 +1,68 @@
+"""What each term adds to the natural frequencies when the crank turns."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from flexmech.analyses.frequencies.formulation import Formulation
+from flexmech.analyses.frequencies.frequency_map import frequency_map
+from flexmech.analyses.frequencies.request import FrequencyRequest
+from flexmech.choices import Prestress
+from flexmech.linear_system import Engine, RotationTerms
+from flexmech.types import FloatArray, LabelledProgress
+
+__all__ = ["TERMS", "speed_effect_terms"]
+
+# In the order in which the terms are switched on, and what is on by then.
+TERMS: dict[str, tuple[Prestress, RotationTerms]] = {
+    "geometric": ("axial", RotationTerms(False, False, False)),
+    "posture": ("equilibrium", RotationTerms(False, False, False)),
+    "coriolis": ("equilibrium", RotationTerms(True, False, False)),
+    "centripetal": ("equilibrium", RotationTerms(True, True, False)),
+    "tangential": ("equilibrium", RotationTerms(True, True, True)),
+}
+
+
+def speed_effect_terms(
+    engine: Engine, request: FrequencyRequest, detail: float, report: LabelledProgress
+) -> dict[str, FloatArray]:
+    """Change of the frequencies that each term adds.
+
+    The terms are switched on one after another - tension (geometric), shift of the equilibrium
+    (posture), Coriolis, centripetal, tangential - so that they add up to the whole effect of
+    speed. To first order in the square of the speed the order does not matter.
+
+    Parameters
+    ----------
+    engine : Engine
+    request : FrequencyRequest
+        Terms that it leaves out are left out here.
+    detail : float
+        How many component modes to take.
+    report : callable
+        Progress: ``report(label, done, total)``.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (S, A, modes)
+        By term, in Hz.
+    """
+    whole = request.formulation.quasi_static
+
+    def frequencies(formulation: Formulation) -> FloatArray:
+        return frequency_map(engine, replace(request, formulation=formulation), detail)
+
+    before = frequencies(replace(whole, prestress="none", rotation_terms=False))
+    effects: dict[str, FloatArray] = {}
+    for number, (term, (prestress, rotation)) in enumerate(TERMS.items()):
+        level = whole.prestress if prestress == "equilibrium" else prestress
+        wanted = {
+            "geometric": whole.prestress != "none",
+            "posture": whole.prestress == "equilibrium",
+        }.get(term, bool(whole.rotation_terms))
+        if wanted:
+            after = frequencies(replace(whole, prestress=level, rotation_terms=rotation))
+            effects[term] = after - before
+            before = after
+        report("speed effect", number + 1, len(TERMS))
+    return effects

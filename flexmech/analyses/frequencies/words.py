@@ -1,0 +1,221 @@
+"""What a frequency map says: the table of extremes and the lines below it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.summary import Table
+from flexmech.units import from_si
+
+__all__ = [
+    "change_lines",
+    "damping_lines",
+    "error_lines",
+    "extremes_table",
+    "tracking_lines",
+    "vibration_lines",
+]
+
+
+def extremes_table(extremes: xr.Dataset, title: str, speed_unit: str) -> Table:
+    """Lowest and highest frequency of each mode, and the crank angles of both.
+
+    Parameters
+    ----------
+    extremes : xarray.Dataset
+        ``lowest``, ``lowest_angle``, ``highest``, ``highest_angle`` over (engine,
+        crank_speed, mode); Hz and rad.
+    title : str
+    speed_unit : str
+
+    Returns
+    -------
+    Table
+        One row for each engine, speed and mode.
+    """
+
+    def row(engine: Any, speed: float, mode: int) -> tuple[str, ...]:
+        place = extremes.sel(engine=engine, crank_speed=speed, mode=mode)
+        return (
+            str(engine),
+            _speed(speed, speed_unit),
+            str(mode),
+            f"{float(place['lowest']):.4f}",
+            _degrees(place["lowest_angle"]),
+            f"{float(place['highest']):.4f}",
+            _degrees(place["highest_angle"]),
+        )
+
+    headings = ("engine", speed_unit, "mode", "lowest Hz", "at deg", "highest Hz", "at deg")
+    groups = tuple(
+        tuple(row(engine, speed, mode) for mode in extremes["mode"].values)
+        for engine in extremes["engine"].values
+        for speed in extremes["crank_speed"].values
+    )
+    return Table(title, headings, groups)
+
+
+def error_lines(dataset: xr.Dataset) -> list[str]:
+    """Report the greatest estimated discretisation and reduction error, and where they are."""
+    return [
+        _error_line("discretisation error (estimated)", dataset["discretisation_error"], dataset),
+        _error_line("reduction error", dataset["reduction_error"], dataset),
+    ]
+
+
+def tracking_lines(dataset: xr.Dataset) -> list[str]:
+    """Report veering, and branches that are not whole, where there are any."""
+    veering, torn = [], []
+    for engine in dataset["engine"].values:
+        veering += _veering(dataset["veering"].sel(engine=engine).astype(bool), engine, dataset)
+        for speed in dataset["crank_speed"].values:
+            torn += _torn_branches(dataset.sel(engine=engine, crank_speed=speed))
+    lines = []
+    if veering:
+        lines.append(f"veering, where close modes swap their shapes: {'; '.join(veering)}")
+    if torn:
+        lines.append(f"branches that are not whole over these angles: {'; '.join(torn)}")
+    return lines
+
+
+def vibration_lines(effect: xr.DataArray | None, dataset: xr.Dataset) -> list[str]:
+    """Say how much vibration moves the frequencies, where the running states were asked for."""
+    lines = []
+    for engine in () if effect is None else effect["engine"].values:
+        change = effect.sel(engine=engine)
+        if not abs(change).max() > 0:
+            lines.append(
+                f"trajectory: the {engine} engine runs no simulation; its frequencies are the "
+                "quasi-static ones, at equilibrium"
+            )
+            continue
+        place = _greatest(change)
+        lines.append(
+            f"trajectory: vibration moves the frequencies of {engine} by at most "
+            f"{float(change[place]):+.2e} of the quasi-static ones, {_at(change[place], dataset)}"
+        )
+    return lines
+
+
+def damping_lines(dataset: xr.Dataset) -> list[str]:
+    """Report damping by modal strain energy, where the mechanism's sections tell a loss."""
+    if "strain_energy_damping" not in dataset:
+        return []
+    ratio = dataset["strain_energy_damping"]
+    over = ["engine", "crank_speed", "crank_angle"]
+    low, high = 100 * ratio.min(over), 100 * ratio.max(over)
+    ranges = [f"{float(a):.3g} % to {float(b):.3g} %" for a, b in zip(low, high, strict=True)]
+    ranges[0] += " over the crank angles" + " and speeds" * (ratio.sizes["crank_speed"] > 1)
+    modes = (f"{r} (mode {m})" for r, m in zip(ranges, ratio["mode"].values, strict=True))
+    said = [", ".join(modes)]
+    if ratio.sizes["engine"] > 1:
+        said.append(f"engines differ by at most {_apart(ratio):.1e}")
+    if ratio.attrs.get("links_without_data"):
+        said.append(
+            f"no specific damping is known of {ratio.attrs['links_without_data']}; taken as "
+            "without loss"
+        )
+    return [f"damping by modal strain energy: {text}" for text in said]
+
+
+def change_lines(change: xr.DataArray | None) -> list[str]:
+    """How far heat and moisture move each frequency over the crank angles and speeds.
+
+    Parameters
+    ----------
+    change : xarray.DataArray or None
+        Relative, over (engine, crank_speed, crank_angle, mode); None where there are no states.
+
+    Returns
+    -------
+    list of str
+    """
+    if change is None:
+        return []
+    first, over = change.isel(engine=0), ["crank_speed", "crank_angle"]
+    ranges = [
+        f"{100 * low:+.4g} to {100 * high:+.4g} % (mode {mode})"
+        for low, high, mode in zip(
+            first.min(over).values, first.max(over).values, first["mode"].values, strict=True
+        )
+    ]
+    lines = [f"against dry: {', '.join(ranges)}"]
+    if change.sizes["engine"] > 1:
+        lines.append(
+            f"against dry: engines differ by at most {_apart(change):.1e} of the frequency"
+        )
+    return lines
+
+
+def _apart(values: xr.DataArray) -> float:
+    """Greatest difference of any engine from the first."""
+    return float(abs(values - values.isel(engine=0, drop=True)).max())
+
+
+def _veering(flags: xr.DataArray, engine: str, dataset: xr.Dataset) -> list[str]:
+    """Positions, modes and speeds of one engine's veering; empty without any."""
+    positions = flags.any("mode")
+    if not positions.any():
+        return []
+    speeds = flags["crank_speed"].values[positions.any("crank_angle").values]
+    modes = flags["mode"].values[flags.any(["crank_speed", "crank_angle"]).values]
+    unit = _unit(dataset)
+    return [
+        f"{engine} at {int(positions.sum())} of {positions.size} positions "
+        f"(modes {', '.join(map(str, modes))}; {', '.join(_speed(s, unit) for s in speeds)} {unit})"
+    ]
+
+
+def _torn_branches(place: xr.Dataset) -> list[str]:
+    """Branches of one engine and speed that are met there and not whole; empty without any."""
+    branches = place["branch"].values
+    met = np.isin(branches, place["branch_of_mode"].values)
+    torn = branches[met & ~place["branch_whole"].values.astype(bool)]
+    if not torn.size:
+        return []
+    unit = _unit(place)
+    speed = _speed(float(place["crank_speed"]), unit)
+    return [f"{place['engine'].item()} at {speed} {unit} ({', '.join(map(str, torn))})"]
+
+
+def _error_line(name: str, errors: xr.DataArray, dataset: xr.Dataset) -> str:
+    sizes = abs(errors)
+    if not np.isfinite(sizes).any():
+        return f"{name}: not known"
+    place = sizes[_greatest(sizes)]
+    return (
+        f"{name}: at most {float(place):.1e} of the frequency, {place['engine'].item()} "
+        f"{_at(place, dataset)}"
+    )
+
+
+def _greatest(values: xr.DataArray) -> dict[Any, Any]:
+    """Indices of the greatest size, by dimension."""
+    sizes = np.abs(values.values)
+    place = np.unravel_index(int(np.nanargmax(sizes)), sizes.shape)
+    return dict(zip(values.dims, place, strict=True))
+
+
+def _at(place: xr.DataArray, dataset: xr.Dataset) -> str:
+    """Where a value stands: its crank speed, crank angle and mode."""
+    unit = _unit(dataset)
+    angle = place["crank_angle" if "crank_angle" in place.coords else "check_angle"]
+    return (
+        f"at {_speed(float(place['crank_speed']), unit)} {unit}, {_degrees(angle)} deg, "
+        f"mode {place['mode'].item()}"
+    )
+
+
+def _unit(dataset: xr.Dataset) -> str:
+    return str(dataset.attrs.get("speed_unit", "rad/s"))
+
+
+def _speed(speed: float, unit: str) -> str:
+    return f"{from_si(speed, unit):.6g}"
+
+
+def _degrees(angle: Any) -> str:
+    return f"{np.degrees(float(angle)):.6g}"

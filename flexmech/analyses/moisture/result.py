@@ -1,0 +1,101 @@
+"""The result of moisture uptake: its tables, picture and words."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flexmech.analyses.result import Result
+from flexmech.analyses.summary import Summary, Table
+from flexmech.analyses.tables import table_over
+from flexmech.plots import plot_moisture
+
+__all__ = ["MoistureUptake"]
+
+DAY, HOUR = 86400.0, 3600.0
+
+
+class MoistureUptake(Result):
+    """Water in the links of a mechanism over time, from dry.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Moisture ``profile`` of the resin (mass of water over its dry mass) over ``link``,
+        ``profile_time`` and ``cell``, at the ``place`` of each cell from the middle of the
+        thickness, a mean over the width where water enters through the sides too
+        (``over_width``). Over ``link`` and ``time``: mean ``moisture`` of the resin; ``water``
+        over the dry mass of the link; ``uptake``, the water over that in equilibrium, and beside
+        it ``short_time_uptake`` by the law of the root of time and ``shen_springer_uptake`` by
+        Shen & Springer's formula, not a number where they do not hold. ``time_to_share`` of the
+        equilibrium, and ``mass_balance_error`` over what the link can hold.
+    """
+
+    stem = "moisture"
+    hallmark = "shen_springer_uptake"
+    files = ("moisture_profile.csv", "moisture_uptake.csv", "moisture.nc", "moisture.png")
+    significant_digits = 8
+    digits = dict.fromkeys(["time_s"], 10)
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Profiles at some times, and the uptake over time with the laws beside it."""
+        data = self.dataset
+        profile = table_over(
+            *("link", "profile_time", "cell"),
+            link=data["link"],
+            time_s=data["profile_time"],
+            place_m=data["place"],
+            moisture_percent=100 * data["profile"],
+        )
+        laws = ("uptake", "short_time_uptake", "shen_springer_uptake")
+        uptake = table_over(
+            *("link", "time"),
+            link=data["link"],
+            time_s=data["time"],
+            sqrt_time_sqrt_s=np.sqrt(data["time"]),
+            moisture_percent=100 * data["moisture"],
+            **{name: data[name] for name in laws},
+        )
+        return {"moisture_profile": profile.dropna(), "moisture_uptake": uptake}
+
+    def figures(self) -> dict[str, Figure]:
+        """Profiles and uptake of each link."""
+        return {"moisture": self.plot()}
+
+    def plot(self, *, ax: Axes | None = None) -> Figure:
+        """Draw profiles and uptake of each link, or uptakes alone in axes of the user's."""
+        return plot_moisture(self.dataset, ax=ax)
+
+    def summary(self) -> Summary:
+        """What the links hold at the end, and how long they take to their equilibrium."""
+        data, attrs = self.dataset, self.dataset.attrs
+        percent = 100 * data[["moisture", "water", "uptake"]].isel(time=-1).to_dataframe()
+        times = data["time_to_share"]
+        rows = tuple(
+            (str(link), *(f"{value:.4g}" for value in held), *map(_duration, times.sel(link=link)))
+            for link, *held in percent[["moisture", "water", "uptake"]].itertuples()
+        )
+        table = Table(
+            f"{attrs['mechanism']}: {_duration(data['time'][-1])} at "
+            f"{100 * attrs['relative_humidity']:.4g} % relative humidity and "
+            f"{attrs['temperature'] - 273.15:.4g} °C",
+            (
+                *("link", "water of resin (%)", "water of link (%)", "of equilibrium (%)"),
+                *(f"{100 * share:g} % after" for share in times["share"].values),
+            ),
+            (rows,),
+            caption="water over the dry mass of resin and link; time to a share of the equilibrium",
+        )
+        dry, gap = attrs["links_without_uptake"], float(data["mass_balance_error"].max())
+        return Summary(
+            (table, *([f"take up no water: {dry}"] if dry else [])),
+            f"check: mass of water is balanced within {gap:.1e} of what the links can hold",
+        )
+
+
+def _duration(time: xr.DataArray) -> str:
+    seconds = float(time)
+    return f"{seconds / DAY:.4g} d" if seconds >= DAY else f"{seconds / HOUR:.4g} h"

@@ -1,0 +1,137 @@
+"""Steady-state deflection against crank speed, and the speeds at which a linkage rings.
+
+At constant crank speed every load repeats itself with each turn. Where a natural frequency
+is a whole multiple of the turning frequency, a harmonic of the loads meets it: the critical
+speeds are natural frequencies divided by whole numbers, each a range because the frequencies
+move with the crank angle.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.analyses.provenance import provenance, with_units
+from flexmech.analyses.requests import engine_of
+from flexmech.analyses.response import deflections_of, probes
+from flexmech.analyses.speed_sweep.result import SpeedSweep
+from flexmech.analyses.turn import sampled_turn
+from flexmech.choices import Prestress
+from flexmech.errors import InputError
+from flexmech.linear_system import Engine
+from flexmech.linkages import CrankDrive
+from flexmech.numbers import checked_array
+from flexmech.threads import one_thread
+from flexmech.time_domain import DrivenLinkage, periodic_turn
+from flexmech.types import FloatArray, LabelledProgress
+
+__all__ = ["speed_sweep"]
+
+
+STEPS_PER_PERIOD = 40
+LEAST_STEPS = 720
+# A steady state shakes the lowest modes alone: fewer component modes than a start at speed.
+DETAIL = 2.0
+UNITS = {
+    "peak_deflection": ("m", "greatest deflection of the steady state"),
+    "critical_speed_low": ("rad/s", "lowest crank speed at which the harmonic meets the mode"),
+    "critical_speed_high": ("rad/s", "highest crank speed at which the harmonic meets the mode"),
+    "crank_speed": ("rad/s", "crank speed"),
+}
+
+
+def speed_sweep(
+    engine: Engine,
+    crank_speeds: ArrayLike,
+    *,
+    modes: int = 3,
+    orders: int = 24,
+    prestress: Prestress = "equilibrium",
+    speed_unit: str = "rad/s",
+    progress: LabelledProgress | None = None,
+) -> SpeedSweep:
+    """Periodic motion at many crank speeds, each found without its transient.
+
+    Parameters
+    ----------
+    engine : Engine
+    crank_speeds : array_like, shape (S,)
+        Increasing, positive, in rad/s.
+    modes : int
+        Natural frequencies whose critical speeds are marked.
+    orders : int
+        Highest harmonic of the crank that is marked.
+    prestress : {"none", "axial", "equilibrium"}
+    speed_unit : str
+        In which the result speaks of crank speeds, such as ``"rpm"``.
+    progress : callable, optional
+        Called with a label, the speeds done and the speeds to do.
+
+    Returns
+    -------
+    SpeedSweep
+
+    Raises
+    ------
+    InputError
+        If the speeds are not positive and increasing, or the crank cannot turn round.
+    ComputationError
+        At a speed without periodic motion, or without equilibrium.
+
+    Examples
+    --------
+    >>> engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/aluminium_fourbar.toml"))
+    >>> sweep = flexmech.speed_sweep(engine, [10.0, 20.0])
+    >>> sweep.dataset["peak_deflection"].dims
+    ('crank_speed', 'link')
+    """
+    speeds = checked_array(crank_speeds, "crank_speeds", "rad/s")
+    if speeds.ndim != 1 or not len(speeds) or not np.all(speeds > 0):
+        raise InputError("crank_speeds must be a list of positive speeds in rad/s")
+    if np.any(np.diff(speeds) <= 0):
+        raise InputError("crank_speeds must increase; sort them and leave out repetitions")
+    peaks = []
+    with one_thread():
+        frequency = natural_frequencies(
+            engine_of(engine), sampled_turn(), modes=modes, prestress=engine.prestress_at_rest
+        )
+        for number, speed in enumerate(speeds.tolist()):
+            peaks.append(_peak(engine, speed, float(frequency.max()), modes, prestress))
+            if progress is not None:
+                progress("crank speeds", number + 1, len(speeds))
+    order = np.arange(1, orders + 1)
+    critical = 2 * np.pi * frequency[:, :, None] / order
+    dataset = xr.Dataset(
+        {
+            "peak_deflection": (("crank_speed", "link"), np.stack(peaks)),
+            "critical_speed_low": (("mode", "order"), critical.min(axis=0)),
+            "critical_speed_high": (("mode", "order"), critical.max(axis=0)),
+        },
+        coords={
+            "crank_speed": speeds,
+            "link": list(engine.mechanism.linkage.topology.link_names),
+            "probe": ("link", probes(engine)),
+            "mode": np.arange(1, modes + 1),
+            "order": order,
+        },
+        attrs={
+            **provenance([engine]),
+            "engine": engine.name,
+            "prestress": prestress,
+            "speed_unit": speed_unit,
+        },
+    )
+    return SpeedSweep(with_units(dataset, UNITS))
+
+
+def _peak(
+    engine: Engine, speed: float, highest: float, modes: int, prestress: Prestress
+) -> FloatArray:
+    """Greatest deflection of each link over a turn of the periodic motion, (n_links,)."""
+    drive = CrankDrive(speed)
+    steps = max(LEAST_STEPS, int(np.ceil(STEPS_PER_PERIOD * highest * drive.revolution_time)))
+    linkage = DrivenLinkage(engine, drive, prestress, modes=modes, detail=DETAIL, with_energy=False)
+    deflection = deflections_of(engine, periodic_turn(linkage, steps))
+    return np.asarray(np.abs(deflection).max(axis=0), dtype=float)

@@ -1,0 +1,90 @@
+"""The result of a speed sweep: peaks of the periodic motion, and critical speeds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flexmech import plots
+from flexmech.analyses.result import Result
+from flexmech.analyses.summary import Summary, Table
+from flexmech.units import from_si
+
+__all__ = ["SpeedSweep"]
+
+
+@dataclass(frozen=True, repr=False)
+class SpeedSweep(Result):
+    """Peak deflections of the periodic motion over crank speeds, with critical speeds.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        ``peak_deflection`` over (crank_speed, link) in m; ``critical_speed_low`` and
+        ``critical_speed_high`` over (mode, order) in rad/s.
+    """
+
+    stem = "speed_sweep"
+    hallmark = "peak_deflection"
+    files = ("speed_sweep.csv", "speed_sweep.nc", "speed_sweep.png")
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Peaks, one row for each crank speed."""
+        peaks = self.dataset["peak_deflection"]
+        columns = {
+            f"{link}_peak_deflection_m": peaks.sel(link=link).values
+            for link in peaks["link"].values
+        }
+        frame = pd.DataFrame({"crank_speed_rad_s": peaks["crank_speed"].values, **columns})
+        return {self.stem: frame}
+
+    def figures(self) -> dict[str, Figure]:
+        """Peaks against crank speed, over the critical speeds."""
+        return {self.stem: self.plot()}
+
+    def plot(
+        self,
+        *,
+        ax: Axes | Sequence[Axes] | None = None,
+        links: str | Sequence[str] | None = None,
+        modes: int | Sequence[int] | None = None,
+    ) -> Figure:
+        """Draw peaks against crank speed, over the critical speeds.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes or sequence of them, optional
+            One for each link.
+        links : str or sequence of str, optional
+        modes : int or sequence of int, optional
+            Whose critical speeds are shaded.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If something chosen is not there, or the axes are too few or too many.
+        """
+        return plots.plot_speed_sweep(plots.chosen(self.dataset, links=links, modes=modes), ax=ax)
+
+    def summary(self) -> Summary:
+        """Greatest peak of each link, and the speed where it is."""
+        peaks, unit = self.dataset["peak_deflection"], self.dataset.attrs["speed_unit"]
+        places = peaks["crank_speed"][peaks.argmax("crank_speed")]
+        rows = tuple(
+            (
+                str(link),
+                f"{1e3 * float(peaks.sel(link=link).max()):.4g}",
+                f"{from_si(float(places.sel(link=link)), unit):.6g}",
+            )
+            for link in peaks["link"].values
+        )
+        title = f"greatest steady-state deflection, {self.dataset.attrs['mechanism']}"
+        return Summary((Table(title, ("link", "mm", f"at {unit}"), (rows,)),))

@@ -1,0 +1,76 @@
+"""One crank-rocker for a wanted transmission angle, and what its lengths give computed back."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.provenance import versions
+from flexmech.analyses.synthesis.result import CrankRockerSynthesis
+from flexmech.linkages import rocker_swing, synthesize_crank_rocker, time_ratio, transmission_design
+from flexmech.numbers import POSITIVE, checked_number
+
+__all__ = ["crank_rocker_synthesis"]
+
+TURN = np.radians(np.arange(361.0))
+
+
+def crank_rocker_synthesis(
+    deviation: float, rocker_angle: float, ground: float | None = None
+) -> CrankRockerSynthesis:
+    """Crank-rocker whose transmission angle stays within 90 degrees plus or minus a deviation.
+
+    By the equations of Elamy et al. 2023; see :func:`flexmech.linkages.synthesize_crank_rocker`.
+
+    Parameters
+    ----------
+    deviation : float
+        Between 0 and pi/2, in rad.
+    rocker_angle : float
+        Angle of the rocker against the ground at crank angle zero, between pi/2 less the
+        deviation and pi, in rad.
+    ground : float, optional
+        Distance of the ground pivots in m; proportions alone if left out.
+
+    Returns
+    -------
+    CrankRockerSynthesis
+
+    Raises
+    ------
+    InputError
+        If an angle or the distance is out of its bounds.
+    """
+    wanted = checked_number(deviation, "deviation", "rad")
+    found = synthesize_crank_rocker(wanted, checked_number(rocker_angle, "rocker_angle", "rad"))
+    size = 1.0 if ground is None else checked_number(ground, "ground", "m", POSITIVE)
+    linkage = found.linkage(size)
+    radians, one = {"units": "rad"}, {"units": "1"}
+    transmission = linkage.transmission_angle(TURN)
+    dataset = xr.Dataset(
+        {
+            "ratio": ("member", [1.0, found.crank, found.coupler, found.rocker], one),
+            "transmission_angle": (("linkage", "crank_angle"), [transmission], radians),
+            "transmission_angle_limit": ("limit", [*linkage.transmission_angle_limits()], radians),
+            "rocker_angle": ((), transmission_design(linkage).rocker_angle, radians),
+            "rocker_swing": ((), rocker_swing(linkage), radians),
+            "time_ratio": ((), time_ratio(linkage), one),
+        },
+        {
+            "linkage": ["this linkage"],
+            "crank_angle": ("crank_angle", TURN, radians),
+            "member": list(linkage.lengths),
+            "limit": ["least", "greatest"],
+        },
+        {
+            "mechanism": "synthesized four-bar",
+            "grashof_class": linkage.grashof_class,
+            "wanted_least": np.pi / 2 - wanted,
+            "wanted_greatest": np.pi / 2 + wanted,
+            "wanted_label": "wanted range",
+            **versions(),
+        },
+    )
+    if ground is not None:
+        dataset["length"] = ("member", [*linkage.lengths.values()], {"units": "m"})
+    return CrankRockerSynthesis(dataset)

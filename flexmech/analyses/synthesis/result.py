@@ -1,0 +1,69 @@
+"""The result of a synthesis: its table, picture and words."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flexmech.analyses.result import Result
+from flexmech.analyses.summary import Summary
+from flexmech.analyses.tables import table_over
+from flexmech.plots import plot_transmission_angle
+
+__all__ = ["CrankRockerSynthesis"]
+
+
+class CrankRockerSynthesis(Result):
+    """A crank-rocker for a wanted transmission angle, and what comes out when it is checked.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        ``ratio`` of the lengths to the ground's over ``member``, and ``length`` where that of
+        the ground is given. Computed back from the lengths: ``transmission_angle`` over
+        ``crank_angle`` and its least and greatest value ``transmission_angle_limit``;
+        ``rocker_angle`` at crank angle zero, ``rocker_swing`` and ``time_ratio``.
+    """
+
+    stem = "transmission_angle"
+    hallmark = "rocker_swing"
+    files = ("transmission_angle.csv", "transmission_angle.nc", "transmission_angle.png")
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Transmission angle at each degree of the crank."""
+        crank_angle, angle = self.dataset["crank_angle"], self.dataset["transmission_angle"]
+        table = table_over(
+            "crank_angle",
+            crank_angle_deg=np.degrees(crank_angle).round(9),
+            transmission_angle_deg=np.degrees(angle.isel(linkage=0)),
+        )
+        return {"transmission_angle": table}
+
+    def figures(self) -> dict[str, Figure]:
+        """Transmission angle over a turn of the crank."""
+        return {"transmission_angle": self.plot()}
+
+    def plot(self, *, ax: Axes | None = None) -> Figure:
+        """Draw the transmission angle over a turn, in axes of the user's if they are given."""
+        return plot_transmission_angle(self.dataset, ax=ax)
+
+    def summary(self) -> Summary:
+        """Proportions, and what the linkage made of them has, computed back from its lengths."""
+        data = self.dataset
+        ratios = data["ratio"].to_series().drop("ground").items()
+        least, greatest = np.degrees(data["transmission_angle_limit"].values)
+        lines = [
+            ", ".join(f"{link} {ratio:.4f}" for link, ratio in ratios) + " of the ground",
+            f"check: transmission angle {least:.6g} to {greatest:.6g} deg, rocker at "
+            f"{np.degrees(data['rocker_angle'].item()):.6g} deg at crank angle 0",
+            f"Grashof class: {data.attrs['grashof_class']}; the rocker swings through "
+            f"{np.degrees(data['rocker_swing'].item()):.5g} deg, time ratio "
+            f"{data['time_ratio'].item():.4g}",
+        ]
+        if "length" in data:
+            lengths = data["length"].to_series().items()
+            table = [f'{link} = "{1e3 * length:.6g} mm"' for link, length in lengths]
+            lines += ["", "[linkage]", 'kind = "four-bar"', *table, ""]
+        return Summary(tuple(lines))

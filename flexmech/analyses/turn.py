@@ -1,0 +1,17 @@
+"""Crank angles at which a quantity that moves with the crank is looked at over a turn."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmech.types import FloatArray
+
+__all__ = ["sampled_turn"]
+
+ANGLES = 24
+"""Every 15 degrees: natural frequencies move slowly enough for bounds to be told by these."""
+
+
+def sampled_turn(start_angle: float = 0.0) -> FloatArray:
+    """Evenly spaced crank angles of a turn in rad, shape (24,); its end is left out."""
+    return np.asarray(start_angle + np.linspace(0.0, 2 * np.pi, ANGLES, endpoint=False))

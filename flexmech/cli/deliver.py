@@ -1,0 +1,128 @@
+"""From a computation to what the user gets: files, pictures, and the summary on the terminal."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, TypeVar
+
+import typer
+
+from flexmech.cli.progress import progress_bar
+from flexmech.errors import FlexmechError, InputError
+from flexmech.files import check_writable, matching
+
+if TYPE_CHECKING:
+    from flexmech.analyses.result import Result
+    from flexmech.analyses.summary import Summary, Table
+    from flexmech.types import LabelledProgress
+
+__all__ = ["check_folder", "deliver", "print_summary", "report_files"]
+
+WIDTH_OF_PIPES = 100
+# Of a folder with more files than these its own name is printed.
+MOST_FILES_NAMED = 30
+Found = TypeVar("Found", bound="Result")
+
+
+def deliver(
+    kind: type[Found],
+    compute: Callable[[LabelledProgress | None], Found],
+    out: Path | None,
+    *,
+    draw: bool = True,
+    speed_unit: str = "rad/s",
+    further: Callable[[Found, LabelledProgress | None], list[Path]] | None = None,
+) -> None:
+    """Compute a result, write its files and print its summary.
+
+    Parameters
+    ----------
+    kind : type of Result
+        What will be computed: its files are checked for before the long work.
+    compute : callable
+        Takes what shows the progress, or None.
+    out : Path or None
+        Folder for the files; None for no files.
+    draw : bool
+        Whether to write pictures.
+    speed_unit : str
+        In which messages speak of crank speeds.
+    further : callable, optional
+        Writes further files of the result and gives their paths; takes the progress too.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written to.
+    """
+    if out is not None:
+        check_folder(out, (name for name in kind.files if draw or not name.endswith(".png")))
+    with progress_bar() as progress:
+        try:
+            result = compute(progress)
+        except FlexmechError as error:
+            raise type(error)(error.told(speed_unit)) from error
+        # Files first: what is printed has been kept.
+        files = [] if out is None else result.save(out, figures=draw)
+        if further is not None:
+            files += further(result, progress)
+    summary = result.summary()
+    print_summary(summary)
+    if out is not None:
+        report_files(out, files, kind.files)
+    if summary.verdict:
+        typer.echo(summary.verdict)
+
+
+def check_folder(out: Path, patterns: Iterable[str]) -> None:
+    """Refuse a folder of ``--out`` that cannot be written."""
+    try:
+        check_writable(out, patterns)
+    except InputError as error:
+        raise error.within("--out") from error
+
+
+def print_summary(summary: Summary) -> None:
+    """Print the tables and lines of a summary, all but its verdict."""
+    for part in summary.parts:
+        if isinstance(part, str):
+            typer.echo(part)
+        else:
+            _print_table(part)
+
+
+def report_files(out: Path, files: list[Path], patterns: Iterable[str]) -> None:
+    """Name the files of a run, and those that lie beside them from an earlier one."""
+    inside = Counter(file.parent for file in files)
+    names = (
+        f"{file.parent} ({inside[file.parent]} files)"
+        if inside[file.parent] > MOST_FILES_NAMED
+        else str(file)
+        for file in files
+    )
+    typer.echo("files: " + ", ".join(dict.fromkeys(names)))
+    stale = [path for path in matching(out, patterns) if path not in files]
+    if stale:
+        left = ", ".join(str(path.relative_to(out)) for path in stale)
+        typer.echo(f"from an earlier run, not of this one: {left}")
+
+
+def _print_table(table: Table) -> None:
+    """Print with rich, at a fixed width where stdout is no terminal."""
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.table import Table as RichTable
+
+    drawn = RichTable(title=escape(table.title), caption=escape(table.caption) or None)
+    for number, heading in enumerate(table.headings):
+        words = number < table.text_columns
+        # A cut name would lose what stands behind it.
+        drawn.add_column(heading, justify="left" if words else "right", overflow="fold")
+    for group in table.groups:
+        for row in group:
+            drawn.add_row(*map(escape, row))
+        drawn.add_section()
+    Console(width=None if sys.stdout.isatty() else WIDTH_OF_PIPES).print(drawn)

@@ -1,0 +1,33 @@
+"""What is refused at an engine's door, with words that say what to give instead."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmech.errors import InputError
+from flexmech.mechanism import Mechanism
+
+__all__ = ["checked_count", "checked_mechanism"]
+
+
+def checked_mechanism(mechanism: object) -> Mechanism:
+    """Return a mechanism; refuse what is none: a path, a linkage, another engine."""
+    if isinstance(mechanism, Mechanism):
+        return mechanism
+    given = f"an object of type {type(mechanism).__name__}"
+    remedy = "read one by flexmech.load_mechanism(path)"
+    if hasattr(mechanism, "__fspath__") or isinstance(mechanism, str):
+        given = f"the path {str(mechanism)!r}"
+        remedy = f"read the file first: flexmech.load_mechanism({str(mechanism)!r})"
+    elif hasattr(mechanism, "topology"):
+        remedy = "a linkage needs a section for each link: flexmech.Mechanism(linkage, sections)"
+    elif hasattr(mechanism, "mechanism"):
+        remedy = "give its attribute mechanism"
+    raise InputError(f"mechanism must be a flexmech.Mechanism, got {given}; {remedy}")
+
+
+def checked_count(count: object, name: str) -> int:
+    """Return a whole number of 1 or more; refuse fractions, truth values and text."""
+    if isinstance(count, int | np.integer) and not isinstance(count, bool) and count >= 1:
+        return int(count)
+    raise InputError(f"{name} must be a whole number, 1 or more, such as 8; got {count!r}")

@@ -1,0 +1,71 @@
+"""What the quasi-static equilibria of all engines have in common.
+
+Each engine has a Newton's method of its own. Which forces it may leave out of balance, and
+which equilibria it must not find, does not depend on the engine.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from flexmech.linear_system.link_model import LinkModel
+from flexmech.linear_system.position_errors import refuse_positions
+from flexmech.linkages import RigidMotion, Topology
+from flexmech.sections import BeamSection
+from flexmech.types import FloatArray
+
+__all__ = ["LOAD_STEPS", "ROUND_OFF", "free_load", "refuse_large_displacements"]
+
+
+LOAD_STEPS = (1, 5, 25)
+"""Where all load at once leads nowhere, it is brought on in steps, swelling along with it."""
+ROUND_OFF = 8 * float(np.finfo(float).eps)
+"""What round-off leaves of forces between nodes that cancel, relative to these forces."""
+# A link displaced by more than this part of its length is no longer near the rigid linkage,
+# about whose motion vibrations are asked for; Newton's method may have found any equilibrium.
+FARTHEST = 0.5
+
+
+def free_load(section: BeamSection, length: float) -> float:
+    """Force in N by which swelling that is held back pulls and bends an element of a length."""
+    bending = abs(section.free_curvature) * section.bending_stiffness / length
+    return bending + abs(section.free_strain) * section.axial_stiffness
+
+
+def refuse_large_displacements(
+    topology: Topology,
+    links: Sequence[LinkModel],
+    motion: RigidMotion,
+    displacements: Sequence[FloatArray],
+) -> None:
+    """Refuse an equilibrium far from the rigid linkage.
+
+    Parameters
+    ----------
+    topology : Topology
+    links : sequence of LinkModel
+        Unreduced.
+    motion : RigidMotion
+        Batch of shape (B,).
+    displacements : sequence of ndarray, shape (B, n_link)
+        Elastic displacement of each link in its frame.
+
+    Raises
+    ------
+    ComputationError
+        Where a link is displaced by more than half its length; names the crank angle.
+    """
+    for link, body, q in zip(links, topology.links, displacements, strict=True):
+        moved = np.einsum("scn,bn->bsc", link.shape, q)
+        farthest = np.linalg.norm(moved, axis=2).max(axis=1) / body.length
+        too_far = farthest > FARTHEST
+        refuse_positions(
+            motion,
+            too_far,
+            f"the {link.name} is displaced by {100 * farthest[too_far.argmax()]:.3g} % of its "
+            "length",
+            ": that equilibrium is not near the rigid linkage; lower the crank speed or stiffen "
+            "the links",
+        )

@@ -1,0 +1,54 @@
+"""What a ply is composed of, so that it can be computed again with a softer resin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from flexmech.materials.constituents import Fibre, Matrix
+from flexmech.materials.hygrothermal import ResinContent
+from flexmech.model_text import SharedTables, TomlTable
+
+__all__ = ["RULES", "PlyComposition", "Rule"]
+
+Rule = Literal["chamis", "halpin-tsai", "rule-of-mixtures"]
+RULES: tuple[Rule, ...] = get_args(Rule)
+
+
+@dataclass(frozen=True)
+class PlyComposition:
+    """Fibre, resin and rule of a ply.
+
+    Parameters
+    ----------
+    fibre : Fibre
+    matrix : Matrix
+    fibre_volume_fraction : float
+    rule : {"chamis", "halpin-tsai", "rule-of-mixtures"}
+    woven : bool
+        Whether half of the fibres run each way.
+    """
+
+    fibre: Fibre
+    matrix: Matrix
+    fibre_volume_fraction: float
+    rule: Rule
+    woven: bool = False
+
+    @property
+    def resin(self) -> ResinContent:
+        """The resin and its share of the ply."""
+        volume = 1 - self.fibre_volume_fraction
+        mass = volume * self.matrix.density
+        whole = mass + self.fibre_volume_fraction * self.fibre.density
+        return ResinContent(self.matrix.hygrothermal, mass / whole, volume)
+
+    def to_table(self, shared: SharedTables) -> TomlTable:
+        """Keys of a ply in a model file; fibre and resin are added to the shared tables."""
+        return {
+            "fibre": self.fibre.name_in(shared),
+            "matrix": self.matrix.name_in(shared),
+            "fibre_volume_fraction": float(self.fibre_volume_fraction),
+            "rule": self.rule,
+            "weave": "woven" if self.woven else "unidirectional",
+        }

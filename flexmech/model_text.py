@@ -1,0 +1,131 @@
+"""How a mechanism is written as a model file: quantities as text, tables with names.
+
+Text is exact: it reads back to the float that it was written from, to the last bit.
+"""
+
+from __future__ import annotations
+
+import re
+from decimal import Context, Decimal
+from typing import Any
+
+from flexmech import units
+from flexmech.unit_registry import base_units, zero_of_scale
+from flexmech.units import Dimension, parse_quantity
+
+__all__ = ["SharedTables", "TomlTable", "quantity", "stated"]
+
+TomlTable = dict[str, Any]
+
+# Units that are read more easily than the SI unit, the best first.
+_READABLE = {
+    units.LENGTH: ("mm",),
+    units.MASS: ("g",),
+    units.ANGLE: ("deg",),
+    units.ANGULAR_SPEED: ("rad/s", "rpm"),
+    units.STRESS: ("GPa", "MPa"),
+    units.MASS_PER_LENGTH: ("g/m",),
+    units.TEMPERATURE: ("degC",),
+    units.MOISTURE_EXPANSION: ("1/percent",),
+    units.ACTIVATION_ENERGY: ("kJ/mol",),
+}
+# Numbers that need no exponent.
+_LEAST, _MOST = Decimal("1e-3"), Decimal("1e6")
+# Digits of every float's shortest text, and fewer, which unites what rounding has parted.
+_DIGITS = (15, 17)
+
+
+def quantity(value: float, dimension: Dimension) -> str | float:
+    """Write a quantity so that it reads back bit-equal, as short as its readable units allow.
+
+    Parameters
+    ----------
+    value : float
+        In SI units.
+    dimension : Dimension
+
+    Returns
+    -------
+    str or float
+        Such as ``"279.4 mm"``; a ratio as a number.
+    """
+    value = float(value)
+    if dimension is units.RATIO:
+        return value
+    texts = [
+        (len(number.as_tuple().digits), f"{number:f} {unit}")
+        for unit in (*_READABLE.get(dimension, ()), dimension.unit)
+        if (number := _number_in(value, unit, dimension)) is not None
+    ]
+    # The first of the shortest ones.
+    return min(texts, key=lambda entry: entry[0])[1] if texts else f"{value!r} {dimension.unit}"
+
+
+def stated(**quantities: tuple[float | None, Dimension]) -> TomlTable:
+    """Table of the quantities that are known, by their keys."""
+    return {
+        key: quantity(value, dimension)
+        for key, (value, dimension) in quantities.items()
+        if value is not None
+    }
+
+
+def _number_in(value: float, unit: str, dimension: Dimension) -> Decimal | None:
+    """Shortest number that reads back as the value in a unit; None if it needs an exponent."""
+    found, base = base_units(unit), base_units(dimension.unit)
+    assert found is not None
+    assert base is not None
+    number = Decimal(repr(value)) * base.factor / found.factor
+    if dimension is units.TEMPERATURE:
+        number -= zero_of_scale(unit)
+    if number and not _LEAST <= abs(number) < _MOST:
+        return None
+    for digits in _DIGITS:
+        short = Context(prec=digits).create_decimal(number).normalize()
+        if parse_quantity(f"{short:f} {unit}", dimension) == value:
+            return short
+    return None
+
+
+class SharedTables:
+    """Tables of a model file that others refer to by name; equal ones stand once."""
+
+    def __init__(self) -> None:
+        self.kinds: dict[str, dict[str, TomlTable]] = {}
+
+    def name_of(
+        self,
+        kind: str,
+        table: TomlTable,
+        wanted: str,
+        *,
+        own_name: str | None = None,
+        taken: frozenset[str] = frozenset(),
+    ) -> str:
+        """Name under which a table stands; it is added where it does not stand yet.
+
+        Parameters
+        ----------
+        kind : str
+            Such as ``materials``.
+        table : dict
+        wanted : str
+            Name that says best what it is.
+        own_name : str, optional
+            Name of what the table describes; written into it where the table's is another.
+        taken : frozenset of str
+            Names with a meaning of their own.
+
+        Returns
+        -------
+        str
+        """
+        tables = self.kinds.setdefault(kind, {})
+        stem = re.sub(r"[^\w.-]+", "_", wanted).strip("_") or kind
+        name, number = stem, 1
+        while True:
+            stated = table if own_name in (None, name) else {"name": own_name, **table}
+            if name not in taken and tables.setdefault(name, stated) == stated:
+                return name
+            number += 1
+            name = f"{stem}_{number}"

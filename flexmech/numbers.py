@@ -1,0 +1,229 @@
+"""Numbers that users give, refused by name and with the remedy where they are none."""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexmech.errors import InputError
+from flexmech.types import FloatArray
+
+__all__ = [
+    "FINITE",
+    "NOT_NEGATIVE",
+    "POSITIVE",
+    "Bounds",
+    "check_angle",
+    "check_fields",
+    "check_number",
+    "check_pair",
+    "checked_array",
+    "checked_number",
+]
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Between what a finite number must lie.
+
+    Parameters
+    ----------
+    above, below : float, optional
+        Which the number must not reach.
+    least, most : float, optional
+        Which the number may reach.
+    """
+
+    above: float | None = None
+    least: float | None = None
+    below: float | None = None
+    most: float | None = None
+
+    def hold(self, number: float) -> bool:
+        """Whether a number is finite and within the bounds."""
+        return (
+            bool(np.isfinite(number))
+            and (self.above is None or number > self.above)
+            and (self.least is None or number >= self.least)
+            and (self.below is None or number < self.below)
+            and (self.most is None or number <= self.most)
+        )
+
+    @property
+    def words(self) -> str:
+        """What a number must do or be."""
+        if self.below is None and self.most is None:
+            if self.above is None and self.least is None:
+                return "be a number"
+            return "be zero or positive" if self.above is None else "be positive"
+        low = f"at least {self.least:g}" if self.above is None else f"above {self.above:g}"
+        if self.most is not None:
+            return f"be {low} and at most {self.most:g}"
+        if self.above is None:
+            return f"be {low} and less than {self.below:g}"
+        return f"lie between {self.above:g} and {self.below:g}"
+
+
+# Of angles that come from degrees, with their rounding.
+FULL_TURN = 2 * np.pi * (1 + 1e-12)
+
+FINITE = Bounds()
+POSITIVE = Bounds(above=0.0)
+NOT_NEGATIVE = Bounds(least=0.0)
+
+
+def check_number(value: object, name: str, unit: str = "", bounds: Bounds = FINITE) -> None:
+    """Refuse what is no number or out of bounds.
+
+    Parameters
+    ----------
+    value : object
+    name : str
+        What messages call it.
+    unit : str
+        SI unit in which it is given; empty for a ratio.
+    bounds : Bounds
+
+    Raises
+    ------
+    InputError
+    """
+    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+        raise InputError(_no_number(value, name, unit))
+    if not bounds.hold(float(value)):
+        raise InputError(f"{name} must {bounds.words}, got {value} {unit}".rstrip())
+
+
+def checked_number(value: object, name: str, unit: str = "", bounds: Bounds = FINITE) -> float:
+    """Take a number; refuse what :func:`check_number` refuses.
+
+    Parameters
+    ----------
+    value : object
+    name : str
+        What messages call it.
+    unit : str
+        SI unit in which it is given; empty for a ratio.
+    bounds : Bounds
+
+    Returns
+    -------
+    float
+    """
+    check_number(value, name, unit, bounds)
+    return float(value)  # type: ignore[arg-type]
+
+
+def check_fields(
+    record: object,
+    units: Mapping[str, str],
+    bounds: Bounds = FINITE,
+    of: str = "",
+    *,
+    optional: bool = False,
+) -> None:
+    """Refuse fields of a record that are no numbers or out of bounds.
+
+    Parameters
+    ----------
+    record : object
+    units : mapping of str to str
+        SI unit of each field that is looked at, by its name.
+    bounds : Bounds
+    of : str
+        What messages add to the names of the fields, such as ``"of a ply"``.
+    optional : bool
+        Whether fields may be None.
+
+    Raises
+    ------
+    InputError
+    """
+    for name, unit in units.items():
+        value = getattr(record, name)
+        if not (optional and value is None):
+            check_number(value, f"{name} {of}".rstrip(), unit, bounds)
+
+
+def check_pair(values: object, name: str, unit: str = "") -> None:
+    """Refuse what is not two finite numbers.
+
+    Parameters
+    ----------
+    values : object
+    name : str
+        What messages call them.
+    unit : str
+        SI unit in which they are given.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(values, Sequence | np.ndarray) or len(values) != 2:
+        raise InputError(f"{name} must be two numbers, got {reprlib.repr(values)}")
+    for value in values:
+        check_number(value, name, unit)
+
+
+def check_angle(value: object, name: str) -> None:
+    """Refuse what is no angle of a point or a fibre in rad, degrees above all.
+
+    Parameters
+    ----------
+    value : object
+    name : str
+        What messages call it.
+
+    Raises
+    ------
+    InputError
+        If it is no number, or more than a full turn either way.
+    """
+    check_number(value, name, "rad")
+    if abs(float(value)) > FULL_TURN:  # type: ignore[arg-type]
+        raise InputError(
+            f"{name} must be at most a full turn either way, got {value} rad; for degrees give "
+            f"np.radians({value})"
+        )
+
+
+def checked_array(values: ArrayLike, name: str, unit: str = "") -> FloatArray:
+    """Numbers as an array.
+
+    Parameters
+    ----------
+    values : array_like
+    name : str
+        What messages call them.
+    unit : str
+        SI unit in which they are given.
+
+    Returns
+    -------
+    ndarray
+
+    Raises
+    ------
+    InputError
+        If one is no finite number, or masked.
+    """
+    array = values if isinstance(values, np.ndarray) else np.asarray(values)
+    if array.dtype.kind not in "iuf" or np.ma.is_masked(array):
+        raise InputError(_no_number(values, name, unit))
+    if not np.all(np.isfinite(array)):
+        wrong = array[~np.isfinite(array)].flat[0]
+        raise InputError(f"{name} must be finite numbers, got {wrong} {unit}".rstrip())
+    return np.asarray(array, dtype=float)
+
+
+def _no_number(value: object, name: str, unit: str) -> str:
+    wanted = f"number of {unit}" if unit else "number"
+    remedy = "give it without quotes; units are for model files"
+    if not isinstance(value, str):
+        remedy = "give int, float or an array of them, without missing values"
+    return f"{name} must be a {wanted}, got {reprlib.repr(value)}; {remedy}"

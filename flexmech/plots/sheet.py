@@ -1,0 +1,149 @@
+"""The sheet of a figure: new panels or the user's, in one style, under one legend."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from flexmech.errors import InputError
+from flexmech.plots.style import header_height, header_legend, new_figure, publication_style
+
+__all__ = ["AxesLike", "Layout", "Sheet", "grid", "sheet"]
+
+AxesLike = Axes | Sequence[Axes] | NDArray[np.object_]
+"""One Axes of matplotlib or several, such as an array from ``plt.subplots``."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Panels of a figure: their number, their height together in inches, and their maker."""
+
+    count: int
+    height: float
+    make: Callable[[Figure], list[Axes]]
+
+
+def grid(
+    rows: int, columns: int, height: float, *, count: int | None = None, **options: Any
+) -> Layout:
+    """Panels in rows and columns.
+
+    Parameters
+    ----------
+    rows, columns : int
+    height : float
+        Of all rows in inches, without the header.
+    count : int, optional
+        Number of panels, where the last row is not full.
+    **options
+        Of ``Figure.subplots``, such as ``sharex=True``.
+
+    Returns
+    -------
+    Layout
+    """
+    number = rows * columns if count is None else count
+
+    def make(figure: Figure) -> list[Axes]:
+        panels: list[Axes] = (
+            figure.subplots(rows, columns, squeeze=False, **options).ravel().tolist()
+        )
+        for axes in panels[number:]:
+            axes.remove()
+        return panels[:number]
+
+    return Layout(number, height, make)
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Panels to draw in.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    panels : list of Axes
+    is_new : bool
+        Whether the figure is made for them; else they are the user's.
+    """
+
+    figure: Figure
+    panels: list[Axes]
+    is_new: bool = True
+
+    def header(self, handles: Sequence[Artist], title: str = "") -> None:
+        """Put legend and title above the panels; the legend alone on the first of the user's."""
+        if self.is_new:
+            self.figure.set_figheight(self.figure.get_figheight() + header_height(handles, title))
+            header_legend(self.figure, handles, title)
+        else:
+            self.panels[0].legend(handles=handles)
+
+    def label_x(self, label: str) -> None:
+        """Label the x axis of each panel that has numbers along it."""
+        for axes in self.panels:
+            if axes.xaxis.get_tick_params().get("labelbottom", True):
+                axes.set_xlabel(label)
+
+    def label_y(self, label: str) -> None:
+        """Label the y axes: all with one label in a new figure of several panels, else each."""
+        if self.is_new and len(self.panels) > 1:
+            self.figure.supylabel(label)
+        else:
+            for axes in self.panels:
+                axes.set_ylabel(label)
+
+
+@contextmanager
+def sheet(layout: Layout, *, ax: AxesLike | None = None, fewer: str = "") -> Iterator[Sheet]:
+    """Panels in the publication style, for as long as the context lasts.
+
+    Parameters
+    ----------
+    layout : Layout
+        Of a new figure; of the user's panels its number counts.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a panel. Left out: a new figure is made.
+    fewer : str
+        Choice that leaves one panel, for the message, such as "choose one mode".
+
+    Yields
+    ------
+    Sheet
+
+    Raises
+    ------
+    InputError
+        If ``ax`` is not as many Axes as there are panels.
+    """
+    with publication_style():
+        if ax is None:
+            figure = new_figure(layout.height)
+            yield Sheet(figure, layout.make(figure))
+            figure.align_labels()
+        else:
+            panels = _given(ax, layout.count, fewer)
+            yield Sheet(panels[0].figure.figure, panels, is_new=False)
+
+
+def _given(ax: AxesLike, count: int, fewer: str) -> list[Axes]:
+    """Panels of the user, as many as there must be."""
+    given = list(np.ravel(np.array(ax, dtype=object)))
+    wrong = [each for each in given if not isinstance(each, Axes)]
+    if wrong:
+        raise InputError(f"ax: must be Axes of matplotlib or several of them, got {wrong[0]!r}")
+    if len(given) != count:
+        remedy = f", or {fewer}, which leaves one panel" if fewer and count > 1 else ""
+        raise InputError(
+            f"ax: this figure has {count} panels and {len(given)} Axes are given; give as many "
+            f"Axes as panels{remedy}"
+        )
+    return given

@@ -1,0 +1,94 @@
+"""A claim of a paper, what was found of it, and how that is told."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+__all__ = [
+    "REPRODUCED_WITHIN",
+    "Claim",
+    "Verdict",
+    "claim_lines",
+    "count_of_verdicts",
+    "verdict_on",
+    "within_a_tenth",
+]
+
+Verdict = Literal["reproduced", "not reproduced", "not checkable"]
+REPRODUCED_WITHIN = 0.10
+"""A number counts as reproduced when ours is within a tenth of that of the printed tables."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One statement of the paper and what was found.
+
+    Parameters
+    ----------
+    place : str
+        Where the paper says it.
+    statement : str
+    printed : str
+        The number or words printed.
+    from_tables : str
+        The same, computed from the printed tables.
+    computed : str
+        Ours. Of these three, what there is not is empty.
+    other_models : str
+        Ours by other models; empty where they make no difference.
+    verdict : {"reproduced", "not reproduced", "not checkable"}
+    reason : str
+        Why, where it needs saying.
+    """
+
+    place: str
+    statement: str
+    printed: str
+    from_tables: str
+    computed: str
+    other_models: str
+    verdict: Verdict
+    reason: str = ""
+
+    def __str__(self) -> str:
+        numbers = {
+            "printed": self.printed,
+            "from its tables": self.from_tables,
+            "computed": self.computed,
+            "by model": self.other_models,
+        }
+        known = ", ".join(f"{word} {value}" for word, value in numbers.items() if value)
+        return f"{self.place}, {self.statement}: {known}"
+
+
+def verdict_on(holds: object) -> Verdict:
+    """Verdict on a statement of which we know whether it holds."""
+    return "reproduced" if holds else "not reproduced"
+
+
+def within_a_tenth(from_tables: float, computed: float) -> bool:
+    """Whether a number is near enough to that of the printed tables."""
+    return abs(computed - from_tables) <= REPRODUCED_WITHIN * abs(from_tables)
+
+
+def claim_lines(claims: Sequence[Claim]) -> Iterator[str]:
+    """Claims under their verdicts, each with its numbers and below it the reason."""
+    for verdict in get_args(Verdict):
+        yield f"{verdict}:"
+        last = ""
+        for claim in claims:
+            if claim.verdict == verdict:
+                yield f"  {claim}"
+                if claim.reason and claim.reason != last:
+                    yield f"    {claim.reason}"
+                last = claim.reason
+
+
+def count_of_verdicts(claims: Sequence[Claim]) -> str:
+    """One line with the number of claims of each verdict."""
+    counts = Counter(claim.verdict for claim in claims)
+    numbers = ", ".join(f"{counts[verdict]} {verdict}" for verdict in get_args(Verdict))
+    return f"{len(claims)} claims: {numbers}"

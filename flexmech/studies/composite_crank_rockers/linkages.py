@@ -1,0 +1,132 @@
+"""The linkages that are computed: their model files, models of plies and beams, and positions.
+
+The paper prints no link size. One is assumed, in the model files that are filled in here, and
+only ratios are compared. Of each linkage several models are computed, since the paper leaves
+open which one is meant: three of the plies, three of the beams.
+"""
+
+from __future__ import annotations
+
+from importlib import resources
+from typing import Literal, get_args
+
+import numpy as np
+
+from flexmech.linkages import FourBar
+from flexmech.mechanism import Mechanism
+from flexmech.modelfile import mechanism_from_toml
+from flexmech.studies.composite_crank_rockers.published import CASES, LAMINATES, published_case
+from flexmech.types import FloatArray
+
+__all__ = [
+    "BEAMS",
+    "CONVERGED",
+    "PAPERS_MESH",
+    "PLY_MODELS",
+    "WITH_SHEAR",
+    "PlyModel",
+    "composite_crank_rocker",
+    "composite_model_file",
+    "composite_model_files",
+    "position_angles",
+]
+
+PlyModel = Literal["unidirectional", "woven", "table 2"]
+PLY_MODELS: tuple[PlyModel, ...] = get_args(PlyModel)
+"""Plies by the rule of mixtures, straight or as balanced fabric (the paper's, in its words);
+one modulus and density a laminate, of its Table 2."""
+
+CONVERGED, PAPERS_MESH, WITH_SHEAR = "converged", "one element a link", "with shear"
+BEAMS = {CONVERGED: (8, "euler"), PAPERS_MESH: (1, "euler"), WITH_SHEAR: (8, "timoshenko")}
+"""Elements a link and their kind: bending converged, as in the paper, and with shear."""
+
+GROUND, PLY_THICKNESS = 0.4, 1e-3
+
+
+def composite_model_file(
+    case: int,
+    laminate: str,
+    plies: PlyModel = "unidirectional",
+    ply_thickness: float = PLY_THICKNESS,
+) -> str:
+    """Model file of one linkage of the paper, with the link size that is assumed.
+
+    Parameters
+    ----------
+    case : int
+        1 to 4, of Table 3.
+    laminate : str
+        C1 to C6, of Table 2.
+    plies : {"unidirectional", "woven", "table 2"}
+    ply_thickness : float
+        Of each of the five plies, in m.
+
+    Returns
+    -------
+    str
+        TOML.
+    """
+    printed = LAMINATES[laminate]
+    linkage = published_case(case, 1e3 * GROUND)
+    name = "crank_rocker_table_2.toml" if plies == "table 2" else "crank_rocker.toml"
+    text = resources.files("flexmech.studies") / "composite_crank_rockers/data" / name
+    return text.read_text(encoding="utf-8").format(
+        case=case,
+        laminate=laminate,
+        stack=printed.stack,
+        weave=plies,
+        ply_thickness=1e3 * ply_thickness,
+        thickness=5e3 * ply_thickness,
+        modulus=1e-9 * printed.youngs_modulus,
+        density=printed.density,
+        poisson_ratio=printed.poisson_ratio,
+        crank=linkage.crank,
+        coupler=linkage.coupler,
+        rocker=linkage.rocker,
+    )
+
+
+def composite_model_files() -> dict[str, str]:
+    """Text of the model file of every linkage, by names such as ``case_2_C3_woven.toml``."""
+    endings = {plies: f"_{plies.replace(' ', '_')}" for plies in PLY_MODELS}
+    endings["unidirectional"] = ""
+    return {
+        f"case_{case}_{laminate}{ending}.toml": composite_model_file(case, laminate, plies)
+        for plies, ending in endings.items()
+        for case in CASES
+        for laminate in LAMINATES
+    }
+
+
+def composite_crank_rocker(
+    case: int, laminate: str, plies: PlyModel, ply_thickness: float = PLY_THICKNESS
+) -> Mechanism:
+    """One linkage of the paper.
+
+    Parameters
+    ----------
+    case : int
+    laminate : str
+    plies : {"unidirectional", "woven", "table 2"}
+        See :data:`PLY_MODELS`.
+    ply_thickness : float
+        In m; the ground is 0.4 m long.
+
+    Returns
+    -------
+    Mechanism
+    """
+    return mechanism_from_toml(composite_model_file(case, laminate, plies, ply_thickness))
+
+
+def position_angles(linkage: FourBar) -> FloatArray:
+    """Crank angles of the positions compared, and of the other one at a right angle, (4,).
+
+    Elamy et al. 2023, eqs. 1-3: least transmission angle, 90 degrees, greatest; in rad. The
+    crank passes two positions with 90 degrees, and the paper does not say which one it takes:
+    the first one, below 180 degrees, stands for it here, and the other one last.
+    """
+    ground, crank, coupler, rocker = linkage.lengths.values()
+    cosine = (ground**2 + crank**2 - coupler**2 - rocker**2) / (2 * ground * crank)
+    right = float(np.arccos(cosine))
+    return np.array([0.0, right, np.pi, 2 * np.pi - right])
