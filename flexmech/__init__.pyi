@@ -6,16 +6,26 @@ from . import plots as plots
 from . import sections as sections
 from . import studies as studies
 from . import time_domain as time_domain
+from .analyses import CouplerPaths as CouplerPaths
+from .analyses import CrankRockerSynthesis as CrankRockerSynthesis
 from .analyses import Formulation as Formulation
 from .analyses import FrequencyRequest as FrequencyRequest
+from .analyses import ModelCheck as ModelCheck
+from .analyses import MoistureUptake as MoistureUptake
 from .analyses import MovingFrequencies as MovingFrequencies
 from .analyses import Response as Response
 from .analyses import ResponseRequest as ResponseRequest
 from .analyses import Result as Result
+from .analyses import SectionProfiles as SectionProfiles
 from .analyses import SpeedSweep as SpeedSweep
+from .analyses import check_mechanism as check_mechanism
+from .analyses import coupler_paths as coupler_paths
+from .analyses import crank_rocker_synthesis as crank_rocker_synthesis
+from .analyses import moisture_uptake as moisture_uptake
 from .analyses import moving_frequencies as moving_frequencies
 from .analyses import natural_frequencies as natural_frequencies
 from .analyses import response as response
+from .analyses import section_profiles as section_profiles
 from .analyses import speed_sweep as speed_sweep
 from .analyses import strain_energy_damping as strain_energy_damping
 from .errors import ComputationError as ComputationError
@@ -35,6 +45,7 @@ from .materials import Laminate as Laminate
 from .materials import Material as Material
 from .materials import Ply as Ply
 from .materials import ply_from_constituents as ply_from_constituents
+from .materials import propagated_uncertainty as propagated_uncertainty
 from .materials import published_constituents as published_constituents
 from .materials import woven_ply as woven_ply
 from .mechanism import Mechanism as Mechanism
@@ -44,5 +55,7 @@ from .multibody import ExudynEngine as ExudynEngine
 from .reference import ReferenceEngine as ReferenceEngine
 from .sections import BeamSection as BeamSection
 from .sections import LaminateSection as LaminateSection
+from .studies import CompositeStudy as CompositeStudy
+from .studies import study_composites as study_composites
 
 __version__: str

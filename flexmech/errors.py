@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Sequence
 from typing import Self
 
 from flexmech.unit_registry import from_si
 
-__all__ = ["CRANK_SPEED", "ComputationError", "FlexmechError", "InputError"]
+__all__ = ["CRANK_SPEED", "ComputationError", "FlexmechError", "InputError", "suggestion"]
 
 CRANK_SPEED = "{crank_speed}"
 """Where a message names the crank speed of its error, in the unit that the user prefers."""
@@ -64,3 +66,10 @@ class ComputationError(FlexmechError, RuntimeError):
     """What was asked for is well posed, but the computation failed."""
 
     exit_code = 1
+
+
+def suggestion(got: str, known: Sequence[str]) -> str:
+    """Word the remedy for a wrong name: the nearest known one, and all of them."""
+    close = difflib.get_close_matches(got, known, n=1)
+    choices = ", ".join(known)
+    return f"did you mean {close[0]!r}? Known here: {choices}" if close else f"use one of {choices}"

@@ -1,28 +1,66 @@
-"""A mechanism: a linkage, a section for each link, point masses and surroundings."""
+"""A mechanism: a linkage, a section for each link, point masses, and how water enters."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-
-import numpy as np
+from html import escape
 
 from flexmech.errors import InputError
-from flexmech.linkages import CouplerPoint, Linkage, LinkMass
+from flexmech.linkages import (
+    CouplerPoint,
+    Linkage,
+    LinkMass,
+    Topology,
+    linkage_positions,
+    shown_crank_angle,
+)
 from flexmech.materials import REFERENCE_TEMPERATURE
 from flexmech.materials.moisture import Faces
+from flexmech.model_text import SharedTables, TomlTable, quantity
+from flexmech.numbers import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    check_instance,
+    check_number,
+    check_pair,
+)
 from flexmech.sections import BeamSection
+from flexmech.short_repr import short_repr
+from flexmech.units import ACCELERATION, ANGULAR_SPEED, EXPANSION, LENGTH, MASS, TEMPERATURE
 
 __all__ = ["Mechanism", "PointMass", "Provenance", "Wetting"]
 
 
 @dataclass(frozen=True)
 class PointMass:
-    """A point mass in kg on a link, ``position`` m from the link's start."""
+    """A point mass on a link.
+
+    Parameters
+    ----------
+    link : str
+    position : float
+        Distance from the link's start in m.
+    mass : float
+        In kg.
+
+    Examples
+    --------
+    >>> section = flexmech.BeamSection.rectangle(flexmech.Material(70e9, 2700.0), 3e-3, 25e-3)
+    >>> arm = flexmech.RotatingArm(length=0.3)
+    >>> tip = flexmech.PointMass("arm", position=0.3, mass=0.01)
+    >>> mechanism = flexmech.Mechanism(arm, {"arm": section}, link_masses=(tip,))
+    >>> round(mechanism.link_mass("arm").moment(0), 6)  # with the arm itself, in kg
+    0.07075
+    """
 
     link: str
     position: float
     mass: float
+
+    def to_table(self) -> TomlTable:
+        """Entry of ``point_masses`` of its link in a model file."""
+        return {"position": quantity(self.position, LENGTH), "mass": quantity(self.mass, MASS)}
 
 
 @dataclass(frozen=True)
@@ -41,6 +79,11 @@ class Wetting:
     faces: Faces = "both"
     sides: bool = False
 
+    def to_table(self) -> TomlTable:
+        """Keys of a link in a model file; empty where both faces are wet and no sides."""
+        faces = {} if self.faces == "both" else {"exposed_faces": self.faces}
+        return {**faces, "exposed_sides": True} if self.sides else faces
+
 
 @dataclass(frozen=True)
 class Provenance:
@@ -53,15 +96,30 @@ class Provenance:
     source : str
         Publication or drawing.
     file : str
-        Model file's name, empty when built in Python.
+        Model file's name, empty when built in Python. Does not count in comparisons.
     sha256 : str
-        Hash of the model file's bytes, empty when built in Python.
+        Hash of the model file's bytes, empty when built in Python. Does not count either.
+
+    Raises
+    ------
+    InputError
+        If the name is empty.
     """
 
     name: str = "mechanism"
     source: str = ""
-    file: str = ""
-    sha256: str = ""
+    file: str = field(default="", compare=False)
+    sha256: str = field(default="", compare=False)
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.name, str) and self.name.strip()):
+            raise InputError(
+                f"name of a mechanism must be text that is not empty, got {self.name!r}; it "
+                "stands in titles"
+            )
+
+    def __repr__(self) -> str:
+        return short_repr(self, self.name, self.file or "made in Python")
 
 
 @dataclass(frozen=True)
@@ -76,7 +134,7 @@ class Mechanism:
     joint_masses : mapping of str to float
         Point masses in kg at joints, by joint name.
     link_masses : tuple of PointMass
-        Point masses along links.
+        Point masses along links; kept in the order of the links.
     gravity : tuple of float
         Gravitational acceleration in ground axes, m/s^2.
     operating_speeds : tuple of float
@@ -89,13 +147,22 @@ class Mechanism:
     ground_thermal_expansion : float
         Of the frame between the ground pivots in 1/K.
     wetting : mapping of str to Wetting
-        Where water enters links, by name; through both faces of those left out.
+        Where water enters links, by name; through both faces of those left out. Links that
+        are wet through both faces are not kept.
 
     Raises
     ------
     InputError
         If a link has no section, a mass is negative or off its link, a name is unknown, or a
-        number of its surroundings cannot be.
+        number is out of its range.
+
+    Examples
+    --------
+    >>> section = flexmech.BeamSection.rectangle(flexmech.Material(200e9, 7800.0), 4e-3, 20e-3)
+    >>> linkage = flexmech.FourBar(ground=0.254, crank=0.102, coupler=0.2794, rocker=0.2667)
+    >>> links = ("crank", "coupler", "rocker")
+    >>> flexmech.Mechanism(linkage, dict.fromkeys(links, section), joint_masses={"A": 0.02})
+    <Mechanism: mechanism, four-bar, crank 102 mm, coupler 279.4 mm, rocker 266.7 mm>
     """
 
     linkage: Linkage
@@ -111,52 +178,102 @@ class Mechanism:
     wetting: Mapping[str, Wetting] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        topology = self.linkage.topology
-        if set(self.sections) != set(topology.link_names):
-            raise InputError(
-                f"sections are given for {sorted(self.sections)}, the links are "
-                f"{sorted(topology.link_names)}; give one section for each link"
-            )
+        topology = self._checked_topology()
         for joint, mass in self.joint_masses.items():
             if joint not in topology.joint_names:
                 raise InputError(
                     f"joint_masses: unknown joint {joint!r}; joints are {topology.joint_names}"
                 )
-            if not (np.isfinite(mass) and mass >= 0):
-                raise InputError(f"joint_masses: {joint} must be zero or positive, got {mass} kg")
+            check_number(mass, f"joint_masses: {joint}", "kg", NOT_NEGATIVE)
         for point in self.link_masses:
             self._check_point(point)
-        if not np.all(np.isfinite(self.gravity)):
-            raise InputError(f"gravity must be finite, got {self.gravity}")
-        if not (np.isfinite(self.reference_temperature) and self.reference_temperature > 0):
+        check_pair(self.gravity, "gravity", "m/s^2")
+        for speed in self.operating_speeds:
+            check_number(speed, "each of operating_speeds", "rad/s")
+        check_number(self.reference_temperature, "reference_temperature", "K", POSITIVE)
+        check_number(self.ground_thermal_expansion, "ground_thermal_expansion", "1/K")
+        if self.coupler_point is not None and "coupler" not in topology.link_names:
             raise InputError(
-                f"reference_temperature must be above 0 K, got {self.reference_temperature} K"
-            )
-        if not np.isfinite(self.ground_thermal_expansion):
-            raise InputError(
-                f"ground_thermal_expansion must be a number, got {self.ground_thermal_expansion}"
+                f"coupler_point: the linkage has no coupler; its links are {topology.link_names}"
             )
         for name in self.wetting:
             if name not in topology.link_names:
                 raise InputError(f"wetting: unknown link {name!r}; links are {topology.link_names}")
+        self._unite_spellings()
+
+    def _checked_topology(self) -> Topology:
+        """Topology of the linkage, which has one section for each link."""
+        topology = getattr(self.linkage, "topology", None)
+        if not isinstance(topology, Topology):
+            raise InputError(
+                f"linkage must be a linkage such as FourBar or RotatingArm, got {self.linkage!r}"
+            )
+        check_instance(self.sections, Mapping, "sections", "give a section for each link by name")
+        if set(self.sections) != set(topology.link_names):
+            raise InputError(
+                f"sections are given for {sorted(self.sections)}, the links are "
+                f"{sorted(topology.link_names)}; give one section for each link"
+            )
+        for name, section in self.sections.items():
+            remedy = "make one, as with BeamSection.rectangle"
+            check_instance(section, BeamSection, f"section of the {name}", remedy)
+        check_instance(self.provenance, Provenance, "provenance", "give Provenance(name, source)")
+        return topology
 
     def _check_point(self, point: PointMass) -> None:
         topology = self.linkage.topology
+        check_instance(point, PointMass, "each of link_masses", "give PointMass(link, m, kg)")
         if point.link not in topology.link_names:
             raise InputError(
                 f"link_masses: unknown link {point.link!r}; links are {topology.link_names}"
             )
         length = topology.links[topology.index(point.link)].length
+        check_number(point.position, f"link_masses: position on the {point.link}", "m")
         if not 0 <= point.position <= length:
             raise InputError(
                 f"link_masses: position {point.position:g} m is not on the {point.link} "
                 f"(0 to {length:g} m)"
             )
-        if not (np.isfinite(point.mass) and point.mass >= 0):
-            raise InputError(
-                f"link_masses: mass on the {point.link} must be zero or positive, "
-                f"got {point.mass} kg"
+        check_number(point.mass, f"link_masses: mass on the {point.link}", "kg", NOT_NEGATIVE)
+
+    def _unite_spellings(self) -> None:
+        """Keep what can be said in several ways in one, so that equal mechanisms compare so."""
+        names = self.linkage.topology.link_names
+        in_order = sorted(self.link_masses, key=lambda point: names.index(point.link))
+        wetting = {name: faces for name, faces in self.wetting.items() if faces != Wetting()}
+        for field_name, value in (
+            ("link_masses", tuple(in_order)),
+            ("gravity", tuple(self.gravity)),
+            ("operating_speeds", tuple(self.operating_speeds)),
+            ("wetting", wetting),
+        ):
+            object.__setattr__(self, field_name, value)
+
+    def __repr__(self) -> str:
+        links = (f"{x.name} {x.length * 1e3:.6g} mm" for x in self.linkage.topology.links)
+        kind = getattr(self.linkage, "kind", type(self.linkage).__name__)
+        return short_repr(self, f"{self.provenance.name:.60}", kind, *links)
+
+    def _repr_html_(self) -> str:
+        from flexmech.plots import figure_html, plot_linkage
+
+        dataset = linkage_positions(self.linkage, shown_crank_angle(self.linkage))
+        figure = plot_linkage(dataset.assign_attrs(mechanism=self.provenance.name))
+        headings = ("link", "length (mm)", "mass (g)", "EA (N)", "EI (N m²)", "thickness (mm)")
+        rows: list[tuple[str, ...]] = [headings]
+        for link in self.linkage.topology.links:
+            section = self.sections[link.name]
+            numbers = (
+                link.length * 1e3,
+                section.mass_per_length * link.length * 1e3,
+                section.axial_stiffness,
+                section.bending_stiffness,
+                section.in_plane_thickness * 1e3,
             )
+            rows.append((link.name, *(f"{number:.5g}" for number in numbers)))
+        cells = ("".join(f"<td>{escape(text)}</td>" for text in row) for row in rows)
+        table = "".join(f"<tr>{row}</tr>" for row in cells)
+        return f"<p>{escape(repr(self))}</p>{figure_html(figure)}<table>{table}</table>"
 
     def link_mass(self, link: str) -> LinkMass:
         """Mass of one link with its point masses and those of the joints that it leads."""
@@ -194,3 +311,57 @@ class Mechanism:
     def link_masses_in_order(self) -> tuple[LinkMass, ...]:
         """:meth:`link_mass` of every link of the topology."""
         return tuple(self.link_mass(name) for name in self.linkage.topology.link_names)
+
+    def to_toml(self) -> str:
+        """Write a model file that loads back equal.
+
+        Returns
+        -------
+        str
+            TOML. Every number reads back to the last bit; what can be said in several ways is
+            written resolved, such as a damping ratio as a damping time. Notes and comments of
+            a file that the mechanism came from are not in it.
+        """
+        import tomli_w
+
+        shared = SharedTables()
+        links = {name: self._link_table(name, shared) for name in self.linkage.topology.link_names}
+        linkage = self.linkage.to_table()
+        if self.ground_thermal_expansion:
+            expansion = quantity(self.ground_thermal_expansion, EXPANSION)
+            linkage["ground_thermal_expansion"] = expansion
+        if self.coupler_point is not None:
+            linkage["coupler_point"] = self.coupler_point.to_table()
+        document: TomlTable = {
+            "name": self.provenance.name,
+            "source": self.provenance.source,
+            "linkage": linkage,
+            **shared.in_order,
+            "links": links,
+        }
+        if self.joint_masses:
+            document["joints"] = {
+                joint: {"mass": quantity(mass, MASS)} for joint, mass in self.joint_masses.items()
+            }
+        if environment := self._environment_table():
+            document["environment"] = environment
+        if self.operating_speeds:
+            speeds = [quantity(speed, ANGULAR_SPEED) for speed in self.operating_speeds]
+            document["operation"] = {"crank_speeds": speeds}
+        return tomli_w.dumps(document)
+
+    def _link_table(self, name: str, shared: SharedTables) -> TomlTable:
+        points = [point.to_table() for point in self.link_masses if point.link == name]
+        return {
+            **self.sections[name].to_table(shared),
+            **self.wetting_of(name).to_table(),
+            **({"point_masses": points} if points else {}),
+        }
+
+    def _environment_table(self) -> TomlTable:
+        table: TomlTable = {}
+        if any(self.gravity):
+            table["gravity"] = [quantity(component, ACCELERATION) for component in self.gravity]
+        if self.reference_temperature != REFERENCE_TEMPERATURE:
+            table["reference_temperature"] = quantity(self.reference_temperature, TEMPERATURE)
+        return table

@@ -29,6 +29,8 @@ _READABLE = {
     units.MOISTURE_EXPANSION: ("1/percent",),
     units.ACTIVATION_ENERGY: ("kJ/mol",),
 }
+# Tables with names, those that others refer to first.
+KINDS = ("materials", "fibres", "matrices", "plies", "laminates")
 # Numbers that need no exponent.
 _LEAST, _MOST = Decimal("1e-3"), Decimal("1e6")
 # Digits of every float's shortest text, and fewer, which unites what rounding has parted.
@@ -53,12 +55,12 @@ def quantity(value: float, dimension: Dimension) -> str | float:
     if dimension is units.RATIO:
         return value
     texts = [
-        (len(number.as_tuple().digits), f"{number:f} {unit}")
+        (len(number.as_tuple().digits), abs(number) < 1, f"{number:f} {unit}")
         for unit in (*_READABLE.get(dimension, ()), dimension.unit)
         if (number := _number_in(value, unit, dimension)) is not None
     ]
     # The first of the shortest ones.
-    return min(texts, key=lambda entry: entry[0])[1] if texts else f"{value!r} {dimension.unit}"
+    return min(texts, key=lambda text: text[:2])[2] if texts else f"{value!r} {dimension.unit}"
 
 
 def stated(**quantities: tuple[float | None, Dimension]) -> TomlTable:
@@ -92,6 +94,19 @@ class SharedTables:
 
     def __init__(self) -> None:
         self.kinds: dict[str, dict[str, TomlTable]] = {}
+        self._left: set[tuple[str, str]] = set()
+
+    @property
+    def in_order(self) -> dict[str, dict[str, TomlTable]]:
+        """Tables by kind, those that others refer to first."""
+        return {kind: self.kinds[kind] for kind in KINDS if kind in self.kinds}
+
+    def leave(self, kind: str, name: str) -> bool:
+        """Whether a name can keep what it means without a table; none takes it from now on."""
+        if name in self.kinds.get(kind, {}):
+            return False
+        self._left.add((kind, name))
+        return True
 
     def name_of(
         self,
@@ -100,7 +115,6 @@ class SharedTables:
         wanted: str,
         *,
         own_name: str | None = None,
-        taken: frozenset[str] = frozenset(),
     ) -> str:
         """Name under which a table stands; it is added where it does not stand yet.
 
@@ -113,8 +127,6 @@ class SharedTables:
             Name that says best what it is.
         own_name : str, optional
             Name of what the table describes; written into it where the table's is another.
-        taken : frozenset of str
-            Names with a meaning of their own.
 
         Returns
         -------
@@ -125,7 +137,7 @@ class SharedTables:
         name, number = stem, 1
         while True:
             stated = table if own_name in (None, name) else {"name": own_name, **table}
-            if name not in taken and tables.setdefault(name, stated) == stated:
+            if (kind, name) not in self._left and tables.setdefault(name, stated) == stated:
                 return name
             number += 1
             name = f"{stem}_{number}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ __all__ = [
     "Bounds",
     "check_angle",
     "check_fields",
+    "check_instance",
     "check_number",
     "check_pair",
     "checked_array",
@@ -46,7 +48,7 @@ class Bounds:
     def hold(self, number: float) -> bool:
         """Whether a number is finite and within the bounds."""
         return (
-            bool(np.isfinite(number))
+            math.isfinite(number)
             and (self.above is None or number > self.above)
             and (self.least is None or number >= self.least)
             and (self.below is None or number < self.below)
@@ -70,6 +72,9 @@ class Bounds:
 
 # Of angles that come from degrees, with their rounding.
 FULL_TURN = 2 * np.pi * (1 + 1e-12)
+
+_SHORT = reprlib.Repr()
+_SHORT.maxother = _SHORT.maxstring = 100
 
 FINITE = Bounds()
 POSITIVE = Bounds(above=0.0)
@@ -149,6 +154,26 @@ def check_fields(
             check_number(value, f"{name} {of}".rstrip(), unit, bounds)
 
 
+def check_instance(value: object, kind: type, name: str, remedy: str) -> None:
+    """Refuse what is of another type.
+
+    Parameters
+    ----------
+    value : object
+    kind : type
+    name : str
+        What messages call it.
+    remedy : str
+        What to give instead.
+
+    Raises
+    ------
+    InputError
+    """
+    if not isinstance(value, kind):
+        raise InputError(f"{name} must be a {kind.__name__}, got {_shown(value)}; {remedy}")
+
+
 def check_pair(values: object, name: str, unit: str = "") -> None:
     """Refuse what is not two finite numbers.
 
@@ -165,7 +190,7 @@ def check_pair(values: object, name: str, unit: str = "") -> None:
     InputError
     """
     if not isinstance(values, Sequence | np.ndarray) or len(values) != 2:
-        raise InputError(f"{name} must be two numbers, got {reprlib.repr(values)}")
+        raise InputError(f"{name} must be two numbers, got {_shown(values)}")
     for value in values:
         check_number(value, name, unit)
 
@@ -212,10 +237,13 @@ def checked_array(values: ArrayLike, name: str, unit: str = "") -> FloatArray:
     InputError
         If one is no finite number, or masked.
     """
-    array = values if isinstance(values, np.ndarray) else np.asarray(values)
+    try:
+        array = values if isinstance(values, np.ndarray) else np.asarray(values)
+    except ValueError as error:
+        raise InputError(_no_number(values, name, unit)) from error
     if array.dtype.kind not in "iuf" or np.ma.is_masked(array):
         raise InputError(_no_number(values, name, unit))
-    if not np.all(np.isfinite(array)):
+    if not np.isfinite(array).all():
         wrong = array[~np.isfinite(array)].flat[0]
         raise InputError(f"{name} must be finite numbers, got {wrong} {unit}".rstrip())
     return np.asarray(array, dtype=float)
@@ -226,4 +254,9 @@ def _no_number(value: object, name: str, unit: str) -> str:
     remedy = "give it without quotes; units are for model files"
     if not isinstance(value, str):
         remedy = "give int, float or an array of them, without missing values"
-    return f"{name} must be a {wanted}, got {reprlib.repr(value)}; {remedy}"
+    return f"{name} must be a {wanted}, got {_shown(value)}; {remedy}"
+
+
+def _shown(value: object) -> str:
+    """Write a value in one line."""
+    return " ".join(_SHORT.repr(value).split())

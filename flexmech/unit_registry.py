@@ -56,10 +56,10 @@ def base_units(unit: str) -> BaseUnits | None:
     if not _UNIT_CHARACTERS.fullmatch(unit) or "//" in unit or "%%" in unit:
         return None
     try:
-        factor, name = registry.get_base_units(registry.parse_units(unit))
+        found: tuple[Any, Any] = registry.get_base_units(registry.parse_units(unit))
     except (pint.PintError, *_MALFORMED):
         return None
-    return BaseUnits(Decimal(factor), str(name))
+    return BaseUnits(Decimal(found[0]), str(found[1]))
 
 
 def zero_of_scale(unit: str) -> Decimal:

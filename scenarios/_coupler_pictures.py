@@ -11,20 +11,10 @@ from _neat_resin_claims import CLAIMS, Shape
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
-from flexmech.linkages import CouplerCurve, DoublePoint
-from flexmech.plots import publication_style
-from flexmech.plots.style import (
-    crank_angle_axis,
-    header_height,
-    header_legend,
-    new_figure,
-    series_style,
-)
-
-FloatArray = NDArray[np.float64]
+from flexmech import CouplerCurve, plots
+from flexmech.linkages import DoublePoint
+from flexmech.types import FloatArray
 
 STATES = ("dry", *RESINS)
 SATURATIONS = {"R-914": "7 %", "8551-7": "2 %"}
@@ -56,11 +46,8 @@ def draw(
     Figure
     """
     changes = len({len(shape.crunodes) for shape in shapes.values()}) > 1
-    title = f"Figure {figure} of Singh & Sanyal 2022: {CLAIMS[figure]}"
-    handles = _handles(shapes, bends=changes)
-    with publication_style():
-        drawn = new_figure(3.3 + header_height(handles, title))
-        left, right = drawn.subplots(1, 2)
+    with plots.sheet(plots.grid(1, 2, 3.3)) as drawn:
+        left, right = drawn.panels
         _draw_curves(left, curves, turn)
         _mark_crunodes(left, shapes)
         left.set_title(f"Path of {_point_name(figure)}")
@@ -71,8 +58,9 @@ def draw(
             _close_up(right, curves, shapes)
         else:
             _draw_distance(right, distance(curves, turn), turn)
-        header_legend(drawn, handles, title)
-    return drawn
+        title = f"Figure {figure} of Singh & Sanyal 2022: {CLAIMS[figure]}"
+        drawn.header(_handles(shapes, bends=changes), title)
+    return drawn.figure
 
 
 def _point_name(figure: str) -> str:
@@ -87,23 +75,20 @@ def _handles(shapes: Mapping[str, Shape], *, bends: bool) -> list[Artist]:
         if shapes:
             count = len(shapes[name].crunodes)
             label += f" ({count} crunode{'' if count == 1 else 's'})"
-        style = series_style(number)
-        handles.append(Line2D([], [], color=style.color, linestyle=style.linestyle, label=label))
+        handles.append(plots.series_handle(number, label))
     mark: Any = {"color": "black", "linestyle": "none", "markersize": 5}
     if any(shape.crunodes for shape in shapes.values()):
-        handles.append(Line2D([], [], marker="o", fillstyle="none", label="crunode", **mark))
+        handles.append(plots.line_handle("crunode", marker="o", fillstyle="none", **mark))
     if bends:
         handles.append(
-            Line2D([], [], marker="x", label="sharpest bend, where there is no crunode", **mark)
+            plots.line_handle("sharpest bend, where there is no crunode", marker="x", **mark)
         )
     return handles
 
 
 def _draw_curves(axes: Axes, curves: Mapping[str, CouplerCurve], turn: FloatArray) -> None:
     for number, name in enumerate(STATES):
-        style = series_style(number)
-        x, y = 1e3 * curves[name].position(turn).T
-        axes.plot(x, y, color=style.color, linestyle=style.linestyle)
+        axes.plot(*(1e3 * curves[name].position(turn).T), **plots.series_line(number))
     axes.set_xlabel("x (mm)")
     axes.set_ylabel("y (mm)")
     axes.set_aspect("equal", adjustable="datalim")
@@ -122,7 +107,7 @@ def _mark_crunodes(axes: Axes, shapes: Mapping[str, Shape]) -> None:
                 *(1e3 * double.position),
                 "o",
                 fillstyle="none",
-                color=series_style(number).color,
+                color=plots.series_style(number).color,
                 markersize=5,
             )
 
@@ -133,7 +118,7 @@ def _mark_bends(
     for number, name in enumerate(STATES):
         if not shapes[name].crunodes:
             x, y = 1e3 * curves[name].position(shapes[name].bend_angle)
-            axes.plot(x, y, "x", color=series_style(number).color, markersize=5)
+            axes.plot(x, y, "x", color=plots.series_style(number).color, markersize=5)
 
 
 def _close_up(axes: Axes, curves: Mapping[str, CouplerCurve], shapes: Mapping[str, Shape]) -> None:
@@ -164,10 +149,9 @@ def _draw_distance(axes: Axes, distance: Mapping[str, FloatArray], turn: FloatAr
     degrees = np.degrees(turn)
     for number, name in enumerate(STATES):
         if name in distance:
-            style = series_style(number)
-            axes.plot(degrees, 1e3 * distance[name], color=style.color, linestyle=style.linestyle)
+            axes.plot(degrees, 1e3 * distance[name], **plots.series_line(number))
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("Crank angle (deg)")
     axes.set_ylabel("Distance from the dry place (mm)")
     axes.set_title("Moved at the same crank angle")
-    crank_angle_axis(axes, degrees, narrow=True)
+    plots.crank_angle_axis(axes, degrees, narrow=True)

@@ -8,20 +8,20 @@ from functools import lru_cache
 
 import numpy as np
 from _common import MODELS
-from numpy.typing import NDArray
 
 from flexmech import (
     ExudynEngine,
+    HygrothermalState,
     Mechanism,
+    MovingFrequencies,
     ReferenceEngine,
+    mechanism_in_state,
     moving_frequencies,
     natural_frequencies,
 )
-from flexmech.analyses import HygrothermalEffect, hygrothermal_effect
-from flexmech.hygrothermal import HygrothermalState, State, mechanism_in_state
+from flexmech.hygrothermal import Environment
 from flexmech.modelfile import mechanism_from_toml
-
-FloatArray = NDArray[np.float64]
+from flexmech.types import FloatArray
 
 MODEL = MODELS / "moist_composite_fourbar.toml"
 SPEED, MODES = 20.0, 3
@@ -66,7 +66,7 @@ class Series:
         How far the rocker's middle would leave the line of its pins, unloaded, in m.
     """
 
-    states: Sequence[State]
+    states: Sequence[Environment]
     frequency: FloatArray
     change: dict[str, FloatArray]
     water: FloatArray
@@ -92,7 +92,7 @@ class Agreement:
 
 
 @lru_cache
-def in_state(part: str, state: State) -> Mechanism:
+def in_state(part: str, state: Environment) -> Mechanism:
     """The linkage in a state, as far as one part of what heat and moisture do goes.
 
     Parameters
@@ -115,18 +115,13 @@ def _dry(part: str) -> Mechanism:
     return mechanism_from_toml("\n".join(kept), MODEL.name)
 
 
-def over_turn(crank_angles: FloatArray, elements: int) -> HygrothermalEffect:
+def over_turn(crank_angles: FloatArray, elements: int) -> MovingFrequencies:
     """Frequencies over the crank angle, dry and evenly wet."""
-    dry, wet = (
-        moving_frequencies(
-            ReferenceEngine(mechanism, elements, BEAM), crank_angles, [SPEED], modes=MODES
-        )
-        for mechanism in (_dry("all"), in_state("all", EVENLY_WET))
-    )
-    return hygrothermal_effect(dry, wet, EVENLY_WET.label)
+    engine = ReferenceEngine(_dry("all"), elements, BEAM)
+    return moving_frequencies(engine, crank_angles, [SPEED], modes=MODES, environment=EVENLY_WET)
 
 
-def along(states: Sequence[State], positions: FloatArray, elements: int) -> Series:
+def along(states: Sequence[Environment], positions: FloatArray, elements: int) -> Series:
     """Changes of the frequencies along a series of states, and by what.
 
     Parameters
@@ -175,7 +170,7 @@ def _masses(mechanism: Mechanism) -> FloatArray:
     return np.array([mechanism.sections[k.name].mass_per_length * k.length for k in links])
 
 
-def compared(state: State, elements: int, exudyn_elements: int) -> Agreement:
+def compared(state: Environment, elements: int, exudyn_elements: int) -> Agreement:
     """Both engines in a state; Exudyn's beams come nearer with the square of their number.
 
     Parameters

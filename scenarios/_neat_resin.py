@@ -6,23 +6,12 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Literal
 
-import numpy as np
 from _common import MODELS
-from numpy.typing import NDArray
 
-from flexmech import Mechanism
-from flexmech.hygrothermal import HygrothermalState
-from flexmech.linkages import (
-    CouplerCurve,
-    CouplerPoint,
-    CuspTransition,
-    FourBar,
-    cusp_transitions,
-)
+from flexmech import CouplerCurve, CouplerPoint, FourBar, HygrothermalState, Mechanism
+from flexmech.linkages import CuspTransition, cusp_transitions
 from flexmech.materials import Hygrothermal
 from flexmech.modelfile import mechanism_from_toml
-
-FloatArray = NDArray[np.float64]
 
 RISE = 80.0
 """Temperature rise of the paper's text in K."""

@@ -8,8 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from flexmech.studies.claim import Verdict
 from flexmech.linkages import CouplerCurve, CuspTransition, DoublePoint, double_points
+from flexmech.studies import Verdict
 
 CLAIMS = {
     "3": "path of A in heat and moisture deviates",

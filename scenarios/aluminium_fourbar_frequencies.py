@@ -11,15 +11,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-from _common import FULL_TURN, FrequencyAnswer, output_folder, study_frequencies
-from numpy.typing import NDArray
+from _common import output_folder
+from _fourbar_frequencies import FULL_TURN, FrequencyAnswer, study_frequencies
+
+from flexmech.types import FloatArray
 
 
-def main(
-    out: Path, *, crank_angles: NDArray[np.float64] = FULL_TURN, elements: int = 16
-) -> FrequencyAnswer:
-    """Answer the question of the aluminium four-bar; parameters as for study."""
+def main(out: Path, *, crank_angles: FloatArray = FULL_TURN, elements: int = 16) -> FrequencyAnswer:
+    """Answer the question of the aluminium four-bar; parameters as for study_frequencies."""
     return study_frequencies("aluminium", out, crank_angles=crank_angles, elements=elements)
 
 

@@ -11,40 +11,25 @@ against crank speed at two crank angles, and over the turn.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from _common import four_bar, output_folder, save_pictures
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from numpy.typing import NDArray
 
-from flexmech import ComputationError, ReferenceEngine, natural_frequencies
+from flexmech import ComputationError, ReferenceEngine, natural_frequencies, plots
 from flexmech.linear_system import Prestress
-from flexmech.plots import publication_style
-from flexmech.plots.panels import grid_height, panel_grid
-from flexmech.plots.style import (
-    MID_GREY,
-    header_height,
-    header_legend,
-    mode_label,
-    new_figure,
-    plain_numbers,
-    series_handle,
-    series_style,
-    speed_label,
-)
-
-FloatArray = NDArray[np.float64]
+from flexmech.types import FloatArray
 
 MODES = 3
-LEVELS: tuple[Prestress, Prestress] = ("axial", "equilibrium")
-LABELS = {"axial": "axial forces alone", "equilibrium": "equilibrium"}
+# Equilibrium first: the whole effect, of which the other is a part.
+LABELS: dict[Prestress, str] = {"equilibrium": "equilibrium", "axial": "axial forces alone"}
 ANGLES = np.radians([0.0, 60.0])
 TURN = np.radians(np.arange(0.0, 361.0))
 TURN_SPEEDS = np.array([0.0, 20.0, 40.0])
@@ -75,29 +60,23 @@ class AxialForceAnswer:
 
     Parameters
     ----------
-    speeds : ndarray, shape (S,)
-        rad/s, the first 0.
-    by_speed : dict of str to ndarray, shape (2, S, 3)
-        ``"axial"`` and ``"equilibrium"``, at the crank angles ``ANGLES``.
-    turn : ndarray, shape (A,)
-        Crank angles of a full turn, rad.
-    over_turn : dict of str to ndarray, shape (3, A, 3)
-        At the crank speeds ``TURN_SPEEDS``.
+    by_speed : DataArray
+        Over ``form`` (axial, equilibrium), ``speed`` in rad/s (the first 0), ``angle`` in rad
+        (``ANGLES``) and ``mode``.
+    over_turn : DataArray
+        The same at the speeds ``TURN_SPEEDS`` and all angles of a full turn.
     not_found : list of str
         Where an equilibrium was not found, and why.
     """
 
-    speeds: FloatArray
-    by_speed: dict[str, FloatArray]
-    turn: FloatArray
-    over_turn: dict[str, FloatArray]
+    by_speed: xr.DataArray
+    over_turn: xr.DataArray
     not_found: list[str]
 
     def at(self, form: str, angle: float, speed: float) -> FloatArray:
-        """Frequencies at one of ``ANGLES`` and one of ``speeds``; shape (3,)."""
-        position = int(np.argmin(np.abs(ANGLES - angle)))
-        values: FloatArray = self.by_speed[form][position, int(np.argmin(abs(self.speeds - speed)))]
-        return values
+        """Frequencies at one of ``ANGLES`` and one of the speeds; shape (3,)."""
+        place = self.by_speed.sel(angle=angle, speed=speed, method="nearest")
+        return np.asarray(place.sel(form=form))
 
     def caught(self, angle: float, speed: float) -> FloatArray:
         """Part of the equilibrium's effect of speed that axial forces alone give; (3,).
@@ -108,9 +87,9 @@ class AxialForceAnswer:
         whole = self.at("equilibrium", angle, speed) - rest
         return np.asarray((self.at("axial", angle, speed) - rest) / whole)
 
-    def missed(self) -> FloatArray:
-        """Frequency by axial forces alone over that at equilibrium, less 1; (3, A, 3)."""
-        return np.asarray(self.over_turn["axial"] / self.over_turn["equilibrium"] - 1)
+    def missed(self) -> xr.DataArray:
+        """Frequency by axial forces alone over that at equilibrium, less 1, over the turn."""
+        return self.over_turn.sel(form="axial") / self.over_turn.sel(form="equilibrium") - 1
 
 
 def main(
@@ -136,139 +115,98 @@ def main(
     """
     answers, figures = {}, {}
     for name in ("steel", "aluminium"):
-        answer = compare(ReferenceEngine(four_bar(name), elements), speeds, turn)
-        answers[name] = answer
-        figures[f"{name}_by_speed.png"] = _draw_by_speed(name, answer)
-        figures[f"{name}_over_turn.png"] = _draw_over_turn(name, answer)
+        answer = answers[name] = compare(ReferenceEngine(four_bar(name), elements), speeds, turn)
+        figures[f"{name}_by_speed"] = _draw_by_speed(name, answer)
+        figures[f"{name}_over_turn"] = _draw_over_turn(name, answer)
         _report(name, answer)
-    print("pictures: " + ", ".join(str(path) for path in save_pictures(figures, out)))
+    save_pictures(figures, out)
     return answers
 
 
 def compare(engine: ReferenceEngine, speeds: FloatArray, turn: FloatArray) -> AxialForceAnswer:
     """Frequencies of both forms, where an equilibrium exists."""
-    by_speed: dict[str, FloatArray] = {}
-    over_turn: dict[str, FloatArray] = {}
     not_found: list[str] = []
-    for form in LEVELS:
-        by_speed[form], lost = _frequencies(engine, ANGLES[:, None], speeds, form)
-        over_turn[form], lost_on_turn = _frequencies(engine, turn, TURN_SPEEDS[:, None], form)
-        not_found += [*lost, *lost_on_turn]
-    return AxialForceAnswer(speeds, by_speed, turn, over_turn, not_found)
+    by_speed = _both_forms(engine, ANGLES, speeds, not_found)
+    over_turn = _both_forms(engine, turn, TURN_SPEEDS, not_found)
+    return AxialForceAnswer(by_speed, over_turn, not_found)
 
 
-def _frequencies(
-    engine: ReferenceEngine, angles: FloatArray, speeds: FloatArray, form: Prestress
-) -> tuple[FloatArray, list[str]]:
-    """Frequencies (..., 3), nan where there is no stable equilibrium, and the reasons."""
+def _both_forms(
+    engine: ReferenceEngine, angles: FloatArray, speeds: FloatArray, not_found: list[str]
+) -> xr.DataArray:
+    """Frequencies over form, speed, angle and mode; nan where there is no stable equilibrium."""
+    values = np.full((len(LABELS), len(speeds), len(angles), MODES), np.nan)
+    for number, form in enumerate(LABELS):
 
-    def solve(angle: FloatArray, speed: FloatArray) -> FloatArray:
-        return natural_frequencies(
-            engine, angle, speed, modes=MODES, prestress=form, rotation_terms=False
-        )
+        def solve(angle: FloatArray, speed: FloatArray, form: Prestress = form) -> FloatArray:
+            return natural_frequencies(
+                engine, angle, speed, modes=MODES, prestress=form, rotation_terms=False
+            )
 
-    try:
-        return solve(angles, speeds), []
-    except ComputationError:  # in one position at least: each one apart tells in which
-        return _one_by_one(solve, angles, speeds)
-
-
-def _one_by_one(
-    solve: Callable[[FloatArray, FloatArray], FloatArray], angles: FloatArray, speeds: FloatArray
-) -> tuple[FloatArray, list[str]]:
-    """Solve position by position; nan and the reason where that fails."""
-    angle, speed = np.broadcast_arrays(angles, speeds)
-    values, lost = np.full((*angle.shape, MODES), np.nan), []
-    for place in np.ndindex(*angle.shape):
         try:
-            values[place] = solve(angle[place], speed[place])
-        except ComputationError as error:
-            lost.append(str(error))
-    return values, lost
+            values[number] = solve(angles, speeds[:, None])
+        except ComputationError:  # in one position at least: each one apart tells in which
+            for s, a in np.ndindex(len(speeds), len(angles)):
+                try:
+                    values[number, s, a] = solve(angles[a], speeds[s])
+                except ComputationError as error:
+                    not_found.append(str(error))
+    places = {"form": list(LABELS), "speed": speeds, "angle": angles}
+    return xr.DataArray(values, places, dims=("form", "speed", "angle", "mode"))
 
 
-def _handles() -> list[Artist]:
-    # Equilibrium first: the whole effect, of which the other is a part.
-    return [series_handle(n, LABELS[form]) for n, form in enumerate(reversed(LEVELS))]
+def _header(drawn: plots.Sheet, name: str, words: str, last: Artist) -> None:
+    forms = [plots.series_handle(number, label) for number, label in enumerate(LABELS.values())]
+    title = f"{name.capitalize()} four-bar: change of frequency {words}"
+    drawn.header([*forms, last], title)
 
 
 def _draw_by_speed(name: str, answer: AxialForceAnswer) -> Figure:
     """Relative change against crank speed: rows are modes, columns crank angles."""
-    title = f"{name.capitalize()} four-bar: change of frequency with crank speed"
-    with publication_style():
-        independent = Line2D(
-            [],
-            [],
-            linestyle="",
-            marker="o",
-            markerfacecolor="white",
-            markeredgecolor=MID_GREY,
-            label="OpenSees",
-        )
-        handles: list[Artist] = [*_handles(), independent]
-        figure = new_figure(5.2 + header_height(handles, title))
-        grid = figure.subplots(MODES, len(ANGLES), sharex=True, sharey="row")
-        for column, angle in enumerate(ANGLES):
-            degrees = round(float(np.degrees(angle)))
-            rest = answer.at("axial", angle, 0.0)
-            for mode, axes in enumerate(grid[:, column]):
-                axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=1)
-                for number, form in enumerate(reversed(LEVELS)):
-                    change = 100 * (answer.by_speed[form][column, :, mode] / rest[mode] - 1)
-                    style = series_style(number)
-                    axes.plot(answer.speeds, change, color=style.color, linestyle=style.linestyle)
-                    _mark_independent(axes, number, (name, degrees), form, rest, mode)
-                axes.set_title(f"{mode_label([mode + 1])}, crank angle {degrees}°")
-                axes.set_xlim(0, 1.02 * answer.speeds[-1])
-                plain_numbers(axes)
-            grid[-1, column].set_xlabel("Crank speed (rad/s)")
-        figure.supylabel("Change of frequency (%)", fontsize=9)
-        header_legend(figure, handles, title)
-    return figure
-
-
-def _mark_independent(
-    axes: Axes, number: int, place: tuple[str, int], form: str, rest: FloatArray, mode: int
-) -> None:
-    for (name, degrees, speed), frequencies in INDEPENDENT[form].items():
-        if (name, degrees) == place:
-            axes.plot(
-                speed,
-                100 * (frequencies[mode] / rest[mode] - 1),
-                linestyle="",
-                marker="o",
-                markersize=4.5,
-                markerfacecolor="white",
-                markeredgecolor=series_style(number).color,
-                zorder=3,
-            )
+    mark: Any = {"linestyle": "", "marker": "o", "markersize": 4.5, "markerfacecolor": "white"}
+    with plots.sheet(plots.grid(MODES, len(ANGLES), 5.2, sharex=True, sharey="row")) as drawn:
+        for place, axes in enumerate(drawn.panels):
+            mode, column = divmod(place, len(ANGLES))
+            degrees = round(float(np.degrees(ANGLES[column])))
+            rest = answer.at("axial", ANGLES[column], 0.0)[mode]
+            axes.axhline(0.0, color=plots.MID_GREY, lw=0.6, zorder=1)
+            for number, form in enumerate(LABELS):
+                frequency = answer.by_speed.sel(form=form).isel(angle=column, mode=mode)
+                change, edge = 100 * (frequency / rest - 1), plots.series_style(number).color
+                axes.plot(change["speed"], change, **plots.series_line(number))
+                for (model, angle, speed), known in INDEPENDENT[form].items():
+                    if (model, angle) == (name, degrees):
+                        beside = 100 * (known[mode] / rest - 1)
+                        axes.plot(speed, beside, **mark, markeredgecolor=edge, zorder=3)
+            axes.set_title(f"{plots.mode_label([mode + 1])}, crank angle {degrees}°")
+            axes.set_xlim(0, 1.02 * float(answer.by_speed["speed"][-1]))
+            plots.plain_numbers(axes)
+        drawn.label_x("Crank speed (rad/s)")
+        drawn.label_y("Change of frequency (%)")
+        last = plots.line_handle("OpenSees", **mark, markeredgecolor=plots.MID_GREY)
+        _header(drawn, name, "with crank speed", last)
+    return drawn.figure
 
 
 def _draw_over_turn(name: str, answer: AxialForceAnswer) -> Figure:
     """Relative change from rest to 20 rad/s against crank angle, one panel a mode."""
-    speed = 1
-    title = (
-        f"{name.capitalize()} four-bar: change of frequency from rest to "
-        f"{speed_label(TURN_SPEEDS[speed])}"
-    )
-    angles = np.round(np.degrees(answer.turn), 9).astype(float)
-    with publication_style():
-        handles = [*_handles(), Patch(color=MISSED_GREY, label="missed by axial forces alone")]
-        sizes = [1] * MODES
-        figure = new_figure(grid_height(sizes) + header_height(handles, title))
-        for mode, axes in enumerate(panel_grid(figure, sizes, angles, "Change of frequency (%)")):
-            axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=1)
-            changes = []
-            for number, form in enumerate(reversed(LEVELS)):
-                values = answer.over_turn[form][..., mode]
-                changes.append(100 * (values[speed] / values[0] - 1))
-                style = series_style(number)
-                axes.plot(angles, changes[-1], color=style.color, linestyle=style.linestyle)
-            axes.fill_between(angles, *changes, color=MISSED_GREY, lw=0, zorder=0.5)
-            axes.set_title(mode_label([mode + 1]))
-            plain_numbers(axes)
-        header_legend(figure, handles, title)
-    return figure
+    angles = np.round(np.degrees(answer.over_turn["angle"].values), 9)
+    change = 100 * (answer.over_turn.isel(speed=1) / answer.over_turn.isel(speed=0) - 1)
+    with plots.sheet(plots.grid(MODES, 1, 4.7, sharex=True)) as drawn:
+        for mode, axes in enumerate(drawn.panels):
+            axes.axhline(0.0, color=plots.MID_GREY, lw=0.6, zorder=1)
+            forms = change.isel(mode=mode).values
+            for number, values in enumerate(forms):
+                axes.plot(angles, values, **plots.series_line(number))
+            axes.fill_between(angles, *forms, color=MISSED_GREY, lw=0, zorder=0.5)
+            axes.set_title(plots.mode_label([mode + 1]))
+            plots.plain_numbers(axes)
+        plots.crank_angle_axis(drawn.panels[-1], angles)
+        drawn.label_x("Crank angle (deg)")
+        drawn.label_y("Change of frequency (%)")
+        missed = Patch(color=MISSED_GREY, label="missed by axial forces alone")
+        _header(drawn, name, f"from rest to {plots.speed_label(TURN_SPEEDS[1])}", missed)
+    return drawn.figure
 
 
 def _report(name: str, answer: AxialForceAnswer) -> None:
@@ -277,27 +215,25 @@ def _report(name: str, answer: AxialForceAnswer) -> None:
         degrees = round(float(np.degrees(angle)))
         print(f"  crank angle {degrees} deg, at rest: {_numbers(answer.at('axial', angle, 0.0))}")
         for speed in (20, 40):
-            for form in LEVELS:
+            for form in reversed(LABELS):
                 known = INDEPENDENT[form].get((name, degrees, speed))
                 beside = f"  [{', '.join(f'{value:.7g}' for value in known)}]" if known else ""
                 values = _numbers(answer.at(form, angle, speed))
                 print(f"    {speed} rad/s, {LABELS[form]:18s}: {values}{beside}")
-            caught = answer.caught(angle, speed)
-            print(
-                f"    {speed} rad/s, part of the effect caught by axial forces alone: "
-                + ", ".join(f"{part:.2f}" for part in caught)
-            )
-    for number, speed in enumerate(TURN_SPEEDS[1:], start=1):
-        for mode in range(MODES):
-            missed = answer.missed()[number, :, mode]
-            worst = int(np.nanargmax(np.abs(missed)))
-            effect = answer.over_turn["equilibrium"][[0, number], :, mode]
-            weight = np.nanmean(missed**2) / np.nanmean((effect[1] / effect[0] - 1) ** 2)
-            print(
-                f"  over the turn, {speed:g} rad/s, mode {mode + 1}: axial forces alone are off "
-                f"by up to {100 * missed[worst]:+.2f} %, at {np.degrees(answer.turn[worst]):.0f} "
-                f"deg; root mean square {np.sqrt(weight):.2f} of the whole effect of speed"
-            )
+            caught = ", ".join(f"{part:.2f}" for part in answer.caught(angle, speed))
+            print(f"    {speed} rad/s, part of the effect caught by axial forces alone: {caught}")
+    whole = answer.over_turn.sel(form="equilibrium")
+    effect = whole.isel(speed=slice(1, None)) / whole.isel(speed=0) - 1
+    weight = (answer.missed() ** 2).mean("angle") / (effect**2).mean("angle")
+    for speed, mode in product(TURN_SPEEDS[1:], range(MODES)):
+        missed = answer.missed().sel(speed=speed).isel(mode=mode)
+        worst = missed[int(np.nanargmax(np.abs(missed)))]
+        part = float(weight.sel(speed=speed)[mode]) ** 0.5
+        print(
+            f"  over the turn, {speed:g} rad/s, mode {mode + 1}: axial forces alone are off "
+            f"by up to {100 * float(worst):+.2f} %, at {np.degrees(float(worst['angle'])):.0f} "
+            f"deg; root mean square {part:.2f} of the whole effect of speed"
+        )
     print(
         "  no equilibrium found: " + "; ".join(answer.not_found)
         if answer.not_found

@@ -15,14 +15,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 from _common import output_folder, save_pictures
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from flexmech import ReferenceEngine, natural_frequencies
-from flexmech.analyses.frequencies.modal_damping import strain_energy_damping
+from flexmech import ReferenceEngine, natural_frequencies, plots, strain_energy_damping
 from flexmech.studies import (
     composite_crank_rocker,
     deviation_at_best_scale,
@@ -31,20 +27,11 @@ from flexmech.studies import (
     published_case,
     published_tables,
 )
-from flexmech.plots import publication_style
-from flexmech.plots.style import (
-    header_height,
-    header_legend,
-    new_figure,
-    series_handle,
-    series_style,
-)
-
-FloatArray = NDArray[np.float64]
+from flexmech.types import FloatArray
 
 # Five plies in a ground of 0.4 m; the study assumes 1 mm.
 PLY_THICKNESS = np.array([0.1, 0.2, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 3.0]) * 1e-3
-ELEMENTS = ("euler", "timoshenko")
+ELEMENTS = {"euler": "bending alone", "timoshenko": "with shear"}
 WORDS = {
     "factor": "frequency, C6 over C1",
     "damping": "damping, C1 over C6",
@@ -92,8 +79,7 @@ def main(out: Path, *, thickness: FloatArray = PLY_THICKNESS, elements: int = 8)
             values = ratios[element][name]
             print(f"{element}: {words}: {values.min():.3f} to {values.max():.3f}")
     answer = SizeAnswer(thickness, ratios)
-    pictures = save_pictures({"link_size.png": _draw(answer)}, out)
-    print("picture: " + ", ".join(str(path) for path in pictures))
+    save_pictures({"link_size": _draw(answer)}, out)
     return answer
 
 
@@ -112,50 +98,40 @@ def ratios_of(element: str, thickness: float, elements: int) -> dict[str, float]
             frequency.loc[at] = natural_frequencies(engine, angles, modes=1)[:, 0]
             damping.loc[at] = strain_energy_damping(engine, angles, modes=1)[:, 0]
     lost = damping.sel(laminate="C1") / damping.sel(laminate="C6")
+    first, printed = (values.sel(laminate="C1") for values in (frequency, published))
     return {
         "factor": float(laminate_factors(frequency).sel(laminate="C6")),
         "damping": float(np.exp(np.log(lost).mean())),
-        "deviation": _off(frequency, published),
+        "deviation": deviation_at_best_scale(first, printed),
     }
 
 
-def _off(frequency: xr.DataArray, published: xr.DataArray) -> float:
-    """Deviation of C1 over cases and positions."""
-    first = (values.sel(laminate="C1") for values in (frequency, published))
-    return deviation_at_best_scale(*first)
-
-
 def _draw(answer: SizeAnswer) -> Figure:
-    words = {"euler": "bending alone", "timoshenko": "with shear"}
-    title = "Composite crank-rockers: ratios over the thickness assumed"
-    with publication_style():
-        handles: list[Artist] = [
-            series_handle(n, words[element], marker=series_style(n).marker, markersize=4)
-            for n, element in enumerate(ELEMENTS)
-        ]
-        figure = new_figure(2.5 + header_height(handles, title))
-        panels = figure.subplots(1, len(WORDS))
-        for axes, (name, heading) in zip(panels, WORDS.items(), strict=True):
-            for number, element in enumerate(ELEMENTS):
-                style = series_style(number)
+    marks = [
+        {"marker": plots.series_style(n).marker, "markersize": 4} for n in range(len(ELEMENTS))
+    ]
+    with plots.sheet(plots.grid(1, len(WORDS), 2.5)) as drawn:
+        for axes, (name, heading) in zip(drawn.panels, WORDS.items(), strict=True):
+            curves = [answer.ratios[element][name] for element in ELEMENTS]
+            for number, values in enumerate(curves):
                 axes.plot(
-                    5e3 * answer.thickness,
-                    answer.ratios[element][name],
-                    color=style.color,
-                    linestyle=style.linestyle,
-                    marker=style.marker,
-                    markersize=4,
+                    5e3 * answer.thickness, values, **(plots.series_line(number) | marks[number])
                 )
             axes.set_title(heading[0].upper() + heading[1:], fontsize=8)
             axes.set_xscale("log")
             axes.set_xticks([0.5, 1, 2, 5, 10], ["0.5", "1", "2", "5", "10"])
             axes.minorticks_off()
-            most = max(answer.ratios[element][name].max() for element in ELEMENTS)
-            axes.set_ylim(0.0, 1.1 * most)
-            axes.set_xlabel("Link thickness (mm)")
-        panels[0].set_ylabel("Ratio (-)")
-        header_legend(figure, handles, title)
-    return figure
+            axes.set_ylim(0.0, 1.1 * np.max(curves))
+        drawn.label_x("Link thickness (mm)")
+        drawn.panels[0].set_ylabel("Ratio (-)")
+        drawn.header(
+            [
+                plots.series_handle(n, words, **marks[n])
+                for n, words in enumerate(ELEMENTS.values())
+            ],
+            "Composite crank-rockers: ratios over the thickness assumed",
+        )
+    return drawn.figure
 
 
 if __name__ == "__main__":

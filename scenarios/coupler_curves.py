@@ -12,11 +12,12 @@ bend too sharp to be told from a cusp in a picture.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from _common import DOTS_PER_INCH, output_folder
+import pandas as pd
+from _common import output_folder, save_pictures
 from _coupler_pictures import distance, draw
 from _neat_resin import (
     CHANGING,
@@ -31,20 +32,12 @@ from _neat_resin import (
     transitions,
 )
 from _neat_resin import Path as StatePath
-from _neat_resin_claims import (
-    FigureClaim,
-    Shape,
-    judged,
-    judged_pin,
-    other_claims,
-    shape_of,
-)
+from _neat_resin_claims import FigureClaim, Shape, judged, judged_pin, other_claims, shape_of
 from matplotlib.figure import Figure
 
-from flexmech.errors import InputError
-from flexmech.files import moved_into, write_table
-from flexmech.hygrothermal import HygrothermalState, linkage_in_state
-from flexmech.linkages import CouplerCurve, CuspTransition
+from flexmech import CouplerCurve, HygrothermalState, InputError
+from flexmech.hygrothermal import linkage_in_state
+from flexmech.linkages import CuspTransition
 
 Found = dict[str, list[tuple[StatePath, tuple[CuspTransition, ...]]]]
 
@@ -60,12 +53,10 @@ class Answer:
     claims : list of FigureClaim
     transitions : dict of str to list
         By figure, each path with what happens along it.
-    pictures : list of Path
     """
 
     claims: list[FigureClaim]
     transitions: Found
-    pictures: list[Path]
 
 
 def main(
@@ -102,17 +93,14 @@ def main(
             shapes = {name: shape_of(curve, angles) for name, curve in curves.items()}
             claims.append(judged(figure, shapes, moved, _at_80_kelvin(found, figure)))
         if figure in drawn:
-            pictures[f"figure_{figure}.png"] = draw(figure, curves, shapes, turn)
+            pictures[f"figure_{figure}"] = draw(figure, curves, shapes, turn)
     claims += other_claims(_refusal())
-    with moved_into(out) as folder:
-        for name, picture in pictures.items():
-            picture.savefig(folder / name, dpi=DOTS_PER_INCH)
-        write_table(
-            folder / "claims.csv", [f.name for f in fields(FigureClaim)], map(astuple, claims)
-        )
-        write_table(folder / "cusps.csv", CUSP_COLUMNS, _cusp_rows(found))
-    answer = Answer(claims, found, [out / name for name in pictures])
+    answer = Answer(claims, found)
     _report(answer)
+    save_pictures(pictures, out)
+    # Of objects, so that a count that is not known does not turn the others into fractions.
+    pd.DataFrame(claims, dtype=object).to_csv(out / "claims.csv", index=False)
+    pd.DataFrame(_cusp_rows(found)).to_csv(out / "cusps.csv", index=False)
     return answer
 
 
@@ -139,40 +127,26 @@ def _refusal() -> str:
     raise AssertionError("8551-7 takes up 2 % of water")
 
 
-CUSP_COLUMNS = (
-    "figures",
-    "path",
-    "temperature_rise_K",
-    "moisture_percent",
-    "kind",
-    "crank_angle_deg",
-    "x_mm",
-    "y_mm",
-    "crunodes_before",
-    "crunodes_after",
-)
-
-
-def _cusp_rows(found: Found) -> list[tuple[object, ...]]:
-    rows: list[tuple[object, ...]] = []
+def _cusp_rows(found: Found) -> list[dict[str, object]]:
+    rows: list[dict[str, object]] = []
     for figure, paths in found.items():
         for path, changes in paths:
             for change in changes:
                 state = path.state(change.parameter)
                 x, y = 1e3 * change.position
                 rows.append(
-                    (
-                        CHANGING[figure],
-                        path.name,
-                        f"{state.temperature_rise:.8g}",
-                        f"{100 * state.moisture:.8g}",
-                        change.kind,
-                        f"{np.degrees(change.crank_angle):.7g}",
-                        f"{x:.8g}",
-                        f"{y:.8g}",
-                        change.crunodes_before,
-                        change.crunodes_after,
-                    )
+                    {
+                        "figures": CHANGING[figure],
+                        "path": path.name,
+                        "temperature_rise_K": f"{state.temperature_rise:.8g}",
+                        "moisture_percent": f"{100 * state.moisture:.8g}",
+                        "kind": change.kind,
+                        "crank_angle_deg": f"{np.degrees(change.crank_angle):.7g}",
+                        "x_mm": f"{x:.8g}",
+                        "y_mm": f"{y:.8g}",
+                        "crunodes_before": change.crunodes_before,
+                        "crunodes_after": change.crunodes_after,
+                    }
                 )
     return rows
 
@@ -189,7 +163,6 @@ def _report(answer: Answer) -> None:
     for figure, paths in answer.transitions.items():
         for path, changes in paths:
             print(f"  {CHANGING[figure]:8s} {path.name:33s} {_cusps_in_words(path, changes)}")
-    print("pictures: " + ", ".join(str(path) for path in answer.pictures))
 
 
 def _cusps_in_words(path: StatePath, changes: Sequence[CuspTransition]) -> str:

@@ -17,16 +17,19 @@ from pathlib import Path
 
 import numpy as np
 from _common import four_bar, output_folder, save_pictures
-from numpy.typing import NDArray
 
-from flexmech import ExudynEngine, Mechanism, ReferenceEngine, natural_frequencies
-from flexmech.analyses.response import SpeedSweep, speed_sweep
-from flexmech.analyses.response.quantities import deflections
-from flexmech.linkages import CrankDrive
-from flexmech.plots import plot_speed_sweep
+from flexmech import (
+    CrankDrive,
+    ExudynEngine,
+    Mechanism,
+    ReferenceEngine,
+    SpeedSweep,
+    natural_frequencies,
+    speed_sweep,
+)
+from flexmech.analyses import deflections
 from flexmech.time_domain import DrivenLinkage, simulated_orbit
-
-FloatArray = NDArray[np.float64]
+from flexmech.types import FloatArray
 
 SPEEDS = np.linspace(8.0, 30.0, 89)
 SIMULATED = (10.0, 15.0, 20.0, 25.0)
@@ -41,20 +44,26 @@ class CriticalSpeedAnswer:
     Parameters
     ----------
     sweep : SpeedSweep
-        Linear periodic motion.
-    simulated : ndarray, shape (k, n_links)
-        Peak deflections of the simulated periodic motion in m.
-    gap : float
-        Greatest relative difference of the two at the simulated speeds, coupler and rocker.
-    ringing : float
-        Crank speed in rad/s where the coupler's peak most exceeds the parabola of a
-        quasi-static linkage.
+        Linear periodic motion; at some speeds also the simulated one, as ``settled_peak``.
     """
 
     sweep: SpeedSweep
-    simulated: FloatArray
-    gap: float
-    ringing: float
+
+    @property
+    def gap(self) -> float:
+        """Greatest relative difference of both at the simulated speeds, coupler and rocker."""
+        data = self.sweep.dataset
+        pinned = data.isel(link=(data["probe"] == "middle").values)
+        simulated = pinned["settled_peak"].rename(settled_speed="crank_speed")
+        speeds = simulated["crank_speed"]
+        linear = pinned["peak_deflection"].sel(crank_speed=speeds, method="nearest")
+        return float(np.abs(linear.values / simulated.values - 1).max())
+
+    @property
+    def ringing(self) -> float:
+        """Crank speed in rad/s where the coupler most exceeds the parabola of a stiff linkage."""
+        coupler = self.sweep.dataset["peak_deflection"].sel(link="coupler")
+        return float((coupler / coupler["crank_speed"] ** 2).idxmax())
 
 
 def main(
@@ -90,16 +99,16 @@ def main(
         mechanism = with_damping(four_bar(name))
         sweep = speed_sweep(ReferenceEngine(mechanism, elements), speeds)
         peaks = np.stack([_simulated_peak(mechanism, elements, speed) for speed in simulated])
-        answer = _answer(sweep, np.array(simulated), peaks)
-        answers[name] = answer
         data = sweep.dataset.assign_coords(settled_speed=list(simulated))
         data["settled_peak"] = (("settled_speed", "link"), peaks, {"units": "m"})
-        figures[f"{name}_critical_speeds.png"] = plot_speed_sweep(data)
+        answer = answers[name] = CriticalSpeedAnswer(SpeedSweep(data))
+        figures[f"{name}_critical_speeds"] = answer.sweep.plot()
+        print(answer.sweep.summary())
         print(
             f"{name} four-bar: rings most at {answer.ringing:.4g} rad/s; simulated peaks differ "
             f"from the linear ones by at most {100 * answer.gap:.2f} %"
         )
-    print("pictures: " + ", ".join(str(path) for path in save_pictures(figures, out)))
+    save_pictures(figures, out)
     return answers
 
 
@@ -116,22 +125,12 @@ def _simulated_peak(mechanism: Mechanism, elements: int, speed: float) -> FloatA
     """Greatest deflections over a turn of Exudyn's periodic motion, (n_links,)."""
     engine, drive = ExudynEngine(mechanism, elements), CrankDrive(speed)
     turn = drive.revolution_time
-    time = turn / 720 * np.arange(721)
+    time = turn / 720 * np.arange(721, dtype=float)
     linkage = DrivenLinkage(engine, drive, "equilibrium", detail=2.0, with_energy=False)
     orbit = simulated_orbit(
         linkage, STEPS, lambda start: engine.simulate(drive, start, time, turn / STEPS)
     )
     return np.asarray(np.abs(deflections(engine, orbit.turn)).max(axis=0))
-
-
-def _answer(sweep: SpeedSweep, speeds: FloatArray, peaks: FloatArray) -> CriticalSpeedAnswer:
-    data = sweep.dataset["peak_deflection"]
-    linear = data.sel(crank_speed=speeds, method="nearest").values
-    pinned = (data["probe"] == "middle").values
-    gap = np.abs(linear / peaks - 1)[:, pinned].max()
-    coupler = data.sel(link="coupler")
-    excess = coupler / coupler["crank_speed"] ** 2
-    return CriticalSpeedAnswer(sweep, peaks, float(gap), float(excess.idxmax()))
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from _common import DOTS_PER_INCH, output_folder
+from _common import output_folder, save_pictures
 from _moist_linkage import (
     DAY,
     EVENLY_WET,
@@ -30,33 +30,16 @@ from _moist_linkage import (
     compared,
     over_turn,
 )
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
-from flexmech.analyses import HygrothermalEffect
-from flexmech.files import moved_into
-from flexmech.hygrothermal import Exposure, HygrothermalState
-from flexmech.plots import publication_style
-from flexmech.plots.style import (
-    MID_GREY,
-    header_height,
-    header_legend,
-    mode_label,
-    new_figure,
-    plain_numbers,
-    series_handle,
-    series_style,
-)
-
-FloatArray = NDArray[np.float64]
+from flexmech import Exposure, HygrothermalState, MovingFrequencies, plots
+from flexmech.types import FloatArray
 
 TURN = np.radians(np.arange(0.0, 361.0, 5.0))
 MOISTURES = np.linspace(0.0, GREATEST_MOISTURE, 11)
 TIMES = DAY * np.linspace(0.0, 14.0, 15) ** 2
 # Crank angles over which the changes are averaged.
 POSITIONS = np.radians(np.arange(0.0, 360.0, 30.0))
-
 
 PARTS = {
     "all": "altogether",
@@ -72,18 +55,16 @@ class Answer:
 
     Parameters
     ----------
-    effect : HygrothermalEffect
-        Over the crank angle.
+    effect : MovingFrequencies
+        Over the crank angle, dry and wet.
     by_moisture, by_time : Series
     agreement : list of Agreement
-    pictures : list of Path
     """
 
-    effect: HygrothermalEffect
+    effect: MovingFrequencies
     by_moisture: Series
     by_time: Series
     agreement: list[Agreement]
-    pictures: list[Path]
 
 
 def main(
@@ -123,31 +104,24 @@ def main(
     by_moisture, by_time = (along(states, positions, elements) for states in (evenly, exposed))
     states = (HygrothermalState(), EVENLY_WET, exposed[len(times) // 2])
     agreement = [compared(state, elements, exudyn_elements) for state in states]
-    percent, roots = 100 * moistures, np.sqrt(times / DAY)
-    pictures = {
-        "over_crank_angle.png": effect.plot(),
-        "by_moisture.png": draw(
-            percent, by_moisture, "Moisture of the resin (%)", f"at {RISE:+g} K"
-        ),
-        "by_time.png": draw(
-            roots,
-            by_time,
-            "Root of the time of exposure (\N{SQUARE ROOT}day)",
-            f"at {RISE:+g} K and {100 * HUMIDITY:g} % humidity",
-        ),
-    }
-    with moved_into(out) as folder:
-        for name, picture in pictures.items():
-            picture.savefig(folder / name, dpi=DOTS_PER_INCH)
-        tables = {
-            "over_crank_angle.csv": effect.table(),
-            "by_moisture.csv": table(by_moisture, "moisture_percent", percent),
-            "by_time.csv": table(by_time, "time_day", times / DAY),
-        }
-        for name, frame in tables.items():
-            frame.to_csv(folder / name, index=False, float_format="%.8g")
-    answer = Answer(effect, by_moisture, by_time, agreement, [out / name for name in pictures])
+    answer = Answer(effect, by_moisture, by_time, agreement)
     _report(answer)
+    where, days = f"at {RISE:+g} K", times / DAY
+    along_time = f"{where} and {100 * HUMIDITY:g} % humidity"
+    root = "Root of the time of exposure (\N{SQUARE ROOT}day)"
+    pictures = {
+        "over_crank_angle": effect.plot(),
+        "by_moisture": draw(100 * moistures, by_moisture, "Moisture of the resin (%)", where),
+        "by_time": draw(np.sqrt(days), by_time, root, along_time),
+    }
+    save_pictures(pictures, out)
+    tables = {
+        "over_crank_angle": effect.tables()["hygrothermal_effect"],
+        "by_moisture": table(by_moisture, "moisture_percent", 100 * moistures),
+        "by_time": table(by_time, "time_day", days),
+    }
+    for name, frame in tables.items():
+        frame.to_csv(out / f"{name}.csv", index=False, float_format="%.8g")
     return answer
 
 
@@ -168,32 +142,22 @@ def draw(values: FloatArray, series: Series, label: str, where: str) -> Figure:
     -------
     Figure
     """
-    title = f"Change of the natural frequencies from the dry linkage {where}, mean over the turn"
-    with publication_style():
-        handles: list[Artist] = [
-            series_handle(n, words, marker=series_style(n).marker, markersize=3)
-            for n, words in enumerate(PARTS.values())
-        ]
-        figure = new_figure(2.7 + header_height(handles, title))
-        panels = figure.subplots(1, MODES, sharey=True)
-        for mode, axes in enumerate(panels):
-            axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=1)
+    marks = [{"marker": plots.series_style(n).marker, "markersize": 3} for n in range(len(PARTS))]
+    with plots.sheet(plots.grid(1, MODES, 2.7, sharey=True)) as drawn:
+        for mode, axes in enumerate(drawn.panels):
+            axes.axhline(0.0, color=plots.MID_GREY, lw=0.6, zorder=1)
             for number, part in enumerate(PARTS):
-                style = series_style(number)
-                axes.plot(
-                    values,
-                    100 * series.change[part][:, mode],
-                    color=style.color,
-                    linestyle=style.linestyle,
-                    marker=style.marker,
-                    markersize=3,
-                )
-            axes.set_title(mode_label([mode + 1]))
-        panels[0].set_ylabel("Change of frequency (%)")
-        plain_numbers(panels[0])
-        figure.supxlabel(label, fontsize=9)
-        header_legend(figure, handles, title)
-    return figure
+                change = 100 * series.change[part][:, mode]
+                axes.plot(values, change, **(plots.series_line(number) | marks[number]))
+            axes.set_title(plots.mode_label([mode + 1]))
+        drawn.panels[0].set_ylabel("Change of frequency (%)")
+        plots.plain_numbers(drawn.panels[0])
+        drawn.figure.supxlabel(label, fontsize=9)
+        drawn.header(
+            [plots.series_handle(n, words, **marks[n]) for n, words in enumerate(PARTS.values())],
+            f"Change of the natural frequencies from the dry linkage {where}, mean over the turn",
+        )
+    return drawn.figure
 
 
 def table(series: Series, name: str, values: FloatArray) -> pd.DataFrame:
@@ -211,32 +175,27 @@ def table(series: Series, name: str, values: FloatArray) -> pd.DataFrame:
     -------
     DataFrame
     """
-    rows = []
-    for number, value in enumerate(values):
-        water = dict(zip(("crank", "coupler", "rocker"), series.water[number], strict=True))
-        for mode in range(MODES):
-            rows.append(
-                {
-                    name: value,
-                    **{f"water_of_{link}_percent": 100 * share for link, share in water.items()},
-                    "bend_of_rocker_mm": 1e3 * series.bend[number],
-                    "mode": mode + 1,
-                    "mean_frequency_Hz": series.frequency[number, mode],
-                    **{
-                        f"{part}_percent": 100 * change[number, mode]
-                        for part, change in series.change.items()
-                    },
-                }
-            )
+    links = ("crank", "coupler", "rocker")
+    rows = [
+        {
+            name: value,
+            **{
+                f"water_of_{link}_percent": 100 * share
+                for link, share in zip(links, series.water[number], strict=True)
+            },
+            "bend_of_rocker_mm": 1e3 * series.bend[number],
+            "mode": mode + 1,
+            "mean_frequency_Hz": series.frequency[number, mode],
+            **{f"{part}_percent": 100 * series.change[part][number, mode] for part in PARTS},
+        }
+        for number, value in enumerate(values)
+        for mode in range(MODES)
+    ]
     return pd.DataFrame(rows)
 
 
 def _report(answer: Answer) -> None:
-    change = 100 * answer.effect.relative_change.isel(engine=0, crank_speed=0)
-    print(f"{EVENLY_WET.label}, over the turn:")
-    for mode in change["mode"].values:
-        one = change.sel(mode=mode)
-        print(f"  mode {mode}: {float(one.min()):+.2f} to {float(one.max()):+.2f} %")
+    print(answer.effect.summary())
     print("last state of each series, mean over the turn: altogether = softening, swelling, mass")
     for series in (answer.by_moisture, answer.by_time):
         print(f"  {series.states[-1].label}")
@@ -249,7 +208,6 @@ def _report(answer: Answer) -> None:
     print("engines differ by at most (Exudyn coarse, fine, extrapolated):")
     for gap in answer.agreement:
         print(f"  {gap.state}: {gap.coarse:.1e}, {gap.fine:.1e}, {gap.limit:.1e}")
-    print("pictures: " + ", ".join(str(path) for path in answer.pictures))
 
 
 if __name__ == "__main__":

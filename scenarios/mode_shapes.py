@@ -17,24 +17,12 @@ from typing import Any
 
 import numpy as np
 from _common import SPEEDS, four_bar, output_folder, save_pictures
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from flexmech import Mechanism, ReferenceEngine, moving_frequencies
+from flexmech import Mechanism, ReferenceEngine, moving_frequencies, plots
 from flexmech.analyses import solve_modes
-from flexmech.plots import plot_mode_shapes, publication_style
-from flexmech.plots.style import (
-    crank_angle_axis,
-    header_height,
-    header_legend,
-    new_figure,
-    series_handle,
-    series_style,
-    speed_label,
-)
-
-FloatArray = NDArray[np.float64]
+from flexmech.types import FloatArray
 
 MODES = 3
 FULL_TURN = np.radians(np.arange(0, 361))
@@ -82,17 +70,16 @@ def main(
     for name in ("steel", "aluminium"):
         engine = ReferenceEngine(four_bar(name), elements)
         result = moving_frequencies(engine, [0.0], SPEEDS, modes=MODES)
-        figures[f"{name}_at_rest.png"] = plot_mode_shapes(result.dataset.isel(crank_speed=[0]))
-        figures[f"{name}_by_speed.png"] = plot_mode_shapes(result.dataset)
+        figures[f"{name}_at_rest"] = plots.plot_mode_shapes(result.dataset.isel(crank_speed=[0]))
+        figures[f"{name}_by_speed"] = plots.plot_mode_shapes(result.dataset)
         answers[name] = ShapeAnswer(
             mac=likeness(engine, crank_angles),
             crank_angles=crank_angles,
             frequencies=result.dataset["frequency"].values[0, :, 0],
         )
-    figures["likeness.png"] = _draw_likeness(answers)
-    pictures = save_pictures(figures, out)
+    figures["likeness"] = _draw_likeness(answers)
     _report(answers)
-    print("pictures: " + ", ".join(str(path) for path in pictures))
+    save_pictures(figures, out)
     return answers
 
 
@@ -128,28 +115,21 @@ def _mass_of_stations(mechanism: Mechanism) -> FloatArray:
 
 def _draw_likeness(answers: dict[str, ShapeAnswer]) -> Figure:
     """What MAC lacks to 1 at the highest speed against crank angle, one panel a mechanism."""
-    title = f"Difference of the mode shapes at rest and at {speed_label(SPEEDS[-1])}"
-    with publication_style():
-        handles: list[Artist] = [series_handle(n, f"mode {n + 1}") for n in range(MODES)]
-        figure = new_figure(2.5 + header_height(handles, title))
-        panels = figure.subplots(1, len(answers), sharey=True)
-        for axes, (name, answer) in zip(panels, answers.items(), strict=True):
+    with plots.sheet(plots.grid(1, len(answers), 2.5, sharey=True)) as drawn:
+        for axes, (name, answer) in zip(drawn.panels, answers.items(), strict=True):
             angles = np.round(np.degrees(answer.crank_angles), 9).astype(float)
             for mode in range(MODES):
-                style = series_style(mode)
-                axes.plot(
-                    angles,
-                    1 - answer.mac[-1, :, mode],
-                    color=style.color,
-                    linestyle=style.linestyle,
-                )
+                axes.plot(angles, 1 - answer.mac[-1, :, mode], **plots.series_line(mode))
             axes.set_title(f"{name.capitalize()} four-bar")
-            axes.set_xlabel("Crank angle (deg)")
-            crank_angle_axis(axes, angles, narrow=True)
-        panels[0].set_yscale("log")
-        panels[0].set_ylabel("1 \N{MINUS SIGN} MAC (-)")
-        header_legend(figure, handles, title)
-    return figure
+            plots.crank_angle_axis(axes, angles, narrow=True)
+        drawn.label_x("Crank angle (deg)")
+        drawn.panels[0].set_yscale("log")
+        drawn.panels[0].set_ylabel("1 \N{MINUS SIGN} MAC (-)")
+        drawn.header(
+            [plots.series_handle(n, f"mode {n + 1}") for n in range(MODES)],
+            f"Difference of the mode shapes at rest and at {plots.speed_label(SPEEDS[-1])}",
+        )
+    return drawn.figure
 
 
 def _report(answers: dict[str, ShapeAnswer]) -> None:

@@ -14,10 +14,14 @@ from pathlib import Path
 
 from _common import four_bar, output_folder, save_pictures
 
-from flexmech import ExudynEngine, ReferenceEngine
-from flexmech.analyses.response import Response, ResponseRequest, response
-from flexmech.linkages import CrankDrive
-from flexmech.plots import plot_forces, plot_response, plot_spectrogram, plot_spectrum
+from flexmech import (
+    CrankDrive,
+    ExudynEngine,
+    ReferenceEngine,
+    Response,
+    ResponseRequest,
+    response,
+)
 
 SPEEDS = (10.0, 20.0)
 
@@ -30,16 +34,21 @@ class RunningAnswer:
     ----------
     response : Response
         Both engines.
-    peak : float
-        Greatest deflection of the coupler's middle in Exudyn's run, m.
-    gap : float
-        Greatest difference of the linear coupler deflection from it over the run, over the
-        peak.
     """
 
     response: Response
-    peak: float
-    gap: float
+
+    @property
+    def peak(self) -> float:
+        """Greatest deflection of the coupler's middle in Exudyn's run, m."""
+        return float(self.response.peaks()["deflection"].sel(engine="exudyn", link="coupler"))
+
+    @property
+    def gap(self) -> float:
+        """Greatest difference of the linear coupler deflection from it, over the peak."""
+        agreement = self.response.agreement()
+        assert agreement is not None
+        return float(agreement.sel(link="coupler"))
 
 
 def main(
@@ -78,42 +87,17 @@ def main(
         for speed in speeds:
             engines = [ReferenceEngine(mechanism, elements), ExudynEngine(mechanism, elements)]
             request = ResponseRequest(CrankDrive(speed), revolutions=revolutions, samples=samples)
-            answer = _answer(response(engines, request))
-            answers[name, speed] = answer
-            data, stem = answer.response.dataset, f"{name}_{speed:g}"
-            figures[f"{stem}_response.png"] = plot_response(data)
-            figures[f"{stem}_forces.png"] = plot_forces(data)
-            figures[f"{stem}_spectrum.png"] = plot_spectrum(data)
-            if "spectrogram" in data:
-                figures[f"{stem}_spectrogram.png"] = plot_spectrogram(data)
-            _report(name, speed, answer)
-    print("pictures: " + ", ".join(str(path) for path in save_pictures(figures, out)))
+            answer = answers[name, speed] = RunningAnswer(response(engines, request))
+            for kind, figure in answer.response.figures().items():
+                figures[f"{name}_{speed:g}_{kind}"] = figure
+            print(answer.response.summary())
+            print(
+                f"{name} four-bar at {speed:g} rad/s: the coupler bends by up to "
+                f"{1e3 * answer.peak:.4f} mm; linear theory is off by {100 * answer.gap:.2f} % of "
+                "that\n"
+            )
+    save_pictures(figures, out)
     return answers
-
-
-def _answer(result: Response) -> RunningAnswer:
-    agreement = result.agreement()
-    assert agreement is not None
-    peaks = result.peaks()["deflection"]
-    return RunningAnswer(
-        response=result,
-        peak=float(peaks.sel(engine="exudyn", link="coupler")),
-        gap=float(agreement.sel(link="coupler")),
-    )
-
-
-def _report(name: str, speed: float, answer: RunningAnswer) -> None:
-    data = answer.response.dataset
-    errors = ", ".join(
-        f"{engine}: energy {float(data['energy_error'].sel(engine=engine)):.1e}, "
-        f"time step {float(data['step_error'].sel(engine=engine)):.1e}"
-        for engine in data["engine"].values
-    )
-    print(
-        f"{name} four-bar at {speed:g} rad/s: the coupler bends by up to "
-        f"{1e3 * answer.peak:.4f} mm; linear theory is off by {100 * answer.gap:.2f} % of that "
-        f"({errors})"
-    )
 
 
 if __name__ == "__main__":

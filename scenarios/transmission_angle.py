@@ -15,23 +15,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 from _common import output_folder, save_pictures
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from flexmech import FourBar, plots, synthesize_crank_rocker
+from flexmech.linkages import TransmissionDesign, time_ratio, transmission_design
 from flexmech.studies import published_case
-from flexmech.linkages import (
-    FourBar,
-    TransmissionDesign,
-    synthesize_crank_rocker,
-    time_ratio,
-    transmission_design,
-)
-from flexmech.plots import plot_transmission_angle, publication_style
-from flexmech.plots.style import new_figure, series_style
-
-FloatArray = NDArray[np.float64]
+from flexmech.types import FloatArray
 
 TURN = np.radians(np.arange(361.0))
 # Limits of the transmission angle as printed in section 5.1, in degrees.
@@ -90,16 +82,9 @@ def main(out: Path) -> Outcome:
         designs={name: transmission_design(linkage) for name, linkage in linkages.items()},
         largest_gap=float(max(gaps)),
     )
-    curves = {name: linkage.transmission_angle(TURN) for name, linkage in linkages.items()}
-    figures = {
-        "transmission_angle.png": plot_transmission_angle(
-            TURN, curves, RECOMMENDED, "recommended range"
-        ),
-        "design_chart.png": design_chart(),
-    }
-    pictures = save_pictures(figures, out)
     _report(linkages, outcome)
-    print("pictures: " + ", ".join(str(path) for path in pictures))
+    figures = {"transmission_angle": _draw_angles(linkages), "design_chart": design_chart()}
+    save_pictures(figures, out)
     return outcome
 
 
@@ -116,18 +101,32 @@ def designed() -> dict[str, FourBar]:
     }
 
 
+def _draw_angles(linkages: dict[str, FourBar]) -> Figure:
+    angles = [linkage.transmission_angle(TURN) for linkage in linkages.values()]
+    return plots.plot_transmission_angle(
+        xr.Dataset(
+            {"transmission_angle": (("linkage", "crank_angle"), angles)},
+            coords={"linkage": list(linkages), "crank_angle": TURN},
+            attrs={
+                "wanted_least": RECOMMENDED[0],
+                "wanted_greatest": RECOMMENDED[1],
+                "wanted_label": "recommended range",
+            },
+        )
+    )
+
+
 def design_chart() -> Figure:
     """Crank over ground against deviation and rocker angle."""
     deviation, rocker_angle, crank = _crank_lengths()
-    with publication_style():
-        figure = new_figure(3.6)
-        axes = figure.subplots()
+    with plots.sheet(plots.grid(1, 1, 3.6)) as drawn:
+        (axes,) = drawn.panels
         lines = axes.contour(
             deviation,
             rocker_angle,
             crank,
             levels=np.arange(0.05, 0.57, 0.05),
-            colors=series_style(0).color,
+            colors=plots.series_style(0).color,
             linewidths=1.0,
         )
         axes.clabel(lines, fmt="%.2f", fontsize=8)
@@ -137,7 +136,7 @@ def design_chart() -> Figure:
         axes.set_xlabel("Greatest deviation of the transmission angle from 90 deg (deg)")
         axes.set_ylabel("Rocker angle at crank angle 0 (deg)")
         axes.set_title("Crank length over ground length")
-    return figure
+    return drawn.figure
 
 
 def _crank_lengths() -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -164,7 +163,7 @@ def _mark_designs(axes: Axes) -> None:
         fontsize=8,
     )
     for name, (deviation, rocker_angle) in DESIGNS.items():
-        axes.plot(deviation, rocker_angle, "o", color=series_style(1).color, markersize=4)
+        axes.plot(deviation, rocker_angle, "o", color=plots.series_style(1).color, markersize=4)
         axes.annotate(
             name,
             (deviation, rocker_angle),

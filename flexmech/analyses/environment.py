@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from flexmech.hygrothermal import (
-    Environment,
-    SwollenLink,
-    resin_retention,
-    silent_links,
-    swollen_links,
-)
+from flexmech.hygrothermal import Environment, inert_links, resin_retention, swollen_links
 from flexmech.mechanism import Mechanism
 
-__all__ = ["environment_lines"]
+__all__ = ["environment_lines", "state_name"]
+
+
+def state_name(environment: Environment) -> str:
+    """What a result calls the state in an environment beside ``"dry"``."""
+    # An environment without heat and moisture is labelled dry too.
+    return "wet" if environment.label == "dry" else environment.label
 
 
 def environment_lines(mechanism: Mechanism, environment: Environment | None) -> list[str]:
@@ -39,31 +39,22 @@ def environment_lines(mechanism: Mechanism, environment: Environment | None) -> 
         return []
     lines = [f"state: {environment.label}"]
     for name, link in swollen_links(mechanism, environment).items():
-        lines.append(_link_line(mechanism, name, link) + _kept(mechanism, name, environment))
+        dry, kept = mechanism.sections[name], resin_retention(mechanism, name, environment)
+        stiffness = link.section.bending_stiffness / dry.bending_stiffness
+        mass = link.section.mass_per_length / dry.mass_per_length
+        line = (
+            f"{name}: {100 * link.elongation:+.4f} % longer, {100 * link.water:.3g} % water, "
+            f"bending stiffness times {stiffness:.4f}, mass per length times {mass:.4f}"
+        )
+        if kept is not None:
+            # Least and most of it, where the link is not equally moist.
+            share = " to ".join(dict.fromkeys(f"{100 * part:.4g}" for part in kept))
+            line += f", resin keeps {share} % of its stiffness and strength"
         if link.section.free_curvature:
             sagitta = abs(link.section.free_curvature) * link.length**2 / 8
-            lines[-1] += f", bent by itself {1e3 * sagitta:.4g} mm at its middle"
-    unchanged = silent_links(mechanism)
-    if unchanged:
-        lines.append(f"heat and moisture do nothing to: {', '.join(unchanged)} (no such keys)")
+            line += f", bent by itself {1e3 * sagitta:.4g} mm at its middle"
+        lines.append(line)
+    inert = inert_links(mechanism)
+    if inert:
+        lines.append(f"heat and moisture do nothing to: {', '.join(inert)} (no such keys)")
     return lines
-
-
-def _link_line(mechanism: Mechanism, name: str, link: SwollenLink) -> str:
-    dry = mechanism.sections[name]
-    stiffness = link.section.bending_stiffness / dry.bending_stiffness
-    mass = link.section.mass_per_length / dry.mass_per_length
-    return (
-        f"{name}: {100 * link.elongation:+.4f} % longer, {100 * link.water:.3g} % water, "
-        f"bending stiffness times {stiffness:.4f}, mass per length times {mass:.4f}"
-    )
-
-
-def _kept(mechanism: Mechanism, name: str, environment: Environment) -> str:
-    """What the resin keeps of its dry stiffness and strength; nothing where that is not known."""
-    kept = resin_retention(mechanism, name, environment)
-    if kept is None:
-        return ""
-    least, most = (f"{100 * part:.4g}" for part in kept)
-    share = least if least == most else f"{least} to {most}"
-    return f", resin keeps {share} % of its stiffness and strength"

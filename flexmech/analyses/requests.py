@@ -1,17 +1,17 @@
-"""What is asked of an analysis, checked where it comes in: angles, engines, mechanisms."""
+"""What is asked of an analysis, checked where it comes in: angles, engines, links."""
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Collection, Sequence
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.errors import InputError
+from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import Environment, Exposure, HygrothermalState
 from flexmech.linear_system import Engine
-from flexmech.mechanism import Mechanism
-from flexmech.modelfile.table import suggestion
 from flexmech.numbers import checked_array
 from flexmech.types import FloatArray
 
@@ -21,11 +21,17 @@ __all__ = [
     "environment_of",
     "in_radians",
     "link_of",
-    "mechanism_of",
 ]
 
 # Beyond so many radians, eight turns, an angle is taken for degrees.
 MOST_RADIANS = 16 * np.pi
+
+ENGINE = "flexmech.ReferenceEngine(mechanism) or flexmech.ExudynEngine(mechanism)"
+ENVIRONMENT = (
+    "flexmech.HygrothermalState(temperature_rise, moisture) or "
+    "flexmech.Exposure(temperature_rise, relative_humidity, time)"
+)
+T = TypeVar("T")
 
 
 def in_radians(name: str, values: ArrayLike) -> FloatArray:
@@ -59,12 +65,7 @@ def in_radians(name: str, values: ArrayLike) -> FloatArray:
 
 def engine_of(value: Engine) -> Engine:
     """The engine; anything else is refused with what to write."""
-    if not isinstance(value, Engine):
-        raise InputError(
-            f"an engine is needed, got {value!r:.80}; write flexmech.ReferenceEngine(mechanism) or "
-            "flexmech.ExudynEngine(mechanism)"
-        )
-    return value
+    return _one_of(value, (Engine,), "an engine", ENGINE)
 
 
 def engines_of(value: Engine | Sequence[Engine]) -> list[Engine]:
@@ -83,7 +84,7 @@ def engines_of(value: Engine | Sequence[Engine]) -> list[Engine]:
     InputError
         If there is none, or something else is among them.
     """
-    engines = list(value) if isinstance(value, list | tuple) else [value]
+    engines = value if isinstance(value, Sequence) and not isinstance(value, str) else [value]
     if not engines:
         raise InputError("an analysis needs an engine, got an empty list")
     return [engine_of(engine) for engine in engines]
@@ -96,21 +97,12 @@ def link_of(value: str, names: Collection[str]) -> str:
     return value
 
 
-def mechanism_of(value: Mechanism) -> Mechanism:
-    """The mechanism; anything else is refused with what to write."""
-    if not isinstance(value, Mechanism):
-        raise InputError(
-            f"a mechanism is needed, got {value!r:.80}; write flexmech.load_mechanism(path)"
-        )
-    return value
-
-
 def environment_of(value: Environment) -> Environment:
     """The environment; anything else is refused with what to write."""
-    if not isinstance(value, HygrothermalState | Exposure):
-        raise InputError(
-            f"an environment is needed, got {value!r:.80}; write "
-            "flexmech.HygrothermalState(temperature_rise, moisture) or "
-            "flexmech.Exposure(temperature_rise, relative_humidity, time)"
-        )
+    return _one_of(value, (HygrothermalState, Exposure), "an environment", ENVIRONMENT)
+
+
+def _one_of(value: T, kinds: tuple[type, ...], what: str, remedy: str) -> T:
+    if not isinstance(value, kinds):
+        raise InputError(f"{what} is needed, got {reprlib.repr(value)}; write {remedy}")
     return value

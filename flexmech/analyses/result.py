@@ -24,7 +24,7 @@ __all__ = ["DOTS_PER_INCH", "Result"]
 DOTS_PER_INCH = 200
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Result(ABC):
     """What an analysis has found.
 
@@ -53,9 +53,9 @@ class Result(ABC):
     def tables(self) -> dict[str, pd.DataFrame]:
         """Tables by the name of their CSV file without its ending."""
 
-    @abstractmethod
     def figures(self) -> dict[str, Figure]:
         """Every picture that there is data for, by the name of its file without its ending."""
+        return {self.stem: self.plot()}
 
     @abstractmethod
     def summary(self) -> Summary:
@@ -160,6 +160,10 @@ class Result(ABC):
 
     def _repr_html_(self) -> str:
         picture = io.BytesIO()
-        self.plot().savefig(picture, format="png")
+        try:
+            self.plot().savefig(picture, format="png")
+        except InputError:
+            # There is nothing to draw; the summary says why.
+            return self.summary()._repr_html_()
         source = base64.b64encode(picture.getvalue()).decode()
         return f'<img src="data:image/png;base64,{source}"/>{self.summary()._repr_html_()}'

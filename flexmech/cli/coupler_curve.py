@@ -15,15 +15,13 @@ from flexmech.cli.failures import reports_failures
 
 __all__ = ["HELP", "coupler_curve"]
 
-HELP = (
-    "Path of a point of the coupler. Its crossings and cusps, dry and in heat and moisture: "
-    "tables and pictures."
-)
+HELP = "Path of a point of the coupler, its crossings and cusps: dry, and in heat and moisture."
+
 Point = Annotated[
     str | None,
     typer.Option(
-        help="Coupler point: its distance e from A and the angle gamma from A-B to it, each with "
-        'its unit, as in "33 mm,320 deg". Left out: the model file\'s.',
+        help='Distance e from A and angle gamma from A-B, as in "33 mm,320 deg". Left out: the '
+        "coupler point of the model file.",
         metavar="e,gamma",
     ),
 ]

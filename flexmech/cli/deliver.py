@@ -95,7 +95,16 @@ def print_summary(summary: Summary) -> None:
 
 
 def report_files(out: Path, files: list[Path], patterns: Iterable[str]) -> None:
-    """Name the files of a run, and those that lie beside them from an earlier one."""
+    """Name the files of a run, and those that lie beside them from an earlier one.
+
+    Parameters
+    ----------
+    out : Path
+    files : list of Path
+        In ``out`` or below; a folder with many of them is named instead.
+    patterns : iterable of str
+        Of all files that such a run may write.
+    """
     inside = Counter(file.parent for file in files)
     names = (
         f"{file.parent} ({inside[file.parent]} files)"

@@ -10,9 +10,8 @@ from flexmech.units import TEMPERATURE, TEMPERATURE_DIFFERENCE, TIME, parse_numb
 
 if TYPE_CHECKING:
     from flexmech.hygrothermal import Environment
-    from flexmech.mechanism import Mechanism
 
-__all__ = ["in_state", "parse_environment", "parse_percent", "parse_temperature", "parse_time"]
+__all__ = ["parse_environment", "parse_percent", "parse_temperature", "parse_time"]
 
 
 def parse_environment(
@@ -59,32 +58,6 @@ def parse_environment(
     return HygrothermalState(
         rise, 0.0 if moisture is None else parse_percent("--moisture", moisture)
     )
-
-
-# Under its old name for commands that still say it so.
-parse_state = parse_environment
-
-
-def in_state(dry: Mechanism, environment: Environment | None) -> Mechanism:
-    """A mechanism in an environment, or as it is without one.
-
-    Parameters
-    ----------
-    dry : Mechanism
-    environment : HygrothermalState or Exposure, optional
-
-    Returns
-    -------
-    Mechanism
-
-    Raises
-    ------
-    InputError
-        See :func:`flexmech.hygrothermal.mechanism_in_state`.
-    """
-    from flexmech.hygrothermal import mechanism_in_state
-
-    return dry if environment is None else mechanism_in_state(dry, environment)
 
 
 def parse_time(text: str) -> float:

@@ -14,10 +14,8 @@ from flexmech.cli.failures import reports_failures
 
 __all__ = ["HELP", "moisture"]
 
-HELP = (
-    "How water gets into the links. Moisture profiles and uptake in constant ambient conditions, "
-    "by diffusion: tables and a picture."
-)
+HELP = "Moisture profiles and uptake of the links in air of constant humidity, by diffusion."
+
 Humidity = Annotated[str, typer.Option(help="Humidity of the air in percent.", metavar="PERCENT")]
 Temperature = Annotated[
     str | None,

@@ -145,7 +145,10 @@ def response(
     )
 
     def animations(result: Response, progress: LabelledProgress | None) -> list[Path]:
-        return result.save_animations(out, progress) if animate else []
+        files = result.save_animations(out, progress) if animate else []
+        if len(files) == 1:
+            typer.echo("animation: a GIF alone, for MP4 needs ffmpeg; install it and run again")
+        return files
 
     deliver(
         Response,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated
 
 import typer
@@ -14,10 +15,8 @@ from flexmech.units import LENGTH
 
 __all__ = ["HELP", "synthesize"]
 
-HELP = (
-    "Find the proportions of a crank-rocker for a wanted transmission angle. Within 90 deg plus "
-    "or minus a deviation, by the equations of Elamy et al. 2023."
-)
+HELP = "Proportions of a crank-rocker for a wanted transmission angle, by Elamy et al. 2023."
+
 Deviation = Annotated[
     float, typer.Option(help="Greatest deviation of the transmission angle from 90 deg, in deg.")
 ]
@@ -27,8 +26,7 @@ RockerAngle = Annotated[
 Ground = Annotated[
     str | None,
     typer.Option(
-        help='Distance of the ground pivots, such as "400 mm": prints the lengths as a table for '
-        "a model file.",
+        help='Distance of the ground pivots, such as "400 mm": prints a table for a model file.',
         metavar="LENGTH",
     ),
 ]
@@ -45,11 +43,9 @@ def synthesize(
     """Print the proportions of one crank-rocker, and what comes out when they are checked."""
     metres = None if ground is None else parse_option("--ground", ground, LENGTH)
 
-    import numpy as np
-
     from flexmech.analyses.synthesis import CrankRockerSynthesis, crank_rocker_synthesis
 
-    request = np.radians(deviation), np.radians(rocker_angle), metres
+    request = math.radians(deviation), math.radians(rocker_angle), metres
     deliver(
         CrankRockerSynthesis, lambda _: crank_rocker_synthesis(*request), out, draw=not no_plots
     )

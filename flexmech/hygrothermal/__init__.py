@@ -1,5 +1,6 @@
-"""Mechanisms in heat and water: from surroundings to a mechanism as it is in them."""
+"""Mechanisms in heat and water: from an environment to the mechanism as it is there."""
 
+from flexmech.hygrothermal.environment import Environment, Exposure, HygrothermalState
 from flexmech.hygrothermal.in_state import (
     SwollenLink,
     coupler_point_in_state,
@@ -10,26 +11,24 @@ from flexmech.hygrothermal.in_state import (
 from flexmech.hygrothermal.link_diffusion import LinkDiffusion, link_diffusion
 from flexmech.hygrothermal.link_moisture import (
     absorbing_links,
-    link_condition,
+    inert_links,
+    link_profile,
     resin_retention,
-    silent_links,
 )
-from flexmech.hygrothermal.state import Environment, Exposure, HygrothermalState, State
 
 __all__ = [
     "Environment",
     "Exposure",
     "HygrothermalState",
     "LinkDiffusion",
-    "State",
     "SwollenLink",
     "absorbing_links",
     "coupler_point_in_state",
-    "link_condition",
+    "inert_links",
     "link_diffusion",
+    "link_profile",
     "linkage_in_state",
     "mechanism_in_state",
     "resin_retention",
-    "silent_links",
     "swollen_links",
 ]

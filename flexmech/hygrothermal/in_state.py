@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.hygrothermal.link_moisture import link_condition, silent_links
-from flexmech.hygrothermal.state import HygrothermalState, State
-from flexmech.linkages import CouplerPoint, FourBar, Linkage, RotatingArm
+from flexmech.hygrothermal.environment import Environment, HygrothermalState
+from flexmech.hygrothermal.link_moisture import inert_links, link_profile
+from flexmech.linkages import CouplerPoint, FourBar, Linkage
 from flexmech.mechanism import Mechanism
-from flexmech.sections import BeamSection, section_in_condition
+from flexmech.sections import BeamSection, swollen_section
 
 __all__ = [
     "SwollenLink",
@@ -30,7 +30,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class SwollenLink:
-    """A link in its state.
+    """A link as the environment has made it.
 
     Parameters
     ----------
@@ -59,14 +59,14 @@ class SwollenLink:
         return float(self.length * np.sinc(half / np.pi) + 2 * offset * np.sin(half))
 
 
-def swollen_links(mechanism: Mechanism, state: State) -> dict[str, SwollenLink]:
-    """Every link of a mechanism in a state.
+def swollen_links(mechanism: Mechanism, environment: Environment) -> dict[str, SwollenLink]:
+    """Every link of a mechanism in an environment.
 
     Parameters
     ----------
     mechanism : Mechanism
         Dry, at its reference temperature.
-    state : HygrothermalState or Exposure
+    environment : HygrothermalState or Exposure
 
     Returns
     -------
@@ -75,13 +75,13 @@ def swollen_links(mechanism: Mechanism, state: State) -> dict[str, SwollenLink]:
     Raises
     ------
     InputError
-        If heat and water do nothing to any link, a resin is above its wet glass transition,
-        or something that the state needs is not known; names the link.
+        If heat and water change no link, a resin is above its wet glass transition,
+        or a property that the environment needs is not known; names the link.
     """
     topology = mechanism.linkage.topology
-    silent = silent_links(mechanism)
-    asked = state != HygrothermalState()
-    if asked and len(silent) == len(topology.links) and not mechanism.ground_thermal_expansion:
+    inert = len(inert_links(mechanism)) == len(topology.links)
+    asked = environment != HygrothermalState()
+    if asked and inert and not mechanism.ground_thermal_expansion:
         raise InputError(
             f"heat and moisture change nothing in {mechanism.provenance.name!r}: no link has a "
             "thermal_expansion, a moisture_expansion or a glass_transition; add them to its "
@@ -90,46 +90,52 @@ def swollen_links(mechanism: Mechanism, state: State) -> dict[str, SwollenLink]:
     links = {}
     for link in topology.links:
         try:
-            condition = link_condition(mechanism, link.name, state)
-            found = section_in_condition(mechanism.sections[link.name], condition)
+            profile = link_profile(mechanism, link.name, environment)
+            found = swollen_section(mechanism.sections[link.name], profile)
         except InputError as error:
-            text = str(error)
-            raise InputError(
-                text if text.startswith("links.") else f"links.{link.name}: {text}"
-            ) from error
+            if error.message.startswith("links."):
+                raise
+            raise error.within(f"links.{link.name}") from error
         length = link.length * (1 + found.elongation)
         links[link.name] = SwollenLink(length, found.section, found.elongation, found.water)
     return links
 
 
-def mechanism_in_state(mechanism: Mechanism, state: State) -> Mechanism:
+def mechanism_in_state(mechanism: Mechanism, environment: Environment) -> Mechanism:
     """A mechanism in heat and water.
 
     Parameters
     ----------
     mechanism : Mechanism
         Dry, at its reference temperature.
-    state : HygrothermalState or Exposure
+    environment : HygrothermalState or Exposure
 
     Returns
     -------
     Mechanism
-        With swollen lengths, softer and heavier sections, and their free curvatures. In the
-        dry state at the reference temperature it equals the mechanism to the last bit.
+        With swollen lengths, softer and heavier sections, and their free curvatures. Dry and at
+        the reference temperature it equals the mechanism to the last bit.
 
     Raises
     ------
     InputError
         As :func:`swollen_links`.
+
+    Examples
+    --------
+    >>> mechanism = flexmech.load_mechanism("models/neat_resin_figure_8.toml")
+    >>> wet = flexmech.mechanism_in_state(mechanism, flexmech.HygrothermalState(80.0, 0.07))
+    >>> round(wet.linkage.crank / mechanism.linkage.crank, 6)
+    1.026148
     """
-    links = swollen_links(mechanism, state)
+    links = swollen_links(mechanism, environment)
     name = mechanism.provenance.name
-    if state != HygrothermalState():
-        name = f"{name}, {state.label}"
+    if environment != HygrothermalState():
+        name = f"{name}, {environment.label}"
     return replace(
         mechanism,
         linkage=_resized(
-            mechanism, state, {link: swollen.length for link, swollen in links.items()}
+            mechanism, environment, {link: swollen.length for link, swollen in links.items()}
         ),
         sections={link: swollen.section for link, swollen in links.items()},
         link_masses=tuple(
@@ -141,14 +147,14 @@ def mechanism_in_state(mechanism: Mechanism, state: State) -> Mechanism:
     )
 
 
-def linkage_in_state(mechanism: Mechanism, state: State) -> FourBar:
-    """The rigid linkage with the distances of its pins in a state.
+def linkage_in_state(mechanism: Mechanism, environment: Environment) -> FourBar:
+    """The rigid linkage with the distances of its pins in an environment.
 
     Parameters
     ----------
     mechanism : Mechanism
         Of a four-bar, dry.
-    state : HygrothermalState or Exposure
+    environment : HygrothermalState or Exposure
 
     Returns
     -------
@@ -160,15 +166,17 @@ def linkage_in_state(mechanism: Mechanism, state: State) -> FourBar:
     InputError
         If the linkage is no four-bar, or as :func:`swollen_links`.
     """
-    links = swollen_links(mechanism, state)
+    links = swollen_links(mechanism, environment)
     lengths = {link: swollen.distance_of_pins for link, swollen in links.items()}
-    linkage = _resized(mechanism, state, lengths)
+    linkage = _resized(mechanism, environment, lengths)
     if not isinstance(linkage, FourBar):
         raise InputError("a coupler curve needs a linkage of kind 'four-bar'")
     return linkage
 
 
-def coupler_point_in_state(mechanism: Mechanism, point: CouplerPoint, state: State) -> CouplerPoint:
+def coupler_point_in_state(
+    mechanism: Mechanism, point: CouplerPoint, environment: Environment
+) -> CouplerPoint:
     """A point of the coupler that swells along with it.
 
     Parameters
@@ -176,7 +184,7 @@ def coupler_point_in_state(mechanism: Mechanism, point: CouplerPoint, state: Sta
     mechanism : Mechanism
     point : CouplerPoint
         On the dry coupler.
-    state : HygrothermalState or Exposure
+    environment : HygrothermalState or Exposure
 
     Returns
     -------
@@ -184,7 +192,7 @@ def coupler_point_in_state(mechanism: Mechanism, point: CouplerPoint, state: Sta
         Farther from A by the coupler's elongation, under the same angle (Singh & Sanyal 2022,
         sec. 4, corrected).
     """
-    moved = _moved_point(point, swollen_links(mechanism, state))
+    moved = _moved_point(point, swollen_links(mechanism, environment))
     assert moved is not None
     return moved
 
@@ -195,23 +203,12 @@ def _moved_point(
     return None if point is None else point.scaled(1 + links["coupler"].elongation)
 
 
-def _resized(mechanism: Mechanism, state: State, lengths: Mapping[str, float]) -> Linkage:
+def _resized(
+    mechanism: Mechanism, environment: Environment, lengths: Mapping[str, float]
+) -> Linkage:
     """The linkage with other link lengths, and the frame as its own expansion has it.
 
     Singh & Sanyal 2022, sec. 3, corrected: lengths times one plus the strain.
     """
-    frame = 1 + mechanism.ground_thermal_expansion * state.temperature_rise
-    linkage = mechanism.linkage
-    if isinstance(linkage, RotatingArm):
-        return replace(linkage, length=lengths["arm"], hub_radius=linkage.hub_radius * frame)
-    if isinstance(linkage, FourBar):
-        return replace(
-            linkage,
-            ground=linkage.ground * frame,
-            crank=lengths["crank"],
-            coupler=lengths["coupler"],
-            rocker=lengths["rocker"],
-        )
-    raise InputError(
-        f"heat and moisture are not known for linkages of type {type(linkage).__name__}"
-    )
+    growth = 1 + mechanism.ground_thermal_expansion * environment.temperature_rise
+    return mechanism.linkage.resized(lengths, growth)

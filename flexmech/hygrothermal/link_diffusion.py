@@ -1,19 +1,21 @@
-"""What water meets on its way into a link, and where it is there."""
+"""Diffusion of water into a link: its layers, and the moisture of their resin."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.materials import Laminate, Layer, PlyComposition
+from flexmech.materials import Layer, PlyComposition, ResinContent
 from flexmech.materials.moisture import (
+    Ambient,
     DiffusionLayer,
     Diffusivity,
     Faces,
+    MoistureEquilibrium,
     MoistureHistory,
-    Surroundings,
     composite_diffusivity_ratio,
     diffuse,
     diffuse_bar,
@@ -34,7 +36,7 @@ TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class LinkDiffusion:
-    """What water meets on its way into a link.
+    """Layers of a link that water diffuses into, and the surfaces that are exposed.
 
     Parameters
     ----------
@@ -55,12 +57,12 @@ class LinkDiffusion:
     faces: Faces
     width: float | None
 
-    def history(self, surroundings: Surroundings, times: FloatArray) -> MoistureHistory:
+    def history(self, ambient: Ambient, times: FloatArray) -> MoistureHistory:
         """Water in the link over time, from dry.
 
         Parameters
         ----------
-        surroundings : Surroundings
+        ambient : Ambient
         times : ndarray, shape (t,)
             In s.
 
@@ -68,26 +70,17 @@ class LinkDiffusion:
         -------
         MoistureHistory
         """
+        through = CELLS if self.width is None else BAR_CELLS[0]
+        cells = max(through, CELLS_A_LAYER * len(self.layers))
+        settings: dict[str, Any] = {
+            "faces": self.faces,
+            "humidity_exponent": self.humidity_exponent,
+            "tolerance": TOLERANCE,
+        }
         if self.width is None:
-            return diffuse(
-                self.layers,
-                surroundings,
-                times,
-                faces=self.faces,
-                humidity_exponent=self.humidity_exponent,
-                cells=max(CELLS, CELLS_A_LAYER * len(self.layers)),
-                tolerance=TOLERANCE,
-            )
-        return diffuse_bar(
-            self.layers,
-            self.width,
-            surroundings,
-            times,
-            faces=self.faces,
-            humidity_exponent=self.humidity_exponent,
-            cells=(max(BAR_CELLS[0], CELLS_A_LAYER * len(self.layers)), BAR_CELLS[1]),
-            tolerance=TOLERANCE,
-        )
+            return diffuse(self.layers, ambient, times, cells=cells, **settings)
+        cells_of_bar = cells, BAR_CELLS[1]
+        return diffuse_bar(self.layers, self.width, ambient, times, cells=cells_of_bar, **settings)
 
     def sliced(self, history: MoistureHistory, number: int) -> tuple[tuple[float, ...], ...]:
         """Moisture of the resin in slices of each layer at one of the times.
@@ -102,11 +95,12 @@ class LinkDiffusion:
         Returns
         -------
         tuple of tuple of float
-            As :class:`flexmech.sections.Condition` takes it.
+            As :class:`flexmech.sections.HygrothermalProfile` takes it.
         """
         saturation = history.saturation[number]
         if self._is_symmetric:
-            # Both halves are one problem: what its solver leaves between them is no curvature.
+            # The exact profile is symmetric, and half the difference is the solver's error. It
+            # must not bend the link.
             saturation = (saturation + saturation[::-1]) / 2
         steps = saturation * np.diff(history.boundaries)
         held = np.concatenate([[0.0], np.cumsum(steps)])
@@ -127,7 +121,7 @@ class LinkDiffusion:
 
 
 def link_diffusion(mechanism: Mechanism, link: str) -> LinkDiffusion:
-    """What water meets on its way into a link.
+    """Layers of a link that water diffuses into, from its section and its wetting.
 
     Parameters
     ----------
@@ -147,8 +141,8 @@ def link_diffusion(mechanism: Mechanism, link: str) -> LinkDiffusion:
     section = mechanism.sections[link].layers
     if section is None:
         raise InputError(f"links.{link}: its layers are not known, so water cannot diffuse into it")
-    laminate = section.laminate
-    exponents = {_equilibrium_exponent(link, layer) for layer in laminate.layers}
+    plies = [(layer, *_uptake(link, layer)) for layer in section.laminate.layers]
+    exponents = {equilibrium.humidity_exponent for _, _, equilibrium, _ in plies}
     if len(exponents) > 1:
         raise InputError(
             f"links.{link}: its layers have different humidity_exponents "
@@ -157,16 +151,16 @@ def link_diffusion(mechanism: Mechanism, link: str) -> LinkDiffusion:
         )
     wetting = mechanism.wetting_of(link)
     return LinkDiffusion(
-        layers=tuple(_diffusion_layer(layer) for layer in laminate.layers),
-        saturation=_saturation(laminate),
+        layers=tuple(_diffusion_layer(*ply) for ply in plies),
+        saturation=tuple(equilibrium.saturation for _, _, equilibrium, _ in plies),
         humidity_exponent=exponents.pop(),
         faces=wetting.faces,
         width=section.width if wetting.sides else None,
     )
 
 
-def _equilibrium_exponent(link: str, layer: Layer) -> float:
-    """Humidity exponent of a layer that water can diffuse into."""
+def _uptake(link: str, layer: Layer) -> tuple[ResinContent, MoistureEquilibrium, Diffusivity]:
+    """Resin of a layer with its equilibrium and its diffusivity, refused where one is missing."""
     resin = layer.ply.resin
     what = f"links.{link}: ply {layer.ply.name!r}" if layer.ply.name else f"links.{link}: its resin"
     if resin is None or not resin.hygrothermal.takes_water:
@@ -174,49 +168,28 @@ def _equilibrium_exponent(link: str, layer: Layer) -> float:
             f"{what} takes up no water and stands between layers that do; give its resin, or "
             "state the moisture of the links instead of humidity and time"
         )
-    for key, value in (
-        ("equilibrium_moisture", resin.hygrothermal.equilibrium),
-        ("diffusivity", resin.hygrothermal.diffusivity),
-    ):
-        if value is None:
-            raise InputError(
-                f"{what} has no {key}, which water diffusing into it needs; add it, or state the "
-                "moisture of the links instead of humidity and time"
-            )
-    assert resin.hygrothermal.equilibrium is not None
-    return resin.hygrothermal.equilibrium.humidity_exponent
+    equilibrium, diffusivity = resin.hygrothermal.equilibrium, resin.hygrothermal.diffusivity
+    if equilibrium is None or diffusivity is None:
+        key = "equilibrium_moisture" if equilibrium is None else "diffusivity"
+        raise InputError(
+            f"{what} has no {key}, which water diffusing into it needs; add it, or state the "
+            "moisture of the links instead of humidity and time"
+        )
+    return resin, equilibrium, diffusivity
 
 
-def _diffusion_layer(layer: Layer) -> DiffusionLayer:
-    resin = layer.ply.resin
-    assert resin is not None
-    assert resin.hygrothermal.equilibrium is not None
-    own = resin.hygrothermal.diffusivity
-    assert own is not None
+def _diffusion_layer(
+    layer: Layer, resin: ResinContent, equilibrium: MoistureEquilibrium, diffusivity: Diffusivity
+) -> DiffusionLayer:
     along, across = 1.0, 1.0
     if resin.volume_fraction < 1:
         along, across = composite_diffusivity_ratio(1 - resin.volume_fraction)
     woven = isinstance(layer.ply.origin, PlyComposition) and layer.ply.origin.woven
     share = 0.5 if woven else float(np.sin(layer.angle) ** 2)
-    water = resin.hygrothermal.equilibrium.saturation * resin.mass_fraction * layer.ply.density
+    ratio_across_width = along * share + across * (1 - share)
     return DiffusionLayer(
         thickness=layer.thickness,
-        diffusivity=_scaled(own, across),
-        capacity=water,
-        diffusivity_across=_scaled(own, along * share + across * (1 - share)),
+        diffusivity=replace(diffusivity, value=diffusivity.value * across),
+        capacity=equilibrium.saturation * resin.mass_fraction * layer.ply.density,
+        diffusivity_across=replace(diffusivity, value=diffusivity.value * ratio_across_width),
     )
-
-
-def _scaled(diffusivity: Diffusivity, ratio: float) -> Diffusivity:
-    return Diffusivity(
-        diffusivity.value * ratio, diffusivity.reference_temperature, diffusivity.activation_energy
-    )
-
-
-def _saturation(laminate: Laminate) -> tuple[float, ...]:
-    found = []
-    for layer in laminate.layers:
-        assert layer.ply.resin is not None
-        assert layer.ply.resin.hygrothermal.equilibrium is not None
-        found.append(layer.ply.resin.hygrothermal.equilibrium.saturation)
-    return tuple(found)

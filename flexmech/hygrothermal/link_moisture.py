@@ -1,4 +1,4 @@
-"""How moist a link is in a state, which links take up water, and how soft they get."""
+"""Moisture of a link in an environment, links that take up water, and how soft these get."""
 
 from __future__ import annotations
 
@@ -6,28 +6,28 @@ from functools import lru_cache
 
 import numpy as np
 
+from flexmech.hygrothermal.environment import Environment, Exposure
 from flexmech.hygrothermal.link_diffusion import LinkDiffusion, link_diffusion
-from flexmech.hygrothermal.state import Exposure, State
 from flexmech.materials import Layer, moisture_of
-from flexmech.materials.moisture import Surroundings
+from flexmech.materials.moisture import Ambient
 from flexmech.mechanism import Mechanism
-from flexmech.sections import Condition
+from flexmech.sections import HygrothermalProfile
 
-__all__ = ["absorbing_links", "link_condition", "resin_retention", "silent_links"]
+__all__ = ["absorbing_links", "inert_links", "link_profile", "resin_retention"]
 
 
-def link_condition(mechanism: Mechanism, link: str, state: State) -> Condition:
-    """Heat and water in a link's cross-section.
+def link_profile(mechanism: Mechanism, link: str, environment: Environment) -> HygrothermalProfile:
+    """Temperature and moisture through a link's thickness in an environment.
 
     Parameters
     ----------
     mechanism : Mechanism
     link : str
-    state : HygrothermalState or Exposure
+    environment : HygrothermalState or Exposure
 
     Returns
     -------
-    Condition
+    HygrothermalProfile
 
     Raises
     ------
@@ -35,36 +35,38 @@ def link_condition(mechanism: Mechanism, link: str, state: State) -> Condition:
         If the link's resin takes up water and it is not known how fast.
     """
     reference = mechanism.reference_temperature
-    if not isinstance(state, Exposure):
-        return Condition(state.temperature_rise, state.moisture, reference)
-    if not state.time or link not in absorbing_links(mechanism):
-        return Condition(state.temperature_rise, 0.0, reference)
+    if not isinstance(environment, Exposure):
+        return HygrothermalProfile(environment.temperature_rise, environment.moisture, reference)
+    if not environment.time or link not in absorbing_links(mechanism):
+        return HygrothermalProfile(environment.temperature_rise, 0.0, reference)
     moisture = _exposed(
         link_diffusion(mechanism, link),
-        state.relative_humidity,
-        reference + state.temperature_rise,
-        state.time,
+        environment.relative_humidity,
+        reference + environment.temperature_rise,
+        environment.time,
     )
-    return Condition(state.temperature_rise, moisture, reference)
+    return HygrothermalProfile(environment.temperature_rise, moisture, reference)
 
 
 @lru_cache(maxsize=128)
 def _exposed(
     diffusion: LinkDiffusion, relative_humidity: float, temperature: float, time: float
 ) -> tuple[tuple[float, ...], ...]:
-    """Moisture in slices after an exposure; links are often alike, and asked of twice."""
-    surroundings = Surroundings.constant(relative_humidity, temperature)
-    return diffusion.sliced(diffusion.history(surroundings, np.array([0.0, time])), -1)
+    """Moisture in slices after an exposure. Cached: links of a mechanism are often alike."""
+    ambient = Ambient.constant(relative_humidity, temperature)
+    return diffusion.sliced(diffusion.history(ambient, np.array([0.0, time])), -1)
 
 
-def resin_retention(mechanism: Mechanism, link: str, state: State) -> tuple[float, float] | None:
+def resin_retention(
+    mechanism: Mechanism, link: str, environment: Environment
+) -> tuple[float, float] | None:
     """Parts of their stiffness and strength that a link's resins keep, where least and most.
 
     Parameters
     ----------
     mechanism : Mechanism
     link : str
-    state : HygrothermalState or Exposure
+    environment : HygrothermalState or Exposure
 
     Returns
     -------
@@ -79,12 +81,12 @@ def resin_retention(mechanism: Mechanism, link: str, state: State) -> tuple[floa
     section = mechanism.sections[link].layers
     if section is None:
         return None
-    condition = link_condition(mechanism, link, state)
+    profile = link_profile(mechanism, link, environment)
     kept = [
         resin.hygrothermal.retention(
-            condition.temperature, moisture_of(layer.ply, offered), condition.reference_temperature
+            profile.temperature, moisture_of(layer.ply, offered), profile.reference_temperature
         )
-        for layer, offered in condition.slices(section.laminate)
+        for layer, offered in profile.slices(section.laminate)
         if (resin := layer.ply.resin) is not None
         and resin.hygrothermal.glass_transition is not None
     ]
@@ -106,8 +108,8 @@ def absorbing_links(mechanism: Mechanism) -> tuple[str, ...]:
     return tuple(name for name in names if any(_takes_water(p) for p in _layers(mechanism, name)))
 
 
-def silent_links(mechanism: Mechanism) -> tuple[str, ...]:
-    """Links of which nothing is known that heat or water could do to them.
+def inert_links(mechanism: Mechanism) -> tuple[str, ...]:
+    """Links whose materials state no response to heat and water.
 
     Parameters
     ----------

@@ -1,26 +1,30 @@
 """Linear systems in link frames: the contract between engines and analyses."""
 
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
-from flexmech.linear_system.checks import checked_count, checked_mechanism
+from flexmech.linear_system.checks import checked_mechanism
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
 from flexmech.linear_system.convergence import ConvergenceOrders
 from flexmech.linear_system.engine import Engine
-from flexmech.linear_system.equilibrium import (
+from flexmech.linear_system.link_frames import LinkDamping, LinkFrames, RotationTerms
+from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
+from flexmech.linear_system.position_errors import refuse_positions
+from flexmech.linear_system.quasi_static import (
     LOAD_STEPS,
+    MAX_ITERATIONS,
+    RELATIVE_RESIDUAL,
     ROUND_OFF,
     free_load,
     refuse_large_displacements,
 )
-from flexmech.linear_system.link_frames import LinkDamping, LinkFrames, RotationTerms
-from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
-from flexmech.linear_system.position_errors import refuse_positions
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem, condense
 from flexmech.linear_system.tension import element_tensions
 
 __all__ = [
     "LOAD_STEPS",
+    "MAX_ITERATIONS",
     "PRESTRESS_LEVELS",
+    "RELATIVE_RESIDUAL",
     "ROUND_OFF",
     "ComponentModes",
     "ConvergenceOrders",
@@ -33,7 +37,6 @@ __all__ = [
     "RigidFields",
     "RotationTerms",
     "StressedLinks",
-    "checked_count",
     "checked_mechanism",
     "component_modes",
     "condense",

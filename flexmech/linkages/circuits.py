@@ -1,4 +1,4 @@
-"""Circuits of a four-bar linkage: the postures it reaches without being taken apart."""
+"""Circuits of a four-bar linkage: the positions it reaches without being taken apart."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Literal
 from flexmech.errors import InputError
 from flexmech.linkages.fourbar import FourBar
 
-__all__ = ["Circuit", "CrankMotion", "circuit_of", "circuit_of_posture", "crank_motion"]
+__all__ = ["Circuit", "CrankMotion", "circuit_of", "circuit_of_position", "crank_motion"]
 
 Circuit = Literal["open", "crossed", "upper", "lower", "whole"]
 CrankMotion = Literal["turns", "swings in two ranges", "swings in one range"]
@@ -79,10 +79,10 @@ def circuit_of(linkage: FourBar, crank_angle: float | None = None) -> Circuit:
     return "upper" if math.sin(crank_angle) > 0 else "lower"
 
 
-def circuit_of_posture(
+def circuit_of_position(
     linkage: FourBar, motion: CrankMotion, pin: tuple[float, float], coupler_angle: float
 ) -> Circuit:
-    """Name of the circuit to which a posture belongs.
+    """Name of the circuit to which a position of the linkage belongs.
 
     Parameters
     ----------

@@ -13,7 +13,8 @@ from flexmech.errors import InputError
 from flexmech.linkages.fourbar import FourBar
 from flexmech.linkages.motion import RigidMotion, direction, normal
 from flexmech.model_text import TomlTable, quantity
-from flexmech.numbers import POSITIVE, check_angle, check_number
+from flexmech.numbers import POSITIVE, check_angle, check_instance, check_number
+from flexmech.short_repr import short_repr
 from flexmech.types import FloatArray
 from flexmech.units import ANGLE, LENGTH
 
@@ -61,6 +62,12 @@ class CouplerPoint:
     ------
     InputError
         If the distance is negative or either is not finite.
+
+    Examples
+    --------
+    >>> point = flexmech.CouplerPoint(distance=0.033, angle=np.radians(320))
+    >>> point.place.round(5)
+    array([ 0.02528, -0.02121])
     """
 
     distance: float
@@ -135,10 +142,28 @@ class CouplerCurve:
     ----------
     linkage : FourBar
     point : CouplerPoint
+
+    Examples
+    --------
+    >>> linkage = flexmech.FourBar(ground=0.254, crank=0.102, coupler=0.2794, rocker=0.2667)
+    >>> curve = flexmech.CouplerCurve(linkage, flexmech.CouplerPoint(0.15, np.radians(30)))
+    >>> curve.position(np.radians([0, 90])).round(4)
+    array([[0.0778, 0.148 ],
+           [0.0616, 0.2388]])
     """
 
     linkage: FourBar
     point: CouplerPoint
+
+    def __post_init__(self) -> None:
+        check_instance(self.linkage, FourBar, "linkage", "a coupler curve needs a four-bar")
+        check_instance(self.point, CouplerPoint, "point", "give CouplerPoint(distance, angle)")
+
+    def __repr__(self) -> str:
+        lengths = ", ".join(f"{x * 1e3:.6g}" for x in self.linkage.lengths.values())
+        place = f"{self.point.distance * 1e3:.6g} mm from A"
+        angle = f"{np.degrees(self.point.angle):.6g} deg"
+        return short_repr(self, f"four-bar of {lengths} mm", f"point {place}", angle)
 
     def position(self, crank_angle: ArrayLike) -> FloatArray:
         """Places of the point in ground axes in m.

@@ -46,7 +46,7 @@ from flexmech.linkages.circuits import (
     Circuit,
     CrankMotion,
     circuit_of,
-    circuit_of_posture,
+    circuit_of_position,
     crank_motion,
 )
 from flexmech.linkages.coupler_curve import CouplerPoint, CouplerTriangle
@@ -160,6 +160,13 @@ def double_points(
     InputError
         If the linkage has a change point, where circuits meet, or cannot be assembled at
         ``crank_angle``.
+
+    Examples
+    --------
+    >>> mechanism = flexmech.load_mechanism("models/neat_resin_figure_8.toml")
+    >>> points = flexmech.double_points(mechanism.linkage, mechanism.coupler_point, 0.0)
+    >>> [point.kind for point in points]
+    ['crunode']
     """
     circuit = circuit_of(linkage, crank_angle)
     found = [
@@ -259,7 +266,7 @@ def _attitude(
     a_x = position[0] + point.distance * math.cos(to_pin)
     a_y = position[1] + point.distance * math.sin(to_pin)
     coupler_angle = full_turn(to_pin + math.pi - point.angle)
-    circuit = circuit_of_posture(linkage, motion, (a_x, a_y), coupler_angle)
+    circuit = circuit_of_position(linkage, motion, (a_x, a_y), coupler_angle)
     return Attitude(full_turn(math.atan2(a_y, a_x)), coupler_angle, circuit)
 
 

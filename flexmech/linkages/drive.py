@@ -35,6 +35,12 @@ class CrankDrive:
     ------
     InputError
         If the speed is zero or not finite, or the run-up time is negative.
+
+    Examples
+    --------
+    >>> drive = flexmech.CrankDrive(speed=20.0, run_up_time=0.5)
+    >>> drive.crank_speed([0.0, 0.25, 0.5])
+    array([ 0., 10., 20.])
     """
 
     speed: float

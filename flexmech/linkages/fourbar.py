@@ -47,6 +47,14 @@ class FourBar:
     InputError
         If a length is not a positive number, the branch is unknown, or the four lengths
         cannot close at any crank angle.
+
+    Examples
+    --------
+    >>> linkage = flexmech.FourBar(ground=0.254, crank=0.102, coupler=0.2794, rocker=0.2667)
+    >>> linkage.grashof_class
+    'crank-rocker'
+    >>> np.degrees(linkage.transmission_angle([0, np.pi])).round(2)
+    array([32.21, 81.33])
     """
 
     ground: float
@@ -55,7 +63,7 @@ class FourBar:
     rocker: float
     branch: Branch = "open"
 
-    kind: ClassVar = "four-bar"
+    kind: ClassVar[str] = "four-bar"
 
     def __post_init__(self) -> None:
         for name, length in self.lengths.items():
@@ -140,7 +148,9 @@ class FourBar:
         InputError
             Where the linkage cannot be assembled.
         """
-        theta = checked_array(crank_angle, "crank_angle", "rad")
+        return self._transmission_angle(checked_array(crank_angle, "crank_angle", "rad"))
+
+    def _transmission_angle(self, theta: FloatArray) -> FloatArray:
         cosine = (
             self.coupler**2
             + self.rocker**2
@@ -248,10 +258,8 @@ class FourBar:
         -------
         FourBar
         """
-        names = ("crank", "coupler", "rocker")
-        return FourBar(
-            self.ground * ground_growth, *(lengths[name] for name in names), branch=self.branch
-        )
+        ground = self.ground * ground_growth
+        return FourBar(ground, lengths["crank"], lengths["coupler"], lengths["rocker"], self.branch)
 
     def described(self) -> list[str]:
         """Kind, lengths, Grashof class and range of the transmission angle, a line each."""
@@ -296,7 +304,7 @@ class FourBar:
             )
 
     def _refuse_locking(self, theta: FloatArray) -> None:
-        transmission = self.transmission_angle(theta)
+        transmission = self._transmission_angle(theta)
         locked = np.sin(transmission) < LOCKING_SINE
         if np.any(locked):
             angle = _degrees(theta[locked].flat[0])

@@ -14,6 +14,7 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.linkages.motion import RigidMotion, direction, normal
 from flexmech.linkages.topology import LinkEnd, Topology
+from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray
 
 __all__ = ["InverseDynamics", "LinkMass", "inverse_dynamics"]
@@ -54,25 +55,6 @@ class LinkMass:
         points = zip(self.point_positions, self.point_masses, strict=True)
         return distributed + sum(mass * x**order for x, mass in points)
 
-    def lumped(self, segments: int) -> LinkMass:
-        """The same link with each of ``segments`` equal pieces halved onto its two ends.
-
-        Four segments for coupler and rocker and one for the crank give the twelve masses
-        of Kumar & Chandrakar, Figure 1.5.
-        """
-        if segments < 1:
-            raise InputError(f"a link is lumped into one segment or more, got {segments}")
-        share = self.mass_per_length * self.length / segments
-        masses = np.full(segments + 1, share)
-        masses[[0, -1]] = share / 2
-        positions = np.linspace(0.0, self.length, segments + 1)
-        return LinkMass(
-            length=self.length,
-            mass_per_length=0.0,
-            point_positions=(*positions.tolist(), *self.point_positions),
-            point_masses=(*masses.tolist(), *self.point_masses),
-        )
-
 
 @dataclass(frozen=True)
 class InverseDynamics:
@@ -104,6 +86,9 @@ class InverseDynamics:
     joint_force: dict[str, FloatArray]
     driving_torque: FloatArray
     start_force: FloatArray
+
+    def __repr__(self) -> str:
+        return short_repr(self, *shapes(self))
 
     def axial_force(self, link: int, x: float) -> FloatArray:
         """Tension at ``x`` along a link in N; shape (...).

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.numbers import checked_array
+from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray
 
 __all__ = ["RigidMotion", "checked_drive", "direction", "normal"]
@@ -26,7 +27,22 @@ def normal(angle: FloatArray) -> FloatArray:
 def checked_drive(
     crank_angle: ArrayLike, crank_speed: ArrayLike, crank_acceleration: ArrayLike
 ) -> tuple[FloatArray, ...]:
-    """Angle, speed and acceleration of the crank as arrays of one shape."""
+    """Angle, speed and acceleration of the crank as arrays of one shape.
+
+    Parameters
+    ----------
+    crank_angle, crank_speed, crank_acceleration : array_like
+        Angle in rad, speed in rad/s, acceleration in rad/s^2; broadcast together.
+
+    Returns
+    -------
+    tuple of ndarray
+
+    Raises
+    ------
+    InputError
+        If one is not made of finite numbers.
+    """
     return np.broadcast_arrays(
         checked_array(crank_angle, "crank_angle", "rad"),
         checked_array(crank_speed, "crank_speed", "rad/s"),
@@ -60,6 +76,9 @@ class RigidMotion:
     origin_velocity: FloatArray
     origin_acceleration: FloatArray
 
+    def __repr__(self) -> str:
+        return short_repr(self, *shapes(self))
+
     def position(self, link: int, x: float) -> FloatArray:
         """Ground position of the point at ``x`` along a link; shape (..., 2)."""
         return self.origin[..., link, :] + x * direction(self.angle[..., link])
@@ -78,9 +97,3 @@ class RigidMotion:
         tangential = self.angular_acceleration[..., link, None] * normal(angle)
         centripetal = -(self.angular_velocity[..., link, None] ** 2) * direction(angle)
         return self.origin_acceleration[..., link, :] + x * (tangential + centripetal)
-
-    def origin_acceleration_in_frame(self) -> FloatArray:
-        """Acceleration of each link's start in its own frame; shape (..., n_links, 2)."""
-        along = np.sum(self.origin_acceleration * direction(self.angle), axis=-1)
-        across = np.sum(self.origin_acceleration * normal(self.angle), axis=-1)
-        return np.stack([along, across], axis=-1)

@@ -32,12 +32,18 @@ class RotatingArm:
     ------
     InputError
         If the length is not positive or the hub radius is negative.
+
+    Examples
+    --------
+    >>> arm = flexmech.RotatingArm(length=0.3, hub_radius=0.02)
+    >>> arm.motion(crank_angle=0.0).position(0, arm.length)
+    array([0.32, 0.  ])
     """
 
     length: float
     hub_radius: float = 0.0
 
-    kind: ClassVar = "rotating-arm"
+    kind: ClassVar[str] = "rotating-arm"
 
     def __post_init__(self) -> None:
         check_number(self.length, "length of the arm", "m", POSITIVE)

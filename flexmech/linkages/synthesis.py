@@ -15,6 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexmech.errors import InputError
 from flexmech.linkages.fourbar import CHANGE_POINT_TOLERANCE, FourBar
+from flexmech.numbers import checked_array
+from flexmech.short_repr import short_repr
 from flexmech.types import FloatArray
 
 __all__ = [
@@ -27,7 +29,6 @@ __all__ = [
 ]
 
 
-BALANCED = 1e-9
 RIGHT_ANGLE = np.pi / 2
 
 
@@ -50,6 +51,12 @@ class CrankRockerProportions:
     crank: FloatArray
     coupler: FloatArray
     rocker: FloatArray
+
+    def __repr__(self) -> str:
+        ratios = {"crank": self.crank, "coupler": self.coupler, "rocker": self.rocker}
+        if self.crank.size != 1:
+            return short_repr(self, f"{self.crank.size} designs")
+        return short_repr(self, *(f"{name} {float(x):.6g}" for name, x in ratios.items()))
 
     def linkage(self, ground: float = 1.0) -> FourBar:
         """Linkage of the proportions; of one design only.
@@ -99,11 +106,6 @@ class TransmissionDesign:
     rocker_angle: float
     imbalance: float
 
-    @property
-    def is_balanced(self) -> bool:
-        """Whether the limits lie evenly about a right angle (mini-max, eq. 11)."""
-        return abs(self.imbalance) <= BALANCED
-
 
 def synthesize_crank_rocker(
     deviation: ArrayLike, rocker_angle: ArrayLike
@@ -132,8 +134,21 @@ def synthesize_crank_rocker(
     InputError
         If an angle is out of its bounds, or so near to them that the linkage would be at a
         change point within round-off.
+
+    Examples
+    --------
+    >>> design = flexmech.synthesize_crank_rocker(np.radians(30), np.radians(90))
+    >>> linkage = design.linkage(ground=0.25)
+    >>> np.degrees(linkage.transmission_angle_limits()).round(9)
+    array([ 60., 120.])
     """
-    delta, theta = (np.array(v, dtype=float) for v in np.broadcast_arrays(deviation, rocker_angle))
+    delta, theta = (
+        np.array(angle)
+        for angle in np.broadcast_arrays(
+            checked_array(deviation, "deviation", "rad"),
+            checked_array(rocker_angle, "rocker_angle", "rad"),
+        )
+    )
     least = RIGHT_ANGLE - delta
     _refuse_deviation(delta)
     _refuse_rocker_angle(delta, theta, (theta > least) & (theta < np.pi))
@@ -258,9 +273,11 @@ def _refuse_other_classes(linkage: FourBar) -> None:
 def _refuse_deviation(delta: FloatArray) -> None:
     wrong = ~((delta > 0) & (delta < RIGHT_ANGLE))
     if np.any(wrong):
+        got = delta[wrong].flat[0]
+        remedy = f"; angles are in rad, give np.radians({got:g})" if got > np.pi else ""
         raise InputError(
             "deviation must lie between 0 and 90 deg (both excluded), got "
-            f"{_degrees(delta[wrong].flat[0])} deg"
+            f"{_degrees(got)} deg{remedy}"
         )
 
 

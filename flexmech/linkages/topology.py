@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from flexmech.errors import InputError
+from flexmech.short_repr import short_repr
 
 __all__ = ["Clamp", "End", "Link", "LinkEnd", "Pin", "Pivot", "Topology"]
 
@@ -93,6 +94,10 @@ class Topology:
                 raise InputError(f"a connection names link {place.link!r}; links are {names}")
         if len(set(bound)) != len(bound):
             raise InputError("a link end is held or led twice; make one connection the leader")
+
+    def __repr__(self) -> str:
+        links, joints = ", ".join(self.link_names), ", ".join(self.joint_names)
+        return short_repr(self, f"links {links}", f"joints {joints}")
 
     @property
     def link_names(self) -> tuple[str, ...]:

@@ -1,12 +1,7 @@
 """Materials, from fibres to laminates. No mechanisms here."""
 
 from flexmech.materials.composition import RULES, PlyComposition, Rule
-from flexmech.materials.constituents import (
-    Fibre,
-    Matrix,
-    propagated_uncertainty,
-    published_constituents,
-)
+from flexmech.materials.constituents import Fibre, Matrix, published_constituents
 from flexmech.materials.hygrothermal import REFERENCE_TEMPERATURE, Hygrothermal, ResinContent
 from flexmech.materials.laminate import Laminate, Layer
 from flexmech.materials.material import Material
@@ -18,6 +13,7 @@ from flexmech.materials.plies_in_state import (
     through_thickness_strain,
 )
 from flexmech.materials.ply import Ply, PlyDamping
+from flexmech.materials.uncertainty import propagated_uncertainty
 
 __all__ = [
     "PACKING_LIMIT",

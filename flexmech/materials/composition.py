@@ -8,6 +8,7 @@ from typing import Literal, get_args
 from flexmech.materials.constituents import Fibre, Matrix
 from flexmech.materials.hygrothermal import ResinContent
 from flexmech.model_text import SharedTables, TomlTable
+from flexmech.short_repr import short_repr
 
 __all__ = ["RULES", "PlyComposition", "Rule"]
 
@@ -34,6 +35,11 @@ class PlyComposition:
     fibre_volume_fraction: float
     rule: Rule
     woven: bool = False
+
+    def __repr__(self) -> str:
+        share = f"fibre volume fraction {self.fibre_volume_fraction:.6g}"
+        weave = "woven" if self.woven else ""
+        return short_repr(self, self.fibre.name, self.matrix.name, share, self.rule, weave)
 
     @property
     def resin(self) -> ResinContent:

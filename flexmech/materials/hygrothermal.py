@@ -15,6 +15,7 @@ from flexmech.errors import InputError
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
 from flexmech.model_text import TomlTable, stated
 from flexmech.numbers import NOT_NEGATIVE, POSITIVE, Bounds, check_fields
+from flexmech.short_repr import short_repr
 from flexmech.units import (
     ACTIVATION_ENERGY,
     DIFFUSIVITY,
@@ -80,6 +81,16 @@ class Hygrothermal:
                 "equilibrium_moisture too"
             )
 
+    def __repr__(self) -> str:
+        water, glass = self.equilibrium, self.glass_transition
+        return short_repr(
+            self,
+            f"thermal expansion {self.thermal_expansion:.6g} 1/K",
+            f"moisture expansion {self.moisture_expansion:.6g}",
+            "" if water is None else f"takes up {100 * water.saturation:.4g} %",
+            "" if glass is None else f"glass transition {glass:.6g} K",
+        )
+
     def to_table(self) -> TomlTable:
         """Keys of a resin or a material in a model file; empty where nothing is known."""
         table = stated(
@@ -112,7 +123,7 @@ class Hygrothermal:
         return self.equilibrium is not None or self.moisture_expansion > 0
 
     def checked_moisture(self, moisture: float) -> float:
-        """Moisture that this resin has where its surroundings offer ``moisture``.
+        """Moisture of this resin where the environment offers ``moisture``.
 
         Parameters
         ----------
@@ -266,6 +277,13 @@ class ResinContent:
     def __post_init__(self) -> None:
         fractions = {"mass_fraction": "", "volume_fraction": ""}
         check_fields(self, fractions, Bounds(above=0.0, most=1.0), "of the resin")
+
+    def __repr__(self) -> str:
+        return short_repr(
+            self,
+            f"{100 * self.mass_fraction:.4g} % of the mass",
+            f"{100 * self.volume_fraction:.4g} % of the volume",
+        )
 
     def to_table(self) -> TomlTable:
         """Table ``resin`` of a ply in a model file."""

@@ -19,7 +19,8 @@ from flexmech.materials.ply import Ply
 from flexmech.materials.ply_table import ply_table
 from flexmech.materials.stacking import stacking_text
 from flexmech.model_text import SharedTables, TomlTable, quantity
-from flexmech.numbers import POSITIVE, check_angle, check_fields
+from flexmech.numbers import POSITIVE, check_angle, check_fields, check_instance
+from flexmech.short_repr import short_repr
 from flexmech.types import FloatArray
 from flexmech.units import ANGLE, LENGTH
 
@@ -54,8 +55,13 @@ class Layer:
     angle: float = 0.0
 
     def __post_init__(self) -> None:
+        check_instance(self.ply, Ply, "ply of a layer", "make one, as with Ply.isotropic(material)")
         check_fields(self, {"thickness": "m"}, POSITIVE, "of a layer")
         check_angle(self.angle, "angle of a layer")
+
+    def __repr__(self) -> str:
+        angle = f"{np.degrees(self.angle):.6g} deg"
+        return short_repr(self, self.ply.name, f"{self.thickness * 1e3:.6g} mm", angle)
 
     @property
     def transformed_stiffness(self) -> FloatArray:
@@ -105,6 +111,13 @@ class Laminate:
     ------
     InputError
         If there is no layer, or one is too thin against the others to compute with.
+
+    Examples
+    --------
+    >>> known = flexmech.published_constituents()
+    >>> ply = flexmech.ply_from_constituents(known["carbon"], known["polyester"], 0.6)
+    >>> flexmech.Laminate.stacked([ply] * 3, 0.5e-3, np.radians([0, 90, 0]))
+    <Laminate: [carbon_polyester/carbon_polyester@90/carbon_polyester], 3 layers, 1.5 mm>
     """
 
     layers: tuple[Layer, ...]
@@ -112,12 +125,25 @@ class Laminate:
     def __post_init__(self) -> None:
         if not self.layers:
             raise InputError("a laminate needs one layer or more, got none")
+        for layer in self.layers:
+            check_instance(layer, Layer, "each layer", "give Layer(ply, thickness, angle)")
         thinnest = min(layer.thickness for layer in self.layers)
         if thinnest < THINNEST * self.thickness:
             raise InputError(
                 f"the thinnest layer has {thinnest:g} m of {self.thickness:g} m, too little to "
                 "compute with; check the units"
             )
+
+    def __repr__(self) -> str:
+        layers = f"{len(self.layers)} layers"
+        return short_repr(self, self.stacking, layers, f"{self.thickness * 1e3:.6g} mm")
+
+    @property
+    def stacking(self) -> str:
+        """The stack in the notation of model files, angles in degrees."""
+        return stacking_text(
+            [(layer.ply.name, float(np.degrees(layer.angle))) for layer in self.layers]
+        )
 
     @classmethod
     def stacked(cls, plies: Sequence[Ply], thickness: float, angles: Sequence[float]) -> Self:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from flexmech.materials.hygrothermal import Hygrothermal
 from flexmech.model_text import TomlTable, quantity
 from flexmech.numbers import POSITIVE, Bounds, check_fields
+from flexmech.short_repr import short_repr
 from flexmech.units import DENSITY, RATIO, STRESS
 
 __all__ = ["Material"]
@@ -33,6 +34,12 @@ class Material:
     ------
     InputError
         If a value is not a number or outside its range.
+
+    Examples
+    --------
+    >>> steel = flexmech.Material(youngs_modulus=200e9, density=7800.0, poisson_ratio=0.25)
+    >>> steel.shear_modulus
+    80000000000.0
     """
 
     youngs_modulus: float
@@ -43,6 +50,15 @@ class Material:
     def __post_init__(self) -> None:
         check_fields(self, {"youngs_modulus": "Pa", "density": "kg/m^3"}, POSITIVE)
         check_fields(self, {"poisson_ratio": ""}, Bounds(above=-1.0, below=0.5))
+
+    def __repr__(self) -> str:
+        return short_repr(
+            self,
+            f"E {self.youngs_modulus / 1e9:.6g} GPa",
+            f"density {self.density:.6g} kg/m^3",
+            f"Poisson's ratio {self.poisson_ratio:.6g}",
+            "known in heat and water" if self.hygrothermal.is_known else "",
+        )
 
     @property
     def shear_modulus(self) -> float:

@@ -22,6 +22,7 @@ from flexmech.errors import InputError
 from flexmech.materials.composition import RULES, PlyComposition, Rule
 from flexmech.materials.constituents import Fibre, Matrix
 from flexmech.materials.ply import Ply, PlyDamping
+from flexmech.numbers import check_instance, check_number
 
 __all__ = ["PACKING_LIMIT", "ply_from_constituents", "ply_of", "woven_ply"]
 
@@ -76,7 +77,16 @@ def ply_from_constituents(
     ------
     InputError
         If the volume fraction is out of bounds or the rule unknown.
+
+    Examples
+    --------
+    >>> known = flexmech.published_constituents()
+    >>> flexmech.ply_from_constituents(known["E-glass"], known["polyester"], 0.6)
+    <Ply: E-glass/polyester, E1 42.972 GPa, E2 9.63166 GPa, G12 0.208163 GPa, density 2046.4 kg/m^3>
     """
+    remedy = "take one of published_constituents(), or make your own"
+    check_instance(fibre, Fibre, "fibre", remedy)
+    check_instance(matrix, Matrix, "matrix", remedy)
     share = _checked_fraction(fibre_volume_fraction)
     if rule not in RULES:
         raise InputError(f"rule must be one of {', '.join(RULES)}, got {rule!r}")
@@ -139,6 +149,14 @@ def woven_ply(unidirectional: Ply) -> Ply:
     -------
     Ply
         Equal along and across.
+
+    Examples
+    --------
+    >>> known = flexmech.published_constituents()
+    >>> single = flexmech.ply_from_constituents(known["E-glass"], known["polyester"], 0.6)
+    >>> woven = flexmech.woven_ply(single)
+    >>> round(woven.longitudinal_modulus / 1e9, 2), round(woven.transverse_modulus / 1e9, 2)
+    (26.46, 26.46)
     """
     stiffness, origin = unidirectional.reduced_stiffness, unidirectional.origin
     direct = (stiffness[0, 0] + stiffness[1, 1]) / 2
@@ -177,6 +195,7 @@ def woven_ply(unidirectional: Ply) -> Ply:
 
 
 def _checked_fraction(value: float) -> float:
+    check_number(value, "fibre_volume_fraction")
     if not 0 < value <= PACKING_LIMIT:
         raise InputError(
             f"fibre_volume_fraction must lie above 0 and not above {PACKING_LIMIT:.4f}, where "

@@ -14,7 +14,7 @@ __all__ = ["moisture_of", "ply_diluted", "ply_in_state", "through_thickness_stra
 
 
 def moisture_of(ply: Ply, offered: float) -> float:
-    """Moisture of the resin in a ply where the surroundings offer ``offered``.
+    """Moisture of the resin in a ply where the environment offers ``offered``.
 
     Parameters
     ----------

@@ -12,6 +12,7 @@ from flexmech.materials.composition import PlyComposition
 from flexmech.materials.hygrothermal import Hygrothermal, ResinContent
 from flexmech.materials.material import Material
 from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_fields, check_number, check_pair
+from flexmech.short_repr import short_repr
 from flexmech.types import FloatArray
 
 __all__ = ["MODULI", "Ply", "PlyDamping"]
@@ -87,6 +88,11 @@ class Ply:
     InputError
         If a modulus or the density is not positive, an expansion is not two numbers, or
         Poisson's ratio lets a stress do negative work.
+
+    Examples
+    --------
+    >>> flexmech.Ply.isotropic(flexmech.Material(70e9, 2700.0, 0.33))
+    <Ply: E1 70 GPa, E2 70 GPa, G12 26.3158 GPa, density 2700 kg/m^3>
     """
 
     longitudinal_modulus: float
@@ -115,6 +121,16 @@ class Ply:
                 "(the root of E1 / E2), or some stress would do negative work; got "
                 f"{self.poisson_ratio}"
             )
+
+    def __repr__(self) -> str:
+        return short_repr(
+            self,
+            self.name,
+            f"E1 {self.longitudinal_modulus / 1e9:.6g} GPa",
+            f"E2 {self.transverse_modulus / 1e9:.6g} GPa",
+            f"G12 {self.in_plane_shear_modulus / 1e9:.6g} GPa",
+            f"density {self.density:.6g} kg/m^3",
+        )
 
     @classmethod
     def isotropic(cls, material: Material) -> Self:

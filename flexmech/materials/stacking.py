@@ -15,6 +15,8 @@ _STACK = re.compile(r"\s*\[(?P<inside>[^\[\]]*)\]\s*(?P<mirror>[sS]?)\s*")
 _ITEM = re.compile(
     rf"\s*(?P<ply>[^@*\s]+)\s*(?:@\s*(?P<angle>{NUMBER})\s*)?(?:\*\s*(?P<count>[0-9]+)\s*)?"
 )
+# What separates layers and their parts.
+_OWN = re.compile(r"[\s/@*\[\]]+")
 _EXAMPLE = "write plies between slashes, as in '[C/G@45/C]', '[C@0/C@90*2]s'"
 
 
@@ -66,12 +68,15 @@ def stacking_text(layers: Sequence[tuple[str, float]], digits: int = 6) -> str:
     Returns
     -------
     str
-        As short as the notation allows; angles of zero are left out.
+        As short as the notation allows; angles of zero are left out. What the notation uses
+        itself, such as a slash, becomes a low line in names.
     """
     half = len(layers) // 2
     mirrored = len(layers) % 2 == 0 and list(layers[:half]) == list(layers[half:])[::-1]
     runs = [
-        name + (f"@{angle:.{digits}g}" if angle else "") + (f"*{count}" if count > 1 else "")
+        _OWN.sub("_", name or "ply")
+        + (f"@{angle:.{digits}g}" if angle else "")
+        + (f"*{count}" if count > 1 else "")
         for (name, angle), count in (
             (layer, len(list(run))) for layer, run in groupby(layers[:half] if mirrored else layers)
         )

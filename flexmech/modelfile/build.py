@@ -3,26 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
-from flexmech.errors import InputError
-from flexmech.linkages import CouplerPoint, FourBar, Linkage, RotatingArm
+from flexmech.errors import InputError, suggestion
+from flexmech.linkages import Linkage
 from flexmech.materials import Laminate
 from flexmech.mechanism import Mechanism, PointMass, Provenance, Wetting
-from flexmech.modelfile.hygrothermal_tables import WettedTable
-from flexmech.modelfile.laminate_tables import LaminateLinkTable
-from flexmech.modelfile.laminates import build_laminates, material_of
-from flexmech.modelfile.messages import known_name, located
-from flexmech.modelfile.table import DampedTable, suggestion
-from flexmech.modelfile.tables import (
-    FourBarTable,
+from flexmech.modelfile.base_table import DampedTable
+from flexmech.modelfile.document import MaterialTable, ModelFile
+from flexmech.modelfile.laminates import build_laminates
+from flexmech.modelfile.link_tables import (
     GeneralLinkTable,
+    LaminateLinkTable,
     LinkTable,
-    MaterialTable,
-    ModelFile,
     RectangleLinkTable,
-    RotatingArmTable,
 )
-from flexmech.sections import BeamSection, LaminateSection
+from flexmech.modelfile.messages import known_name, located
+from flexmech.sections import BeamSection, DampingTimes, LaminateSection, SpecificDamping
 
 __all__ = ["build_mechanism"]
 
@@ -49,7 +46,7 @@ def build_mechanism(tables: ModelFile, shown: str, file: str, sha256: str) -> Me
         unknown, or a point mass is off its link.
     """
     with located(shown, "linkage"):
-        linkage = _linkage(tables.linkage)
+        linkage = tables.linkage.linkage
     topology = linkage.topology
     _check_names(shown, "links", list(tables.links), list(topology.link_names))
     _check_names(shown, "joints", list(tables.joints), list(topology.joint_names))
@@ -74,36 +71,13 @@ def build_mechanism(tables: ModelFile, shown: str, file: str, sha256: str) -> Me
         gravity=tables.environment.gravity,
         operating_speeds=tuple(tables.operation.crank_speeds),
         provenance=Provenance(tables.name, tables.source, file, sha256),
-        coupler_point=_coupler_point(tables.linkage),
+        coupler_point=tables.linkage.point,
         reference_temperature=tables.environment.reference_temperature,
-        ground_thermal_expansion=(
-            tables.linkage.ground_thermal_expansion
-            if isinstance(tables.linkage, FourBarTable)
-            else 0.0
-        ),
+        ground_thermal_expansion=tables.linkage.ground_thermal_expansion,
         wetting={
             name: Wetting(table.exposed_faces, table.exposed_sides)
             for name, table in tables.links.items()
-            if isinstance(table, WettedTable)
         },
-    )
-
-
-def _coupler_point(table: FourBarTable | RotatingArmTable) -> CouplerPoint | None:
-    if isinstance(table, RotatingArmTable) or table.coupler_point is None:
-        return None
-    return CouplerPoint(table.coupler_point.distance, table.coupler_point.angle)
-
-
-def _linkage(table: FourBarTable | RotatingArmTable) -> Linkage:
-    if isinstance(table, RotatingArmTable):
-        return RotatingArm(length=table.length, hub_radius=table.hub_radius)
-    return FourBar(
-        ground=table.ground,
-        crank=table.crank,
-        coupler=table.coupler,
-        rocker=table.rocker,
-        branch=table.branch,
     )
 
 
@@ -119,7 +93,7 @@ def _check_names(shown: str, table: str, given: list[str], known: list[str]) -> 
 def _check_material(shown: str, link: str, table: LinkTable, tables: ModelFile) -> None:
     if isinstance(table, RectangleLinkTable):
         known_name(f"{shown}: links.{link}.material", "materials", table.material, tables.materials)
-    elif isinstance(table, LaminateLinkTable):
+    elif table.laminate is not None:
         known_name(f"{shown}: links.{link}.laminate", "laminates", table.laminate, tables.laminates)
 
 
@@ -127,36 +101,54 @@ def _section(
     table: LinkTable, materials: Mapping[str, MaterialTable], laminates: Mapping[str, Laminate]
 ) -> BeamSection:
     if isinstance(table, GeneralLinkTable):
-        section = BeamSection(
-            axial_stiffness=table.axial_stiffness,
-            bending_stiffness=table.bending_stiffness,
-            shear_stiffness=table.shear_stiffness,
-            mass_per_length=table.mass_per_length,
-            rotary_inertia=table.rotary_inertia,
-            in_plane_thickness=table.in_plane_thickness,
-        )
-        return _with_damping(section, table)
+        return _general(table, laminates)
     if isinstance(table, LaminateLinkTable):
         layers = LaminateSection(
             laminates[table.laminate], table.out_of_plane_width, table.reduction
         )
-        section = BeamSection.of_laminate(layers)
-        if table.damping_frequency is not None and table.damping_ratio is None:
-            return section.with_damping_frequency(table.damping_frequency)
-        return _with_damping(section, table)
+        return _with_damping(BeamSection.of_laminate(layers), table)
     stated = materials[table.material]
     section = BeamSection.rectangle(
-        material_of(stated),
+        stated.material,
         in_plane_thickness=table.in_plane_thickness,
         out_of_plane_width=table.out_of_plane_width,
     )
     return _with_damping(section, table if table.has_damping else stated)
 
 
+def _general(table: GeneralLinkTable, laminates: Mapping[str, Laminate]) -> BeamSection:
+    layers = None
+    if table.laminate is not None and table.out_of_plane_width is not None:
+        layers = LaminateSection(
+            laminates[table.laminate], table.out_of_plane_width, table.reduction
+        )
+    loss, times = table.specific_damping, table.damping_times
+    section = BeamSection(
+        axial_stiffness=table.axial_stiffness,
+        bending_stiffness=table.bending_stiffness,
+        shear_stiffness=table.shear_stiffness,
+        mass_per_length=table.mass_per_length,
+        rotary_inertia=table.rotary_inertia,
+        in_plane_thickness=table.in_plane_thickness,
+        neutral_axis=table.neutral_axis,
+        mass_axis=table.mass_axis,
+        specific_damping=None if loss is None else SpecificDamping(**loss.model_dump()),
+        layers=layers,
+        free_strain=table.free_strain,
+        free_curvature=table.free_curvature,
+    )
+    if times is None:
+        return _with_damping(section, table)
+    stated = DampingTimes(**times.model_dump())
+    return replace(section, damping=stated, damping_frequency=table.damping_frequency)
+
+
 def _with_damping(section: BeamSection, table: DampedTable) -> BeamSection:
-    if table.damping_ratio is not None and table.damping_frequency is not None:
-        return section.with_damping_ratio(table.damping_ratio, table.damping_frequency)
-    return section.with_damping_time(table.damping_time or 0.0)
+    if table.damping_frequency is None:
+        return section.with_damping_time(table.damping_time or 0.0)
+    if table.damping_ratio is None:
+        return section.with_damping_frequency(table.damping_frequency)
+    return section.with_damping_ratio(table.damping_ratio, table.damping_frequency)
 
 
 def _point_masses(tables: ModelFile, linkage: Linkage, shown: str) -> tuple[PointMass, ...]:

@@ -7,31 +7,21 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from flexmech.errors import InputError
-from flexmech.materials import REFERENCE_TEMPERATURE, Hygrothermal
+from flexmech.materials import REFERENCE_TEMPERATURE, Hygrothermal, ResinContent
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
-from flexmech.modelfile.quantities import (
+from flexmech.modelfile.base_table import Table
+from flexmech.modelfile.fields import (
     ActivationEnergy,
-    Angle,
     DiffusivityValue,
     Expansion,
-    LengthOrZero,
     MoistureContent,
     MoistureExpansion,
     PositiveRatio,
+    Ratio,
     Temperature,
 )
-from flexmech.modelfile.table import Table
 
-__all__ = ["CouplerPointTable", "HygrothermalTable", "WettedTable", "hygrothermal_of"]
-
-
-class CouplerPointTable(Table):
-    """A point that moves with the coupler."""
-
-    distance: LengthOrZero = Field(description="Distance e from A")
-    angle: Angle = Field(
-        description="Angle gamma at A from the line A-B to the point, to the left positive"
-    )
+__all__ = ["HygrothermalTable", "ResinTable", "WettedTable"]
 
 
 class HygrothermalTable(Table):
@@ -84,6 +74,41 @@ class HygrothermalTable(Table):
                 raise InputError(f"{key} is given without {needed}; give both")
         return self
 
+    @property
+    def hygrothermal(self) -> Hygrothermal:
+        """Hygrothermal properties that are stated."""
+        equilibrium = diffusivity = None
+        if self.equilibrium_moisture is not None:
+            equilibrium = MoistureEquilibrium(
+                self.equilibrium_moisture, self.humidity_exponent or 1.0
+            )
+        if self.diffusivity is not None:
+            diffusivity = Diffusivity(
+                self.diffusivity,
+                self.diffusivity_temperature or REFERENCE_TEMPERATURE,
+                self.activation_energy or 0.0,
+            )
+        return Hygrothermal(
+            thermal_expansion=self.thermal_expansion,
+            wet_thermal_expansion=self.wet_thermal_expansion,
+            moisture_expansion=self.moisture_expansion,
+            equilibrium=equilibrium,
+            diffusivity=diffusivity,
+            glass_transition=self.glass_transition,
+        )
+
+
+class ResinTable(HygrothermalTable):
+    """The resin in a ply that is given by its constants."""
+
+    mass_fraction: Ratio = Field(default=1.0, description="Of the dry ply")
+    volume_fraction: Ratio = Field(default=1.0, description="Of the ply")
+
+    @property
+    def content(self) -> ResinContent:
+        """The resin and its share of the ply."""
+        return ResinContent(self.hygrothermal, self.mass_fraction, self.volume_fraction)
+
 
 class WettedTable(Table):
     """Where water enters a link."""
@@ -95,36 +120,4 @@ class WettedTable(Table):
     )
     exposed_sides: bool = Field(
         default=False, description="Whether water enters along the joint axes too"
-    )
-
-
-def hygrothermal_of(table: HygrothermalTable) -> Hygrothermal:
-    """Hygrothermal properties that a table states.
-
-    Parameters
-    ----------
-    table : HygrothermalTable
-
-    Returns
-    -------
-    Hygrothermal
-    """
-    equilibrium = diffusivity = None
-    if table.equilibrium_moisture is not None:
-        equilibrium = MoistureEquilibrium(
-            table.equilibrium_moisture, table.humidity_exponent or 1.0
-        )
-    if table.diffusivity is not None:
-        diffusivity = Diffusivity(
-            table.diffusivity,
-            table.diffusivity_temperature or REFERENCE_TEMPERATURE,
-            table.activation_energy or 0.0,
-        )
-    return Hygrothermal(
-        thermal_expansion=table.thermal_expansion,
-        wet_thermal_expansion=table.wet_thermal_expansion,
-        moisture_expansion=table.moisture_expansion,
-        equilibrium=equilibrium,
-        diffusivity=diffusivity,
-        glass_transition=table.glass_transition,
     )

@@ -1,32 +1,37 @@
-"""Tables of a model file that describe fibres, plies, laminates and links made of them."""
+"""Tables of a model file that describe fibres, plies and laminates."""
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
-from flexmech.errors import InputError
-from flexmech.modelfile.hygrothermal_tables import HygrothermalTable, WettedTable
-from flexmech.modelfile.quantities import (
+from flexmech.errors import InputError, suggestion
+from flexmech.materials.constituents import DIMENSIONS
+from flexmech.modelfile.base_table import Table, Text
+from flexmech.modelfile.fields import (
     Angle,
     Density,
     Expansion,
     Length,
     MoistureExpansion,
+    PlyMoistureExpansion,
     PoissonRatio,
+    QuantityField,
     Ratio,
     SpecificDamping,
     Stress,
 )
-from flexmech.modelfile.table import DampedTable, PointMassTable, Table, Text
+from flexmech.modelfile.hygrothermal_tables import HygrothermalTable, ResinTable
+from flexmech.numbers import NOT_NEGATIVE
+from flexmech.units import TEMPERATURE, TEMPERATURE_DIFFERENCE
 
 __all__ = [
+    "CompositionTable",
     "ConstituentPlyTable",
     "ConstituentTable",
     "FibreTable",
     "IsotropicPlyTable",
-    "LaminateLinkTable",
     "LaminateTable",
     "MatrixTable",
     "OrthotropicPlyTable",
@@ -46,6 +51,32 @@ class ConstituentTable(Table):
     specific_damping: SpecificDamping = Field(
         default=0.0, description="Energy lost in a cycle over its largest; 0 if left out"
     )
+    name: str | None = Field(default=None, description="That of its table if left out")
+    source: str = Field(default="", description="Publication or measurement of the numbers")
+    uncertainty: dict[str, str | float] = Field(
+        default_factory=dict, description="Of properties by their keys, in units of theirs"
+    )
+
+    @field_validator("uncertainty")
+    @classmethod
+    def _spreads(cls, given: dict[str, str | float]) -> dict[str, str | float]:
+        for key, value in given.items():
+            if key not in DIMENSIONS:
+                raise InputError(f"unknown property {key!r}; {suggestion(key, list(DIMENSIONS))}")
+            _spread(key, value)
+        return given
+
+    @property
+    def spreads(self) -> dict[str, float]:
+        """Uncertainties in SI units."""
+        return {key: _spread(key, value) for key, value in self.uncertainty.items()}
+
+
+def _spread(key: str, value: object) -> float:
+    dimension = DIMENSIONS[key]
+    if dimension is TEMPERATURE:
+        dimension = TEMPERATURE_DIFFERENCE
+    return QuantityField(dimension, NOT_NEGATIVE).parse(value)
 
 
 class FibreTable(ConstituentTable):
@@ -60,6 +91,11 @@ class FibreTable(ConstituentTable):
         description="Strain per temperature; 0 if left out",
         json_schema_extra={"default": "0 1/K"},
     )
+    moisture_expansion: MoistureExpansion = Field(
+        default=0.0,
+        description="Strain per moisture of the fibre; 0 if left out",
+        json_schema_extra={"default": 0},
+    )
 
 
 class MatrixTable(ConstituentTable, HygrothermalTable):
@@ -68,10 +104,9 @@ class MatrixTable(ConstituentTable, HygrothermalTable):
     tensile_strength: Stress | None = Field(default=None, description="Of the dry resin")
 
 
-class ConstituentPlyTable(Table):
-    """A ply computed from its fibre and its resin."""
+class CompositionTable(Table):
+    """What a ply is composed of."""
 
-    type: Literal["constituents"]
     fibre: Text = Field(description="Published fibre, or a table under [fibres]")
     matrix: Text = Field(description="Published resin, or a table under [matrices]")
     fibre_volume_fraction: Ratio = Field(description="Volume of fibres over that of the ply")
@@ -82,10 +117,22 @@ class ConstituentPlyTable(Table):
         default="unidirectional",
         description="'woven': balanced fabric, as crimp-free crossed layers",
     )
+
+
+class AnyPlyTable(Table):
+    """What all plies have in common."""
+
+    name: str | None = Field(default=None, description="That of its table if left out")
     thickness: Length | None = Field(default=None, description="Of one layer of this ply")
 
 
-class OrthotropicPlyTable(Table):
+class ConstituentPlyTable(AnyPlyTable, CompositionTable):
+    """A ply computed from its fibre and its resin."""
+
+    type: Literal["constituents"]
+
+
+class OrthotropicPlyTable(AnyPlyTable):
     """A ply by its measured constants."""
 
     type: Literal["orthotropic"]
@@ -113,12 +160,12 @@ class OrthotropicPlyTable(Table):
     transverse_thermal_expansion: Expansion = Field(
         default=0.0, description="The same across them", json_schema_extra={"default": "0 1/K"}
     )
-    longitudinal_moisture_expansion: MoistureExpansion = Field(
+    longitudinal_moisture_expansion: PlyMoistureExpansion = Field(
         default=0.0,
         description="Strain along the fibres per moisture of the resin; 0 if left out",
         json_schema_extra={"default": 0},
     )
-    transverse_moisture_expansion: MoistureExpansion = Field(
+    transverse_moisture_expansion: PlyMoistureExpansion = Field(
         default=0.0, description="The same across them", json_schema_extra={"default": 0}
     )
     matrix: Text | None = Field(
@@ -132,21 +179,29 @@ class OrthotropicPlyTable(Table):
         default="unidirectional",
         description="'woven': the constants are those of the unidirectional ply of a fabric",
     )
-    thickness: Length | None = Field(default=None, description="Of one layer of this ply")
+    resin: ResinTable | None = Field(
+        default=None, description="In place of matrix: the resin that is in the ply"
+    )
+    constituents: CompositionTable | None = Field(
+        default=None,
+        description="In place of matrix: what the ply is composed of, where its constants are "
+        "others than follow from it",
+    )
 
     @model_validator(mode="after")
     def _resin_with_its_share(self) -> OrthotropicPlyTable:
         if (self.matrix is None) != (self.fibre_volume_fraction is None):
             raise InputError("matrix and fibre_volume_fraction belong together; give both or none")
+        if sum(known is not None for known in (self.matrix, self.resin, self.constituents)) > 1:
+            raise InputError("matrix, resin and constituents are given; keep one of them")
         return self
 
 
-class IsotropicPlyTable(Table):
+class IsotropicPlyTable(AnyPlyTable):
     """A layer of an isotropic material, such as a metal sheet or a core."""
 
     type: Literal["isotropic"]
     material: Text = Field(description="Name of a table under [materials]")
-    thickness: Length | None = Field(default=None, description="Of one layer")
 
 
 PlyTable = Annotated[
@@ -179,31 +234,3 @@ class LaminateTable(Table):
     ply_thickness: OneOrEach | None = Field(
         default=None, description="Of every layer, or one for each; else that of the ply's table"
     )
-
-
-class LaminateLinkTable(DampedTable, WettedTable):
-    """A link made of a laminate whose layers lie in the plane of the linkage."""
-
-    section: Literal["laminate"]
-    laminate: Text = Field(description="Name of a table under [laminates]")
-    out_of_plane_width: Length = Field(description="Extent of the section along the joint axes")
-    reduction: Literal["narrow", "wide"] = Field(
-        default="narrow",
-        description="'narrow': free to contract along the joint axes; 'wide': held from it",
-    )
-    point_masses: list[PointMassTable] = Field(default_factory=list)
-
-    @model_validator(mode="after")
-    def _one_kind_of_damping(self) -> LaminateLinkTable:
-        has_ratio = self.damping_ratio is not None
-        has_frequency = self.damping_frequency is not None
-        if self.damping_time is not None and (has_ratio or has_frequency):
-            raise InputError(
-                "damping_time and damping_ratio or damping_frequency are both given; keep one: "
-                "damping_frequency alone takes the specific damping of the plies"
-            )
-        if has_ratio and not has_frequency:
-            raise InputError(
-                "damping_ratio is given without damping_frequency; give both, or damping_time"
-            )
-        return self

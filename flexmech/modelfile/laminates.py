@@ -8,23 +8,24 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.errors import InputError
+from flexmech.errors import InputError, suggestion
 from flexmech.materials import (
     Fibre,
     Laminate,
     Layer,
-    Material,
     Matrix,
     Ply,
+    PlyComposition,
     PlyDamping,
     ResinContent,
-    ply_from_constituents,
     published_constituents,
     woven_ply,
 )
-from flexmech.modelfile.hygrothermal_tables import hygrothermal_of
+from flexmech.materials.micromechanics import ply_of
+from flexmech.materials.stacking import parse_stacking
+from flexmech.modelfile.document import MaterialTable, ModelFile
 from flexmech.modelfile.laminate_tables import (
-    ConstituentPlyTable,
+    CompositionTable,
     ConstituentTable,
     IsotropicPlyTable,
     LaminateTable,
@@ -33,14 +34,8 @@ from flexmech.modelfile.laminate_tables import (
     PlyTable,
 )
 from flexmech.modelfile.messages import known_name, located
-from flexmech.materials.stacking import parse_stacking
-from flexmech.modelfile.table import suggestion
-from flexmech.modelfile.tables import MaterialTable, ModelFile
 
-__all__ = ["build_laminates", "material_of"]
-
-# Thickness of a layer over that of the stack, below which rounding takes over.
-THINNEST = 1e-9
+__all__ = ["build_laminates"]
 
 
 def build_laminates(tables: ModelFile, shown: str) -> dict[str, Laminate]:
@@ -86,6 +81,7 @@ def _constituents(tables: ModelFile, shown: str) -> tuple[dict[str, Fibre], dict
                 transverse_modulus=fibre.transverse_modulus,
                 transverse_shear_modulus=fibre.transverse_shear_modulus,
                 thermal_expansion=fibre.thermal_expansion,
+                moisture_expansion=fibre.moisture_expansion,
             )
     for name, matrix in tables.matrices.items():
         with located(shown, f"matrices.{name}"):
@@ -94,7 +90,7 @@ def _constituents(tables: ModelFile, shown: str) -> tuple[dict[str, Fibre], dict
 
 
 def _matrix(name: str, table: MatrixTable) -> Matrix:
-    stated = hygrothermal_of(table)
+    stated = table.hygrothermal
     return Matrix(
         **_common(name, table),
         thermal_expansion=stated.thermal_expansion,
@@ -109,12 +105,14 @@ def _matrix(name: str, table: MatrixTable) -> Matrix:
 
 def _common(name: str, table: ConstituentTable) -> dict[str, Any]:
     return {
-        "name": name,
+        "name": name if table.name is None else table.name,
         "youngs_modulus": table.youngs_modulus,
         "shear_modulus": table.shear_modulus,
         "density": table.density,
         "poisson_ratio": table.poisson_ratio,
         "specific_damping": table.specific_damping,
+        "source": table.source,
+        "uncertainty": table.spreads,
     }
 
 
@@ -129,18 +127,22 @@ def _check_names(
     place = f"{shown}: plies.{name}"
     if isinstance(table, IsotropicPlyTable):
         known_name(f"{place}.material", "materials", table.material, materials)
-    else:
-        fibre = table.fibre if isinstance(table, ConstituentPlyTable) else None
-        for key, got, known in (
-            ("fibre", fibre, list(fibres)),
-            ("matrix", table.matrix, list(matrices)),
-        ):
-            if got is not None and got not in known:
-                plural = "fibres" if key == "fibre" else "matrices"
-                raise InputError(
-                    f"{place}.{key}: there is no {key} {got!r}; {suggestion(got, known)}, or add "
-                    f"a table [{plural}.{got}]"
-                )
+        return
+    fibre, matrix = None, table.matrix
+    if isinstance(table, CompositionTable):
+        fibre = table.fibre
+    elif table.constituents is not None:
+        place = f"{place}.constituents"
+        fibre, matrix = table.constituents.fibre, table.constituents.matrix
+    for key, got, known, plural in (
+        ("fibre", fibre, list(fibres), "fibres"),
+        ("matrix", matrix, list(matrices), "matrices"),
+    ):
+        if got is not None and got not in known:
+            raise InputError(
+                f"{place}.{key}: there is no {key} {got!r}; {suggestion(got, known)}, or add a "
+                f"table [{plural}.{got}]"
+            )
 
 
 def _ply(
@@ -151,33 +153,42 @@ def _ply(
     materials: Mapping[str, MaterialTable],
 ) -> Ply:
     if isinstance(table, IsotropicPlyTable):
-        stated = materials[table.material]
-        return _named(Ply.isotropic(material_of(stated)), name)
-    if isinstance(table, OrthotropicPlyTable):
-        ply = _orthotropic(table, matrices)
+        ply = Ply.isotropic(materials[table.material].material)
+    elif isinstance(table, OrthotropicPlyTable):
+        ply = _orthotropic(table, _origin(table, fibres, matrices))
+        ply = woven_ply(ply) if table.weave == "woven" else ply
     else:
-        ply = ply_from_constituents(
-            fibres[table.fibre], matrices[table.matrix], table.fibre_volume_fraction, table.rule
-        )
-    return _named(woven_ply(ply) if table.weave == "woven" else ply, name)
+        ply = ply_of(_composition(table, fibres, matrices))
+    return replace(ply, name=name if table.name is None else table.name)
 
 
-def material_of(table: MaterialTable) -> Material:
-    """Isotropic material that a table states."""
-    return Material(
-        table.youngs_modulus, table.density, table.poisson_ratio, hygrothermal_of(table)
+def _composition(
+    table: CompositionTable, fibres: Mapping[str, Fibre], matrices: Mapping[str, Matrix]
+) -> PlyComposition:
+    return PlyComposition(
+        fibres[table.fibre],
+        matrices[table.matrix],
+        table.fibre_volume_fraction,
+        table.rule,
+        woven=table.weave == "woven",
     )
 
 
-def _resin(table: OrthotropicPlyTable, matrices: Mapping[str, Matrix]) -> ResinContent | None:
-    """The resin of a ply that is given by its measured constants."""
+def _origin(
+    table: OrthotropicPlyTable, fibres: Mapping[str, Fibre], matrices: Mapping[str, Matrix]
+) -> PlyComposition | ResinContent | None:
+    """What is in a ply that is given by its measured constants."""
+    if table.constituents is not None:
+        return _composition(table.constituents, fibres, matrices)
+    if table.resin is not None:
+        return table.resin.content
     if table.matrix is None or table.fibre_volume_fraction is None:
         return None
     matrix, share = matrices[table.matrix], 1 - table.fibre_volume_fraction
     return ResinContent(matrix.hygrothermal, share * matrix.density / table.density, share)
 
 
-def _orthotropic(table: OrthotropicPlyTable, matrices: Mapping[str, Matrix]) -> Ply:
+def _orthotropic(table: OrthotropicPlyTable, origin: PlyComposition | ResinContent | None) -> Ply:
     in_plane = table.in_plane_shear_modulus
     across = table.transverse_shear_modulus
     if across is None:
@@ -206,7 +217,7 @@ def _orthotropic(table: OrthotropicPlyTable, matrices: Mapping[str, Matrix]) -> 
             table.longitudinal_moisture_expansion,
             table.transverse_moisture_expansion,
         ),
-        origin=_resin(table, matrices),
+        origin=origin,
     )
 
 
@@ -220,11 +231,6 @@ def _laminate(
             raise InputError(f"stacking {table.stacking!r} names the ply {name!r}; {remedy}")
     angles = _angles(table, stack)
     thicknesses = _thicknesses(table, [tables[name].thickness for name, _ in stack], stack)
-    if min(thicknesses) < THINNEST * sum(thicknesses):
-        raise InputError(
-            f"the thinnest layer has {min(thicknesses):g} m of {sum(thicknesses):g} m, too little "
-            "to compute with; check the units"
-        )
     return Laminate(
         tuple(
             Layer(plies[name], thickness, angle)
@@ -269,7 +275,3 @@ def _thicknesses(
             )
         thicknesses.append(thickness)
     return thicknesses
-
-
-def _named(ply: Ply, name: str) -> Ply:
-    return replace(ply, name=name)

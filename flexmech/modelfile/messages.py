@@ -11,16 +11,16 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from flexmech.errors import InputError
-from flexmech.modelfile.quantities import QuantityField
-from flexmech.modelfile.table import suggestion
-from flexmech.modelfile.tables import ModelFile
+from flexmech.errors import InputError, suggestion
+from flexmech.modelfile.document import ModelFile
+from flexmech.modelfile.fields import QuantityField
 
 __all__ = ["input_error", "known_name", "located"]
 
 _WANTED_TYPES = {
     "string_type": "text in quotes",
     "string_too_short": "text that is not empty",
+    "string_pattern_mismatch": "text that is not empty",
     "dict_type": "a table",
     "model_type": "a table",
     "model_attributes_type": "a table",
@@ -40,7 +40,7 @@ def located(file: str, key: str) -> Iterator[None]:
         with np.errstate(all="ignore"):
             yield
     except InputError as error:
-        raise InputError(f"{file}: {key}: {error}") from error
+        raise error.within(f"{file}: {key}") from error
     except ArithmeticError as error:
         raise InputError(
             f"{file}: {key}: a value here is too large to compute with; check the units"

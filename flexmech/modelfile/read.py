@@ -13,8 +13,8 @@ from pydantic import ValidationError
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile.build import build_mechanism
+from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.messages import input_error
-from flexmech.modelfile.tables import ModelFile
 
 __all__ = ["json_schema", "load_mechanism", "mechanism_from_toml"]
 
@@ -37,6 +37,14 @@ def load_mechanism(path: str | os.PathLike[str]) -> Mechanism:
     InputError
         If there is no such file, it cannot be read or is not TOML in UTF-8, or a value is
         wrong. The message names the file, the dotted key, what was got, and the remedy.
+
+    Examples
+    --------
+    >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
+    >>> mechanism.linkage
+    FourBar(ground=0.254, crank=0.102, coupler=0.2794, rocker=0.2667, branch='open')
+    >>> print(mechanism.to_toml().splitlines()[0])
+    name = "aluminium four-bar"
     """
     file = Path(path)
     shown = os.fspath(path)

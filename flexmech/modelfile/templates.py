@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from flexmech.errors import InputError
-from flexmech.modelfile.table import suggestion
+from flexmech.errors import InputError, suggestion
 
 __all__ = ["KINDS", "template"]
 

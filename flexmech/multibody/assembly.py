@@ -134,14 +134,14 @@ class LinkAssembly:
     def add_constraint(self, fixed: int, node: int, coordinate: int, **offset: Any) -> int:
         """Keep a node's coordinate at an offset from the fixed one.
 
+        Further arguments go to Exudyn's constraint and prescribe the offset; it is zero without.
+
         Parameters
         ----------
         fixed : int
             Marker of :meth:`add_fixed_coordinate`.
         node, coordinate : int
             Exudyn's number of the node, and which of its coordinates.
-        **offset
-            Parameters of Exudyn's constraint that prescribe the offset; zero without.
 
         Returns
         -------

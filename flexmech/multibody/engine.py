@@ -48,6 +48,12 @@ class ExudynEngine(Engine):
     ------
     InputError
         If the element is unknown or cannot have such a section, or there is no element.
+
+    Examples
+    --------
+    >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
+    >>> flexmech.ExudynEngine(mechanism, elements=4)
+    ExudynEngine(aluminium four-bar, 4 ancf elements a link)
     """
 
     name: ClassVar[str] = "exudyn"

@@ -10,7 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.linear_system import LOAD_STEPS, ROUND_OFF, refuse_positions
+from flexmech.linear_system import (
+    LOAD_STEPS,
+    MAX_ITERATIONS,
+    RELATIVE_RESIDUAL,
+    ROUND_OFF,
+    refuse_positions,
+)
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.library import load_exudyn
@@ -24,11 +30,6 @@ __all__ = [
     "simulation_settings",
     "static_equilibrium",
 ]
-
-
-# Out-of-balance force at which Newton's method stops, relative to the load.
-RELATIVE_RESIDUAL = 1e-9
-MAX_ITERATIONS = 50
 
 
 def simulation_settings(absolute_tolerance: float = 1e-8) -> Any:

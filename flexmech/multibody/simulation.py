@@ -27,13 +27,14 @@ SPECTRAL_RADIUS = 0.9
 
 # Out-of-balance force at which Newton's method stops, relative to that at the step's start.
 # Ten times more moves joint forces by 2e-6 of their peak, the energy error in its fifth digit.
-RELATIVE_RESIDUAL = 1e-8
+STEP_RESIDUAL = 1e-8
 # The tangent is kept from step to step until an iteration gains less than this factor.
 CONTRACTIVITY = 0.25
 
 # How far a start may tear a joint apart, relative to the length of all links.
 START_GAP = 1e-6
 
+# Steps that are handed to the recorder at once.
 BLOCK_STEPS = 2000
 PROGRESS_STEPS = 100
 
@@ -180,7 +181,7 @@ class Simulation:
         stepping.endTime = self.steps * self.step
         stepping.newton.useModifiedNewton = True
         stepping.newton.modifiedNewtonContractivity = CONTRACTIVITY
-        stepping.newton.relativeTolerance = RELATIVE_RESIDUAL
+        stepping.newton.relativeTolerance = STEP_RESIDUAL
         stepping.newton.absoluteTolerance = ROUND_OFF * self.model.assembly.nodal_force_scale
         # A first iteration may meet forces a million times those of the step.
         stepping.newton.adaptInitialResidual = False

@@ -2,34 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from flexmech.errors import InputError
-from flexmech.plots.angle_panels import draw_line, mode_panels, speed_texts
-from flexmech.plots.reading import degrees, engine_label, names_of, values_of
+from flexmech.plots.angle_lines import draw_line
+from flexmech.plots.angle_panels import mode_panels
+from flexmech.plots.labels import engine_label, names_of, speed_texts
+from flexmech.plots.reading import degrees, values_of
+from flexmech.plots.scales import log_scale
+from flexmech.plots.series import Look, line_handle, series_handle, series_line
 from flexmech.plots.sheet import AxesLike
-from flexmech.plots.style import MID_GREY, line_handle, log_scale, series_handle, series_line
+from flexmech.plots.style import MID_GREY
 from flexmech.types import FloatArray
 
 __all__ = ["plot_agreement"]
 
 # Zero has no place on a logarithmic axis: equal frequencies are drawn at about machine epsilon.
 FLOOR = 1e-16
-ERRORS: tuple[dict[str, Any], ...] = tuple(
-    {
-        "color": MID_GREY,
-        "linestyle": (0.0, dashes),
-        "linewidth": 0.7,
-        "marker": marker,
-        "markersize": 4,
-        "markeredgewidth": 0.8,
-    }
-    for dashes, marker in (((4.0, 2.0), "x"), ((1.0, 1.5), "+"))
+ERROR: Look = {"color": MID_GREY, "linewidth": 0.7, "markersize": 4, "markeredgewidth": 0.8}
+ERRORS: tuple[Look, ...] = (
+    ERROR | {"linestyle": (0.0, (4.0, 2.0)), "marker": "x"},
+    ERROR | {"linestyle": (0.0, (1.0, 1.5)), "marker": "+"},
 )
 
 

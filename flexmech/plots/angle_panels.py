@@ -1,4 +1,4 @@
-"""Panels over the crank angle: where they stand, what is on their axes, lines and marks in them."""
+"""Panels over the crank angle: where they stand, and what is on their axes."""
 
 from __future__ import annotations
 
@@ -6,51 +6,24 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import accumulate
 
-import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots.reading import degrees, engine_label, speed_text
+from flexmech.plots.labels import mode_label
+from flexmech.plots.reading import degrees
+from flexmech.plots.scales import crank_angle_axis
 from flexmech.plots.sheet import AxesLike, Layout, Sheet, sheet
-from flexmech.plots.style import (
-    MARK_SIZE,
-    MID_GREY,
-    crank_angle_axis,
-    few_points,
-    line_handle,
-    mode_label,
-    series_handle,
-    series_line,
-    series_style,
-)
 from flexmech.types import FloatArray
 
-__all__ = [
-    "ONE_MODE",
-    "angle_layout",
-    "draw_line",
-    "draw_marks",
-    "engine_handles",
-    "grid_height",
-    "label_angles",
-    "marked_handles",
-    "mode_panels",
-    "panel_grid",
-    "speed_texts",
-    "staggered",
-]
+__all__ = ["ONE_MODE", "angle_layout", "label_angles", "mode_panels"]
 
 ONE_MODE = "choose one mode (modes=1)"
-
 # From this number of panels on, two columns read better than one tall stack.
 TWO_COLUMNS_FROM = 4
 # Least height of a panel with its heading, and least width for many ticks, in inches.
 PANEL_HEIGHT = 1.4
 WIDE = 4.0
-# Marks along a line: enough to judge by, few enough to see the lines through.
-MARKS_ALONG_ANGLE = 12
 
 
 def angle_layout(sizes: Sequence[int], *, share_y: bool = False) -> Layout:
@@ -141,152 +114,3 @@ def mode_panels(
         for axes, mode in zip(drawn.panels, dataset["mode"].values, strict=True):
             axes.set_title(mode_label([mode]))
         yield drawn
-
-
-def grid_height(sizes: Sequence[int]) -> float:
-    """Height in inches of a panel grid, its crank-angle axis included."""
-    return angle_layout(sizes).height
-
-
-def panel_grid(
-    figure: Figure,
-    sizes: Sequence[int],
-    angles: FloatArray,
-    y_label: str,
-    *,
-    share_y: bool = False,
-) -> list[Axes]:
-    """Stack panels over a shared crank-angle axis, in two columns from four panels on.
-
-    Parameters
-    ----------
-    figure : Figure
-        Where to put them.
-    sizes : sequence of int
-        Height of each panel in units, in order.
-    angles : ndarray
-        Crank angles in degrees, ascending.
-    y_label : str
-        Label of all y axes, with its unit.
-    share_y : bool
-        Whether all panels have the same y axis.
-
-    Returns
-    -------
-    list of Axes
-        One a panel, in order.
-    """
-    drawn = Sheet(figure, angle_layout(sizes, share_y=share_y).make(figure))
-    label_angles(drawn, angles, y_label)
-    return drawn.panels
-
-
-def draw_line(axes: Axes, angles: FloatArray, values: FloatArray, number: int) -> None:
-    """Draw a series over the crank angle, with a point where a value stands alone.
-
-    Parameters
-    ----------
-    axes : Axes
-    angles, values : ndarray, shape (n,)
-        Degrees, and numbers in the panel's unit; not a number is a gap.
-    number : int
-        Of the series' style.
-    """
-    line = series_line(number, angles)
-    axes.plot(angles, values, **line, zorder=2.5)
-    present = np.concatenate([[False], np.isfinite(values), [False]])
-    alone = present[1:-1] & ~present[:-2] & ~present[2:]
-    if alone.any() and not line["marker"]:
-        axes.plot(angles[alone], values[alone], ".", color=line["color"], ms=3)
-
-
-def staggered(angles: FloatArray, number: int, total: int) -> slice:
-    """Every so many points for the marks of a line, apart from those of the other lines.
-
-    Parameters
-    ----------
-    angles : ndarray
-    number, total : int
-        Which line of how many.
-
-    Returns
-    -------
-    slice
-        All points where they are few.
-    """
-    step = 1 if few_points(angles) else -(-angles.size // MARKS_ALONG_ANGLE)
-    # In the middle of its share, so that no mark is cut off by the axis.
-    return slice(((2 * number + 1) * step) // (2 * total), None, step)
-
-
-def draw_marks(
-    axes: Axes, angles: FloatArray, values: FloatArray, number: int, total: int, engine: int
-) -> None:
-    """Draw a series of a further engine as marks at some angles.
-
-    Parameters
-    ----------
-    axes : Axes
-    angles : ndarray, shape (n,)
-        In degrees.
-    values : ndarray, shape (n,) or (n, k)
-        In the panel's unit.
-    number, total : int
-        Which series of how many.
-    engine : int
-        From 1; the first engine is drawn as lines.
-    """
-    style, places = series_style(number), staggered(angles, number, total)
-    axes.plot(
-        angles[places],
-        values[places],
-        linestyle="",
-        marker=style.marker,
-        # On a coarse map the first engine has marks too: ring them.
-        markersize=(1.5 if few_points(angles) else 1.0) * MARK_SIZE,
-        markerfacecolor=_fill(engine, style.color),
-        markeredgecolor=style.color,
-        markeredgewidth=0.9,
-        clip_on=False,
-        zorder=2.4,
-    )
-
-
-def _fill(engine: int, color: str | None) -> str | None:
-    return "white" if engine == 1 else color
-
-
-def marked_handles(dataset: xr.Dataset, labels: Sequence[str]) -> list[Artist]:
-    """Legend entries of series: the marks are those of the second engine, or of few angles."""
-    several = dataset.sizes["engine"] > 1
-    marked = several or few_points(dataset["crank_angle"].values)
-    return [
-        series_handle(
-            number,
-            label,
-            marker=series_style(number).marker if marked else "",
-            markersize=MARK_SIZE,
-            markerfacecolor="white" if several else None,
-            markeredgewidth=0.9,
-        )
-        for number, label in enumerate(labels)
-    ]
-
-
-def engine_handles(dataset: xr.Dataset) -> list[Artist]:
-    """Legend entries of the engines: the first is drawn as lines, the others as marks."""
-    dot = "o" if few_points(dataset["crank_angle"].values) else ""
-    handles: list[Artist] = [
-        line_handle(engine_label(dataset), color=MID_GREY, marker=dot, markersize=3.0)
-    ]
-    for engine in range(1, dataset.sizes["engine"]):
-        mark = {"linestyle": "", "marker": "o", "markersize": MARK_SIZE}
-        fill = _fill(engine, MID_GREY)
-        label = engine_label(dataset, engine)
-        handles.append(line_handle(label, color=MID_GREY, markerfacecolor=fill, **mark))
-    return handles
-
-
-def speed_texts(dataset: xr.Dataset) -> list[str]:
-    """Crank speeds of a dataset in the user's unit."""
-    return [speed_text(dataset, float(speed)) for speed in dataset["crank_speed"].values]

@@ -19,9 +19,9 @@ from flexmech.plots.animation_scene import (
     Picture,
     Scene,
 )
-from flexmech.plots.style import (
-    publication_style,
-)
+from flexmech.plots.choose import chosen
+from flexmech.plots.style import publication_style
+from flexmech.types import StepProgress
 
 __all__ = ["mp4_available", "write_animation"]
 
@@ -36,7 +36,7 @@ def write_animation(
     *,
     engine: str | None = None,
     enlargement: float | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: StepProgress | None = None,
 ) -> None:
     """Write a moving picture of the last revolution of a run, as a GIF or an MP4.
 
@@ -69,7 +69,8 @@ def write_animation(
         raise InputError(f"enlargement must be a positive number, not {enlargement:g}")
     target = Path(path)
     write = _writer(target)
-    motion = EnlargedMotion.of(dataset, _engine_number(dataset, engine), enlargement)
+    one = dataset.isel(engine=[-1]) if engine is None else chosen(dataset, engine=engine)
+    motion = EnlargedMotion.of(one, enlargement)
     with publication_style():
         write(target, _pictures(motion, progress or (lambda done, frames: None)))
 
@@ -127,17 +128,8 @@ def _write_mp4(path: Path, pictures: Iterator[Picture]) -> None:
             writer.grab_frame()
 
 
-def _pictures(motion: EnlargedMotion, progress: Callable[[int, int], None]) -> Iterator[Picture]:
+def _pictures(motion: EnlargedMotion, progress: StepProgress) -> Iterator[Picture]:
     scene = Scene(motion)
     for done, sample in enumerate(motion.frames, start=1):
         yield scene.picture(int(sample))
         progress(done, len(motion.frames))
-
-
-def _engine_number(dataset: xr.Dataset, engine: str | None) -> int:
-    names = [str(name) for name in dataset["engine"].values]
-    if engine is None:
-        return len(names) - 1
-    if engine not in names:
-        raise InputError(f"engine {engine!r} is not in the result, which has {', '.join(names)}")
-    return names.index(engine)

@@ -12,6 +12,7 @@ from flexmech.errors import InputError
 
 __all__ = ["chosen"]
 
+DIMENSIONS = {"engine": "engine", "modes": "mode", "speeds": "crank_speed", "links": "link"}
 SAME_SPEED = 1e-9
 """Relative difference up to which two speeds are the same."""
 
@@ -49,22 +50,19 @@ def chosen(
     InputError
         If the dataset has no such engine, mode, speed or link.
     """
-    asked = {
-        "engine": ("engine", engine),
-        "modes": ("mode", modes),
-        "speeds": ("crank_speed", speeds),
-        "links": ("link", links),
-    }
-    places = {
-        dimension: _places(dataset, argument, dimension, wanted)
-        for argument, (dimension, wanted) in asked.items()
-        if wanted is not None
-    }
-    return dataset.isel(places)
+    asked = {"engine": engine, "modes": modes, "speeds": speeds, "links": links}
+    return dataset.isel(
+        {
+            DIMENSIONS[argument]: _places(dataset, argument, wanted)
+            for argument, wanted in asked.items()
+            if wanted is not None
+        }
+    )
 
 
-def _places(dataset: xr.Dataset, argument: str, dimension: str, wanted: ArrayLike) -> list[int]:
+def _places(dataset: xr.Dataset, argument: str, wanted: ArrayLike) -> list[int]:
     """Positions along a dimension of the values asked for."""
+    dimension = DIMENSIONS[argument]
     if dimension not in dataset.dims:
         raise InputError(f"{argument}: this result has none to choose from")
     known = dataset[dimension].values.tolist()

@@ -2,34 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
-from flexmech.errors import InputError
-from flexmech.plots.style import (
-    MID_GREY,
-    POINT_SIZE,
-    SERIES_STYLES,
-    crank_angle_axis,
-    few_points,
-    header_height,
-    header_legend,
-    new_figure,
-    plain_numbers,
-    publication_style,
-    series_style,
-)
+from flexmech.plots.labels import names_of
+from flexmech.plots.reading import degrees, values_of
+from flexmech.plots.scales import crank_angle_axis, plain_numbers
+from flexmech.plots.series import line_handle, series_handle, series_line, series_style, told_apart
+from flexmech.plots.sheet import AxesLike, grid, sheet
+from flexmech.plots.style import MID_GREY
 from flexmech.types import FloatArray
 
-__all__ = ["DrawnPath", "plot_coupler_angles", "plot_coupler_curve"]
-
+__all__ = ["plot_coupler_angles", "plot_coupler_curve"]
 
 HEIGHT, HEIGHT_OF_THREE = 3.6, 2.4
 ANGLE_HEIGHT = 4.2
@@ -39,47 +28,21 @@ METRES = 10.0
 MARKS = {"crunode": "o", "cusp": "^"}
 
 
-@dataclass(frozen=True)
-class DrawnPath:
-    """What is drawn of a coupler point's path.
-
-    Parameters
-    ----------
-    crank_angle : ndarray, shape (A,)
-        In rad.
-    position : ndarray, shape (A, 2)
-        Of the coupler point in m.
-    pins : ndarray, shape (A, 2, 2)
-        Of A and B in m.
-    angles : ndarray, shape (A, 2)
-        Of coupler and rocker in rad.
-    double_points : tuple of tuple of str and ndarray
-        Kind (``"crunode"`` or ``"cusp"``) and place (2,) of each in m.
-    close_up : tuple of ndarray, shape (K, 2)
-        Stretches of the path around loops of any state, finely drawn, in m.
-    framed : ndarray, shape (F, 2)
-        Places that the close-up shall show, in m.
-    """
-
-    crank_angle: FloatArray
-    position: FloatArray
-    pins: FloatArray
-    angles: FloatArray
-    double_points: tuple[tuple[str, FloatArray], ...] = ()
-    close_up: tuple[FloatArray, ...] = ()
-    framed: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
-
-
-def plot_coupler_curve(paths: Mapping[str, DrawnPath], title: str = "") -> Figure:
+def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw coupler curves of one linkage in several states, their double points and the pins.
 
     As Singh & Sanyal 2022, Figures 3 to 12.
 
     Parameters
     ----------
-    paths : mapping of str to DrawnPath
-        By what the legend calls their states.
-    title : str
+    dataset : Dataset
+        With ``position`` (state, crank_angle, component), ``pin_position`` (state, crank_angle,
+        pin, component) and ``double_point_position`` (double_point, component) in m, the state
+        and kind of each double point as coordinates, and the name of the mechanism. Where there
+        are loops, ``close_up`` (state, window, point, component) are fine stretches of the
+        paths around them and ``framed`` (framed_place, component) what must be seen, in m.
+    ax : sequence of Axes, optional
+        The user's, one a panel. Left out: a new figure is made.
 
     Returns
     -------
@@ -89,34 +52,49 @@ def plot_coupler_curve(paths: Mapping[str, DrawnPath], title: str = "") -> Figur
     Raises
     ------
     InputError
-        If there are no paths, or more than there are styles to tell them apart.
+        If there are no states, or more than there are styles to tell them apart.
     """
-    _refuse_count(paths)
-    close = any(path.close_up for path in paths.values())
-    scale, unit = _unit(paths)
-    with publication_style():
-        handles = _state_handles(paths, counted=True) + _mark_handles(paths)
-        figure = new_figure((HEIGHT_OF_THREE if close else HEIGHT) + header_height(handles, title))
-        panels = figure.subplots(1, 3 if close else 2)
-        _draw_paths(panels[0], paths, scale, unit, close_up=False)
-        panels[0].set_title("Coupler point")
-        if close:
-            _draw_paths(panels[1], paths, scale, unit, close_up=True)
-            _frame(panels[1], scale * np.concatenate([path.framed for path in paths.values()]))
-            panels[1].set_title("Close-up of the loops")
-        _draw_pins(panels[-1], paths, scale, unit)
-        header_legend(figure, handles, title)
-    return figure
+    states, angles = told_apart(names_of(dataset, "state")), degrees(dataset["crank_angle"])
+    extent = float(np.ptp(dataset["position"].transpose("crank_angle", ...).values, axis=0).max())
+    scale, unit = (1.0, "m") if extent > METRES else (1e3, "mm")
+    pins = values_of(scale * dataset["pin_position"], "state", "pin", "crank_angle", "component")
+    curves = values_of(scale * dataset["position"], "state", "crank_angle", "component")[:, None]
+    layout = grid(1, 3, HEIGHT_OF_THREE) if "close_up" in dataset else grid(1, 2, HEIGHT)
+    with sheet(layout, ax=ax) as drawn:
+        handles = [series_handle(n, _counted(dataset, state)) for n, state in enumerate(states)]
+        title = f"Coupler curve, {dataset.attrs['mechanism']}"
+        drawn.header([*handles, *_mark_handles(dataset, angles)], title)
+        for axes in drawn.panels:
+            axes.set_aspect("equal", adjustable="datalim")
+            axes.set_box_aspect(1)
+            axes.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})")
+        first, *middle, last = drawn.panels
+        first.set_title("Coupler point")
+        _draw_paths(first, curves, angles)
+        _draw_double_points(first, dataset, scale)
+        for axes in middle:
+            axes.set_title("Close-up of the loops")
+            # It is fine whatever the crank angles.
+            close = values_of(scale * dataset["close_up"], "state", "window", "point", "component")
+            _draw_paths(axes, close)
+            _draw_double_points(axes, dataset, scale)
+            _frame(axes, values_of(scale * dataset["framed"], "framed_place", "component"))
+        last.set_title("Pins A and B")
+        _draw_paths(last, pins, angles)
+        _name_pins(last, names_of(dataset, "pin"), pins[0])
+    return drawn.figure
 
 
-def plot_coupler_angles(paths: Mapping[str, DrawnPath], title: str = "") -> Figure:
+def plot_coupler_angles(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the angles of coupler and rocker against the crank's, and how they change.
 
     Parameters
     ----------
-    paths : mapping of str to DrawnPath
-        By what the legend calls their states; changes are against the first.
-    title : str
+    dataset : Dataset
+        With ``angle`` (state, crank_angle, link) in rad, unwrapped, of coupler and rocker, and
+        the name of the mechanism. Changes are against the first state.
+    ax : sequence of Axes, optional
+        The user's, one a panel. Left out: a new figure is made.
 
     Returns
     -------
@@ -125,138 +103,81 @@ def plot_coupler_angles(paths: Mapping[str, DrawnPath], title: str = "") -> Figu
     Raises
     ------
     InputError
-        If there are no paths, or more than there are styles to tell them apart.
+        If there are no states, or more than there are styles to tell them apart.
     """
-    _refuse_count(paths)
-    first = next(iter(paths.values()))
-    degrees = np.degrees(first.crank_angle)
-    changes = len(paths) > 1
-    with publication_style():
-        handles = _state_handles(paths, counted=False)
-        height = ANGLE_HEIGHT if changes else ANGLE_HEIGHT / 2 + 0.5
-        figure = new_figure(height + header_height(handles, title))
-        panels = figure.subplots(2 if changes else 1, 2, sharex=True, squeeze=False)
-        for link, name in enumerate(("Coupler", "Rocker")):
+    states, angles = told_apart(names_of(dataset, "state")), degrees(dataset["crank_angle"])
+    angle = np.degrees(values_of(dataset["angle"], "link", "state", "crank_angle"))
+    change = angle - angle[:, :1]
+    # Two unwrapped angles may be whole turns apart.
+    change -= 360.0 * np.round(change.mean(axis=-1, keepdims=True) / 360.0)
+    rows = 2 if len(states) > 1 else 1
+    layout = grid(rows, 2, ANGLE_HEIGHT if rows > 1 else ANGLE_HEIGHT / 2 + 0.5, sharex=True)
+    with sheet(layout, ax=ax) as drawn:
+        handles = [series_handle(number, state) for number, state in enumerate(states)]
+        drawn.header(handles, f"Angles of coupler and rocker, {dataset.attrs['mechanism']}")
+        for place, axes in enumerate(drawn.panels):
+            row, link = divmod(place, 2)
             symbol = rf"$\theta_{link + 3}$"
-            panels[0, link].set_title(f"{name}, {symbol}")
-            for number, path in enumerate(paths.values()):
-                line = _line(number, path)
-                panels[0, link].plot(degrees, np.degrees(path.angles[:, link]), **line)
-                if number:
-                    change = _nearest(path.angles[:, link] - first.angles[:, link])
-                    panels[1, link].plot(degrees, np.degrees(change), **line)
-            for axes in panels[:, link]:
-                plain_numbers(axes)
-            panels[0, link].set_ylabel(f"{symbol} (deg)")
-            if changes:
-                panels[1, link].axhline(0.0, color=MID_GREY, lw=0.6, zorder=1)
-                panels[1, link].set_ylabel(f"Change of {symbol} (deg)")
-            crank_angle_axis(panels[-1, link], degrees)
-            panels[-1, link].set_xlabel("Crank angle (deg)")
-        header_legend(figure, handles, title)
-    return figure
+            if row == 0:
+                axes.set_title(f"{names_of(dataset, 'link')[link].capitalize()}, {symbol}")
+            else:
+                axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=1)
+            for number in range(row, len(states)):
+                values = (angle, change)[row][link, number]
+                axes.plot(angles, values, **series_line(number, angles))
+            plain_numbers(axes)
+            crank_angle_axis(axes, angles)
+            axes.set_ylabel(f"{('', 'Change of ')[row]}{symbol} (deg)")
+        drawn.label_x("Crank angle (deg)")
+    return drawn.figure
 
 
-def _refuse_count(paths: Mapping[str, DrawnPath]) -> None:
-    if not 1 <= len(paths) <= len(SERIES_STYLES):
-        raise InputError(f"one to {len(SERIES_STYLES)} paths can be drawn, got {len(paths)}")
+def _counted(dataset: xr.Dataset, state: str) -> str:
+    """A state and how many double points of each kind its curve has."""
+    of_state = dataset["double_point_state"].values == state
+    kinds = dataset["double_point_kind"].values[of_state].tolist()
+    counts = [(kinds.count(kind), kind) for kind in MARKS]
+    return f"{state}: " + ", ".join(f"{n} {kind}{'' if n == 1 else 's'}" for n, kind in counts)
 
 
-def _line(number: int, path: DrawnPath) -> dict[str, Any]:
-    """Style of a state's line, marked at each computed point where these are few."""
-    style = series_style(number)
-    marker = style.marker if few_points(path.crank_angle) else None
-    return {
-        "color": style.color,
-        "linestyle": style.linestyle,
-        "marker": marker,
-        "markersize": POINT_SIZE,
-    }
-
-
-def _unit(paths: Mapping[str, DrawnPath]) -> tuple[float, str]:
-    extent = max(float(np.ptp(path.position, axis=0).max()) for path in paths.values())
-    return (1.0, "m") if extent > METRES else (1e3, "mm")
-
-
-def _state_handles(paths: Mapping[str, DrawnPath], *, counted: bool) -> list[Artist]:
-    handles: list[Artist] = []
-    for number, (state, path) in enumerate(paths.items()):
-        style = series_style(number)
-        label = f"{state}: {_counts(path)}" if counted else state
-        handles.append(Line2D([], [], color=style.color, linestyle=style.linestyle, label=label))
-    return handles
-
-
-def _counts(path: DrawnPath) -> str:
-    kinds = [kind for kind, _ in path.double_points]
-    words = [f"{kinds.count(k)} {k}{'' if kinds.count(k) == 1 else 's'}" for k in MARKS]
-    return ", ".join(words)
-
-
-def _mark_handles(paths: Mapping[str, DrawnPath]) -> list[Artist]:
-    kinds = {kind for path in paths.values() for kind, _ in path.double_points}
+def _mark_handles(dataset: xr.Dataset, angles: FloatArray) -> list[Artist]:
     # Beyond the crank angles drawn, marks stand off the lines.
-    whole = all(np.ptp(path.crank_angle) > 2 * np.pi - 1e-6 for path in paths.values())
-    where = "" if whole else " of the whole curve"
+    where = "" if np.ptp(angles) > 360.0 - 1e-4 else " of the whole curve"
     hollow: dict[str, Any] = {"color": "black", "linestyle": "", "markerfacecolor": "none"}
     return [
-        Line2D([], [], marker=mark, label=f"{kind}{where}", **hollow)
+        line_handle(f"{kind}{where}", marker=mark, **hollow)
         for kind, mark in MARKS.items()
-        if kind in kinds
+        if kind in dataset["double_point_kind"].values
     ]
 
 
-def _draw_paths(
-    axes: Axes, paths: Mapping[str, DrawnPath], scale: float, unit: str, *, close_up: bool
-) -> None:
-    for number, path in enumerate(paths.values()):
-        style = series_style(number)
-        # A close-up is fine whatever the crank angles.
-        line = _line(number, path) | ({"marker": None} if close_up else {})
-        for part in path.close_up if close_up else (path.position,):
-            axes.plot(*(scale * part.T), **line)
-        for kind, place in path.double_points:
-            axes.plot(
-                *(scale * place),
-                marker=MARKS[kind],
-                markersize=6,
-                markerfacecolor="none",
-                color=style.color,
-                zorder=4,
-            )
-    _label(axes, unit)
+def _draw_paths(axes: Axes, paths: FloatArray, angles: FloatArray | None = None) -> None:
+    """Paths of states in parts; shape (state, part, point, component)."""
+    for number, parts in enumerate(paths):
+        for part in parts:
+            axes.plot(*part.T, **series_line(number, angles))
 
 
-def _draw_pins(axes: Axes, paths: Mapping[str, DrawnPath], scale: float, unit: str) -> None:
-    for number, path in enumerate(paths.values()):
-        for pin in (0, 1):
-            place = scale * path.pins[:, pin]
-            axes.plot(*place.T, **_line(number, path))
-            if number == 0:
-                top = place[place[:, 1].argmax()]
-                axes.annotate(
-                    "AB"[pin], top, xytext=(0, 3), textcoords="offset points", ha="center"
-                )
-    _label(axes, unit)
+def _draw_double_points(axes: Axes, dataset: xr.Dataset, scale: float) -> None:
+    states = names_of(dataset, "state")
+    places = values_of(scale * dataset["double_point_position"], "double_point", "component")
+    names = (names_of(dataset, f"double_point_{what}") for what in ("state", "kind"))
+    for state, kind, place in zip(*names, places, strict=True):
+        color = series_style(states.index(state)).color
+        axes.plot(*place, marker=MARKS[kind], ms=6, mfc="none", color=color, zorder=4)
+
+
+def _name_pins(axes: Axes, names: list[str], paths: FloatArray) -> None:
+    """Write A and B over their paths; shape (pin, point, component)."""
     axes.margins(y=0.12)
-    axes.set_title("Pins A and B")
-
-
-def _label(axes: Axes, unit: str) -> None:
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set_box_aspect(1)
-    axes.set_xlabel(f"x ({unit})")
-    axes.set_ylabel(f"y ({unit})")
+    for name, path in zip(names, paths, strict=True):
+        top = path[path[:, 1].argmax()]
+        axes.annotate(name, top, xytext=(0, 3), textcoords="offset points", ha="center")
 
 
 def _frame(axes: Axes, places: FloatArray) -> None:
+    """Show places, with room around them."""
     middle = (places.max(axis=0) + places.min(axis=0)) / 2
     half = CLOSE_UP_ROOM * float(np.ptp(places, axis=0).max()) / 2
     axes.set_xlim(middle[0] - half, middle[0] + half)
     axes.set_ylim(middle[1] - half, middle[1] + half)
-
-
-def _nearest(change: FloatArray) -> FloatArray:
-    """A change of angle without the whole turns that two unwrapped angles may be apart."""
-    return np.asarray(change - 2 * np.pi * np.round(change.mean() / (2 * np.pi)))

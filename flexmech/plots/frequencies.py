@@ -9,20 +9,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from flexmech.plots.angle_panels import (
-    ONE_MODE,
-    angle_layout,
-    draw_line,
-    draw_marks,
-    engine_handles,
-    label_angles,
-    marked_handles,
-    speed_texts,
-)
+from flexmech.plots.angle_lines import draw_line, draw_marks, engine_handles, marked_handles
+from flexmech.plots.angle_panels import ONE_MODE, angle_layout, label_angles
 from flexmech.plots.branches import MAP, branch_lines, contiguous_runs, mode_groups
+from flexmech.plots.labels import mode_label, speed_texts
 from flexmech.plots.reading import cell_edges, degrees, values_of
+from flexmech.plots.scales import scale_y
 from flexmech.plots.sheet import AxesLike, sheet
-from flexmech.plots.style import MID_GREY, mode_label, scale_y
+from flexmech.plots.style import MID_GREY
 from flexmech.types import FloatArray
 
 __all__ = ["plot_frequencies"]

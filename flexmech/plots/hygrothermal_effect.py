@@ -9,10 +9,13 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from flexmech.errors import InputError
-from flexmech.plots.angle_panels import mode_panels, speed_texts
-from flexmech.plots.reading import degrees, names_of, values_of
+from flexmech.plots.angle_panels import mode_panels
+from flexmech.plots.labels import names_of, speed_texts
+from flexmech.plots.reading import degrees, values_of
+from flexmech.plots.scales import scale_y
+from flexmech.plots.series import line_handle, series_line, series_style
 from flexmech.plots.sheet import AxesLike
-from flexmech.plots.style import MID_GREY, line_handle, scale_y, series_line, series_style
+from flexmech.plots.style import MID_GREY
 
 __all__ = ["plot_hygrothermal_effect"]
 

@@ -7,19 +7,13 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from flexmech.errors import InputError
-from flexmech.plots.angle_panels import (
-    angle_layout,
-    draw_line,
-    draw_marks,
-    engine_handles,
-    label_angles,
-    marked_handles,
-    speed_texts,
-)
+from flexmech.plots.angle_lines import draw_line, draw_marks, engine_handles, marked_handles
+from flexmech.plots.angle_panels import angle_layout, label_angles
 from flexmech.plots.branches import MAP, branch_lines
+from flexmech.plots.labels import speed_texts
 from flexmech.plots.reading import degrees, values_of
+from flexmech.plots.scales import scale_y
 from flexmech.plots.sheet import AxesLike, sheet
-from flexmech.plots.style import scale_y
 
 __all__ = ["plot_modal_damping"]
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
@@ -11,10 +9,11 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.errors import InputError
-from flexmech.plots.reading import names_of, values_of
-from flexmech.plots.sheet import AxesLike, grid, sheet
-from flexmech.plots.style import MID_GREY, line_handle, series_handle, series_line
+from flexmech.plots.labels import names_of
+from flexmech.plots.reading import values_of
+from flexmech.plots.series import line_handle, series_handle, series_line
+from flexmech.plots.sheet import AxesLike, grid, label_x, sheet
+from flexmech.plots.style import MID_GREY
 
 __all__ = ["plot_moisture"]
 
@@ -24,15 +23,7 @@ CELSIUS = 273.15
 LAWS = {1: ("short_time_uptake", "root of time"), 3: ("shen_springer_uptake", "Shen & Springer")}
 
 
-class TimeUnit(NamedTuple):
-    """Unit of a time axis."""
-
-    name: str
-    symbol: str
-    seconds: float
-
-
-UNITS = (TimeUnit("day", "d", 86400.0), TimeUnit("hour", "h", 3600.0), TimeUnit("second", "s", 1.0))
+TIME_UNITS = {"day": 86400.0, "hour": 3600.0, "second": 1.0}
 
 
 def plot_moisture(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -52,17 +43,9 @@ def plot_moisture(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
         One row a link: profiles on the left, uptake on the right.
-
-    Raises
-    ------
-    InputError
-        If there are no links.
     """
-    links = names_of(dataset, "link")
-    if not links:
-        raise InputError("at least one link is needed to draw moisture, got none")
-    time = dataset["time"].values
-    unit = next((unit for unit in UNITS if time[-1] >= unit.seconds), UNITS[-1])
+    links, end = names_of(dataset, "link"), float(dataset["time"].max())
+    unit = next((name for name, seconds in TIME_UNITS.items() if end >= seconds), "second")
     layout = grid(len(links), 2, ROW_HEIGHT * len(links) + 0.5, sharex="col")
     with sheet(layout, ax=ax) as drawn:
         drawn.header(_handles(dataset, unit), _title(dataset))
@@ -90,37 +73,31 @@ def _colours(count: int) -> list[tuple[float, float, float, float]]:
     return [mpl.colormaps["viridis"](x) for x in np.linspace(0.0, 0.85, count)]
 
 
-def _handles(dataset: xr.Dataset, unit: TimeUnit) -> list[Artist]:
-    times = dataset["profile_time"].values / unit.seconds
-    texts = [f"{t:.0f}" if t >= 1000 else f"{t:.3g}" for t in times]
-    handles: list[Artist] = [
-        line_handle(f"{text} {unit.symbol}", color=colour)
-        for text, colour in zip(texts, _colours(times.size), strict=True)
+def _handles(dataset: xr.Dataset, unit: str) -> list[Artist]:
+    times = dataset["profile_time"].values / TIME_UNITS[unit]
+    texts = [f"{t:.0f} {unit[0]}" if t >= 1000 else f"{t:.3g} {unit[0]}" for t in times]
+    colours = _colours(times.size)
+    return [
+        *(line_handle(text, color=c) for text, c in zip(texts, colours, strict=True)),
+        line_handle("finite volumes", color="black"),
+        *(series_handle(n, label) for n, (name, label) in LAWS.items() if dataset[name].count()),
     ]
-    handles.append(line_handle("finite volumes", color="black"))
-    for number, (name, label) in LAWS.items():
-        if dataset[name].notnull().any():
-            handles.append(series_handle(number, label))
-    return handles
 
 
 def _draw_profiles(axes: Axes, link: xr.Dataset) -> None:
     profiles = values_of(link["profile"], "profile_time", "cell")
     for colour, profile in zip(_colours(len(profiles)), profiles, strict=True):
         axes.plot(1e3 * link["place"].values, 100 * profile, color=colour)
-    axes.set_ylabel("Moisture of the resin (%)")
+    axes.set(ylabel="Moisture of the resin (%)", xmargin=0.0)
     axes.set_ylim(bottom=0.0)
-    axes.margins(x=0.0)
     label_x(axes, "Distance from the middle (mm)")
 
 
-def _draw_uptake(axes: Axes, link: xr.Dataset, unit: TimeUnit) -> None:
-    root = np.sqrt(link["time"].values / unit.seconds)
+def _draw_uptake(axes: Axes, link: xr.Dataset, unit: str) -> None:
+    root = np.sqrt(link["time"].values / TIME_UNITS[unit])
     axes.axhline(1.0, color=MID_GREY, lw=0.6, zorder=1)
     axes.plot(root, link["uptake"].values, color="black")
     for number, (name, _) in LAWS.items():
         axes.plot(root, link[name].values, **series_line(number))
-    axes.set_ylabel("Share of equilibrium")
-    axes.set_ylim(0.0, 1.08)
-    axes.margins(x=0.02)
-    label_x(axes, rf"Root of time ($\sqrt{{\mathrm{{{unit.name}}}}}$)")
+    axes.set(ylabel="Share of equilibrium", ylim=(0.0, 1.08), xmargin=0.02)
+    label_x(axes, rf"Root of time ($\sqrt{{\mathrm{{{unit}}}}}$)")

@@ -1,4 +1,4 @@
-"""Deflections and strains of the running linkage against time."""
+"""What the running linkage does against time: deflections, strains, torque and forces."""
 
 from __future__ import annotations
 
@@ -8,24 +8,23 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots.reading import (
-    LENGTH_UNITS,
-    Units,
-    engine_label,
-    fitting_unit,
-    link_label,
-    names_of,
-    run_title,
-    values_of,
-)
+from flexmech.plots.labels import engine_label, link_label, names_of, run_title
+from flexmech.plots.reading import LENGTH_UNITS, Units, fitting_unit, values_of
+from flexmech.plots.scales import plain_numbers
+from flexmech.plots.series import Look, line_handle, series_handle, series_line
 from flexmech.plots.sheet import AxesLike, sheet
-from flexmech.plots.style import LIGHT_GREY, plain_numbers, series_handle, series_line
+from flexmech.plots.style import LIGHT_GREY
 from flexmech.plots.time_axis import label_times, time_layout
 from flexmech.types import FloatArray
 
-__all__ = ["draw_engines", "engine_lines", "plot_response"]
+__all__ = ["engine_lines", "plot_forces", "plot_response"]
 
 STRAIN_UNITS: Units = ((1e6, "µm/m"),)
+TORQUE_UNITS: Units = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
+FORCE_UNITS: Units = ((1.0, "N"), (1e3, "mN"), (1e6, "µN"))
+
+# Thinner than the engines' lines, which it covers where the links are as good as rigid.
+RIGID: Look = {"color": "0.25", "lw": 0.6}
 
 # Width of a line with at most so many turning points in a panel.
 LINE_WIDTHS = ((80, 1.1), (350, 0.7), (np.inf, 0.5))
@@ -64,6 +63,45 @@ def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         for axes, (quantity, link, units) in zip(drawn.panels, shown, strict=True):
             what = f"{link_label(dataset, link)}\n{quantity}"
             draw_engines(axes, dataset[quantity].sel(link=link), units, what)
+    return drawn.figure
+
+
+def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the driving torque and the pin forces against time, with those of rigid links.
+
+    Forces are those of the pins between links, or of the clamped joint where there is no
+    pin. Nothing is cut off or smoothed: axial vibrations, which are too fast to be told
+    apart, show as a band around the rigid links' forces (dark grey).
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Response`` result; N m, N, s and rad.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a panel. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    torque = dataset["driving_torque"], dataset["rigid_driving_torque"]
+    shown = [(*torque, TORQUE_UNITS, "Driving\ntorque")]
+    pins = dataset["joint"].values[dataset["joint_kind"].values == "pin"]
+    for joint in pins if pins.size else dataset["joint"].values:
+        for component in names_of(dataset, "component"):
+            place = {"joint": joint, "component": component}
+            force, rigid = (
+                dataset[name].sel(place) for name in ("joint_force", "rigid_joint_force")
+            )
+            shown.append((force, rigid, FORCE_UNITS, f"Force at {joint},\n{component}"))
+    with sheet(time_layout(len(shown)), ax=ax) as drawn:
+        drawn.header(
+            [*engine_lines(dataset), line_handle("rigid links", **RIGID)], run_title(dataset)
+        )
+        label_times(drawn, dataset)
+        for axes, (elastic, rigid, units, what) in zip(drawn.panels, shown, strict=True):
+            factor = draw_engines(axes, elastic, units, what)
+            axes.plot(rigid["time"].values, factor * rigid.values, **RIGID, zorder=3)
     return drawn.figure
 
 

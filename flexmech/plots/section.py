@@ -5,32 +5,23 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import groupby
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
+from flexmech.plots.reading import values_of
+from flexmech.plots.scales import plain_numbers
+from flexmech.plots.series import Look, line_handle, series_handle, series_line
+from flexmech.plots.sheet import AxesLike, grid, sheet
 from flexmech.plots.spectra import spread
-from flexmech.plots.style import (
-    LABEL_SIZE,
-    MID_GREY,
-    header_height,
-    header_legend,
-    new_figure,
-    plain_numbers,
-    publication_style,
-    series_handle,
-    series_style,
-)
+from flexmech.plots.style import MID_GREY
 from flexmech.types import FloatArray
 
 __all__ = ["plot_section"]
-
 
 PANEL_HEIGHT = 2.2
 # More layers than this are named by their shades in the legend, not one by one.
@@ -52,24 +43,31 @@ COUPLED, UNCOUPLED, THIRD_ORDER = 0, 1, 2
 NEUTRAL_AXIS = (0.0, (8.0, 2.0, 1.5, 2.0))
 MASS_AXIS = (0.0, (1.5, 1.5))
 
-_LOADS = {
-    "axial_force": "N = 1 N",
-    "bending_moment": "M = 1 N m",
-    "shear_force": "V = 1 N",
-}
+LOADS = {"axial_force": "N = 1 N", "bending_moment": "M = 1 N m", "shear_force": "V = 1 N"}
+# Quantity and load of each panel; the layers stand in the third one.
+PROFILES = (
+    ("strain", "axial_force"),
+    ("normal_stress", "axial_force"),
+    ("strain", "bending_moment"),
+    ("normal_stress", "bending_moment"),
+    ("shear_stress", "shear_force"),
+)
+LAYERS_PANEL = 2
+PREFIXES = {-3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
 
 
 @dataclass(frozen=True)
 class _Run:
-    """Neighbouring layers of one ply and angle: name, faces in mm and how many they are."""
+    """Neighbouring layers of one ply and angle: name, faces in mm and grey."""
 
     ply: str
     text: str
     low: float
     high: float
+    shade: str
 
 
-def plot_section(dataset: xr.Dataset) -> Figure:
+def plot_section(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw strain and stress of a link under unit loads against the place in its thickness.
 
     An axial force along the pins' axis, a bending moment and a shear force, each alone. Where
@@ -80,58 +78,54 @@ def plot_section(dataset: xr.Dataset) -> Figure:
     Parameters
     ----------
     dataset : Dataset
-        Over (coupling, load, layer, point): ``place`` in m, ``strain``, ``normal_stress``,
-        ``shear_stress`` and ``third_order_shear_stress`` in Pa under 1 N or 1 N m, with
-        ``ply`` and ``angle`` (rad) of the layers, ``neutral_axis`` and ``mass_axis`` in m,
-        and the link's name as the attribute ``link``.
+        Of one link, named by the coordinate ``link``, over (coupling, load, layer, point):
+        ``place`` in m, ``strain``, ``normal_stress``, ``shear_stress`` and
+        ``third_order_shear_stress`` in Pa under 1 N or 1 N m, with ``ply`` and ``angle`` (rad)
+        of the layers, ``neutral_axis`` and ``mass_axis`` in m. Layers and points without a
+        place are left out.
+    ax : sequence of Axes, optional
+        The user's six. Left out: a new figure is made.
 
     Returns
     -------
     Figure
     """
-    with publication_style():
-        runs = _runs(dataset)
-        shades = _shades(runs)
-        named = len(runs) <= MOST_NAMES
-        handles = _handles(dataset, {} if named else shades)
-        link = str(dataset.attrs["link"]).capitalize()
-        title = f"{link}: through the thickness under unit loads on the pins' axis"
-        figure = new_figure(2 * PANEL_HEIGHT + 0.9 + header_height(handles, title))
-        grid = figure.add_gridspec(2, 3, wspace=0.06)
-        first = figure.add_subplot(grid[0, 0])
-        panels = {(0, 0): first}
-        for row, column in ((0, 1), (0, 2), (1, 0), (1, 1), (1, 2)):
-            panels[row, column] = figure.add_subplot(grid[row, column], sharey=first)
-        for (_, column), axes in panels.items():
-            _shade(axes, runs, shades, STACK_EDGE if axes is panels[0, 2] else None)
-            axes.tick_params(labelleft=column == 0)
-        _draw_profile(panels[0, 0], dataset, "strain", "axial_force")
-        _draw_profile(panels[0, 1], dataset, "normal_stress", "axial_force")
-        _draw_profile(panels[1, 0], dataset, "strain", "bending_moment")
-        _draw_profile(panels[1, 1], dataset, "normal_stress", "bending_moment")
-        _draw_profile(panels[1, 2], dataset, "shear_stress", "shear_force")
-        _draw_stack(panels[0, 2], dataset, runs if named else [])
-        first.set_ylim(runs[0].low, runs[-1].high)
-        plain_numbers(first)
-        figure.align_xlabels([panels[1, column] for column in range(3)])
-        figure.align_xlabels([panels[0, column] for column in range(2)])
-        figure.supylabel("Place y from the pins' axis (mm)", fontsize=LABEL_SIZE)
-        header_legend(figure, handles, title)
-    return figure
+    for dimension in ("layer", "point"):
+        dataset = dataset.dropna(dimension, how="all", subset=["place"])
+    runs, profiles = _runs(dataset), [_lines(dataset, *profile) for profile in PROFILES]
+    named = len(runs) <= MOST_NAMES
+    layout = grid(2, 3, 2 * PANEL_HEIGHT + 0.9, sharey=True, gridspec_kw={"wspace": 0.06})
+    with sheet(layout, ax=ax) as drawn:
+        link = str(dataset["link"].item()).capitalize()
+        handles = _handles(dataset, set().union(*profiles), [] if named else runs)
+        drawn.header(handles, f"{link}: through the thickness under unit loads on the pins' axis")
+        for axes in drawn.panels:
+            _shade(axes, runs, STACK_EDGE if axes is drawn.panels[LAYERS_PANEL] else 1.0)
+            axes.set_ylim(runs[0].low, runs[-1].high)
+            plain_numbers(axes)
+        of_profiles = [axes for n, axes in enumerate(drawn.panels) if n != LAYERS_PANEL]
+        for axes, lines, profile in zip(of_profiles, profiles, PROFILES, strict=True):
+            _draw_profile(axes, dataset, lines, *profile)
+        _draw_stack(drawn.panels[LAYERS_PANEL], dataset, runs if named else [])
+        drawn.label_y("Place y from the pins' axis (mm)")
+        if drawn.is_new:
+            drawn.figure.align_xlabels(of_profiles)
+    return drawn.figure
 
 
 def _runs(dataset: xr.Dataset) -> list[_Run]:
-    place = 1e3 * dataset["place"].transpose("layer", "point").values
+    place = 1e3 * values_of(dataset["place"], "layer", "point")
     degrees = np.round(np.degrees(dataset["angle"].values.astype(float)), 6)
     layers = list(zip(dataset["ply"].values.tolist(), degrees.tolist(), strict=True))
+    plies = list(dict.fromkeys(ply for ply, _ in layers))
+    greys = dict(zip(plies, np.linspace(LIGHTEST, DARKEST, max(len(plies), 2)), strict=False))
     runs, start = [], 0
     for (ply, angle), group in groupby(layers):
-        count = len(list(group))
+        end = start + len(list(group))
         turned = f" {angle:.4g}°".replace("-", "\N{MINUS SIGN}") if np.any(degrees != 0) else ""
-        tail = turned + (f" {TIMES} {count}" if count > 1 else "")
+        tail = turned + (f" {TIMES} {end - start}" if end - start > 1 else "")
         text = _short(ply, LONGEST_NAME - len(tail)) + tail if ply else "one material"
-        end = start + count
-        runs.append(_Run(ply, text, place[start, 0], place[end - 1, -1]))
+        runs.append(_Run(ply, text, place[start, 0], place[end - 1, -1], f"{greys[ply]:.3f}"))
         start = end
     return runs
 
@@ -142,77 +136,58 @@ def _short(name: str, longest: int = LONGEST_NAME) -> str:
     return cut.replace("$", r"\$")
 
 
-def _shades(runs: list[_Run]) -> dict[str, str]:
-    """Grey of each ply, evenly spaced."""
-    plies = list(dict.fromkeys(run.ply for run in runs))
-    greys = np.linspace(LIGHTEST, DARKEST, max(len(plies), 2))
-    return {ply: f"{grey:.3f}" for ply, grey in zip(plies, greys, strict=False)}
-
-
-def _shade(axes: Axes, runs: list[_Run], shades: dict[str, str], edge: float | None) -> None:
-    """Fill the layers over the panel's width, or to an edge of it."""
+def _shade(axes: Axes, runs: list[_Run], edge: float) -> None:
+    """Fill the layers up to an edge, over the panel's width."""
+    across = axes.get_yaxis_transform()
     for run in runs:
-        axes.add_patch(
-            Rectangle(
-                (0.0, run.low),
-                edge or 1.0,
-                run.high - run.low,
-                transform=axes.get_yaxis_transform(),
-                facecolor=shades[run.ply],
-                # A line between layers that have one shade and different angles.
-                edgecolor=LAYER_EDGE,
-                linewidth=0.3,
-                zorder=0.5,
-            )
-        )
+        # A line between layers that have one shade and different angles.
+        look: Look = {"fc": run.shade, "ec": LAYER_EDGE, "lw": 0.3, "zorder": 0.5}
+        layer = Rectangle((0.0, run.low), edge, run.high - run.low, transform=across, **look)
+        axes.add_patch(layer)
 
 
-def _draw_profile(axes: Axes, dataset: xr.Dataset, name: str, load: str) -> None:
+def _draw_profile(
+    axes: Axes, dataset: xr.Dataset, lines: dict[int, FloatArray], name: str, load: str
+) -> None:
     """One quantity under one load; jumps at interfaces are drawn along them."""
-    what = name.replace("_", " ")
+    what = name.replace("_", " ").capitalize()
     factor, unit = _scaled(dataset, name, load)
-    place = 1e3 * _flat(dataset["place"])
-    lines = _lines(dataset, name, load)
-    for style_number, values in lines.items():
-        series = series_style(style_number)
-        axes.plot(factor * values, place, color=series.color, linestyle=series.linestyle, zorder=3)
+    for number, values in lines.items():
+        axes.plot(factor * values, 1e3 * _flat(dataset["place"]), **series_line(number), zorder=3)
     axes.axvline(0.0, color=MID_GREY, lw=0.5, zorder=2)
-    _, neutral, style = _axes_of(dataset)[0]
-    axes.axhline(neutral, color=MID_GREY, ls=style, lw=0.7, zorder=2)
-    ends = factor * np.array([f(v) for v in lines.values() for f in (np.min, np.max)] + [0.0])
+    _, neutral, dashes = _axes_of(dataset)[0]
+    axes.axhline(neutral, color=MID_GREY, ls=dashes, lw=0.7, zorder=2)
+    ends = factor * np.concatenate([[0.0], *lines.values()])
     low, high = float(ends.min()), float(ends.max())
     room = 0.08 * ((high - low) or 1.0)
     axes.set_xlim(low - room * (low < 0), high + room * (high > 0))
     axes.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 2.5, 5, 10]))
-    axes.set_title(f"{what.capitalize()}, {_LOADS[load]}")
-    axes.set_xlabel(f"{what.capitalize()} ({unit})")
+    axes.set(title=f"{what}, {LOADS[load]}", xlabel=f"{what} ({unit})")
 
 
 def _lines(dataset: xr.Dataset, name: str, load: str) -> dict[int, FloatArray]:
-    """What there is to draw of a quantity, by the number of its style."""
+    """What there is to draw of a quantity, by the number of its style, the main line last."""
     under = dataset.sel(load=load)
     coupled = _flat(under[name].sel(coupling="with"))
-    lines = {COUPLED: coupled}
     others = {UNCOUPLED: _flat(under[name].sel(coupling="without"))}
     if name == "shear_stress":
-        others[THIRD_ORDER] = _flat(under["third_order_shear_stress"].sel(coupling="with"))
-    for number, values in others.items():
-        if np.max(np.abs(values - coupled)) > SAME * np.max(np.abs(coupled)):
-            lines[number] = values
-    return dict(sorted(lines.items(), reverse=True))
+        third_order = _flat(under["third_order_shear_stress"].sel(coupling="with"))
+        others = {THIRD_ORDER: third_order} | others
+    least = SAME * np.abs(coupled).max()
+    apart = {n: values for n, values in others.items() if np.abs(values - coupled).max() > least}
+    return apart | {COUPLED: coupled}
 
 
 def _flat(values: xr.DataArray) -> FloatArray:
-    return np.asarray(values.transpose("layer", "point").values.ravel(), dtype=float)
+    return values_of(values, "layer", "point").ravel()
 
 
 def _scaled(dataset: xr.Dataset, name: str, load: str) -> tuple[float, str]:
     """Factor and unit that make the largest value a number between 1 and 1000."""
     largest = float(np.abs(dataset[name].sel(load=load)).max())
     power = 3 * int(np.floor(np.log10(largest) / 3)) if largest > 0 else 0
-    if name != "strain" and -3 <= power <= 9:
-        prefix = {-3: "m", 0: "", 3: "k", 6: "M", 9: "G"}[power]
-        return 10.0**-power, f"{prefix}Pa"
+    if name != "strain" and power in PREFIXES:
+        return 10.0**-power, f"{PREFIXES[power]}Pa"
     unit = "" if name == "strain" else " Pa"
     return 10.0**-power, f"$10^{{{power}}}$" + unit if power else unit.strip() or "1"
 
@@ -223,21 +198,18 @@ def _draw_stack(axes: Axes, dataset: xr.Dataset, runs: list[_Run]) -> None:
     axes.set_xlim(0.0, 1.0)
     axes.xaxis.set_visible(False)
     axes.spines["bottom"].set_visible(False)
-    for _, y, style in _axes_of(dataset):
-        axes.plot([0.0, STACK_EDGE], [y, y], color="black", ls=style, lw=0.9, zorder=3)
+    for _, y, dashes in _axes_of(dataset):
+        axes.plot([0.0, STACK_EDGE], [y, y], color="black", ls=dashes, lw=0.9, zorder=3)
     if not runs:
         return
     middles = np.array([(run.low + run.high) / 2 for run in runs])
-    height = runs[-1].high - runs[0].low
+    low, high = runs[0].low, runs[-1].high
     size = min(NAME_SIZE, INSIDE / (LINE * len(runs)))
-    step = LINE * size / INSIDE * height  # a line of text in mm of the link
+    step = LINE * size / INSIDE * (high - low)  # a line of text in mm of the link
     # First apart, then inside: what is pushed in at one end pushes its neighbours.
     rows = step * np.arange(len(runs))
-    names = spread(middles, step)
-    names = np.maximum.accumulate(np.maximum(names, runs[0].low + step / 2) - rows) + rows
-    rows = rows[::-1]
-    names = np.minimum(names, runs[-1].high - step / 2) + rows
-    names = np.minimum.accumulate(names[::-1])[::-1] - rows
+    inside = low + step / 2, high - step / 2 - rows[-1]
+    names = np.clip(spread(middles, step) - rows, *inside) + rows
     for run, middle, name in zip(runs, middles, names, strict=True):
         axes.plot([STACK_EDGE, NAME_EDGE - 0.02], [middle, name], color=MID_GREY, lw=0.5)
         axes.text(NAME_EDGE, name, run.text, fontsize=size, va="center")
@@ -251,28 +223,14 @@ def _axes_of(dataset: xr.Dataset) -> list[tuple[str, float, tuple[float, tuple[f
     return [("neutral axis", neutral, NEUTRAL_AXIS), ("centre of mass", mass, MASS_AXIS)]
 
 
-def _handles(dataset: xr.Dataset, shades: dict[str, str]) -> list[Artist]:
-    drawn = {
-        number
-        for name, load in (
-            ("strain", "axial_force"),
-            ("strain", "bending_moment"),
-            ("normal_stress", "bending_moment"),
-            ("shear_stress", "shear_force"),
-        )
-        for number in _lines(dataset, name, load)
-    }
-    labels = {
-        COUPLED: "with coupling"
-        if UNCOUPLED in drawn
-        else "classical theory, shear by equilibrium",
-        UNCOUPLED: "without coupling",
-        THIRD_ORDER: "shear stress by third-order theory",
-    }
-    handles: list[Artist] = [series_handle(n, labels[n]) for n in sorted(drawn)]
-    for label, _, style in _axes_of(dataset):
-        handles.append(Line2D([], [], color="black", ls=style, lw=0.9, label=label))
-    outline = mpl.rcParams["axes.linewidth"]
-    for ply, shade in shades.items():
-        handles.append(Patch(facecolor=shade, edgecolor=MID_GREY, lw=outline, label=_short(ply)))
+def _handles(dataset: xr.Dataset, numbers: set[int], runs: list[_Run]) -> list[Artist]:
+    """Legend entries of lines by the numbers of their styles, of axes, and of plies."""
+    labels = {UNCOUPLED: "without coupling", THIRD_ORDER: "shear stress by third-order theory"}
+    alone = "classical theory, shear by equilibrium"
+    labels[COUPLED] = "with coupling" if UNCOUPLED in numbers else alone
+    handles: list[Artist] = [series_handle(n, labels[n]) for n in sorted(numbers)]
+    for label, _, dashes in _axes_of(dataset):
+        handles.append(line_handle(label, color="black", ls=dashes, lw=0.9))
+    for ply, shade in dict.fromkeys((run.ply, run.shade) for run in runs):
+        handles.append(Patch(fc=shade, ec=MID_GREY, lw=0.6, label=_short(ply)))
     return handles

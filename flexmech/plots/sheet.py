@@ -14,9 +14,22 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError
-from flexmech.plots.style import header_height, header_legend, new_figure, publication_style
+from flexmech.plots.style import FIGURE_WIDTH, STYLE, new_figure, publication_style
 
-__all__ = ["AxesLike", "Layout", "Sheet", "grid", "sheet"]
+__all__ = [
+    "AxesLike",
+    "Layout",
+    "Sheet",
+    "grid",
+    "header_height",
+    "header_legend",
+    "label_x",
+    "legend_columns",
+    "sheet",
+]
+
+# Mean width of a letter of the font as a fraction of its size, on the safe side.
+MEAN_LETTER = 0.62
 
 AxesLike = Axes | Sequence[Axes] | NDArray[np.object_]
 """One Axes of matplotlib or several, such as an array from ``plt.subplots``."""
@@ -90,16 +103,22 @@ class Sheet:
     def label_x(self, label: str) -> None:
         """Label the x axis of each panel that has numbers along it."""
         for axes in self.panels:
-            if axes.xaxis.get_tick_params().get("labelbottom", True):
-                axes.set_xlabel(label)
+            label_x(axes, label)
 
     def label_y(self, label: str) -> None:
-        """Label the y axes: all with one label in a new figure of several panels, else each."""
+        """Label the y axes with numbers, or all of several panels of a new figure at once."""
         if self.is_new and len(self.panels) > 1:
             self.figure.supylabel(label)
         else:
             for axes in self.panels:
-                axes.set_ylabel(label)
+                if axes.yaxis.get_tick_params().get("labelleft", True):
+                    axes.set_ylabel(label)
+
+
+def label_x(axes: Axes, label: str) -> None:
+    """Label the x axis of a panel if it has numbers along it."""
+    if axes.xaxis.get_tick_params().get("labelbottom", True):
+        axes.set_xlabel(label)
 
 
 @contextmanager
@@ -128,7 +147,7 @@ def sheet(layout: Layout, *, ax: AxesLike | None = None, fewer: str = "") -> Ite
         if ax is None:
             figure = new_figure(layout.height)
             yield Sheet(figure, layout.make(figure))
-            figure.align_labels()
+            figure.align_ylabels()
         else:
             panels = _given(ax, layout.count, fewer)
             yield Sheet(panels[0].figure.figure, panels, is_new=False)
@@ -147,3 +166,51 @@ def _given(ax: AxesLike, count: int, fewer: str) -> list[Axes]:
             f"Axes as panels{remedy}"
         )
     return given
+
+
+def header_legend(figure: Figure, handles: Sequence[Artist], title: str = "") -> None:
+    """Put one legend for all panels above them, under an optional heading line.
+
+    Entries run along the rows, as many a row as the figure's width holds.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    handles : sequence of matplotlib.artist.Artist
+        With their labels.
+    title : str
+        Heading line; none by default.
+    """
+    columns = legend_columns([str(handle.get_label()) for handle in handles])
+    figure.legend(
+        # Matplotlib fills a legend column by column; every column but the last ones is full.
+        handles=[handle for start in range(columns) for handle in handles[start::columns]],
+        loc="outside upper center",
+        ncols=columns,
+        title=title or None,
+    )
+
+
+def header_height(handles: Sequence[Artist], title: str = "") -> float:
+    """Height in inches that the legend above the panels takes."""
+    columns = legend_columns([str(handle.get_label()) for handle in handles])
+    rows = -(-len(handles) // columns) + bool(title)
+    return 0.12 + 0.165 * rows
+
+
+def legend_columns(labels: list[str]) -> int:
+    """Columns of legend entries, filled along the rows, that the figure's width holds.
+
+    As few rows as possible, and these as equally filled as possible.
+    """
+    em = STYLE["legend.fontsize"] / 72
+    around = STYLE["legend.handlelength"] + STYLE["legend.columnspacing"] + 0.8
+    widths = [(around + MEAN_LETTER * len(label)) * em for label in labels]
+
+    def fits(columns: int) -> bool:
+        needed: float = sum(max(widths[n::columns]) for n in range(columns))
+        return needed <= FIGURE_WIDTH - 0.1
+
+    most = next((n for n in range(len(labels), 1, -1) if fits(n)), 1)
+    balanced = -(-len(labels) // -(-len(labels) // most))
+    return balanced if fits(balanced) else most

@@ -1,29 +1,27 @@
-"""Spectra of the running linkage's deflections, against its natural frequencies."""
+"""Spectra of the running linkage's deflections, whole and in time, with its natural frequencies."""
 
 from __future__ import annotations
 
-from typing import Any
-
+import matplotlib.patheffects as effects
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from flexmech.plots.reading import (
-    LENGTH_UNITS,
-    fitting_unit,
-    link_label,
-    names_of,
-    run_title,
-    values_of,
-)
+from flexmech.errors import InputError
+from flexmech.plots.labels import engine_label, link_label, names_of, run_title
+from flexmech.plots.reading import LENGTH_UNITS, cell_edges, fitting_unit, values_of
 from flexmech.plots.response import engine_lines
+from flexmech.plots.scales import log_scale, plain_numbers
+from flexmech.plots.series import Look, line_handle, series_line
 from flexmech.plots.sheet import AxesLike, Layout, grid, sheet
-from flexmech.plots.style import MID_GREY, log_scale, series_line
+from flexmech.plots.style import MID_GREY
+from flexmech.plots.time_axis import angle_axis
 from flexmech.types import FloatArray
 
-__all__ = ["ONE_LINK", "highest_frequency", "link_layout", "plot_spectrum", "spread"]
+__all__ = ["ONE_LINK", "plot_spectrogram", "plot_spectrum", "spread"]
 
 ONE_LINK = "choose one link (links=...)"
 
@@ -42,6 +40,12 @@ MOST_ORDERS = 16
 MOST_ORDER_LINES = 100
 # Least distance of two labels as a fraction of a panel's width.
 LABEL_ROOM = 0.024
+
+DECIBELS = 60.0
+"""Levels this far below the maximum are drawn as the darkest."""
+# White with a dark rim is seen on any colour, and the ridges between the dashes.
+RIM = [effects.Stroke(linewidth=2.0, foreground="black", alpha=0.6), effects.Normal()]
+PREDICTION: Look = {"color": "white", "lw": 0.8, "ls": (0.0, (4.0, 5.0)), "path_effects": RIM}
 
 Bands = list[tuple[int, float, float]]
 
@@ -64,10 +68,10 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    limit = highest_frequency(dataset, "spectrum_frequency")
+    limit = _highest_frequency(dataset, "spectrum_frequency")
     within = dataset.sel(spectrum_frequency=slice(0.0, limit))
     bands, links = _bands(dataset), names_of(dataset, "link")
-    with sheet(link_layout(len(links), 1.5, 2.2), ax=ax, fewer=ONE_LINK) as drawn:
+    with sheet(_layout(len(links), 1.5, 2.2), ax=ax, fewer=ONE_LINK) as drawn:
         handles = engine_lines(dataset)
         if bands:
             handles.append(Patch(color=BAND_COLOR, lw=0, label="predicted natural frequencies"))
@@ -85,7 +89,53 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     return drawn.figure
 
 
-def link_layout(links: int, panel: float, least: float) -> Layout:
+def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw how the spectrum of each link's deflection moves in time, one panel a link.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Response`` result with ``spectrogram``. Its first engine is drawn.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a link. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If the dataset has no spectrogram.
+    """
+    if "spectrogram" not in dataset:
+        raise InputError("this response is too short for a spectrogram: ask for more revolutions")
+    first, links = dataset.isel(engine=0), names_of(dataset, "link")
+    time = first["window_time"].values
+    predicted = values_of(first["natural_frequency"], "mode", "window_time")
+    with sheet(_layout(len(links), 1.75, 2.4), ax=ax, fewer=ONE_LINK) as drawn:
+        title = f"{run_title(dataset)}, by {engine_label(dataset)}"
+        drawn.header([line_handle("predicted natural frequencies", **PREDICTION)], title)
+        for axes, link in zip(drawn.panels, links, strict=True):
+            mesh = _draw_levels(axes, first["spectrogram"].sel(link=link))
+            for values in predicted:
+                axes.plot(time, values, **PREDICTION, marker="." if time.size == 1 else "")
+            axes.set_ylim(0.0, _highest_frequency(dataset, "window_frequency"))
+            plain_numbers(axes)
+            axes.set_ylabel(f"{link_label(dataset, link)}\nfrequency (Hz)")
+        angle_axis(drawn.panels[0], dataset)
+        drawn.label_x("Time (s)")
+        panels = drawn.panels
+        bar = drawn.figure.colorbar(
+            mesh, ax=panels, extend="min", pad=0.015, aspect=14 * len(panels)
+        )
+        of_what = "each panel's maximum" if len(panels) > 1 else "maximum"
+        bar.set_label(f"Level relative to {of_what} (dB)")
+        bar.outline.set_linewidth(0.6)
+    return drawn.figure
+
+
+def _layout(links: int, panel: float, least: float) -> Layout:
     """A stack of panels, one a link, between two axes along x.
 
     Parameters
@@ -101,7 +151,7 @@ def link_layout(links: int, panel: float, least: float) -> Layout:
     return grid(links, 1, max(links * panel, least) + AXES_HEIGHT, sharex=True)
 
 
-def highest_frequency(dataset: xr.Dataset, name: str) -> float:
+def _highest_frequency(dataset: xr.Dataset, name: str) -> float:
     """Highest frequency drawn in Hz: a little above the predictions, if there is data.
 
     Parameters
@@ -132,7 +182,7 @@ def _label_bands(axes: Axes, bands: Bands) -> None:
     """Write f1, f2, ... over the bands, apart from each other where bands are close."""
     limit = axes.get_xlim()[1]
     wanted = np.array([(low + high) / 2 / limit for _, low, high in bands])
-    look: dict[str, Any] = {"ha": "center", "va": "top", "fontsize": 8, "color": "0.25"}
+    look: Look = {"ha": "center", "va": "top", "fontsize": 8, "color": "0.25"}
     for place, (mode, _, _) in zip(spread(wanted, LABEL_ROOM), bands, strict=True):
         axes.text(place, 0.985, f"$f_{{{mode}}}$", transform=axes.transAxes, **look)
 
@@ -196,3 +246,17 @@ def _order_axis(panels: list[Axes], turning: float, limit: float) -> None:
     for axes in panels:
         for order in labelled:
             axes.axvline(order * turning, color=MID_GREY, lw=0.5, ls=":", zorder=0.5)
+
+
+def _draw_levels(axes: Axes, amplitude: xr.DataArray) -> QuadMesh:
+    """Level in dB below the panel's maximum; the mesh, for the colour bar."""
+    values = values_of(amplitude, "window_frequency", "window_time")
+    highest = float(np.nanmax(values, initial=0.0)) or 1.0
+    level = 20 * np.log10(np.maximum(values / highest, 10.0 ** (-2 * DECIBELS / 20)))
+    time, frequency = (
+        cell_edges(amplitude[f"window_{name}"].values) for name in ("time", "frequency")
+    )
+    look: Look = {"vmin": -DECIBELS, "vmax": 0.0, "cmap": "viridis", "rasterized": True}
+    mesh = axes.pcolormesh(time, frequency, level, **look)
+    axes.set_xlim(time[0], time[-1])
+    return mesh

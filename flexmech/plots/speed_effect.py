@@ -9,17 +9,14 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from flexmech.errors import InputError
-from flexmech.plots.angle_panels import draw_line, mode_panels
-from flexmech.plots.reading import at_highest_speed, degrees, names_of, values_of
+from flexmech.plots.angle_lines import draw_line
+from flexmech.plots.angle_panels import mode_panels
+from flexmech.plots.labels import names_of
+from flexmech.plots.reading import at_highest_speed, degrees, values_of
+from flexmech.plots.scales import scale_y
+from flexmech.plots.series import few_points, line_handle, series_handle, series_line
 from flexmech.plots.sheet import AxesLike
-from flexmech.plots.style import (
-    MID_GREY,
-    few_points,
-    line_handle,
-    scale_y,
-    series_handle,
-    series_line,
-)
+from flexmech.plots.style import MID_GREY
 
 __all__ = ["plot_speed_effect"]
 

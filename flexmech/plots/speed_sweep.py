@@ -2,31 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.gridspec import GridSpec
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import ArrayLike
 
-from flexmech.plots.style import (
-    FIGURE_WIDTH,
-    few_points,
-    header_height,
-    header_legend,
-    new_figure,
-    plain_numbers,
-    publication_style,
-    series_style,
-)
+from flexmech.plots.labels import link_label, names_of, speed_unit
+from flexmech.plots.reading import values_of
+from flexmech.plots.scales import log_scale, plain_numbers
+from flexmech.plots.series import Look, line_handle, series_line, series_style
+from flexmech.plots.sheet import AxesLike, Layout, grid, sheet
+from flexmech.plots.spectra import ONE_LINK
+from flexmech.plots.style import FIGURE_WIDTH
 from flexmech.types import FloatArray
+from flexmech.units import from_si
 
 __all__ = ["plot_speed_sweep"]
-
 
 MILLI = 1e3
 RPM = 30 / np.pi
@@ -44,15 +41,20 @@ BAND_OPACITY = 0.18
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 # Up to this many decades the ticks stand at 1, 2 and 5, beyond it at powers of ten.
 FEW_DECADES = 2.3
+SETTLED: Look = {"ls": "", "marker": "s", "ms": 4.2, "mfc": "white", "mec": series_style(1).color}
+
+Bands = dict[int, list[tuple[str, float, float]]]
+"""Name and ends of critical speeds by mode, from the lowest order on."""
 
 
-def plot_speed_sweep(dataset: xr.Dataset) -> Figure:
+def plot_speed_sweep(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the steady-state peak deflection of each link against crank speed.
 
     One panel a link. Shaded are the critical speeds: where a multiple (the order) of the
     crank's turns per second meets a natural frequency at some angle of the turn. The strip
-    above the panels has a row for each mode and names the bands, f₂/5 where the fifth
-    multiple meets the second frequency; names that would touch a lower order's are left out.
+    above the panels of a new figure has a row for each mode and names the bands, f₂/5 where
+    the fifth multiple meets the second frequency; names that would touch a lower order's are
+    left out.
 
     Parameters
     ----------
@@ -61,75 +63,73 @@ def plot_speed_sweep(dataset: xr.Dataset) -> Figure:
         ``critical_speed_high`` (mode, order) in rad/s, and the coordinate ``probe`` of the
         links. Peaks of full simulations, ``settled_peak`` (settled_speed, link) in m, are
         drawn as markers if there are any.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a link. Left out: a new figure is made.
 
     Returns
     -------
     Figure
     """
-    with publication_style():
-        dataset = dataset.sortby("crank_speed")
-        speed = dataset["crank_speed"].values.astype(float)
-        limits = _limits(dataset)
-        bands = _bands(dataset, limits)
-        name = str(dataset.attrs["mechanism"])
-        title = f"Steady-state peak deflection of the {name}"
-        handles = _handles(dataset, bands)
-        links = [str(link) for link in dataset["link"].values]
-        strip = ROW_HEIGHT * len(bands) + 0.02
-        panel = max(PANEL_HEIGHT, 2.6 / len(links))
-        figure = new_figure(
-            panel * len(links) + strip + AXES_HEIGHT + header_height(handles, title)
-        )
-        heights = [strip, *[panel] * len(links)]
-        grid = GridSpec(len(heights), 1, figure=figure, height_ratios=heights)
-        bottom = figure.add_subplot(grid[-1])
-        panels = [figure.add_subplot(grid[1 + n], sharex=bottom) for n in range(len(links) - 1)]
-        panels.append(bottom)
-        bottom.set_xlim(*limits)
-        bottom.set_xlabel("Crank speed (rad/s)")
-        for axes, link in zip(panels, links, strict=True):
-            axes.tick_params(labelbottom=axes is bottom)
-            _draw_bands(axes, bands)
-            _draw_peaks(axes, speed, dataset.sel(link=link))
-            probe = str(dataset["probe"].sel(link=link).values)
-            axes.set_ylabel(f"{link.capitalize()} {probe}\npeak deflection (mm)")
-        _draw_strip(figure.add_subplot(grid[0], sharex=bottom), bands)
-        figure.align_ylabels(panels)
-        header_legend(figure, handles, title)
-    return figure
+    dataset, unit = dataset.sortby("crank_speed"), speed_unit(dataset)
+    factor, links = from_si(1.0, unit), names_of(dataset, "link")
+    limits = _limits(factor * dataset["crank_speed"].values, "settled_peak" in dataset)
+    bands = _bands(dataset, factor, limits)
+    with sheet(_layout(len(links), len(bands)), ax=ax, fewer=ONE_LINK) as drawn:
+        title = f"Steady-state peak deflection of the {dataset.attrs['mechanism']}"
+        drawn.header(_handles(dataset, bands), title)
+        for axes, link in zip(drawn.panels, links, strict=True):
+            axes.set_xlim(*limits)
+            for row, mode in enumerate(bands):
+                for low, high in _merged(bands[mode]):
+                    axes.axvspan(low, high, color=_color(row), alpha=BAND_OPACITY, lw=0, zorder=0)
+            _draw_peaks(axes, dataset.sel(link=link), factor)
+            axes.set_ylabel(f"{link_label(dataset, link)}\npeak deflection (mm)")
+        drawn.label_x(f"Crank speed ({unit})")
+        top = drawn.panels[0]
+        if drawn.is_new:
+            top = drawn.figure.axes[0]
+            _draw_strip(top, bands)
+        other, ratio = ("rad/s", 1.0 / factor) if unit == "rpm" else ("rpm", RPM / factor)
+        upper = top.secondary_xaxis("top", functions=(_times(ratio), _times(1.0 / ratio)))
+        upper.set_xlabel(f"Crank speed ({other})")
+    return drawn.figure
 
 
-def _limits(dataset: xr.Dataset) -> tuple[float, float]:
+def _times(factor: float) -> Callable[[ArrayLike], FloatArray]:
+    return lambda values: factor * np.asarray(values, dtype=float)
+
+
+def _layout(links: int, modes: int) -> Layout:
+    """A panel a link under a strip with a row a mode, which is a panel in new figures alone."""
+    heights = [ROW_HEIGHT * modes + 0.02, *[max(PANEL_HEIGHT, 2.6 / links)] * links]
+    whole = grid(links + 1, 1, sum(heights) + AXES_HEIGHT, sharex=True, height_ratios=heights)
+    return Layout(links, whole.height, lambda figure: whole.make(figure)[1:])
+
+
+def _limits(speeds: FloatArray, settled: bool) -> tuple[float, float]:
     """Range of speeds; markers of simulations do not hang over its edges."""
-    speeds = dataset["crank_speed"].values.astype(float)
     low, high = float(speeds.min()), float(speeds.max())
     if low == high:
         return low - 1.0, high + 1.0
-    room = 0.015 * (high - low) if "settled_peak" in dataset else 0.0
+    room = 0.015 * (high - low) if settled else 0.0
     return low - room, high + room
 
 
-def _bands(
-    dataset: xr.Dataset, limits: tuple[float, float]
-) -> dict[int, list[tuple[str, float, float]]]:
-    """Name and ends of the bands within the limits, by mode, from the lowest order on.
-
-    A band that only reaches into the range is cut off at the edge.
-    """
-    order = dataset["order"].values
-    found: dict[int, list[tuple[str, float, float]]] = {}
-    for mode in dataset["mode"].values:
-        lows = dataset["critical_speed_low"].sel(mode=mode).values
-        highs = dataset["critical_speed_high"].sel(mode=mode).values
-        here = []
-        for number, low, high in sorted(zip(order, lows, highs, strict=True)):
-            if not (high > limits[0] and low < limits[1]):
-                continue
-            name = f"f{int(mode)}".translate(SUBSCRIPTS) + f"/{int(number)}"
-            here.append((name, max(low, limits[0]), min(high, limits[1])))
-        if here:
-            found[int(mode)] = here
-    return found
+def _bands(dataset: xr.Dataset, factor: float, limits: tuple[float, float]) -> Bands:
+    """Bands within the limits; one that only reaches into the range is cut off at the edge."""
+    ends = [
+        factor * values_of(dataset[f"critical_speed_{end}"].sortby("order"), "mode", "order")
+        for end in ("low", "high")
+    ]
+    orders = np.sort(dataset["order"].values).tolist()
+    bands: Bands = {}
+    for mode, lows, highs in zip(dataset["mode"].values.tolist(), *ends, strict=True):
+        for order, low, high in zip(orders, lows.tolist(), highs.tolist(), strict=True):
+            if high > limits[0] and low < limits[1]:
+                name = f"f{mode}".translate(SUBSCRIPTS) + f"/{order}"
+                cut = name, max(low, limits[0]), min(high, limits[1])
+                bands.setdefault(mode, []).append(cut)
+    return bands
 
 
 def _merged(bands: list[tuple[str, float, float]]) -> list[tuple[float, float]]:
@@ -143,19 +143,13 @@ def _merged(bands: list[tuple[str, float, float]]) -> list[tuple[float, float]]:
     return merged
 
 
-def _draw_bands(axes: Axes, bands: dict[int, list[tuple[str, float, float]]]) -> None:
-    for row, mode in enumerate(bands):
-        for low, high in _merged(bands[mode]):
-            axes.axvspan(low, high, color=_band_color(row), alpha=BAND_OPACITY, lw=0, zorder=0)
-
-
-def _band_color(row: int) -> str:
+def _color(row: int) -> str:
     # The first two colours are those of the deflections.
     return series_style(2 + row % 4).color
 
 
-def _draw_strip(axes: Axes, bands: dict[int, list[tuple[str, float, float]]]) -> None:
-    """Strip above the panels: the bands' names, a row a mode, under the axis in rpm."""
+def _draw_strip(axes: Axes, bands: Bands) -> None:
+    """Strip above the panels with the bands' names, a row a mode."""
     axes.set_ylim(0.0, max(len(bands), 1))
     axes.spines[["left", "bottom"]].set_visible(False)
     axes.yaxis.set_major_locator(NullLocator())
@@ -163,49 +157,28 @@ def _draw_strip(axes: Axes, bands: dict[int, list[tuple[str, float, float]]]) ->
     low_edge, high_edge = axes.get_xlim()
     inch = (high_edge - low_edge) / PANEL_WIDTH
     for row, mode in enumerate(bands):
-        taken: list[tuple[float, float]] = []
+        free = np.inf
         for number, (name, low, high) in enumerate(bands[mode]):
             # Neighbours at two heights: wide bands of high orders overlap.
             height = row + 0.12 * (number % 2)
-            axes.fill_between([low, high], height, height + 0.1, color=_band_color(row), lw=0)
+            axes.fill_between([low, high], height, height + 0.1, color=_color(row), lw=0)
             half = (MEAN_LETTER * len(name) + 0.4) * LABEL_POINTS / 72 * inch / 2
             # Near an edge the name moves inwards as far as it must.
             middle = min(max((low + high) / 2, low_edge + half), high_edge - half)
-            left, right = middle - half, middle + half
             # A band that barely reaches into the range has no name, which would stand beside it.
-            if low <= middle <= high and all(right < start or left > end for start, end in taken):
-                taken.append((left, right))
+            if low <= middle <= high and middle + half < free:
+                free = middle - half
                 axes.text(middle, row + 0.6, name, ha="center", va="center", fontsize=LABEL_POINTS)
-    top = axes.secondary_xaxis("top", functions=(_rpm, _radians_a_second))
-    top.set_xlabel("Crank speed (rpm)")
 
 
-def _rpm(speed: ArrayLike) -> FloatArray:
-    return np.asarray(speed, dtype=float) * RPM
-
-
-def _radians_a_second(speed: ArrayLike) -> FloatArray:
-    return np.asarray(speed, dtype=float) / RPM
-
-
-def _draw_peaks(axes: Axes, speed: FloatArray, link: xr.Dataset) -> None:
+def _draw_peaks(axes: Axes, link: xr.Dataset, factor: float) -> None:
     """Peaks of one link in mm, on a logarithmic axis if they allow it."""
-    line, marks = series_style(0), series_style(1)
+    speed = factor * link["crank_speed"].values
     drawn = [MILLI * link["peak_deflection"].values.astype(float)]
-    axes.plot(speed, drawn[0], color=line.color, marker="o" if few_points(speed) else "", ms=3)
+    axes.plot(speed, drawn[0], **series_line(0, speed))
     if "settled_peak" in link:
         drawn.append(MILLI * link["settled_peak"].values.astype(float))
-        axes.plot(
-            link["settled_speed"].values.astype(float),
-            drawn[1],
-            ls="",
-            marker=marks.marker,
-            ms=4.2,
-            mfc="white",
-            mec=marks.color,
-            mew=1.0,
-            zorder=3,
-        )
+        axes.plot(factor * link["settled_speed"].values, drawn[1], **SETTLED, zorder=3)
     values = np.concatenate(drawn)
     positive = values[np.isfinite(values) & (values > 0)]
     if positive.size == 0:
@@ -213,30 +186,16 @@ def _draw_peaks(axes: Axes, speed: FloatArray, link: xr.Dataset) -> None:
         return
     low, high = 0.8 * float(positive.min()), 1.25 * float(positive.max())
     few = np.log10(high / low) <= FEW_DECADES
-    axes.set_yscale("log")
-    axes.set_ylim(low, high)
+    log_scale(axes, low, high)
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,), numticks=9))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
-def _handles(dataset: xr.Dataset, bands: dict[int, list[tuple[str, float, float]]]) -> list[Artist]:
-    marks = series_style(1)
-    handles: list[Artist] = [Line2D([], [], color=series_style(0).color, label="steady state")]
+def _handles(dataset: xr.Dataset, bands: Bands) -> list[Artist]:
+    handles: list[Artist] = [line_handle("steady state", color=series_style(0).color)]
     if "settled_peak" in dataset:
-        handles.append(
-            Line2D(
-                [],
-                [],
-                ls="",
-                marker=marks.marker,
-                ms=4.2,
-                mfc="white",
-                mec=marks.color,
-                label="settled simulation",
-            )
-        )
+        handles.append(line_handle("settled simulation", **SETTLED))
     for row, mode in enumerate(bands):
         label = f"f{mode}".translate(SUBSCRIPTS) + "/order"
-        handles.append(Patch(color=_band_color(row), alpha=2 * BAND_OPACITY, lw=0, label=label))
+        handles.append(Patch(color=_color(row), alpha=2 * BAND_OPACITY, lw=0, label=label))
     return handles

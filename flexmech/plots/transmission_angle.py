@@ -8,11 +8,12 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from flexmech.errors import InputError
 from flexmech.plots.angle_panels import label_angles
-from flexmech.plots.reading import degrees, names_of, values_of
+from flexmech.plots.labels import names_of
+from flexmech.plots.reading import degrees, values_of
+from flexmech.plots.series import series_handle, series_line, told_apart
 from flexmech.plots.sheet import AxesLike, grid, sheet
-from flexmech.plots.style import LIGHT_GREY, MID_GREY, SERIES_STYLES, series_handle, series_line
+from flexmech.plots.style import LIGHT_GREY, MID_GREY
 
 __all__ = ["plot_transmission_angle"]
 
@@ -42,9 +43,7 @@ def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) 
     InputError
         If there are no linkages, or more than there are styles to tell them apart.
     """
-    names = names_of(dataset, "linkage")
-    if not 1 <= len(names) <= len(SERIES_STYLES):
-        raise InputError(f"one to {len(SERIES_STYLES)} linkages can be drawn, got {len(names)}")
+    names = told_apart(names_of(dataset, "linkage"))
     curves = np.degrees(values_of(dataset["transmission_angle"], "linkage", "crank_angle"))
     angles, attrs = degrees(dataset["crank_angle"]), dataset.attrs
     with sheet(grid(1, 1, 3.2), ax=ax) as drawn:

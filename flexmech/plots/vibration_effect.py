@@ -2,39 +2,33 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots.angle_panels import staggered
-from flexmech.plots.reading import at_highest_speed, degrees, engine_label, values_of
+from flexmech.plots.angle_lines import staggered
+from flexmech.plots.labels import engine_label, mode_label
+from flexmech.plots.reading import at_highest_speed, degrees, values_of
+from flexmech.plots.scales import crank_angle_axis, scale_y
+from flexmech.plots.series import SERIES_STYLES, Look, few_points, line_handle, series_style
 from flexmech.plots.sheet import AxesLike, grid, sheet
-from flexmech.plots.style import (
-    MID_GREY,
-    SERIES_STYLES,
-    crank_angle_axis,
-    few_points,
-    line_handle,
-    mode_label,
-    scale_y,
-    series_style,
-)
+from flexmech.plots.style import MID_GREY
 from flexmech.types import FloatArray
 
 __all__ = ["plot_vibration_effect"]
 
+# Of the engines, where there are several.
+MARKS = "so^D"
 MARK_SIZE = 3.6
 # Narrowest axes, of frequency as a part of it and of the difference in percent: below them
 # one would look at round-off.
 LEAST_BAND = 4e-3
 LEAST_DIFFERENCE = 1e-3
 SAME = 1e-12
-RUNNING: dict[str, Any] = {"lw": 1.1}
-STILL: dict[str, Any] = {"color": "0.2", "ls": (0, (4.0, 2.0)), "lw": 0.9}
+RUNNING: Look = {"lw": 1.1}
+STILL: Look = {"color": "0.2", "ls": (0, (4.0, 2.0)), "lw": 0.9}
 
 
 def plot_vibration_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -67,7 +61,7 @@ def plot_vibration_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) ->
     tall = max(0.85, 1.5 - 0.1 * len(modes))
     ratios = [*[tall] * len(modes), 1.4]
     layout = grid(len(ratios), 1, sum(ratios) + 0.5, sharex=True, height_ratios=ratios)
-    with sheet(layout, ax=ax, fewer="") as drawn:
+    with sheet(layout, ax=ax) as drawn:
         title = f"Natural frequencies at {speed}, {' and '.join(names)}"
         drawn.header(_handles(modes, names), title)
         drawn.label_x("Crank angle (deg)")
@@ -95,11 +89,8 @@ def _draw_frequencies(
     for number in range(len(running)):
         # One engine needs no marks to be told from others.
         marked = few_points(angles) or len(running) > 1
-        mark: dict[str, Any] = {
-            "marker": _engine_mark(number) if marked else "",
-            "ms": MARK_SIZE,
-            "markevery": staggered(angles, number, len(running)),
-        }
+        mark: Look = {"marker": MARKS[number % 4] if marked else "", "ms": MARK_SIZE}
+        mark["markevery"] = staggered(angles, number, len(running))
         axes.plot(angles, running[number], color=color, **RUNNING, **mark)
         axes.plot(angles, still[number], **STILL, **mark, mfc="white")
 
@@ -109,23 +100,13 @@ def _draw_difference(axes: Axes, angles: FloatArray, percent: FloatArray) -> Non
     axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=0)
     for mode, engines in enumerate(percent):
         for number, values in enumerate(engines):
-            axes.plot(
-                angles,
-                values,
-                ls="-" if number == 0 else ":",
-                markevery=staggered(angles, mode, len(percent)),
-                **RUNNING,
-                **_mode_mark(mode),
-            )
+            look = {"ls": "-" if number == 0 else ":", **RUNNING, **_mode_mark(mode)}
+            axes.plot(angles, values, **look, markevery=staggered(angles, mode, len(percent)))
     scale_y(axes, np.append(percent, 0.0), least=LEAST_DIFFERENCE)
     axes.set(title="Running against quasi-static", ylabel="Difference\n(%)")
 
 
-def _engine_mark(number: int) -> str:
-    return "so^D"[number % 4]
-
-
-def _mode_mark(number: int) -> dict[str, Any]:
+def _mode_mark(number: int) -> Look:
     """Colour and mark of a mode: where the series' styles repeat, the marks are open."""
     style = series_style(number)
     fill = style.color if number < len(SERIES_STYLES) else "white"
@@ -136,7 +117,7 @@ def _handles(modes: list[int], names: list[str]) -> list[Artist]:
     """Legend entries: the two lines of the upper panels, then a colour and mark a mode."""
     handles = [line_handle("running", color="0.2", **RUNNING), line_handle("quasi-static", **STILL)]
     for number, name in enumerate(names if len(names) > 1 else []):
-        mark = {"ls": "", "marker": _engine_mark(number), "ms": MARK_SIZE}
+        mark = {"ls": "", "marker": MARKS[number % 4], "ms": MARK_SIZE}
         handles.append(line_handle(name, color="0.2", **mark))
     handles += [line_handle(f"mode {mode}", **_mode_mark(n)) for n, mode in enumerate(modes)]
     return [*handles]

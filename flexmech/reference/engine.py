@@ -36,6 +36,13 @@ class ReferenceEngine(Engine):
     from the linear static solution, geometric stiffness of eq. 1.58); ``equilibrium``
     (corotational beams and Newton's method). Parameters as for
     :class:`flexmech.linear_system.Engine`.
+
+    Examples
+    --------
+    >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
+    >>> engine = flexmech.ReferenceEngine(mechanism, elements=8)
+    >>> engine.with_(element="timoshenko").element
+    'timoshenko'
     """
 
     name: ClassVar[str] = "reference"

@@ -14,7 +14,15 @@ import numpy as np
 import scipy.sparse
 from numpy.typing import NDArray
 
-from flexmech.linear_system import LOAD_STEPS, ROUND_OFF, LinkFrames, free_load, refuse_positions
+from flexmech.linear_system import (
+    LOAD_STEPS,
+    MAX_ITERATIONS,
+    RELATIVE_RESIDUAL,
+    ROUND_OFF,
+    LinkFrames,
+    free_load,
+    refuse_positions,
+)
 from flexmech.linkages import RigidMotion
 from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements
@@ -26,10 +34,6 @@ __all__ = ["Equilibrium"]
 logger = logging.getLogger(__name__)
 
 
-MAX_ITERATIONS = 40
-# Newton's method stops when this part of the load is out of balance, or what round-off
-# leaves. Convergence is quadratic: the last step brings far more than that.
-RELATIVE_RESIDUAL = 1e-10
 # Least length of a Newton step when the full one makes the out-of-balance forces worse.
 SHORTEST_STEP = 1 / 16
 

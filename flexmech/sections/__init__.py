@@ -1,23 +1,23 @@
 """Beam sections: what a link's cross-section is to a beam."""
 
+from flexmech.sections.beam_reduction import REDUCTIONS, Reduction
 from flexmech.sections.beam_section import BeamSection
 from flexmech.sections.damping import DampingTimes, SpecificDamping
-from flexmech.sections.hygrothermal import Condition, SwollenSection, section_in_condition
+from flexmech.sections.hygrothermal import HygrothermalProfile, SwollenSection, swollen_section
 from flexmech.sections.laminate_section import (
     SHEAR_THEORIES,
     LaminateSection,
     ShearTheory,
     ThroughThickness,
 )
-from flexmech.sections.reduction import REDUCTIONS, Reduction
 from flexmech.sections.third_order import ThirdOrder
 
 __all__ = [
     "REDUCTIONS",
     "SHEAR_THEORIES",
     "BeamSection",
-    "Condition",
     "DampingTimes",
+    "HygrothermalProfile",
     "LaminateSection",
     "Reduction",
     "ShearTheory",
@@ -25,5 +25,5 @@ __all__ = [
     "SwollenSection",
     "ThirdOrder",
     "ThroughThickness",
-    "section_in_condition",
+    "swollen_section",
 ]

@@ -14,11 +14,13 @@ from flexmech.numbers import (
     NOT_NEGATIVE,
     POSITIVE,
     check_fields,
+    check_instance,
     check_number,
 )
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.third_order import ThirdOrder
+from flexmech.short_repr import short_repr
 from flexmech.units import (
     BENDING_STIFFNESS,
     CURVATURE,
@@ -92,6 +94,17 @@ class BeamSection:
     InputError
         If a value is not a number, a stiffness or mass not positive, or an axis outside the
         section.
+
+    Examples
+    --------
+    >>> steel = flexmech.Material(200e9, 7800.0)
+    >>> section = flexmech.BeamSection.rectangle(
+    ...     steel, in_plane_thickness=4e-3, out_of_plane_width=20e-3
+    ... )
+    >>> section
+    <BeamSection: EA 1.6e+07 N, EI 21.3333 N m^2, kGA 5.22876e+06 N, 624 g/m, 4 mm thick>
+    >>> section.with_damping_ratio(0.01, frequency=50.0).damping.is_uniform
+    True
     """
 
     axial_stiffness: float
@@ -121,6 +134,16 @@ class BeamSection:
         check_fields(self, {"free_strain": "", "free_curvature": "1/m"}, FINITE, of)
         check_fields(self, {"damping_frequency": "Hz"}, POSITIVE, of, optional=True)
 
+    def __repr__(self) -> str:
+        return short_repr(
+            self,
+            f"EA {self.axial_stiffness:.6g} N",
+            f"EI {self.bending_stiffness:.6g} N m^2",
+            f"kGA {self.shear_stiffness:.6g} N",
+            f"{self.mass_per_length * 1e3:.6g} g/m",
+            f"{self.in_plane_thickness * 1e3:.6g} mm thick",
+        )
+
     @classmethod
     def rectangle(
         cls, material: Material, in_plane_thickness: float, out_of_plane_width: float
@@ -141,6 +164,7 @@ class BeamSection:
             Undamped. Shear correction factor of Cowper (1966) for a rectangle,
             k = 10 (1 + nu) / (12 + 11 nu).
         """
+        check_instance(material, Material, "material", "give Material(youngs_modulus, density)")
         check_number(in_plane_thickness, "in_plane_thickness", "m", POSITIVE)
         check_number(out_of_plane_width, "out_of_plane_width", "m", POSITIVE)
         area = in_plane_thickness * out_of_plane_width

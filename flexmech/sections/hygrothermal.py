@@ -23,12 +23,12 @@ from flexmech.materials import (
     through_thickness_strain,
 )
 from flexmech.numbers import check_fields
+from flexmech.sections.beam_reduction import Reduction
 from flexmech.sections.beam_section import BeamSection
 from flexmech.sections.laminate_section import LaminateSection
-from flexmech.sections.reduction import Reduction
 from flexmech.types import FloatArray
 
-__all__ = ["Condition", "SwollenSection", "section_in_condition"]
+__all__ = ["HygrothermalProfile", "SwollenSection", "swollen_section"]
 
 
 # Of a symmetric stack: strains below this part of the largest are rounding.
@@ -36,8 +36,8 @@ ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
-class Condition:
-    """Heat and water in a cross-section.
+class HygrothermalProfile:
+    """Temperature and moisture through a cross-section.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ class Condition:
 
 @dataclass(frozen=True)
 class SwollenSection:
-    """A section in its condition.
+    """A section in heat and water.
 
     Parameters
     ----------
@@ -117,19 +117,19 @@ class SwollenSection:
     water: float
 
 
-def section_in_condition(section: BeamSection, condition: Condition) -> SwollenSection:
-    """A section in heat and water.
+def swollen_section(section: BeamSection, profile: HygrothermalProfile) -> SwollenSection:
+    """Swell a section as temperature and moisture through it demand.
 
     Stiffness, damping and inertia are computed again from the layers as they are then; their
     change is applied to the section, so that a dry one at its reference temperature stays
-    what it is to the last bit. The mass of fibres and resin stays: a swollen link is less
+    the same to the last bit. The mass of fibres and resin stays: a swollen link is less
     dense, and water is added.
 
     Parameters
     ----------
     section : BeamSection
         Dry, at the reference temperature. One whose layers are not known stays as it is.
-    condition : Condition
+    profile : HygrothermalProfile
 
     Returns
     -------
@@ -143,7 +143,7 @@ def section_in_condition(section: BeamSection, condition: Condition) -> SwollenS
     if section.layers is None:
         return SwollenSection(section, 0.0, 0.0)
     dry = section.layers
-    slices = [_Slice.of(*entry, condition) for entry in condition.slices(dry.laminate)]
+    slices = [_Slice.of(*entry, profile) for entry in profile.slices(dry.laminate)]
     free = _free_strains(slices, dry.reduction)
     grown = Laminate(tuple(s.swollen for s in slices))
     across = 1 + (free[0, 1] if dry.reduction == "narrow" else 0.0)
@@ -169,12 +169,10 @@ class _Slice:
     strain: tuple[float, float, float]
 
     @classmethod
-    def of(cls, layer: Layer, offered: float, condition: Condition) -> _Slice:
+    def of(cls, layer: Layer, offered: float, profile: HygrothermalProfile) -> _Slice:
         moisture = moisture_of(layer.ply, offered)
-        ply = ply_in_state(
-            layer.ply, condition.temperature, moisture, condition.reference_temperature
-        )
-        rise = condition.temperature_rise
+        ply = ply_in_state(layer.ply, profile.temperature, moisture, profile.reference_temperature)
+        rise = profile.temperature_rise
         along, across = (
             heat * rise + water * moisture
             for heat, water in zip(ply.thermal_expansion, ply.moisture_expansion, strict=True)

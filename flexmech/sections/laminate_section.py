@@ -16,17 +16,18 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.materials import Laminate
 from flexmech.model_text import SharedTables, TomlTable, quantity
-from flexmech.numbers import POSITIVE, check_number
-from flexmech.sections.damping import SpecificDamping
-from flexmech.sections.plane_state import PlaneState, gauss_points, layer_of
-from flexmech.sections.reduction import (
+from flexmech.numbers import POSITIVE, check_instance, check_number
+from flexmech.sections.beam_reduction import (
     REDUCTIONS,
     Reduction,
     laminate_strains,
     reduced_stiffness,
     shear_across,
 )
+from flexmech.sections.damping import SpecificDamping
+from flexmech.sections.plane_state import PlaneState, gauss_points, layer_of
 from flexmech.sections.third_order import ThirdOrder, parabolic_shear, third_order_of
+from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray
 from flexmech.units import LENGTH
 
@@ -36,7 +37,7 @@ ShearTheory = Literal["equilibrium", "third-order"]
 SHEAR_THEORIES: tuple[ShearTheory, ...] = get_args(ShearTheory)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class ThroughThickness:
     """Strain and stress at places through the thickness, all of one shape.
 
@@ -54,6 +55,9 @@ class ThroughThickness:
     strain: FloatArray
     normal_stress: FloatArray
     shear_stress: FloatArray
+
+    def __repr__(self) -> str:
+        return short_repr(self, *shapes(self))
 
 
 @dataclass(frozen=True)
@@ -73,6 +77,16 @@ class LaminateSection:
     ------
     InputError
         If the width is not positive or the reduction unknown.
+
+    Examples
+    --------
+    >>> known = flexmech.published_constituents()
+    >>> glass = flexmech.ply_from_constituents(known["E-glass"], known["polyester"], 0.6)
+    >>> carbon = flexmech.ply_from_constituents(known["carbon"], known["polyester"], 0.6)
+    >>> laminate = flexmech.Laminate.stacked([glass, carbon], 1e-3, [0.0, 0.0])
+    >>> section = flexmech.LaminateSection(laminate, width=0.02)
+    >>> round(section.neutral_axis * 1e3, 3)  # towards the stiffer ply, in mm
+    0.239
     """
 
     laminate: Laminate
@@ -80,11 +94,16 @@ class LaminateSection:
     reduction: Reduction = "narrow"
 
     def __post_init__(self) -> None:
+        check_instance(self.laminate, Laminate, "laminate", "give Laminate(layers)")
         check_number(self.width, "width of a laminate section", "m", POSITIVE)
         if self.reduction not in REDUCTIONS:
             raise InputError(
                 f"reduction must be one of {', '.join(REDUCTIONS)}, got {self.reduction!r}"
             )
+
+    def __repr__(self) -> str:
+        width = f"{self.width * 1e3:.6g} mm wide"
+        return short_repr(self, self.laminate.stacking, width, self.reduction)
 
     @cached_property
     def axial_stiffness(self) -> float:

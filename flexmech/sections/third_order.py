@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.materials import Laminate
-from flexmech.sections.plane_state import IntArray
-from flexmech.sections.reduction import Reduction, reduced_stiffness, shear_across
-from flexmech.types import FloatArray
+from flexmech.sections.beam_reduction import Reduction, reduced_stiffness, shear_across
+from flexmech.short_repr import shapes, short_repr
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["ThirdOrder", "parabolic_shear", "third_order_of"]
 
@@ -39,6 +39,9 @@ class ThirdOrder:
     stiffness: FloatArray
     shear_stiffness: FloatArray
     inertia: FloatArray
+
+    def __repr__(self) -> str:
+        return short_repr(self, f"{self.thickness * 1e3:.6g} mm thick", *shapes(self))
 
     @property
     def cubic_factor(self) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -22,8 +21,6 @@ from flexmech.time_domain.trapezoidal import (
 from flexmech.types import FloatArray, StepProgress
 
 __all__ = ["linear_run"]
-
-logger = logging.getLogger(__name__)
 
 
 # Steps whose matrices are solved at once.

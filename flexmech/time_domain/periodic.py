@@ -22,6 +22,8 @@ from flexmech.types import FloatArray
 __all__ = ["TurnMap", "periodic_state", "turn_map"]
 
 
+# Steps whose matrices are solved at once; fewer than in a single run, because a motion from a
+# unit of each coordinate is kept for all of them.
 BLOCK_STEPS = 256
 # Reciprocal condition number below which a turn returns some motion so exactly to itself
 # that the fixed point is made of round-off.

@@ -74,7 +74,7 @@ def by_sensitivity(engine: Engine, angle: float, speed: float, **options: Any) -
     def frequencies(step: float) -> FloatArray:
         changed = {k: stiffened(s, step) for k, s in mechanism.sections.items()}
         other = replace(mechanism, sections=changed)
-        again = type(engine)(other, engine.elements, engine.element, engine.component_modes)
+        again = engine.with_(mechanism=other, element=engine.element)
         return np.log(natural_frequencies(again, angle, speed, **options))
 
     return (frequencies(step) - frequencies(-step)) / step / (4 * np.pi)

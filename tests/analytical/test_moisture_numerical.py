@@ -10,17 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flexmech.materials.moisture import (
+    Ambient,
     DiffusionLayer,
     Diffusivity,
-    Surroundings,
-    bar_profile,
-    bar_uptake,
     diffuse,
     diffuse_bar,
-    slab_profile,
-    slab_uptake,
 )
 from flexmech.materials.moisture.waves import side_waves
+from tests.analytical.slab_series import bar_profile, bar_uptake, slab_profile, slab_uptake
 from tests.strategies import numbers
 
 few = settings(max_examples=8)
@@ -29,7 +26,7 @@ every_face = pytest.mark.parametrize("faces", ["both", "lower", "upper"])
 THICKNESS, DIFFUSIVITY = 2e-3, 1e-12
 UNIT = THICKNESS**2 / DIFFUSIVITY
 SLAB = DiffusionLayer(THICKNESS, Diffusivity(DIFFUSIVITY), 60.0)
-WATER = Surroundings.constant(1.0, 293.15)
+WATER = Ambient.constant(1.0, 293.15)
 
 
 # ---- the method itself -----------------------------------------------------------------------
@@ -68,7 +65,7 @@ def test_a_slab_against_the_series(faces):
 
 def test_drying_and_the_amount_of_water():
     times = np.array([0.0, 0.02, 0.2, 50.0]) * UNIT
-    dry = Surroundings.constant(0.2, 293.15)
+    dry = Ambient.constant(0.2, 293.15)
     history = diffuse([SLAB], dry, times, initial=0.9, cells=800)
     exact = slab_profile(history.place, times, THICKNESS, DIFFUSIVITY, initial=0.9, surface=0.2)
     np.testing.assert_allclose(history.saturation[1:], exact[1:], atol=3e-6)
@@ -104,7 +101,7 @@ def test_steps_converge_with_the_tolerance():
         assert 0.01 * tolerance < error < 10 * tolerance
 
 
-# ---- changing surroundings -------------------------------------------------------------------
+# ---- changing ambient conditions -------------------------------------------------------------
 
 
 def periodic_triangle(place: np.ndarray, time: float, period: float) -> np.ndarray:
@@ -126,10 +123,10 @@ def test_cycles_of_humidity_settle_into_the_periodic_solution():
     period, cycles = 0.25 * UNIT, 6
     corners = np.arange(2 * cycles + 3) * period / 2
     humidity = np.arange(2 * cycles + 3) % 2
-    surroundings = Surroundings(corners, humidity, np.full(corners.size, 293.15))
+    ambient = Ambient(corners, humidity, np.full(corners.size, 293.15))
     shares = np.array([0.0, 0.3, 0.5])
     times = (cycles + shares) * period
-    history = diffuse([SLAB], surroundings, times, initial=0.5, cells=300, tolerance=1e-6)
+    history = diffuse([SLAB], ambient, times, initial=0.5, cells=300, tolerance=1e-6)
     some = slice(0, None, 13)
     for share, saturation in zip(shares, history.saturation, strict=True):
         settled = periodic_triangle(history.place[some], share * period, period)
@@ -140,8 +137,8 @@ def test_cycles_of_humidity_settle_into_the_periodic_solution():
 def test_rising_humidity_by_superposed_steps():
     """Duhamel's integral of the series, for a saturation that is the square of the humidity."""
     rise, time = 0.1 * UNIT, 0.15 * UNIT
-    surroundings = Surroundings([0.0, rise], [0.0, 0.8], [293.15, 293.15])
-    history = diffuse([SLAB], surroundings, [time], humidity_exponent=2.0, cells=800)
+    ambient = Ambient([0.0, rise], [0.0, 0.8], [293.15, 293.15])
+    history = diffuse([SLAB], ambient, [time], humidity_exponent=2.0, cells=800)
     nodes, weights = np.polynomial.legendre.leggauss(20)
     moment = rise * (nodes + 1) / 2
     steps = weights * rise / 2 * 2 * 0.8**2 * moment / rise**2
@@ -151,8 +148,8 @@ def test_rising_humidity_by_superposed_steps():
 
 def test_a_humidity_that_jumps_at_a_repeated_time():
     jump, time = 0.05 * UNIT, 0.12 * UNIT
-    surroundings = Surroundings([0.0, jump, jump], [1.0, 1.0, 0.25], [293.15] * 3)
-    history = diffuse([SLAB], surroundings, [jump, time], cells=800)
+    ambient = Ambient([0.0, jump, jump], [1.0, 1.0, 0.25], [293.15] * 3)
+    history = diffuse([SLAB], ambient, [jump, time], cells=800)
     steps = slab_uptake([jump, time, time - jump], THICKNESS, DIFFUSIVITY)
     expected = [steps[0], steps[1] - 0.75 * steps[2]]
     np.testing.assert_allclose(history.uptake, expected, atol=3e-6)
@@ -162,9 +159,9 @@ def test_changing_temperature_is_a_clock_that_runs_faster():
     """With one diffusivity the time is ``integral D dt / D_0`` (Weitsman 1976)."""
     warm = Diffusivity(DIFFUSIVITY, 300.0, 50e3)
     end, time = 0.02 * UNIT, 0.03 * UNIT
-    surroundings = Surroundings([0.0, end], [1.0, 1.0], [290.0, 350.0])
+    ambient = Ambient([0.0, end], [1.0, 1.0], [290.0, 350.0])
     layer = DiffusionLayer(THICKNESS, warm, 60.0)
-    history = diffuse([layer], surroundings, [time], cells=800)
+    history = diffuse([layer], ambient, [time], cells=800)
     nodes, weights = np.polynomial.legendre.leggauss(40)
     ramp = weights @ warm.at(320.0 + 30.0 * nodes) / 2 * end
     clock = (ramp + warm.at(350.0) * (time - end)) / DIFFUSIVITY
@@ -176,8 +173,8 @@ def test_changing_temperature_is_a_clock_that_runs_faster():
 def test_a_step_of_temperature():
     warm = Diffusivity(DIFFUSIVITY, 300.0, 40e3)
     step, time = 0.05 * UNIT, 0.08 * UNIT
-    surroundings = Surroundings([step, step], [1.0, 1.0], [300.0, 330.0])
-    history = diffuse([DiffusionLayer(THICKNESS, warm, 60.0)], surroundings, [time], cells=800)
+    ambient = Ambient([step, step], [1.0, 1.0], [300.0, 330.0])
+    history = diffuse([DiffusionLayer(THICKNESS, warm, 60.0)], ambient, [time], cells=800)
     clock = step + (time - step) * warm.at(330.0) / DIFFUSIVITY
     exact = slab_uptake([clock], THICKNESS, DIFFUSIVITY)
     np.testing.assert_allclose(history.uptake, exact, atol=3e-6)
@@ -274,8 +271,8 @@ def test_each_layer_has_its_own_activation_energy():
     ]
     times = np.array([0.01, 0.05]) * UNIT
     # The number of cells in each layer goes by the diffusivities as stated.
-    one = diffuse(layers, Surroundings.constant(0.7, hot), times, cells=600)
-    other = diffuse(same, Surroundings.constant(0.7, 293.15), times, cells=600)
+    one = diffuse(layers, Ambient.constant(0.7, hot), times, cells=600)
+    other = diffuse(same, Ambient.constant(0.7, 293.15), times, cells=600)
     np.testing.assert_allclose(one.uptake, other.uptake, atol=5e-6)
 
 
@@ -293,25 +290,25 @@ def laminates(draw: st.DrawFn) -> list[DiffusionLayer]:
 
 
 @st.composite
-def climates(draw: st.DrawFn) -> Surroundings:
+def climates(draw: st.DrawFn) -> Ambient:
     count = draw(st.integers(1, 4))
     gaps = [
         draw(st.sampled_from([0.0, 1e4, 1e6]) if i % 2 else numbers(1e4, 1e6)) for i in range(count)
     ]
     humidity = [draw(numbers(0.0, 1.0)) for _ in range(count)]
     temperature = [draw(numbers(280.0, 360.0)) for _ in range(count)]
-    return Surroundings(np.cumsum(gaps), humidity, temperature)
+    return Ambient(np.cumsum(gaps), humidity, temperature)
 
 
 @few
 @given(laminates(), climates(), numbers(0.0, 1.0), st.sampled_from(["both", "lower", "upper"]))
-def test_no_water_is_lost_and_none_goes_uphill(layers, surroundings, initial, faces):
+def test_no_water_is_lost_and_none_goes_uphill(layers, ambient, initial, faces):
     times = np.array([0.0, 1e5, 1e6, 3e6])
     history = diffuse(
-        layers, surroundings, times, faces=faces, initial=initial, cells=30, tolerance=1e-4
+        layers, ambient, times, faces=faces, initial=initial, cells=30, tolerance=1e-4
     )
     assert history.mass_balance_error < 1e-12
-    humidity = surroundings.relative_humidity
+    humidity = ambient.relative_humidity
     assert history.saturation.min() >= min(initial, humidity.min()) - 1e-3
     assert history.saturation.max() <= max(initial, humidity.max()) + 1e-3
 
@@ -377,18 +374,18 @@ def test_the_middle_of_a_wide_bar_of_layers_is_a_slab():
         for layer in TWO
     ]
     times = np.array([0.05, 0.3]) * UNIT
-    surroundings = Surroundings([0.0, 1e6], [0.2, 0.9], [293.15, 293.15])
-    bar = diffuse_bar(layers, 60e-3, surroundings, times, cells=(40, 24), initial=0.4)
-    slab = diffuse(layers, surroundings, times, cells=40, initial=0.4)
+    ambient = Ambient([0.0, 1e6], [0.2, 0.9], [293.15, 293.15])
+    bar = diffuse_bar(layers, 60e-3, ambient, times, cells=(40, 24), initial=0.4)
+    slab = diffuse(layers, ambient, times, cells=40, initial=0.4)
     np.testing.assert_allclose(bar.field[:, :, 11], slab.saturation, atol=5e-6)
     np.testing.assert_allclose(bar.field[:, :, ::-1], bar.field, atol=1e-15)
 
 
 @settings(max_examples=4)
 @given(laminates(), climates(), numbers(0.0, 1.0), numbers(1e-3, 2e-2))
-def test_no_water_is_lost_in_bars(layers, surroundings, initial, width):
+def test_no_water_is_lost_in_bars(layers, ambient, initial, width):
     history = diffuse_bar(
-        layers, width, surroundings, [1e5, 3e6], initial=initial, cells=(30, 16), tolerance=1e-4
+        layers, width, ambient, [1e5, 3e6], initial=initial, cells=(30, 16), tolerance=1e-4
     )
     assert history.mass_balance_error < 1e-12
     weights = np.diff(history.across) / width

@@ -10,13 +10,15 @@ from scipy.special import erfc
 
 from flexmech.materials.moisture import (
     Faces,
-    bar_profile,
-    bar_uptake,
     shen_springer_uptake,
     short_time_uptake,
+    time_to_saturation,
+)
+from tests.analytical.slab_series import (
+    bar_profile,
+    bar_uptake,
     slab_profile,
     slab_uptake,
-    time_to_saturation,
     time_to_saturation_shen_springer,
 )
 from tests.strategies import numbers

@@ -6,13 +6,22 @@ import numpy as np
 import pytest
 
 from flexmech import ExudynEngine, ReferenceEngine, natural_frequencies
-from flexmech.analyses.response.quantities import deflections, deflections_of
-from flexmech.analyses.response.spectra import amplitude_spectrum, ridge, spectrogram
+from flexmech.analyses.response.measurements import deflections, deflections_of
+from flexmech.analyses.response.spectra import amplitude_spectrum, spectrogram
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain import DrivenLinkage, LinkState, linear_run, periodic_turn
 
 RATE = 2000.0
 TIME = np.arange(0, 2, 1 / RATE)
+
+
+def ridge(picture, low, high):
+    """Frequency of the greatest amplitude between two frequencies, window by window, (k, W)."""
+    frequency = picture.frequency[:, None]
+    band = (frequency >= low) & (frequency <= high)
+    level = np.where(band, picture.amplitude, -1.0)
+    best = picture.frequency[np.argmax(level, axis=1)]
+    return np.where(band.any(axis=0), best, np.nan)
 
 
 def test_amplitude_of_a_sine():

@@ -23,10 +23,10 @@ from flexmech.materials import (
     ply_from_constituents,
 )
 from flexmech.materials.moisture import MoistureEquilibrium
-from flexmech.sections import BeamSection, Condition, LaminateSection, section_in_condition
+from flexmech.sections import BeamSection, HygrothermalProfile, LaminateSection, swollen_section
 
 REFERENCE = 293.15
-DRY = Condition(0.0, 0.0, REFERENCE)
+DRY = HygrothermalProfile(0.0, 0.0, REFERENCE)
 RESIN = Hygrothermal(58.4e-6, 62.6e-6, 0.302, MoistureEquilibrium(0.07), None, 483.15)
 STIFF_RESIN = replace(RESIN, glass_transition=None)
 CARBON_EPOXY = ply_from_constituents(
@@ -68,8 +68,8 @@ def test_bimetal_strip_of_timoshenko(stiffness: float, share: float) -> None:
     m, n = share / (1 - share), 1 / stiffness  # lower over upper thickness and modulus
     wanted = 6 * (lower - upper) * rise * (1 + m) ** 2
     wanted /= 0.01 * (3 * (1 + m) ** 2 + (1 + m * n) * (m**2 + 1 / (m * n)))
-    found = section_in_condition(
-        two_layers(lower, upper, stiffness, share), Condition(rise, 0.0, REFERENCE)
+    found = swollen_section(
+        two_layers(lower, upper, stiffness, share), HygrothermalProfile(rise, 0.0, REFERENCE)
     )
     # The lower side grows more: the link turns to the left along it. The thickness swells too.
     assert found.section.free_curvature == pytest.approx(wanted, rel=3e-3)
@@ -78,7 +78,7 @@ def test_bimetal_strip_of_timoshenko(stiffness: float, share: float) -> None:
 
 def test_uniform_swelling_of_a_neat_resin() -> None:
     dry, strain = bar(STIFF_RESIN), 0.026148
-    found = section_in_condition(dry, Condition(80.0, 0.07, REFERENCE))
+    found = swollen_section(dry, HygrothermalProfile(80.0, 0.07, REFERENCE))
     wet = found.section
     assert found.elongation == pytest.approx(strain, rel=1e-10)
     assert found.water == pytest.approx(0.07)
@@ -94,8 +94,8 @@ def test_uniform_swelling_of_a_neat_resin() -> None:
 
 
 def test_softening_goes_into_all_stiffness() -> None:
-    stiff = section_in_condition(bar(STIFF_RESIN), Condition(40.0, 0.05, REFERENCE)).section
-    soft = section_in_condition(bar(), Condition(40.0, 0.05, REFERENCE)).section
+    stiff = swollen_section(bar(STIFF_RESIN), HygrothermalProfile(40.0, 0.05, REFERENCE)).section
+    soft = swollen_section(bar(), HygrothermalProfile(40.0, 0.05, REFERENCE)).section
     kept = RESIN.retention(REFERENCE + 40, 0.05, REFERENCE)
     for name in ("axial_stiffness", "bending_stiffness", "shear_stiffness"):
         assert getattr(soft, name) / getattr(stiff, name) == pytest.approx(kept)
@@ -105,9 +105,9 @@ def test_softening_goes_into_all_stiffness() -> None:
 def test_gradient_of_moisture_bends_by_its_first_moment() -> None:
     """Linear moisture in an elastic bar bends it without stress: curvature is its gradient."""
     slices = tuple(np.linspace(0.02, 0.04, 401)[1::2])
-    found = section_in_condition(
+    found = swollen_section(
         bar(replace(STIFF_RESIN, wet_thermal_expansion=None)),
-        Condition(0.0, (slices,), REFERENCE),
+        HygrothermalProfile(0.0, (slices,), REFERENCE),
     )
     wanted = -0.302 * (0.04 - 0.02) / 0.02
     # Slices that swell through the thickness stretch the gradient by a percent.
@@ -116,7 +116,9 @@ def test_gradient_of_moisture_bends_by_its_first_moment() -> None:
 
 
 def test_mirrored_moisture_does_not_bend() -> None:
-    found = section_in_condition(bar(), Condition(20.0, ((0.06, 0.02, 0.02, 0.06),), REFERENCE))
+    found = swollen_section(
+        bar(), HygrothermalProfile(20.0, ((0.06, 0.02, 0.02, 0.06),), REFERENCE)
+    )
     assert found.section.free_curvature == 0.0
     assert found.section.neutral_axis == 0.0
 
@@ -128,8 +130,8 @@ def test_mass_of_resin_and_water_is_kept(moisture: list[float], rise: float) -> 
         Laminate.stacked([CARBON_EPOXY] * 4, 1e-3, np.radians([0, 90, 45, 0])), 0.02
     )
     dry = BeamSection.of_laminate(layers)
-    condition = Condition(rise, tuple((m,) for m in moisture), REFERENCE)
-    found = section_in_condition(dry, condition)
+    profile = HygrothermalProfile(rise, tuple((m,) for m in moisture), REFERENCE)
+    found = swollen_section(dry, profile)
     resin = CARBON_EPOXY.resin
     assert resin is not None
     added = np.mean(moisture) * resin.mass_fraction
@@ -148,7 +150,7 @@ def test_cross_ply_strain_by_hand() -> None:
     along, across = stiff.thermal_expansion
     pulls = (q[0, 0] + q[0, 1]) * along + (q[1, 1] + q[0, 1]) * across
     wanted = 30.0 * pulls / (q[0, 0] + q[1, 1] + 2 * q[0, 1])
-    found = section_in_condition(section, Condition(30.0, 0.0, REFERENCE))
+    found = swollen_section(section, HygrothermalProfile(30.0, 0.0, REFERENCE))
     assert found.elongation == pytest.approx(wanted, rel=5e-3)
 
 
@@ -157,7 +159,7 @@ def test_dry_section_is_the_same_to_the_last_bit() -> None:
         LaminateSection(Laminate.stacked([CARBON_EPOXY] * 3, 1e-3, np.radians([0, 30, -45])), 0.02)
     )
     for section in (bar(), bar().with_damping_time(1e-5), damped):
-        found = section_in_condition(section, DRY)
+        found = swollen_section(section, DRY)
         for name in (
             "axial_stiffness",
             "bending_stiffness",
@@ -190,7 +192,7 @@ def test_swelling_adds_no_fibres(measured: bool) -> None:
         stiff = replace(composition.matrix, glass_transition=None)
         ply = ply_from_constituents(composition.fibre, stiff, 0.6)
     dry = BeamSection.of_laminate(LaminateSection(Laminate((Layer(ply, 2e-3),)), 0.02))
-    wet = section_in_condition(dry, Condition(60.0, 0.06, REFERENCE)).section
+    wet = swollen_section(dry, HygrothermalProfile(60.0, 0.06, REFERENCE)).section
     grown = wet.in_plane_thickness / dry.in_plane_thickness
     assert grown > 1.011
     # The resin, a hundredth of the stiffness, grows with the section; the fibres do not.
@@ -203,24 +205,26 @@ def test_wide_link_is_held_across() -> None:
         0.01,
         "wide",
     )
-    found = section_in_condition(BeamSection.of_laminate(layers), Condition(0.0, 0.07, REFERENCE))
+    found = swollen_section(
+        BeamSection.of_laminate(layers), HygrothermalProfile(0.0, 0.07, REFERENCE)
+    )
     # Held across, it grows more along: by Poisson's ratio.
     assert found.elongation == pytest.approx(1.37 * 0.302 * 0.07, rel=1e-10)
 
 
 @pytest.mark.parametrize(
-    ("condition", "said"),
+    ("profile", "said"),
     [
-        (Condition(100.0, 0.07, REFERENCE), "above its wet glass transition"),
-        (Condition(0.0, 0.08, REFERENCE), "more than the resin takes up"),
-        (Condition(0.0, ((0.01,), (0.02,)), REFERENCE), "moisture is given for 2 layers"),
+        (HygrothermalProfile(100.0, 0.07, REFERENCE), "above its wet glass transition"),
+        (HygrothermalProfile(0.0, 0.08, REFERENCE), "more than the resin takes up"),
+        (HygrothermalProfile(0.0, ((0.01,), (0.02,)), REFERENCE), "moisture is given for 2 layers"),
     ],
 )
-def test_refused_conditions(condition: Condition, said: str) -> None:
+def test_refused_profiles(profile: HygrothermalProfile, said: str) -> None:
     with pytest.raises(InputError, match=said):
-        section_in_condition(bar(), condition)
+        swollen_section(bar(), profile)
 
 
 def test_temperature_below_zero_is_refused() -> None:
     with pytest.raises(InputError, match="must be above 0 K"):
-        Condition(-300.0, 0.0, REFERENCE)
+        HygrothermalProfile(-300.0, 0.0, REFERENCE)

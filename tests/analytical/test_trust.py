@@ -11,6 +11,7 @@ from flexmech import (
     natural_frequencies,
 )
 from flexmech.analyses.frequencies.discretisation import check_angle_indices, discretisation_error
+from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.mechanism import Mechanism
 
 ANGLES = np.radians(np.arange(0, 360, 30))
@@ -22,7 +23,8 @@ def within_factor_two(engines, prestress, speed, rotation_terms):
     options = {"modes": 4, "prestress": prestress, "rotation_terms": rotation_terms}
     fine = natural_frequencies(engines[0].with_(elements=64), ANGLES, speed, **options)
     for engine in engines:
-        estimate = discretisation_error(engine, ANGLES, speed, **options).max(axis=0)
+        systems = Systems(engine, Formulation(**options))
+        estimate = discretisation_error(systems, ANGLES, speed).max(axis=0)
         found = natural_frequencies(engine, ANGLES, speed, **options)
         true = np.abs(found / fine - 1).max(axis=0)
         np.testing.assert_array_less(estimate, 2 * true)

@@ -9,7 +9,7 @@ import pytest
 import scipy.linalg
 
 from flexmech import ExudynEngine, ReferenceEngine, moving_frequencies
-from flexmech.analyses import FrequencyRequest, frequency_map, solve_frequencies
+from flexmech.analyses import Formulation, FrequencyRequest, frequency_map, solve_frequencies
 from flexmech.linear_system import RotationTerms
 from flexmech.threads import one_thread
 
@@ -38,7 +38,7 @@ def state_matrix_frequencies(mass, damping, stiffness):
 
 
 def rest():
-    return FrequencyRequest(ANGLES, np.array([0.0]), MODES, "none", False)
+    return FrequencyRequest(ANGLES, [0.0], Formulation("none", False, MODES))
 
 
 def test_rest_against_plain_eigh(aluminium, against):
@@ -95,7 +95,7 @@ def test_rest_tracked_with_errors(aluminium, against):
 @pytest.mark.parametrize("prestress", ["axial", "equilibrium"])
 def test_three_speeds(aluminium, against, prestress, rotation_terms):
     """Against a plain loop that assembles, finds the equilibrium and solves one by one."""
-    request = FrequencyRequest(ANGLES, SPEEDS, MODES, prestress, rotation_terms)
+    request = FrequencyRequest(ANGLES, SPEEDS, Formulation(prestress, rotation_terms, MODES))
     plain = ReferenceEngine(aluminium, 8).unreduced()
     every = 30
 

@@ -26,7 +26,7 @@ from flexmech import (
     natural_frequencies,
 )
 from flexmech.analyses import solve_frequencies, solve_modes
-from flexmech.analyses.response.quantities import deflections
+from flexmech.analyses.response.measurements import deflections
 from flexmech.linear_system import inertia_loads
 from flexmech.linkages import CrankDrive, inverse_dynamics
 from flexmech.multibody.library import load_exudyn

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from flexmech import ExudynEngine, ReferenceEngine, moving_frequencies
-from flexmech.analyses.response.quantities import bending_strains, deflections
+from flexmech.analyses.response.measurements import bending_strains, deflections
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain import (
     DrivenLinkage,

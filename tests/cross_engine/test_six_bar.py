@@ -7,8 +7,9 @@ coupler leads both others.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 import pytest
@@ -18,11 +19,13 @@ from flexmech import (
     BeamSection,
     ExudynEngine,
     FourBar,
+    HygrothermalState,
     InputError,
     Material,
     Mechanism,
     PointMass,
     ReferenceEngine,
+    mechanism_in_state,
     moving_frequencies,
     natural_frequencies,
 )
@@ -39,6 +42,7 @@ from flexmech.linkages import (
     inverse_dynamics,
 )
 from flexmech.linkages.motion import direction, normal
+from flexmech.materials import Hygrothermal
 
 FloatArray = NDArray[np.float64]
 CRANK, COUPLER, ROCKER, CONNECTOR, OUTPUT = range(5)
@@ -59,6 +63,8 @@ class SixBar:
     pivot: tuple[float, float]
     side: Literal["left", "right"] = "left"
     led_by: Literal["coupler", "rocker"] = "coupler"
+
+    kind: ClassVar[str] = "six-bar"
 
     @property
     def topology(self) -> Topology:
@@ -118,6 +124,22 @@ class SixBar:
             origin_acceleration=with_dyad(driver.origin_acceleration, acceleration, zero),
         )
 
+    def resized(self, lengths: Mapping[str, float], ground_growth: float) -> SixBar:
+        x, y = self.pivot
+        return replace(
+            self,
+            fourbar=self.fourbar.resized(lengths, ground_growth),
+            connector=lengths["connector"],
+            output=lengths["output"],
+            pivot=(x * ground_growth, y * ground_growth),
+        )
+
+    def described(self) -> list[str]:
+        return ["kind: six-bar", *self.fourbar.described()[1:]]
+
+    def to_table(self) -> dict[str, object]:
+        return {**self.fourbar.to_table(), "kind": self.kind}
+
     def _dyad_angles(self, b: FloatArray) -> FloatArray:
         """Angles of connector and output link: circles about B and O6 meet in C."""
         line = np.asarray(self.pivot) - b
@@ -172,6 +194,22 @@ def joints(linkage: SixBar, motion: RigidMotion, what: str) -> dict[str, list[Fl
         "B": [of(COUPLER, coupler), of(ROCKER, rocker), of(CONNECTOR, 0.0)],
         "C": [of(CONNECTOR, linkage.connector), of(OUTPUT, linkage.output)],
     }
+
+
+def test_heat_enlarges_a_linkage_of_any_kind():
+    aluminium = Material(68.9e9, 2923.0, hygrothermal=Hygrothermal(thermal_expansion=2.3e-5))
+    section = BeamSection.rectangle(aluminium, 4e-3, 25.4e-3)
+    cold = Mechanism(
+        LEFT, dict.fromkeys(LEFT.topology.link_names, section), ground_thermal_expansion=2.3e-5
+    )
+    hot = mechanism_in_state(cold, HygrothermalState(100.0))
+    growth = 1 + 2.3e-3
+    for before, after in zip(LEFT.topology.links, hot.linkage.topology.links, strict=True):
+        assert after.length == pytest.approx(before.length * growth, rel=1e-14)
+    angle = np.linspace(0, 2 * np.pi, 20)
+    assert hot.linkage.motion(angle).origin == pytest.approx(
+        growth * LEFT.motion(angle).origin, abs=1e-13
+    )
 
 
 @pytest.mark.parametrize("what", ["position", "velocity", "acceleration"])

@@ -354,6 +354,7 @@ def test_bars_and_points_are_the_study_s(invented: xr.Dataset) -> None:
         published = invented["finite_element"].sel(position=position) / 194.1
         np.testing.assert_allclose(marks, published.transpose("case", "laminate").values.ravel())
         assert axes.get_ylim()[0] == 0
+        assert axes.get_ylim()[1] > np.max(marks)
 
 
 def test_other_pictures(invented: xr.Dataset) -> None:

@@ -10,6 +10,8 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from flexmech.plots import SERIES_STYLES
+
 # Width and height in pixels that a panel must exceed.
 GRID_PANEL = (60.0, 40.0)
 HALF_WIDTH_PANEL = (200.0, 60.0)
@@ -22,6 +24,24 @@ def panels(figure: Figure) -> list[Axes]:
 
 def y_labels(figure: Figure) -> list[str]:
     return [axes.get_ylabel().replace("\n", " ") for axes in panels(figure)]
+
+
+def lines_in(axes: Axes, style: int, n_points: int) -> list[np.ndarray]:
+    """Data of the lines in a series' colour and dash that run over all angles."""
+    color = SERIES_STYLES[style].color
+    return [
+        np.asarray(line.get_ydata())
+        for line in axes.lines
+        if line.get_color() == color
+        and line.get_linestyle() != "None"
+        and len(line.get_xdata()) == n_points
+    ]
+
+
+def heading(figure: Figure) -> str:
+    """Line above the legend."""
+    (legend,) = figure.legends
+    return legend.get_title().get_text()
 
 
 def drawn(axes: Axes, color: str) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Datasets that look like results of moving_frequencies, without an engine behind them."""
+"""Datasets for tests of figures: they look like results, without an engine behind them."""
 
 from __future__ import annotations
 
@@ -20,11 +20,29 @@ CHECK_DIMS = ("engine", "crank_speed", "check_angle", "mode")
 
 FOURBAR = FourBar(ground=0.254, crank=0.102, coupler=0.2794, rocker=0.2667)
 TERMS = ("geometric", "posture", "coriolis", "centripetal", "tangential")
+TURN = np.linspace(0.0, 2 * np.pi, 61)
 FULL_TURN = tuple(np.radians(np.arange(0.0, 360.5, 5.0)))
 MEANS = (44.0, 48.0, 115.0, 190.0, 402.0, 515.0, 760.0, 1120.0)
 WAVES = (0.04, 0.03, 0.09, 0.06, 0.05, 0.03, 0.02, 0.04)
+
+# Of speed sweeps.
+LOWEST = np.array([43.1, 47.3, 112.0, 180.0]) * 2 * np.pi
+HIGHEST = np.array([46.9, 49.7, 175.0, 198.0]) * 2 * np.pi
+
 STATIONS = np.linspace(0.0, 1.0, 21)
 COMPONENTS = ("x", "y")
+ELEMENTS = {"reference": "euler", "exudyn": "ancf"}
+
+# Of responses.
+ARM = RotatingArm(length=0.4, hub_radius=0.05)
+JOINTS = {3: ("O2", "A", "B", "O4"), 1: ("O2",)}
+KINDS = {"O2": "clamp", "A": "pin", "B": "pin", "O4": "pivot"}
+NATURAL = np.array([45.0, 49.0, 140.0, 190.0])
+MOVING = np.array([0.01, 0.02, 0.2, 0.05])
+AXIAL_RINGING = 5.0
+WINDOWS = 40
+FORCE = ("joint", "component")
+SHAPE = ("time", "link", "station", "component")
 
 
 def frequency_dataset(
@@ -51,12 +69,11 @@ def frequency_dataset(
     if speed_effect:
         sorted_terms = np.take_along_axis(terms, np.broadcast_to(order, terms.shape), axis=-1)
         variables["speed_effect"] = (("term", *DIMS[1:]), sorted_terms)
-    elements = {"reference": "euler", "exudyn": "ancf"}
     return xr.Dataset(
         variables,
         coords={
             "engine": list(engines),
-            "element": ("engine", [elements[name] for name in engines]),
+            "element": ("engine", [ELEMENTS[name] for name in engines]),
             "crank_speed": omega,
             "crank_angle": theta,
             "mode": np.arange(1, modes + 1),
@@ -143,18 +160,20 @@ def _branches(
     return at_rest + terms.sum(axis=0), terms
 
 
+def _rigid(linkage: Linkage, angle: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Positions (angle, link, station, 2) and unit vectors across the links (angle, link, 2)."""
+    motion = linkage.motion(angle)
+    links = [
+        np.stack([motion.position(number, s * link.length) for s in STATIONS], axis=1)
+        for number, link in enumerate(linkage.topology.links)
+    ]
+    return np.stack(links, axis=1), np.stack([-np.sin(motion.angle), np.cos(motion.angle)], axis=-1)
+
+
 def _shapes(linkage: Linkage, check: FloatArray, modes: int) -> tuple[FloatArray, FloatArray]:
     """Rigid positions (check, link, station, 2) and real shapes (check, mode, link, ...)."""
-    motion = linkage.motion(check)
-    lengths = [link.length for link in linkage.topology.links]
-    rigid = np.stack(
-        [
-            np.stack([motion.position(link, s * length) for s in STATIONS], axis=1)
-            for link, length in enumerate(lengths)
-        ],
-        axis=1,
-    )
-    across = np.stack([-np.sin(motion.angle), np.cos(motion.angle)], axis=-1)[:, :, None]
+    rigid, across = _rigid(linkage, check)
+    across, lengths = across[:, :, None], linkage.topology.links
     s = STATIONS[:, None]
     shapes = np.zeros((check.size, modes, *rigid.shape[1:]))
     for mode in range(modes):
@@ -186,3 +205,308 @@ def _complex_parts(real: FloatArray, n_engines: int, omega: FloatArray) -> Float
     turned = real * (phase * growth)[(..., *(None,) * real.ndim)]
     largest = np.abs(turned).max(axis=(-3, -2, -1), keepdims=True)
     return np.stack([turned.real / largest, turned.imag / largest], axis=-4)
+
+
+def response_dataset(
+    revolutions: float = 1.0,
+    engines: Sequence[str] = ("reference", "exudyn"),
+    *,
+    speed: float = 20.0,
+    start: str = "rigid",
+    linkage: Linkage = FOURBAR,
+    samples: int = 360,
+    spectrogram: bool = True,
+) -> xr.Dataset:
+    """Dataset by the schema of Response, with smooth invented numbers of a real size.
+
+    Engines differ by a part in a thousand.
+    """
+    duration = revolutions * 2 * np.pi / abs(speed)
+    time = np.linspace(0.0, duration, round(revolutions * samples) + 1)
+    angle = speed * time
+    names = linkage.topology.link_names
+    factor = 1.0 + 1e-3 * np.arange(len(engines))
+    deflection = factor[:, None, None] * _deflection(time, angle, len(names))
+    variables: Variables = {
+        "deflection": (("engine", "time", "link"), deflection),
+        "strain": (("engine", "time", "link"), 0.11 * deflection),
+        **_forces(time, angle, factor, JOINTS[len(names)]),
+        **_positions(linkage, angle, deflection),
+        "step": (("engine",), np.full(len(engines), 5e-5)),
+    }
+    spectra, coordinates = _spectra(time, angle, deflection)
+    variables.update(spectra)
+    dataset = xr.Dataset(
+        variables,
+        coords={
+            "engine": list(engines),
+            "element": ("engine", [ELEMENTS[name] for name in engines]),
+            "time": time,
+            "crank_angle": ("time", angle),
+            "link": list(names),
+            "probe": ("link", ["tip", *["middle"] * (len(names) - 1)]),
+            "joint": list(JOINTS[len(names)]),
+            "joint_kind": ("joint", [KINDS[name] for name in JOINTS[len(names)]]),
+            "station": STATIONS,
+            "component": list(COMPONENTS),
+            **coordinates,
+        },
+        attrs={
+            "mechanism": "aluminium four-bar" if len(names) == 3 else "rotating arm",
+            "crank_speed": speed,
+            "run_up_time": 0.0,
+            "start": start,
+            "elements": 8,
+            "prestress": "equilibrium",
+        },
+    )
+    if not spectrogram:
+        dataset = dataset.drop_dims(["window_time", "window_frequency", "mode"])
+    return dataset
+
+
+def arm_response(revolutions: float = 4.0, **options: Any) -> xr.Dataset:
+    """One rotating arm, one engine."""
+    return response_dataset(revolutions, ("reference",), linkage=ARM, **options)
+
+
+def _deflection(time: FloatArray, angle: FloatArray, links: int) -> FloatArray:
+    """Harmonics of the crank with natural vibrations on top, (time, link) in m."""
+    size = 1e-3 * np.array([0.15, 0.9, 0.8])[:links]
+    number = np.arange(links)
+    slow = np.cos(angle[:, None] + number) + 0.4 * np.sin(2 * angle[:, None])
+    fast = 0.5 * np.sin(2 * np.pi * NATURAL[number] * time[:, None])
+    fast = fast + 0.1 * np.sin(2 * np.pi * NATURAL[2] * time[:, None] + number)
+    return np.asarray(size * (0.5 * slow + fast))
+
+
+def _forces(
+    time: FloatArray, angle: FloatArray, factor: FloatArray, joints: Sequence[str]
+) -> Variables:
+    """Torque and forces, the first engine's ringing at more than the samples resolve."""
+    turned = angle[:, None, None] + np.arange(len(joints))[:, None] + np.arange(2)
+    rigid = 1.2 * np.cos(turned) + 0.3 * np.sin(2 * turned)
+    noise = np.random.default_rng(3).standard_normal(rigid.shape)
+    ringing = np.where(np.arange(factor.size) == 0, AXIAL_RINGING, 0.0)[:, None, None, None] * noise
+    slow = rigid + 0.3 * np.sin(2 * np.pi * 45.0 * time)[:, None, None]
+    torque = 0.05 * np.cos(angle)
+    vibrating = torque + 0.03 * np.sin(2 * np.pi * 140.0 * time)
+    return {
+        "driving_torque": (("engine", "time"), factor[:, None] * vibrating),
+        "rigid_driving_torque": (("time",), torque),
+        "joint_force": (
+            ("engine", "time", *FORCE),
+            factor[:, None, None, None] * slow + ringing,
+        ),
+        "rigid_joint_force": (("time", *FORCE), rigid),
+    }
+
+
+def _positions(linkage: Linkage, angle: FloatArray, deflection: FloatArray) -> Variables:
+    """Rigid positions, and links bowed across themselves by their deflections."""
+    rigid, across = _rigid(linkage, angle)
+    lengths = linkage.topology.links
+    # A clamped link is bent at its tip, which has to stay on the coupler: only a lone one is.
+    bow = np.where(len(lengths) == 1, STATIONS**2, np.sin(np.pi * STATIONS))
+    displacement = deflection[..., None, None] * bow[:, None] * across[..., None, :]
+    return {
+        "rigid_position": (SHAPE, rigid),
+        "displacement": (("engine", *SHAPE), displacement),
+    }
+
+
+def _spectra(
+    time: FloatArray, angle: FloatArray, deflection: FloatArray
+) -> tuple[Variables, dict[str, FloatArray]]:
+    """Amplitude spectra, and ridges along moving natural frequencies."""
+    engines, count, links = deflection.shape
+    frequency = np.fft.rfftfreq(count - 1, time[1])
+    amplitude = np.abs(np.fft.rfft(deflection[:, :-1] * np.hanning(count - 1)[:, None], axis=1))
+    amplitude = 4 * amplitude.swapaxes(1, 2) / count + 1e-9
+    shown = frequency <= 1.5 * NATURAL.max()
+    window_time = np.linspace(0.1, 0.9, WINDOWS) * time[-1]
+    window_frequency = np.arange(0.0, 290.0, 5.0)
+    turned = np.interp(window_time, time, angle)
+    natural = NATURAL * (1 + MOVING * np.cos(turned)[:, None])
+    away = (window_frequency[:, None] - natural.T[:, None]) / 8.0
+    ridges = 1e-3 * np.sum(np.exp(-(away**2)), axis=0) + 1e-7
+    return {
+        "spectrum": (("engine", "link", "spectrum_frequency"), amplitude[..., shown]),
+        "spectrogram": (
+            ("engine", "link", "window_frequency", "window_time"),
+            np.broadcast_to(ridges, (engines, links, *ridges.shape)).copy(),
+        ),
+        "natural_frequency": (
+            ("engine", "window_time", "mode"),
+            np.broadcast_to(natural, (engines, *natural.shape)).copy(),
+        ),
+    }, {
+        "spectrum_frequency": frequency[shown],
+        "window_time": window_time,
+        "window_frequency": window_frequency,
+        "mode": np.arange(1.0, NATURAL.size + 1).astype(int),
+    }
+
+
+def sweep_dataset(
+    modes: int = 2, links: int = 3, *, settled: bool = True, fastest: float = 40.0
+) -> xr.Dataset:
+    """Peaks with a resonance wherever a multiple of the speed meets a mean frequency."""
+    speed = np.linspace(2.0, fastest, 77)
+    order = np.arange(1, 21)
+    peak = np.array([2e-6, 3e-5, 6e-5])[:links] * (1 + speed[:, None] ** 2 / 40)
+    for centre in ((LOWEST + HIGHEST) / 2)[:2]:
+        for number in range(2, 21):
+            offset = (speed * number / centre - 1) / 0.01
+            peak *= (1 + 6 / number / (1 + offset**2))[:, None]
+    dataset = xr.Dataset(
+        {
+            "peak_deflection": (("crank_speed", "link"), peak),
+            "critical_speed_low": (("mode", "order"), LOWEST[:modes, None] / order),
+            "critical_speed_high": (("mode", "order"), HIGHEST[:modes, None] / order),
+        },
+        coords={
+            "crank_speed": speed,
+            "link": ["crank", "coupler", "rocker"][:links],
+            "probe": ("link", ["tip", "middle", "middle"][:links]),
+            "order": order,
+            "mode": np.arange(1, modes + 1),
+        },
+        attrs={"mechanism": "aluminium four-bar"},
+    )
+    if settled:
+        some = [0, 20, 40, 76]
+        dataset["settled_peak"] = (("settled_speed", "link"), 1.02 * peak[some])
+        dataset = dataset.assign_coords(settled_speed=speed[some])
+    return dataset
+
+
+def vibration_dataset(
+    modes: int = 4,
+    engines: tuple[str, ...] = ("reference", "exudyn"),
+    affected: tuple[int, ...] = (1,),
+    step: float = 5.0,
+) -> xr.Dataset:
+    """Frequencies that the vibration of the affected engines moves by up to 0.4 per cent."""
+    theta = np.radians(np.arange(0.0, 360.1, step))
+    speed = np.array([10.0, -20.0, 5.0])
+    still = np.array(MEANS[:modes]) * (1 + 0.04 * np.cos(theta[:, None] + np.arange(modes)))
+    still = np.broadcast_to(still, (len(engines), speed.size, *still.shape)).copy()
+    running = still.copy()
+    for engine in affected:
+        wave = np.sin(9 * theta[:, None] + np.arange(modes)) * np.linspace(1, 0.3, modes)
+        running[engine] *= 1 + 1e-5 * speed[:, None, None] ** 2 * wave
+    return xr.Dataset(
+        {"frequency": (DIMS, running), "quasi_static_frequency": (DIMS, still)},
+        coords={
+            "engine": list(engines),
+            "element": ("engine", [ELEMENTS.get(name, "euler") for name in engines]),
+            "crank_speed": speed,
+            "crank_angle": theta,
+            "mode": np.arange(1, modes + 1),
+        },
+    )
+
+
+def coupler_dataset(
+    size: float = 0.1, *, looped: bool = True, states: int = 1, angles: FloatArray = TURN
+) -> xr.Dataset:
+    """A figure of eight in states of growing size, the last one a whole turn of the links on."""
+    grown = size * (1 + 0.1 * np.arange(states))[:, None, None]
+    eight = grown * np.stack([np.sin(2 * angles), np.sin(angles)], axis=-1)
+    pins = grown * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    turned = np.stack([0.3 * np.sin(angles), 1 + 0.2 * np.cos(angles)], axis=-1)
+    apart = 2 * np.pi * (np.arange(states) == states - 1) * (states > 1)
+    names = ["dry", "+80 K", "wet"][:states]
+    over = ("state", "crank_angle")
+    fine = size * np.stack([np.sin(2 * TURN[25:36]), np.sin(TURN[25:36])], axis=-1)
+    doubles = 2 if looped else 0
+    dataset = xr.Dataset(
+        {
+            "position": ((*over, "component"), eight),
+            "pin_position": ((*over, "pin", "component"), np.stack([pins, 2 * pins], axis=2)),
+            "angle": ((*over, "link"), turned + apart[:, None, None]),
+            "double_point_position": (
+                ("double_point", "component"),
+                np.array([[0.0, 0.0], fine[2]])[:doubles],
+            ),
+        },
+        coords={
+            "state": names,
+            "crank_angle": angles,
+            "component": list(COMPONENTS),
+            "pin": ["A", "B"],
+            "link": ["coupler", "rocker"],
+            "double_point_state": ("double_point", np.array(["dry", "dry"])[:doubles]),
+            "double_point_kind": ("double_point", np.array(["crunode", "cusp"])[:doubles]),
+        },
+        attrs={"mechanism": "resin four-bar"},
+    )
+    if looped:
+        dataset["close_up"] = (
+            ("state", "window", "point", "component"),
+            np.stack([fine] * states)[:, None],
+        )
+        dataset["framed"] = (("framed_place", "component"), fine[3:8])
+    return dataset
+
+
+def moisture_dataset(day: float = 86400.0, *, over_width: bool = False) -> xr.Dataset:
+    """Water in a coupler, and in a rocker with fewer cells, of which no law says anything."""
+    part, time = np.linspace(-1.0, 1.0, 21), day * np.linspace(0.0, 4.0, 30)
+    place = np.stack([1e-3 * part, np.where(np.arange(21) < 15, 5e-4 * part, np.nan)])
+    profile = np.stack([0.05 * part**8, 0.05 * part**2])
+    profile = np.where(np.isnan(place)[:, None], np.nan, profile)
+    uptake = 1 - np.exp(-time / day)
+    nothing = np.full(time.size, np.nan)
+    of_time = ("link", "time")
+    return xr.Dataset(
+        {
+            "place": (("link", "cell"), place),
+            "profile": (("link", "profile_time", "cell"), profile),
+            "uptake": (of_time, [uptake, uptake]),
+            "short_time_uptake": (of_time, [np.sqrt(time / day), nothing]),
+            "shen_springer_uptake": (of_time, [uptake, nothing]),
+        },
+        coords={
+            "link": ["coupler", "rocker"],
+            "time": time,
+            "profile_time": day * np.array([0.5, 4.0]),
+            "over_width": ("link", [over_width, over_width]),
+        },
+        attrs={"mechanism": "moist four-bar", "relative_humidity": 0.85, "temperature": 353.15},
+    )
+
+
+def transmission_dataset(count: int = 1, **wanted: float | str) -> xr.Dataset:
+    """Transmission angles that do not change, one linkage a tenth of a radian above another."""
+    angles = np.radians(np.arange(0.0, 361.0, 30.0))
+    curves = np.repeat(1 + 0.1 * np.arange(count)[:, None], angles.size, axis=1)
+    return xr.Dataset(
+        {"transmission_angle": (("linkage", "crank_angle"), curves)},
+        coords={
+            "linkage": [f"case {number} as designed" for number in range(count)],
+            "crank_angle": angles,
+        },
+        attrs=wanted,
+    )
+
+
+def linkage_dataset(linkage: Linkage = FOURBAR, degrees: float = 60.0) -> xr.Dataset:
+    """A linkage at one crank angle, its joints at the ends of its links."""
+    links = _rigid(linkage, np.radians([degrees]))[0][0]
+    names = list(linkage.topology.link_names)
+    joints = JOINTS[len(names)]
+    places = [links[0, 0], links[0, -1], links[-1, -1], links[-1, 0]][: len(joints)]
+    return xr.Dataset(
+        {
+            "rigid_position": (("link", "station", "component"), links),
+            "joint_position": (("joint", "component"), np.array(places)),
+        },
+        coords={
+            "link": names,
+            "joint": list(joints),
+            "joint_kind": ("joint", [KINDS[name] for name in joints]),
+        },
+        attrs={"mechanism": "test linkage"},
+    )

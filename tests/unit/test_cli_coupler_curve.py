@@ -1,4 +1,4 @@
-"""``flexmech coupler-curve``: its tables against the library, and what it refuses."""
+"""Coupler paths, as a result and from ``flexmech coupler-curve``; what both refuse."""
 
 from __future__ import annotations
 
@@ -10,12 +10,16 @@ import pytest
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
+from flexmech import (
+    CouplerPaths,
+    CouplerPoint,
+    HygrothermalState,
+    InputError,
+    coupler_paths,
+    load_mechanism,
+)
 from flexmech.cli import app
-from flexmech.cli.coupler_curve import parse_point
-from flexmech.errors import InputError
-from flexmech.hygrothermal import HygrothermalState, coupler_path
-from flexmech.linkages import CouplerPoint
-from flexmech.modelfile import load_mechanism
+from flexmech.cli.arguments import parse_point
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 
@@ -26,11 +30,22 @@ NEAR_A_CHANGE_POINT = (
     ('distance = "5000 mm", angle = "336 deg"', 'distance = "2000 mm", angle = "240 deg"'),
 )
 WET = ["--temperature-rise", "80", "--moisture", "7"]
+TURN = np.radians(np.arange(0, 361, 30))
 
 
 def run(*arguments: str | Path) -> tuple[int, str, str]:
     result = CliRunner().invoke(app, [str(a) for a in arguments])
     return result.exit_code, result.stdout, result.stderr
+
+
+def nearly_a_change_point(folder: Path) -> Path:
+    text = (MODELS / "neat_resin_figure_8.toml").read_text()
+    for old, new in NEAR_A_CHANGE_POINT:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    model = folder / "nearly.toml"
+    model.write_text(text)
+    return model
 
 
 def test_figure_8_dry_and_wet(tmp_path: Path) -> None:
@@ -39,12 +54,7 @@ def test_figure_8_dry_and_wet(tmp_path: Path) -> None:
         "coupler-curve", model, *WET, "--angles", "0:360:30", "--out", tmp_path
     )
     assert (code, errors) == (0, "")
-    assert sorted(file.name for file in tmp_path.iterdir()) == [
-        "coupler_angles.png",
-        "coupler_curve.csv",
-        "coupler_curve.png",
-        "topology.csv",
-    ]
+    assert sorted(file.name for file in tmp_path.iterdir()) == sorted(CouplerPaths.files)
     curve = pd.read_csv(tmp_path / "coupler_curve.csv")
     assert list(curve.columns) == [
         "state",
@@ -56,14 +66,12 @@ def test_figure_8_dry_and_wet(tmp_path: Path) -> None:
     ]
     assert curve["state"].tolist() == ["dry"] * 13 + ["wet"] * 13
     mechanism = load_mechanism(model)
-    assert mechanism.coupler_point is not None
-    turn = np.radians(np.arange(0, 361, 30))
-    for name, state in (("dry", HygrothermalState()), ("wet", HygrothermalState(80, 0.07))):
-        path = coupler_path(mechanism, mechanism.coupler_point, state, turn)
-        rows = curve[curve["state"] == name]
-        assert rows[["x_m", "y_m"]].to_numpy() == pytest.approx(path.position, rel=1e-8)
+    paths = coupler_paths(mechanism, TURN, environment=HygrothermalState(80, 0.07)).dataset
+    for number, name in enumerate(("dry", "wet")):
+        rows, path = curve[curve["state"] == name], paths.isel(state=number)
+        assert rows[["x_m", "y_m"]].to_numpy() == pytest.approx(path["position"].values, rel=1e-8)
         assert rows[["theta3_deg", "theta4_deg"]].to_numpy() == pytest.approx(
-            np.degrees(path.angles), rel=1e-8
+            np.degrees(path["angle"].values), rel=1e-8
         )
     topology = pd.read_csv(tmp_path / "topology.csv")
     assert list(topology.columns) == [
@@ -76,11 +84,85 @@ def test_figure_8_dry_and_wet(tmp_path: Path) -> None:
     ]
     assert topology[["state", "kind"]].to_numpy().tolist() == [["dry", "crunode"]]
     angles = np.radians(topology.iloc[0, 2:4].to_numpy(dtype=float))
-    both = coupler_path(mechanism, mechanism.coupler_point, HygrothermalState(), angles).position
+    both = coupler_paths(mechanism, angles).dataset["position"].values[0]
     assert np.hypot(*(both[1] - both[0])) < 1e-10 * 5
     assert "dry: 1 crunode and 0 cusps" in printed
     assert "wet: 0 crunodes and 0 cusps" in printed
     assert "wet: ground 4522.54, crank 2308.83" in printed
+    assert printed.splitlines()[-1].startswith("check: the curve's sextic equation is met within ")
+
+
+def test_the_pins_are_where_their_links_end() -> None:
+    mechanism = load_mechanism(MODELS / "neat_resin_figure_8.toml")
+    data = coupler_paths(mechanism, TURN, environment=HygrothermalState(80, 0.07)).dataset
+    pins, centres = data["pin_position"], [np.zeros(2), [1.0, 0.0] * data["length"][:, :1].values]
+    for pin, link, centre in (("A", "crank", centres[0]), ("B", "rocker", centres[1][:, None])):
+        reach = np.hypot(*np.moveaxis(pins.sel(pin=pin).values - centre, -1, 0))
+        length = data["length"].sel(member=link).values[:, None]
+        assert reach == pytest.approx(np.broadcast_to(length, reach.shape), rel=1e-12)
+
+
+def test_close_ups_are_of_the_loops_of_every_state() -> None:
+    mechanism = load_mechanism(MODELS / "neat_resin_figure_8.toml")
+    data = coupler_paths(mechanism, TURN, environment=HygrothermalState(80, 0.07)).dataset
+    # One loop, dry; it is in the middle third of the close-up of the dry path.
+    assert data["close_up"].sizes["window"] == 1
+    loop = data["close_up"].values[0, 0]
+    double = data["double_point_position"].values[0]
+    inside = np.linalg.norm(loop - double, axis=1)[len(loop) // 3 - 2 : -len(loop) // 3 + 2]
+    assert inside[[0, -1]].max() < inside.max() / 5
+    without = coupler_paths(load_mechanism(MODELS / "neat_resin_figure_12.toml"), TURN).dataset
+    assert not {"close_up", "framed"} & set(without)
+    assert without.sizes["double_point"] == 0
+
+
+def test_a_user_s_script(tmp_path: Path) -> None:
+    """Ten lines with public names alone."""
+    script = f"""
+import flexmech
+import numpy as np
+mechanism = flexmech.load_mechanism({str(MODELS / "neat_resin_figure_8.toml")!r})
+wet = flexmech.HygrothermalState(temperature_rise=80.0, moisture=0.07)
+paths = flexmech.coupler_paths(mechanism, np.radians(range(0, 361, 30)), environment=wet)
+crunodes = (paths.dataset["double_point_kind"] == "crunode").sum().item()
+figure = paths.plot()
+files = paths.save({str(tmp_path)!r}, figures=True)
+loaded = flexmech.CouplerPaths.load(files[2])
+print(loaded.summary())
+"""
+    names: dict[str, object] = {}
+    exec(script, names)
+    assert names["crunodes"] == 1
+    assert isinstance(names["figure"], Figure)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(CouplerPaths.files)
+
+
+def test_a_loaded_result_says_the_same(tmp_path: Path) -> None:
+    """With a loop and without, with an environment and without, and where the crank only swings."""
+    wet, part = HygrothermalState(80, 0.07), np.radians([60.0, 80.0])
+    loops, plain = (load_mechanism(MODELS / f"neat_resin_figure_{n}.toml") for n in (8, 12))
+    nearly = load_mechanism(nearly_a_change_point(tmp_path))
+    for result in (
+        coupler_paths(loops, TURN, environment=wet),
+        coupler_paths(plain, TURN),
+        coupler_paths(nearly, part, CouplerPoint(2.0, 4.0), wet),
+    ):
+        result.save(tmp_path)
+        loaded = CouplerPaths.load(tmp_path / "coupler_curve.nc")
+        assert loaded.dataset.identical(result.dataset)
+        for name, variable in result.dataset.variables.items():
+            assert loaded.dataset[name].dtype.kind == variable.dtype.kind, name
+        assert str(loaded.summary()) == str(result.summary())
+        for name, table in result.tables().items():
+            pd.testing.assert_frame_equal(loaded.tables()[name], table)
+
+
+def test_plots_into_axes_of_the_user() -> None:
+    paths = coupler_paths(load_mechanism(MODELS / "neat_resin_figure_8.toml"), TURN)
+    mine = Figure()
+    axes = mine.subplots(1, 3)
+    assert paths.plot(ax=axes) is mine
+    assert all(panel.lines for panel in axes)
 
 
 def test_errata_of_the_angles(tmp_path: Path) -> None:
@@ -102,31 +184,17 @@ def test_neighbouring_angles_keep_their_digits(tmp_path: Path) -> None:
     assert [line.split(",")[1] for line in lines[1:]] == ["100.12345", "100.12346"]
 
 
-def test_wet_without_heat_and_moisture_is_drawn_too(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    names: list[list[str]] = []
-
-    def noted(paths: dict[str, object], title: str) -> Figure:
-        names.append(list(paths))
-        return Figure(figsize=(1, 1))
-
-    monkeypatch.setattr("flexmech.plots.plot_coupler_curve", noted)
-    monkeypatch.setattr("flexmech.plots.plot_coupler_angles", noted)
+def test_an_environment_without_heat_and_moisture_is_a_state_too(tmp_path: Path) -> None:
     model = MODELS / "neat_resin_figure_12.toml"
     options = ["--temperature-rise", "0", "--angles", "0,90", "--out", tmp_path]
     assert run("coupler-curve", model, *options)[0] == 0
-    assert names == [["dry", "wet"], ["dry", "wet"]]
+    found = CouplerPaths.load(tmp_path / "coupler_curve.nc").dataset
+    assert found["state"].values.tolist() == ["dry", "wet"]
 
 
 def test_wet_linkage_that_no_longer_turns_fully(tmp_path: Path) -> None:
     """Its loops when dry lie at crank angles that the wet linkage does not reach."""
-    model = tmp_path / "nearly.toml"
-    text = (MODELS / "neat_resin_figure_8.toml").read_text()
-    for old, new in NEAR_A_CHANGE_POINT:
-        assert text.count(old) == 1
-        text = text.replace(old, new)
-    model.write_text(text)
+    model = nearly_a_change_point(tmp_path)
     options = [*WET, "--angles", "60:120:20", "--out", tmp_path / "out"]
     code, printed, errors = run("coupler-curve", model, *options)
     assert (code, errors) == (0, "")
@@ -149,10 +217,8 @@ def test_dry_alone_without_pictures(tmp_path: Path) -> None:
 
 def test_point_of_the_command_line_goes_first(tmp_path: Path) -> None:
     model = MODELS / "neat_resin_figure_12.toml"
-    assert (
-        run("coupler-curve", model, "--point", "1 cm,90 deg", "--no-plots", "--out", tmp_path)[0]
-        == 0
-    )
+    point = ["--point", "0.01 m,90 deg"]
+    assert run("coupler-curve", model, *point, "--no-plots", "--out", tmp_path)[0] == 0
     curve = pd.read_csv(tmp_path / "coupler_curve.csv")
     angle = np.radians(curve["theta3_deg"] + 90)
     crank = np.radians(curve["crank_angle_deg"])
@@ -161,40 +227,37 @@ def test_point_of_the_command_line_goes_first(tmp_path: Path) -> None:
 
 def test_exposure_in_place_of_moisture(tmp_path: Path) -> None:
     model = MODELS / "neat_resin_figure_12.toml"
-    exposed = ["--relative-humidity", "85", "--time", "2 day", "--no-plots", "--out", tmp_path]
-    code, printed, errors = run("coupler-curve", model, *exposed)
-    assert (code, errors) == (0, "")
-    assert "85 % humidity for 2 d" in printed
+    for time in ("--time", "--exposure-time"):
+        exposed = ["--relative-humidity", "85", time, "2 day", "--no-plots", "--out", tmp_path]
+        code, printed, errors = run("coupler-curve", model, *exposed)
+        assert (code, errors) == (0, "")
+        assert "85 % humidity for 2 d" in printed
 
 
-@pytest.mark.parametrize(
-    ("text", "point"),
-    [
-        ("33 mm,320 deg", CouplerPoint(0.033, np.radians(320))),
-        ("4.5 m, -90 deg", CouplerPoint(4.5, -np.pi / 2)),
-    ],
-)
-def test_points(text: str, point: CouplerPoint) -> None:
-    found = parse_point(text)
-    assert (found.distance, found.angle) == pytest.approx((point.distance, point.angle))
+def test_points() -> None:
+    for text, point in (
+        ("33 mm,320 deg", (0.033, np.radians(320))),
+        ("4.5 m, -1.5 rad", (4.5, -1.5)),
+    ):
+        found = parse_point(text)
+        assert (found.distance, found.angle) == pytest.approx(point)
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
+def test_points_that_cannot_be() -> None:
+    for text, said in (
         ("33 mm", "has 1 parts"),
         ("1,2,3", "has 3 parts"),
+        ("100,30", "'100', which has no unit"),
+        ("100 mm,30", "'30', which has no unit"),
         ("33 deg,4 deg", "not that of a length"),
-        ("-1 mm,0 deg", "zero or positive"),
-        ("nan,0 deg", "begin with a number"),
-        (",", "begin with a number"),
-        ("100,30", "got '100', which has no unit; write a length with its unit"),
-        ("100 mm,30", "got '30', which has no unit; write an angle with its unit"),
-    ],
-)
-def test_points_that_cannot_be(text: str, message: str) -> None:
-    with pytest.raises(InputError, match=f"--point: .*{message}"):
-        parse_point(text)
+        ("-1 mm,0 deg", "pin A"),
+        ("nan,0", "'nan'"),
+        (",", "''"),
+    ):
+        with pytest.raises(InputError, match=r"--point: .*write distance and angle, each with its"):
+            parse_point(text)
+        with pytest.raises(InputError, match=said):
+            parse_point(text)
 
 
 @pytest.mark.parametrize(
@@ -203,7 +266,11 @@ def test_points_that_cannot_be(text: str, message: str) -> None:
         ("neat_resin_figure_3.toml", [], "linkage.coupler_point: is missing"),
         ("rotating_arm.toml", ["--point", "1 m,0 deg"], "four-bar"),
         ("neat_resin_figure_8.toml", ["--temperature-rise", "95", "--moisture", "7"], "wet glass"),
-        ("steel_fourbar.toml", ["--point", "0.1 m,0 deg", "--moisture", "1"], "change nothing in"),
+        (
+            "steel_fourbar.toml",
+            ["--point", "100 mm,0 deg", "--moisture", "1"],
+            "change nothing in",
+        ),
         ("neat_resin_figure_8.toml", ["--angles", "0:360"], "--angles"),
     ],
 )
@@ -214,3 +281,18 @@ def test_refusals(tmp_path: Path, model: str, options: list[str], said: str) -> 
     assert said in errors
     assert len(errors.strip().splitlines()) == 1
     assert not out.exists()
+
+
+def test_what_python_refuses() -> None:
+    mechanism = load_mechanism(MODELS / "neat_resin_figure_8.toml")
+    for arguments, said in (
+        ((mechanism, range(0, 361, 30)), r"crank_angles must be in rad .* np.radians"),
+        ((mechanism, ["0 deg"]), "crank_angles must be a number of rad"),
+        ((mechanism, 0.5), "crank_angles must be a row"),
+        ((mechanism, []), "crank_angles must be"),
+        (("models/steel_fourbar.toml", TURN), "write flexmech.load_mechanism"),
+        ((mechanism, TURN, (0.033, 5.6)), "write flexmech.CouplerPoint"),
+        ((mechanism, TURN, None, (80, 0.07)), "write flexmech.HygrothermalState"),
+    ):
+        with pytest.raises(InputError, match=said):
+            coupler_paths(*arguments)  # type: ignore[arg-type]

@@ -1,22 +1,18 @@
-"""The frequencies command around its engines: with invented numbers, and so at no cost."""
+"""The frequencies command around its analysis: what its options become, what its lines say."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 from typer.testing import CliRunner
 
+from flexmech.analyses import MovingFrequencies
+from flexmech.analyses.frequencies.words import error_lines, tracking_lines
 from flexmech.cli import app
-from flexmech.cli.report import agreement_line, error_lines, tracking_lines
-from flexmech.errors import ComputationError, FlexmechError, InputError
+from flexmech.linear_system import Engine
 from tests.unit.plot_data import frequency_dataset
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
@@ -24,113 +20,71 @@ pytestmark = pytest.mark.usefixtures("rough_pictures")
 ALUMINIUM = str(Path(__file__).parents[2] / "models" / "aluminium_fourbar.toml")
 DATA = ["frequencies.csv", "frequencies.nc"]
 PICTURES = ["agreement.png", "frequencies.png", "mode_shapes.png", "speed_effect.png"]
+QUICK = ["--angles", "0,60", "--modes", "2", "--elements", "2"]
 
 
 def run(*arguments: str) -> Any:
-    return CliRunner().invoke(app, list(arguments))
+    return CliRunner().invoke(app, ["frequencies", *arguments])
 
 
 def names(folder: Path) -> list[str]:
     return sorted(path.name for path in folder.iterdir())
 
 
-@dataclass
-class InventedResult:
-    """What moving_frequencies returns, as far as the command uses it."""
-
-    dataset: xr.Dataset
-
-    def save(self, folder: Path) -> list[Path]:
-        folder.mkdir(parents=True, exist_ok=True)
-        files = [folder / name for name in DATA]
-        for file in files:
-            file.write_text("data")
-        return files
-
-    def extremes(self) -> xr.Dataset:
-        frequency = self.dataset["frequency"]
-        return xr.Dataset(
-            {
-                "lowest": frequency.min("crank_angle"),
-                "lowest_angle": frequency.idxmin("crank_angle"),
-                "highest": frequency.max("crank_angle"),
-                "highest_angle": frequency.idxmax("crank_angle"),
-            }
-        )
-
-    def vibration_effect(self) -> None:
-        return None
-
-    def agreement(self) -> Any:
-        if self.dataset.sizes["engine"] == 1:
-            return None
-        return SimpleNamespace(
-            relative_difference=3.21e-5,
-            engines=("reference", "exudyn"),
-            crank_speed=20.0,
-            crank_angle=np.radians(135.0),
-            mode=3,
-        )
-
-
 @pytest.fixture
-def invented(monkeypatch: pytest.MonkeyPatch) -> SimpleNamespace:
-    """Engines and analysis that return invented numbers, and what they were called with."""
-    seen = SimpleNamespace(calls=[], failure=None)
+def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """What the analysis was called with; it returns invented numbers at no cost."""
+    seen: dict[str, Any] = {}
 
-    def engine(name: str) -> Callable[..., SimpleNamespace]:
-        def make(mechanism: object, elements: int, element: str) -> SimpleNamespace:
-            return SimpleNamespace(name=name, elements=elements, element=element)
+    def analysis(engines: list[Engine], angles: Any, speeds: Any, **options: Any) -> Any:
+        seen.update(engines=engines, angles=angles, speeds=speeds, **options)
+        elements = tuple((engine.name, engine.element) for engine in engines)
+        return MovingFrequencies(frequency_dataset(engines=[name for name, _ in elements]))
 
-        return make
-
-    def moving_frequencies(
-        engines: list[SimpleNamespace], angles: Any, speeds: Any, **options: Any
-    ) -> InventedResult:
-        seen.calls.append((engines, angles, speeds, options))
-        if seen.failure is not None:
-            raise seen.failure
-        return InventedResult(
-            frequency_dataset(
-                speeds,
-                angles,
-                options["modes"],
-                [one.name for one in engines],
-                speed_effect=options["speed_effect"],
-            )
-        )
-
-    for module, contents in (
-        ("analyses", {"moving_frequencies": moving_frequencies}),
-        ("reference", {"ReferenceEngine": engine("reference")}),
-        ("multibody", {"ExudynEngine": engine("exudyn")}),
-    ):
-        fake = ModuleType(f"flexmech.{module}")
-        fake.__dict__.update(contents)
-        monkeypatch.setitem(sys.modules, f"flexmech.{module}", fake)
+    monkeypatch.setattr("flexmech.analyses.moving_frequencies", analysis)
     return seen
 
 
 def test_defaults_are_those_of_the_manual(
-    invented: SimpleNamespace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    asked: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    assert run("frequencies", ALUMINIUM).exit_code == 0
-    ((engines, angles, speeds, options),) = invented.calls
-    assert [(one.name, one.element, one.elements) for one in engines] == [
-        ("reference", None, 8),
-        ("exudyn", None, 8),
-    ]
-    np.testing.assert_array_equal(angles, np.radians(np.arange(0, 361, 5)))
-    assert list(speeds) == [0.0, 10.0, 20.0]
-    assert options == {
+    result = run(ALUMINIUM, "--no-plots")
+    assert result.exit_code == 0, result.output
+    engines = [(one.name, one.element, one.elements) for one in asked.pop("engines")]
+    assert engines == [("reference", "euler", 8), ("exudyn", "ancf", 8)]
+    np.testing.assert_array_equal(asked.pop("angles"), np.radians(np.arange(0, 361, 5)))
+    assert asked == {
+        "speeds": None,
         "modes": 4,
         "prestress": "equilibrium",
         "rotation_terms": True,
-        "speed_effect": True,
+        "speed_effect": False,
+        "environment": None,
+        "speed_unit": "rad/s",
         "progress": None,
     }
-    assert names(tmp_path / "results") == sorted(DATA + PICTURES)
+    assert names(tmp_path / "results") == DATA
+
+
+@pytest.mark.parametrize(
+    ("arguments", "elements"),
+    [
+        (["--element", "euler"], ["euler", "ancf"]),
+        (["--element", "ancf"], ["euler", "ancf"]),
+        (["--element", "geometrically-exact"], ["timoshenko", "geometrically-exact"]),
+        (["--engine", "exudyn"], ["ancf"]),
+        (["--engine", "exudyn", "--element", "geometrically-exact"], ["geometrically-exact"]),
+        (["--engine", "reference", "--element", "euler"], ["euler"]),
+    ],
+    ids=str,
+)
+def test_an_element_goes_to_the_engine_that_has_it(
+    asked: dict[str, Any], arguments: list[str], elements: list[str], tmp_path: Path
+) -> None:
+    result = run(ALUMINIUM, "--no-plots", "--out", str(tmp_path), *arguments)
+    assert result.exit_code == 0, result.output
+    assert [one.element for one in asked["engines"]] == elements
 
 
 @pytest.mark.parametrize(
@@ -141,32 +95,15 @@ def test_defaults_are_those_of_the_manual(
     ],
 )
 def test_speeds_left_out_are_those_of_the_model(
-    invented: SimpleNamespace, tmp_path: Path, operation: str, wanted: list[float]
+    tmp_path: Path, operation: str, wanted: list[float]
 ) -> None:
     text = Path(ALUMINIUM).read_text()
     model = tmp_path / "own.toml"
     model.write_text(text[: text.index("[operation]")] + operation)
-    out = ["--no-plots", "--out", str(tmp_path / "out")]
-    assert run("frequencies", str(model), *out).exit_code == 0
-    ((_, _, speeds, _),) = invented.calls
-    assert list(speeds) == wanted
-
-
-def test_the_last_line_says_how_far_the_engines_differ(
-    invented: SimpleNamespace, tmp_path: Path
-) -> None:
-    result = run("frequencies", ALUMINIUM, "--out", str(tmp_path))
-    assert result.stderr == ""
-    lines = result.stdout.strip().split("\n")
-    assert lines[-1] == (
-        "engines: reference and exudyn differ by at most 3.21e-05 of the frequency, at 20 rad/s, "
-        "135 deg, mode 3"
-    )
-    assert lines[-2].startswith("files: ")
-    for name in DATA + PICTURES:
-        assert str(tmp_path / name) in lines[-2]
-    rows = [line.split() for line in lines if "reference" in line or "exudyn" in line]
-    assert sum(len(row) > 10 for row in rows) >= 2 * 3 * 4
+    out = ["--engine", "reference", "--no-plots", "--out", str(tmp_path / "out")]
+    assert run(str(model), *QUICK, *out).exit_code == 0
+    found = MovingFrequencies.load(tmp_path / "out" / "frequencies.nc").dataset
+    assert found["crank_speed"].values.tolist() == wanted
 
 
 @pytest.mark.parametrize(
@@ -176,87 +113,57 @@ def test_the_last_line_says_how_far_the_engines_differ(
         (["--engine", "reference"], PICTURES[1:]),
         (["--speeds", "0"], PICTURES[:3]),
         (["--prestress", "none"], PICTURES[:3]),
-        (["--prestress", "axial", "--speeds", "300 rpm"], PICTURES),
-        (["--no-plots"], []),
     ],
     ids=str,
 )
 def test_pictures_are_those_that_there_is_data_for(
-    invented: SimpleNamespace, arguments: list[str], pictures: list[str], tmp_path: Path
+    arguments: list[str], pictures: list[str], tmp_path: Path
 ) -> None:
-    arguments = ["--angles", "0,60", "--modes", "2", *arguments]
-    result = run("frequencies", ALUMINIUM, "--out", str(tmp_path), *arguments)
+    result = run(ALUMINIUM, *QUICK, "--out", str(tmp_path), *arguments)
     assert result.exit_code == 0, result.output
     assert names(tmp_path) == sorted(DATA + pictures)
     for name in pictures:
         assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize(
-    ("arguments", "elements"),
-    [
-        (["--element", "euler"], ["euler", "ancf"]),
-        (["--element", "ancf"], ["euler", "ancf"]),
-        (["--element", "geometrically-exact"], ["timoshenko", "geometrically-exact"]),
-        (["--engine", "exudyn"], [None]),
-        (["--engine", "exudyn", "--element", "geometrically-exact"], ["geometrically-exact"]),
-        (["--engine", "reference", "--element", "euler"], ["euler"]),
-    ],
-    ids=str,
-)
-def test_an_element_goes_to_the_engine_that_has_it(
-    invented: SimpleNamespace, arguments: list[str], elements: list[str], tmp_path: Path
-) -> None:
-    result = run("frequencies", ALUMINIUM, "--no-plots", "--out", str(tmp_path), *arguments)
-    assert result.exit_code == 0
-    assert [one.element for one in invented.calls[0][0]] == elements
+def test_the_unit_typed_is_the_unit_read(tmp_path: Path) -> None:
+    """One unit, at the end, is that of all speeds; files stay in SI."""
+    options = ["--engine", "reference", "--no-plots", "--out", str(tmp_path)]
+    result = run(ALUMINIUM, *QUICK, "--speeds", "0,50,100 rpm", *options)
+    assert result.exit_code == 0, result.output
+    loaded = MovingFrequencies.load(tmp_path / "frequencies.nc")
+    speeds = loaded.dataset["crank_speed"].values
+    assert speeds == pytest.approx([0.0, 5.235987755982989, 10.471975511965978])
+    lines = result.stdout.split("\n")
+    (heading,) = [line for line in lines if "mode" in line and "engine" in line]
+    assert "rpm" in heading
+    cells = [line.split("│")[2].strip() for line in lines if line.startswith("│")]
+    assert list(dict.fromkeys(cells)) == ["0", "50", "100"]
+    assert "rad/s" not in result.stdout
+    legend = loaded.plot().legends[0]
+    assert [text.get_text() for text in legend.get_texts()][:3] == ["0 rpm", "50 rpm", "100 rpm"]
 
 
-def test_pictures_of_an_earlier_run_are_pointed_out(
-    invented: SimpleNamespace, tmp_path: Path
-) -> None:
-    (tmp_path / "agreement.png").write_bytes(b"old")
-    result = run(
-        "frequencies", ALUMINIUM, "--engine", "reference", "--no-plots", "--out", str(tmp_path)
-    )
-    assert "from an earlier run, not of this one: agreement.png" in result.stdout
-    assert result.stdout.strip().split("\n")[-1] == (
-        "engines: no comparison was made, only the reference engine ran"
-    )
-
-
-@pytest.mark.parametrize(
-    ("failure", "code", "message"),
-    [
-        (InputError("the linkage locks at crank angle 90 deg"), 2, "error: the linkage locks"),
-        (ComputationError("no equilibrium at 5 deg"), 1, "error: no equilibrium at 5 deg"),
-        (FlexmechError("other"), 1, "error: other"),
-        (KeyboardInterrupt(), 130, "interrupted: "),
-    ],
-    ids=lambda value: type(value).__name__,
-)
-def test_failures_end_with_a_line_a_code_and_no_files(
-    invented: SimpleNamespace, failure: BaseException, code: int, message: str, tmp_path: Path
-) -> None:
-    invented.failure = failure
-    result = run("frequencies", ALUMINIUM, "--out", str(tmp_path / "deep" / "out"))
-    assert result.exit_code == code
-    assert result.stderr.startswith(message)
-    assert result.stderr.count("\n") == 1
-    assert result.stdout == ""
-    assert names(tmp_path) == []
-
-
-def test_pictures_come_all_together_or_not_at_all(
-    invented: SimpleNamespace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fail(dataset: xr.Dataset) -> None:
-        raise ComputationError("cannot draw")
-
-    monkeypatch.setattr("flexmech.plots.plot_agreement", fail)
-    result = run("frequencies", ALUMINIUM, "--out", str(tmp_path))
+def test_a_failure_speaks_of_the_speed_as_it_was_typed(tmp_path: Path) -> None:
+    options = [*QUICK, "--engine", "reference", "--prestress", "axial", "--no-plots"]
+    result = run(ALUMINIUM, *options, "--speeds", "0:3000:1500 rpm", "--out", str(tmp_path))
     assert result.exit_code == 1
-    assert names(tmp_path) == DATA
+    assert "crank speed 3000 rpm" in result.stderr
+    assert "rad/s" not in result.stderr
+
+
+def test_the_last_line_says_how_far_the_engines_differ(tmp_path: Path) -> None:
+    dataset = frequency_dataset()
+    dataset["frequency"][1] = dataset["frequency"][0]
+    dataset["frequency"][1, 2, 27, 2] = dataset["frequency"][0, 2, 27, 2] * (1 + 3.21e-5)
+    assert MovingFrequencies(dataset).summary().verdict == (
+        "engines: reference and exudyn differ by at most 3.21e-05 of the frequency, at 20 rad/s, "
+        "135 deg, mode 3"
+    )
+    alone = MovingFrequencies(frequency_dataset(engines=("exudyn",)))
+    assert alone.summary().verdict == (
+        "engines: no comparison was made, only the exudyn engine ran"
+    )
 
 
 def test_error_lines_name_the_greatest_error_and_its_place() -> None:
@@ -290,8 +197,3 @@ def test_tracking_lines_name_what_is_torn_and_where_modes_veer() -> None:
     # A branch that this engine never meets at this speed is no torn one.
     dataset["branch_of_mode"] = dataset["branch_of_mode"].clip(max=3)
     assert len(tracking_lines(dataset)) == 1
-
-
-def test_agreement_line_without_a_second_engine() -> None:
-    result: Any = InventedResult(frequency_dataset(engines=("exudyn",)))
-    assert agreement_line(result) == ("engines: no comparison was made, only the exudyn engine ran")

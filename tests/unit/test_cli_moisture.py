@@ -1,4 +1,4 @@
-"""``flexmech moisture``: its tables against the series, and what it refuses."""
+"""Moisture uptake, as a result and from ``flexmech moisture``; against series, and refusals."""
 
 from __future__ import annotations
 
@@ -7,17 +7,18 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
+from flexmech import InputError, Mechanism, MoistureUptake, load_mechanism, moisture_uptake
 from flexmech.cli import app
-from flexmech.errors import InputError
-from flexmech.hygrothermal import link_uptake
-from flexmech.materials.moisture import slab_uptake
 from flexmech.modelfile import mechanism_from_toml
+from tests.analytical.slab_series import bar_uptake, slab_uptake
 from tests.unit.test_cli_state import MODEL
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 
+MODELS = Path(__file__).parents[2] / "models"
 DAY = 86400.0
 HUMID = ["--relative-humidity", "85", "--time", "20 day"]
 
@@ -25,6 +26,11 @@ HUMID = ["--relative-humidity", "85", "--time", "20 day"]
 def run(*arguments: str | Path) -> tuple[int, str, str]:
     result = CliRunner().invoke(app, [str(a) for a in arguments])
     return result.exit_code, result.stdout, result.stderr
+
+
+def with_sides() -> Mechanism:
+    """Water enters the coupler through its sides too."""
+    return mechanism_from_toml(MODEL.replace('exposed_faces = "lower"', "exposed_sides = true"))
 
 
 @pytest.fixture
@@ -66,6 +72,7 @@ def test_one_link_without_pictures(model: Path, tmp_path: Path) -> None:
     # The coupler was not asked for; that is no reason to call it dry.
     assert "take up no water: crank\n" in printed
     assert sorted(file.name for file in out.iterdir()) == [
+        "moisture.nc",
         "moisture_profile.csv",
         "moisture_uptake.csv",
     ]
@@ -73,26 +80,67 @@ def test_one_link_without_pictures(model: Path, tmp_path: Path) -> None:
 
 
 def test_times_to_saturation_of_a_bar_by_the_product() -> None:
-    mechanism = mechanism_from_toml(
-        MODEL.replace('exposed_faces = "lower"', "exposed_sides = true")
-    )
-    wide = link_uptake(mechanism, "coupler", 1.0, 293.15, np.array([0.0, DAY]))
-    slab = link_uptake(mechanism, "rocker", 1.0, 293.15, np.array([0.0, DAY]))
-    assert wide.laws() is None
-    assert slab.laws() is not None
-    from flexmech.materials.moisture import bar_uptake
-
-    for share, time in zip((0.5, 0.9), wide.times_to((0.5, 0.9)), strict=True):
+    data = moisture_uptake(with_sides(), 1.0, DAY, 293.15).dataset
+    wide, slab = (data.sel(link=link) for link in ("coupler", "rocker"))
+    laws = ["short_time_uptake", "shen_springer_uptake"]
+    assert wide[laws].to_array().isnull().all()
+    assert slab[laws].to_array().notnull().all()
+    for share in (0.5, 0.9):
+        time = wide["time_to_share"].sel(share=share).item()
         found = bar_uptake(np.array([time]), 6e-3, 10e-3, 6e-13, 6e-13)[0]
         assert found == pytest.approx(share, abs=1e-3)
-    assert wide.times_to((0.5,))[0] < slab.times_to((0.5,))[0]
+    assert (wide["time_to_share"] < slab["time_to_share"]).all()
 
 
-def test_shares_must_be_fractions() -> None:
-    mechanism = mechanism_from_toml(MODEL)
-    uptake = link_uptake(mechanism, "coupler", 1.0, 293.15, np.array([0.0, DAY]))
-    with pytest.raises(InputError, match="between 0 and 1"):
-        uptake.times_to((1.0,))
+def test_water_of_a_neat_resin_is_its_moisture(model: Path) -> None:
+    data = moisture_uptake(load_mechanism(model), 0.85, 20 * DAY).dataset
+    assert data["water"].values == pytest.approx(data["moisture"].values)
+    assert data.attrs["temperature"] == load_mechanism(model).reference_temperature
+    assert data["mass_balance_error"].values.max() < 1e-12
+
+
+def test_a_user_s_script(tmp_path: Path) -> None:
+    """Ten lines with public names alone."""
+    script = f"""
+import flexmech
+mechanism = flexmech.load_mechanism({str(MODELS / "moist_composite_fourbar.toml")!r})
+found = flexmech.moisture_uptake(mechanism, 0.85, 30 * 86400, temperature=353.15)
+days = found.dataset["time_to_share"].sel(share=0.9) / 86400
+figure = found.plot()
+files = found.save({str(tmp_path)!r}, figures=True)
+loaded = flexmech.MoistureUptake.load(files[2])
+print(loaded.summary())
+"""
+    names: dict[str, object] = {}
+    exec(script, names)
+    assert names["days"].values.round(2).tolist() == [22.56, 22.56, 90.24]  # type: ignore[attr-defined]
+    assert isinstance(names["figure"], Figure)
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(MoistureUptake.files)
+
+
+def test_a_loaded_result_says_the_same(tmp_path: Path) -> None:
+    """Links with fewer cells than others are filled up with places that are not numbers."""
+    result = moisture_uptake(with_sides(), 0.85, 20 * DAY)
+    cells = result.dataset["place"].notnull().sum("cell").values
+    assert cells[0] < cells[1]
+    result.save(tmp_path)
+    loaded = MoistureUptake.load(tmp_path / "moisture.nc")
+    assert loaded.dataset.identical(result.dataset)
+    for name, variable in result.dataset.variables.items():
+        assert loaded.dataset[name].dtype.kind == variable.dtype.kind, name
+    assert str(loaded.summary()) == str(result.summary())
+    for name, table in result.tables().items():
+        pd.testing.assert_frame_equal(loaded.tables()[name], table)
+    profile = result.tables()["moisture_profile"]
+    assert profile.groupby("link").size().tolist() == (5 * cells).tolist()
+
+
+def test_plots_into_axes_of_the_user(model: Path) -> None:
+    found = moisture_uptake(load_mechanism(model), 0.85, 20 * DAY)
+    mine = Figure()
+    axes = mine.subplots(2, 2)
+    assert found.plot(ax=axes) is mine
+    assert all(panel.lines for panel in axes.flat)
 
 
 @pytest.mark.parametrize(
@@ -101,11 +149,11 @@ def test_shares_must_be_fractions() -> None:
         (["--relative-humidity", "120", "--time", "1 day"], "--relative-humidity"),
         (["--relative-humidity", "500 ppm", "--time", "1 day"], "--relative-humidity: got '500 p"),
         (["--relative-humidity", "85 %%", "--time", "1 day"], "--relative-humidity: got '85 %'"),
-        (["--relative-humidity", "0", "--time", "1 day"], "relative_humidity must lie above 0"),
-        (["--relative-humidity", "85", "--time", "0 s"], "--time: must be positive"),
+        (["--relative-humidity", "0", "--time", "1 day"], "relative_humidity must be above 0"),
+        (["--relative-humidity", "85", "--time", "0 s"], "time must be positive"),
         ([*HUMID, "--temperature", "-300"], "--temperature"),
         ([*HUMID, "--temperature", "80 mm"], "--temperature"),
-        ([*HUMID, "--link", "wheel"], "--link: there is no link 'wheel'"),
+        ([*HUMID, "--link", "wheel"], "link: there is no link 'wheel'"),
         ([*HUMID, "--link", "crank"], "takes up no water"),
     ],
 )
@@ -119,7 +167,21 @@ def test_refusals(model: Path, tmp_path: Path, options: list[str], said: str) ->
 
 
 def test_metal_mechanisms_take_up_nothing(tmp_path: Path) -> None:
-    steel = Path(__file__).parents[2] / "models" / "steel_fourbar.toml"
-    code, _, errors = run("moisture", steel, *HUMID, "--out", tmp_path / "none")
+    code, _, errors = run(
+        "moisture", MODELS / "steel_fourbar.toml", *HUMID, "--out", tmp_path / "none"
+    )
     assert code == 2
     assert "no link takes up water; add equilibrium_moisture" in errors
+
+
+def test_what_python_refuses(model: Path) -> None:
+    mechanism = load_mechanism(model)
+    for arguments, said in (
+        ((mechanism, 85, DAY), "relative_humidity must be above 0 and at most 1, got 85"),
+        ((mechanism, "85 %", DAY), "relative_humidity must be a number"),
+        ((mechanism, 0.85, "20 day"), "time must be a number of s"),
+        ((mechanism, 0.85, DAY, -5.0), "temperature must be positive"),
+        ((str(model), 0.85, DAY), "write flexmech.load_mechanism"),
+    ):
+        with pytest.raises(InputError, match=said):
+            moisture_uptake(*arguments)  # type: ignore[arg-type]

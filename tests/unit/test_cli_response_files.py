@@ -10,21 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from flexmech import plots
-from flexmech.analyses.response import Response, ResponseRequest, response
+from flexmech.analyses import Response, ResponseRequest, response
+from flexmech.analyses.response.words import check_lines, load_lines, peak_table
 from flexmech.cli import app
-from flexmech.cli.response_pictures import write_animations
-from flexmech.cli.response_report import (
-    agreement_line,
-    check_lines,
-    load_lines,
-    peak_table,
-    spectrogram_lines,
-)
-from flexmech.errors import ComputationError, InputError
+from flexmech.errors import ComputationError
 from flexmech.linkages import CrankDrive
 from flexmech.modelfile import load_mechanism
 from flexmech.reference import ReferenceEngine
@@ -69,34 +61,22 @@ def two_responses(short_response: Response) -> Response:
 def invented(
     monkeypatch: pytest.MonkeyPatch, short_response: Response, two_responses: Response
 ) -> SimpleNamespace:
-    """An analysis that returns a run made before, and drawings that cost nothing."""
-    seen = SimpleNamespace(
-        engines=[], requests=[], options=[], animated=[], failure=None, mp4=True, spectrogram=False
-    )
+    """An analysis that returns a run made before, and animations that cost nothing."""
+    seen = SimpleNamespace(engines=[], requests=[], options=[], animated=[], mp4=True)
 
     def analysis(engines: list[Any], request: ResponseRequest, **options: Any) -> Response:
         seen.engines.append([(one.name, one.element, one.elements) for one in engines])
         seen.requests.append(request)
         seen.options.append(options)
-        if seen.failure is not None:
-            raise seen.failure
-        result = short_response if len(engines) == 1 else two_responses
-        if seen.spectrogram:
-            return Response(result.dataset.assign(spectrogram=("engine", [0.0] * len(engines))))
-        return result
+        return short_response if len(engines) == 1 else two_responses
 
     def write_animation(dataset: xr.Dataset, path: Path, **options: Any) -> None:
         path.write_bytes(b"frames")
         seen.animated.append(path.name)
 
-    def drawing(dataset: xr.Dataset) -> Figure:
-        return Figure(figsize=(1, 1))
-
-    monkeypatch.setattr("flexmech.analyses.response.response", analysis)
-    for name in ("plot_response", "plot_forces", "plot_spectrum", "plot_spectrogram"):
-        monkeypatch.setattr(plots, name, drawing, raising=False)
-    monkeypatch.setattr(plots, "write_animation", write_animation, raising=False)
-    monkeypatch.setattr(plots, "mp4_available", lambda: seen.mp4, raising=False)
+    monkeypatch.setattr("flexmech.analyses.response", analysis)
+    monkeypatch.setattr(plots, "write_animation", write_animation)
+    monkeypatch.setattr(plots, "mp4_available", lambda: seen.mp4)
     return seen
 
 
@@ -118,35 +98,16 @@ def test_defaults_are_those_of_the_manual(
         integrator="trapezoidal",
         prestress="equilibrium",
         modes=4,
+        speed_unit="rpm",
     )
     assert request.drive.is_constant
-    assert invented.options == [{"check_mesh": False, "progress": None}]
+    assert invented.options == [{"check_mesh": False, "environment": None, "progress": None}]
     assert names(tmp_path / "results") == sorted(DATA + PICTURES)
-
-
-@pytest.mark.parametrize(
-    ("arguments", "elements"),
-    [
-        (["--element", "euler"], ["euler", "ancf"]),
-        (["--element", "geometrically-exact"], ["timoshenko", "geometrically-exact"]),
-        (["--engine", "exudyn"], ["ancf"]),
-        (["--engine", "exudyn", "--element", "geometrically-exact"], ["geometrically-exact"]),
-        (["--engine", "reference", "--element", "euler"], ["euler"]),
-    ],
-    ids=str,
-)
-def test_an_element_goes_to_the_engine_that_has_it(
-    invented: SimpleNamespace, arguments: list[str], elements: list[str], tmp_path: Path
-) -> None:
-    result = run(ALUMINIUM, "--speed", "20", *arguments, "--no-plots", "--out", str(tmp_path))
-    assert result.exit_code == 0, result.output
-    assert [element for _, element, _ in invented.engines[0]] == elements
 
 
 @pytest.mark.parametrize(
     ("arguments", "files"),
     [
-        ([], PICTURES),
         (["--no-plots"], []),
         (["--animate"], PICTURES + ANIMATIONS),
         (["--no-plots", "--animate"], ANIMATIONS),
@@ -162,17 +123,20 @@ def test_files_are_those_asked_for(
     (line,) = (line for line in result.stdout.split("\n") if line.startswith("files: "))
     assert sorted(line[7:].split(", ")) == sorted(str(tmp_path / name) for name in DATA + files)
     assert "ffmpeg" not in result.stdout
-    for name in set(files) & set(PICTURES):
-        assert (tmp_path / name).read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_spectrogram_is_drawn_where_there_is_one(
-    invented: SimpleNamespace, tmp_path: Path
-) -> None:
-    invented.spectrogram = True
-    result = run(ALUMINIUM, *QUICK, "--out", str(tmp_path))
-    assert names(tmp_path) == sorted([*DATA, *PICTURES, "spectrogram.png"])
-    assert "too short" not in result.stdout
+def test_a_spectrogram_is_drawn_where_there_is_one(short_response: Response) -> None:
+    assert "spectrogram" not in short_response.figures()
+    data = short_response.dataset
+    deflection = data["deflection"]
+    windows = {"window_frequency": [1.0, 2.0, 3.0], "window_time": [0.01, 0.02]}
+    levels = xr.DataArray(np.ones((1, 3, 3, 2)), dims=("engine", "link", *windows))
+    frequency = xr.DataArray(np.full((1, 2, 1), 2.0), dims=("engine", "window_time", "mode"))
+    longer = data.assign(spectrogram=levels, natural_frequency=frequency)
+    longer = longer.assign_coords(**windows, mode=[1], engine=deflection["engine"])
+    assert "spectrogram" in Response(longer).figures()
+    assert "too short" in str(short_response.summary())
+    assert "too short" not in str(Response(longer).summary())
 
 
 def test_without_ffmpeg_there_is_a_gif_and_a_line(
@@ -187,49 +151,25 @@ def test_without_ffmpeg_there_is_a_gif_and_a_line(
     assert (tmp_path / "animation.mp4").read_bytes() == b"old"
 
 
-@pytest.mark.parametrize(
-    ("failure", "code", "message"),
-    [
-        (InputError("the linkage locks at crank angle 90 deg"), 2, "error: the linkage locks"),
-        (ComputationError("the linear response diverges"), 1, "error: the linear response"),
-        (KeyboardInterrupt(), 130, "interrupted: "),
-    ],
-    ids=lambda value: type(value).__name__,
-)
-def test_failures_end_with_a_line_a_code_and_no_files(
-    invented: SimpleNamespace, failure: BaseException, code: int, message: str, tmp_path: Path
-) -> None:
-    invented.failure = failure
-    result = run(ALUMINIUM, *QUICK, "--out", str(tmp_path / "deep" / "out"))
-    assert result.exit_code == code
-    assert result.stderr.startswith(message)
-    assert result.stderr.count("\n") == 1
-    assert result.stdout == ""
-    assert names(tmp_path) == []
-
-
-def test_pictures_and_animations_come_all_together_or_not_at_all(
+def test_animations_come_all_together_or_not_at_all(
     invented: SimpleNamespace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(*arguments: Any, **options: Any) -> None:
-        raise ComputationError("cannot draw")
-
     def fail_at_mp4(dataset: xr.Dataset, path: Path, **options: Any) -> None:
         path.write_bytes(b"half")
         if path.suffix == ".mp4":
-            fail()
+            raise ComputationError("cannot draw")
 
-    out = ["--out", str(tmp_path)]
     monkeypatch.setattr(plots, "write_animation", fail_at_mp4)
-    assert run(ALUMINIUM, *QUICK, "--animate", "--no-plots", *out).exit_code == 1
-    assert names(tmp_path) == DATA
-    monkeypatch.setattr(plots, "plot_spectrum", fail)
-    assert run(ALUMINIUM, *QUICK, *out).exit_code == 1
+    result = run(ALUMINIUM, *QUICK, "--animate", "--no-plots", "--out", str(tmp_path))
+    assert result.exit_code == 1
     assert names(tmp_path) == DATA
 
 
 def test_animations_show_their_progress(
-    invented: SimpleNamespace, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    short_response: Response,
+    invented: SimpleNamespace,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def write_animation(
         dataset: xr.Dataset, path: Path, *, progress: Callable[[int, int], None]
@@ -237,27 +177,38 @@ def test_animations_show_their_progress(
         path.write_bytes(b"frames")
         progress(1, 2)
 
-    monkeypatch.setattr(plots, "write_animation", write_animation, raising=False)
+    monkeypatch.setattr(plots, "write_animation", write_animation)
     shown: list[tuple[str, int, int]] = []
-    write_animations(xr.Dataset(), tmp_path, lambda *step: shown.append(step))
+    short_response.save_animations(tmp_path, lambda *step: shown.append(step))
     assert shown == [("animation.gif", 1, 2), ("animation.mp4", 1, 2)]
+
+
+def test_a_saved_run_says_the_same(short_response: Response, tmp_path: Path) -> None:
+    loaded = Response.load(short_response.save(tmp_path)[1])
+    xr.testing.assert_identical(loaded.dataset, short_response.dataset)
+    assert str(loaded.summary()) == str(short_response.summary())
 
 
 # --- what is printed ------------------------------------------------------------------------
 
 
-def test_the_last_line_compares_the_engines(invented: SimpleNamespace, tmp_path: Path) -> None:
-    result = run(ALUMINIUM, "--speed", "20", "--no-plots", "--out", str(tmp_path))
-    assert result.stdout.strip().split("\n")[-1] == (
+def test_the_last_line_compares_the_engines(
+    short_response: Response, two_responses: Response
+) -> None:
+    summary = two_responses.summary()
+    assert summary.verdict == (
         "engines: deflections of reference and exudyn differ by at most 9.9e-03 (crank), "
         "9.9e-03 (coupler), 9.9e-03 (rocker) of the link's peak"
     )
-    rows = [line.split() for line in result.stdout.split("\n") if line.startswith("│")]
-    assert [(row[1], row[3]) for row in rows] == [
+    table: Any = summary.parts[0]
+    assert [row[:2] for group in table.groups for row in group] == [
         (engine, link)
         for engine in ("reference", "exudyn")
         for link in ("crank", "coupler", "rocker")
     ]
+    assert short_response.summary().verdict == (
+        "engines: no comparison was made, only the reference engine ran"
+    )
 
 
 def test_checks_and_loads_are_listed_engine_by_engine(
@@ -273,16 +224,12 @@ def test_checks_and_loads_are_listed_engine_by_engine(
         "their peak"
     )
     assert len(check_lines(result.dataset)) == len(lines) - 1
-    torque, *forces = load_lines(result)
+    torque, *forces = load_lines(result.peaks(), result.dataset)
     rigid = float(abs(data["rigid_driving_torque"]).max())
     assert torque.endswith(f"{rigid:.4g} N m (rigid links)")
     assert [line.split("(")[1] for line in forces] == ["reference)", "exudyn)", "rigid links)"]
     pin = data["rigid_joint_force"].sel(joint="B").values
     assert f"B {np.hypot(pin[:, 0], pin[:, 1]).max():.4g}, O4" in forces[-1]
-    assert agreement_line(short_response) == (
-        "engines: no comparison was made, only the reference engine ran"
-    )
-    assert spectrogram_lines(data.assign(spectrogram=0.0)) == []
 
 
 @pytest.mark.parametrize(
@@ -304,8 +251,6 @@ def test_the_crank_at_the_peak_is_an_angle_and_a_turn(
     data = data.assign_coords(crank_angle=("time", np.radians([start, degrees])))
     data["deflection"] = data["deflection"] * 0.0
     data["deflection"][:, 1] = -1e-3
-    _, _, _, deflection, at, turns, strain = peak_table(Response(data), "peaks [m]").columns
-    assert list(deflection.cells) == ["1"] * 3
-    assert list(at.cells) == [shown] * 3
-    assert list(turns.cells) == [turn] * 3
-    assert [cell == "-" for cell in strain.cells] == [True, False, False]
+    (rows,) = peak_table(Response(data).peaks(), np.radians(start), "peaks").groups
+    assert [row[3:6] for row in rows] == [("1", shown, turn)] * 3
+    assert [row[6] == "-" for row in rows] == [True, False, False]

@@ -328,4 +328,4 @@ def test_check_shows_the_axes_and_the_losses_of_a_laminate() -> None:
     plain = CliRunner().invoke(app, ["check", str(STEEL)]).stdout
     assert "axis y" not in plain
     assert "specific damping" not in plain
-    assert value_of(plain, "damping time (s)") == [0, 0, 0]
+    assert value_of(plain, "damping time, bending (s)") == [0, 0, 0]

@@ -7,13 +7,16 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 from typer.testing import CliRunner
 
-from flexmech.analyses import HygrothermalEffect, MovingFrequencies, hygrothermal_effect
+from flexmech.analyses import MovingFrequencies, moving_frequencies
 from flexmech.cli import app
-from flexmech.cli.environment import parse_state
+from flexmech.cli.environment import parse_environment
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Exposure, HygrothermalState
+from flexmech.modelfile import load_mechanism
+from flexmech.reference import ReferenceEngine
 from tests.unit.figure_checks import HALF_WIDTH_PANEL, check_layout
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
@@ -86,7 +89,7 @@ def run(*arguments: str | Path) -> tuple[int, str, str]:
     ],
 )
 def test_options_to_a_state(options: tuple[str | None, ...], wanted: object) -> None:
-    assert parse_state(*options) == wanted  # type: ignore[arg-type]
+    assert parse_environment(*options) == wanted  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -106,7 +109,7 @@ def test_options_to_a_state(options: tuple[str | None, ...], wanted: object) -> 
 )
 def test_options_that_cannot_be(options: tuple[str | None, ...], said: str) -> None:
     with pytest.raises(InputError, match=said):
-        parse_state(*options)  # type: ignore[arg-type]
+        parse_environment(*options)  # type: ignore[arg-type]
 
 
 def test_frequencies_beside_the_dry_ones(model: Path, tmp_path: Path) -> None:
@@ -128,10 +131,14 @@ def test_frequencies_beside_the_dry_ones(model: Path, tmp_path: Path) -> None:
     plain = MovingFrequencies.load(alone / "frequencies.nc")
     # To the last bit: the dry linkage is the one without the options.
     assert np.array_equal(dry.dataset["frequency"].values, plain.dataset["frequency"].values)
-    effect = HygrothermalEffect.load(out / "hygrothermal_effect.nc")
+    effect = MovingFrequencies.load(out / "hygrothermal_effect.nc")
+    assert effect.states == ("dry", "+40 K, 5 % moisture")
     ratio = wet.dataset["frequency"] / dry.dataset["frequency"] - 1
-    assert effect.relative_change.values == pytest.approx(ratio.values)
-    assert effect.relative_change.max() < -0.1
+    assert effect.relative_change().values == pytest.approx(ratio.values)
+    assert effect.relative_change().max() < -0.1
+    xr.testing.assert_identical(effect.state("dry").dataset, dry.dataset)
+    xr.testing.assert_identical(effect.state(effect.states[1]).dataset, wet.dataset)
+    assert str(effect.summary()).splitlines()[-1] == printed.strip().splitlines()[-1]
     table = pd.read_csv(out / "hygrothermal_effect.csv")
     assert list(table.columns) == [
         "engine",
@@ -149,8 +156,8 @@ def test_frequencies_beside_the_dry_ones(model: Path, tmp_path: Path) -> None:
 def test_dry_state_on_request_is_the_dry_linkage(model: Path, tmp_path: Path) -> None:
     zero = ["--temperature-rise", "0", "--moisture", "0", *QUICK]
     assert run("frequencies", model, *COARSE, *zero, "--out", tmp_path)[0] == 0
-    effect = HygrothermalEffect.load(tmp_path / "hygrothermal_effect.nc")
-    assert np.all(effect.relative_change.values == 0.0)
+    effect = MovingFrequencies.load(tmp_path / "hygrothermal_effect.nc")
+    assert np.all(effect.relative_change().values == 0.0)
 
 
 def test_exposure_bends_the_link_that_is_wet_on_one_side(model: Path, tmp_path: Path) -> None:
@@ -204,17 +211,17 @@ def test_refusals(model: Path, tmp_path: Path, options: list[str], said: str) ->
     assert printed == ""
 
 
-def test_states_over_other_positions_cannot_be_compared() -> None:
-    import xarray as xr
-
-    def result(angles: list[float]) -> MovingFrequencies:
-        dims = ("engine", "crank_speed", "crank_angle", "mode")
-        values = xr.DataArray(np.ones((1, 1, len(angles), 1)), dims=dims)
-        coords = {"engine": ["reference"], "crank_speed": [0.0], "crank_angle": angles, "mode": [1]}
-        return MovingFrequencies(xr.Dataset({"frequency": values.assign_coords(coords)}))
-
-    with pytest.raises(InputError, match="same engines, crank angles"):
-        hygrothermal_effect(result([0.0, 1.0]), result([0.0, 2.0]), "wet")
+def test_a_state_that_is_not_there_is_refused(model: Path) -> None:
+    engine = ReferenceEngine(load_mechanism(model), 2)
+    dry = moving_frequencies(engine, [0.0, 1.0], [0.0], modes=1)
+    with pytest.raises(InputError, match="computed dry alone"):
+        dry.state("wet")
+    with pytest.raises(InputError, match="with an environment"):
+        dry.relative_change()
+    heat = HygrothermalState(temperature_rise=40.0)
+    both = moving_frequencies(engine, [0.0, 1.0], [0.0], modes=1, environment=heat)
+    with pytest.raises(InputError, match="no state 'wet'; its states are 'dry', '\\+40 K"):
+        both.state("wet")
 
 
 RUN = ["--speed", "10", "--revolutions", "0.1", "--elements", "2", "--samples", "120"]

@@ -91,7 +91,9 @@ def parameters(subject: Subject) -> list[str]:
 
 
 def has_own_parameters(cls: type) -> bool:
-    foreign = (enum.Enum, BaseException, dict, list, str)
+    if issubclass(cls, BaseException):
+        return "__init__" in vars(cls)
+    foreign = (enum.Enum, dict, list, str)
     return not (issubclass(cls, foreign) or getattr(cls, "_is_protocol", False))
 
 

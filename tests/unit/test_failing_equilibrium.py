@@ -18,6 +18,7 @@ def test_divergence_names_crank_angle_speed_and_remedy(steel, engine, speed):
     message = str(caught.value)
     assert "no quasi-static equilibrium at crank angle" in message
     assert f"crank speed {speed:g} rad/s" in message
+    assert f"crank speed {speed * 30 / np.pi:.6g} rpm" in caught.value.told("rpm")
     assert "lower the crank speed" in message
     assert caught.value.exit_code == 1
 
@@ -45,7 +46,7 @@ def test_a_speed_at_which_the_frozen_arm_diverges(unit_arm):
 
 
 @pytest.mark.parametrize("engine", [ReferenceEngine, ExudynEngine])
-def test_an_equilibrium_in_another_posture_is_refused(unit_arm, engine):
+def test_an_equilibrium_far_from_the_rigid_linkage_is_refused(unit_arm, engine):
     """A soft arm hangs down by its own weight: an equilibrium, but no vibration about x."""
     arm = unit_arm(1000)
     limp = type(arm)(arm.linkage, arm.sections, gravity=(0.0, -10.0))

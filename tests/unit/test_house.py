@@ -28,6 +28,7 @@ ORDER = [
     "files",
     "units",
     "numbers",
+    "short_repr",
     "model_text",
     "plots",
     "materials",

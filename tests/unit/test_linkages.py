@@ -243,14 +243,6 @@ def test_transmission_angle_keeps_the_shape_of_its_argument() -> None:
     assert STEEL_LINKAGE.transmission_angle(np.zeros((2, 3))).shape == (2, 3)
 
 
-def test_acceleration_in_the_frame_is_that_in_ground_axes_turned() -> None:
-    motion = STEEL_LINKAGE.motion(TURN[:-1], 20.0, 3.0)
-    local = motion.origin_acceleration_in_frame()
-    ground = motion.origin_acceleration
-    turned = (local[..., 0] + 1j * local[..., 1]) * np.exp(1j * motion.angle)
-    assert turned == pytest.approx(ground[..., 0] + 1j * ground[..., 1], abs=1e-11)
-
-
 @settings(max_examples=20)
 @given(numbers(-3, 3), numbers(-20, 20), numbers(-100, 100), numbers(0, 2))
 def test_arm_moves_on_a_circle_around_the_axis(

@@ -11,27 +11,26 @@ import xarray as xr
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
-from flexmech.analyses import MovingFrequencies, moving_frequencies, solve_modes
-from flexmech.analyses.frequencies.modal_damping import (
-    StrainEnergyDamping,
-    links_without_loss,
+from flexmech.analyses import (
+    MovingFrequencies,
+    moving_frequencies,
+    solve_modes,
     strain_energy_damping,
 )
+from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping, links_without_loss
 from flexmech.analyses.frequencies.running_states import RunningStates
+from flexmech.analyses.frequencies.words import damping_lines
 from flexmech.cli import app
-from flexmech.cli.report import damping_lines
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
-from flexmech.plots import plot_modal_damping
-from flexmech.plots.style import SERIES_STYLES
+from flexmech.plots import SERIES_STYLES, plot_modal_damping
 from flexmech.reference import ReferenceEngine
 from flexmech.sections import SpecificDamping
 from tests.strategies import fourbar
-from tests.unit.figure_checks import check_layout, legend_texts
+from tests.unit.figure_checks import check_layout, legend_texts, lines_in
 from tests.unit.plot_data import FULL_TURN, frequency_dataset
-from tests.unit.test_plots import lines_in
 
 ANGLES = np.radians([0.0, 60.0, 120.0, 240.0, 300.0, 360.0])
 SPEEDS = [0.0, 20.0]
@@ -88,7 +87,7 @@ class TestDataset:
         engine = ReferenceEngine(mechanism, 2)
         found = moving_frequencies(engine, ANGLES[:2], [0.0])
         assert "strain_energy_damping" not in found.dataset
-        assert found.further_tables() == {}
+        assert list(found.tables()) == ["frequencies"]
         assert StrainEnergyDamping.of(engine) is None
         with pytest.raises(InputError, match="no section of this mechanism has specific damping"):
             strain_energy_damping(engine, 0.0)
@@ -152,7 +151,7 @@ class TestRunningStates:
             def __init__(self, engine: Engine) -> None:
                 self.sizes = [link.size for link in engine.links]
 
-            def at(self, crank_angle: np.ndarray, crank_speed: float) -> list[np.ndarray]:
+            def at(self, crank_angle: np.ndarray) -> list[np.ndarray]:
                 return [np.zeros((len(crank_angle), size)) for size in self.sizes]
 
         monkeypatch.setattr(RunningStates, "of", lambda engine, speed: Straight(engine))
@@ -188,7 +187,7 @@ class TestFiles:
         self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         for other in ("plot_frequencies", "plot_mode_shapes"):
-            monkeypatch.setattr(f"flexmech.plots.{other}", lambda dataset: Figure())
+            monkeypatch.setattr(f"flexmech.plots.{other}", lambda dataset, **choices: Figure())
         loads = [losing(**LOSS), losing()]
         monkeypatch.setattr("flexmech.modelfile.load_mechanism", lambda path: loads.pop(0))
         arguments = [
@@ -264,8 +263,10 @@ class TestPicture:
         crossing = with_damping(frequency_dataset(crossing=True, engines=("reference",)))
         axes = plot_modal_damping(crossing).axes[0]
         pieces = [line for line in axes.lines if line.get_color() == SERIES_STYLES[0].color]
-        assert len(pieces) == 3
-        assert sum(len(line.get_xdata()) for line in pieces) == len(FULL_TURN)
+        shown = np.array([np.isfinite(line.get_ydata()) for line in pieces])
+        assert shown.shape == (2, len(FULL_TURN))
+        assert np.all(shown.sum(axis=0) == 1)
+        assert np.abs(np.diff(shown[0].astype(int))).sum() == 2
         whole = [line for line in axes.lines if line.get_color() == SERIES_STYLES[2].color]
         assert len(whole) == 1
 

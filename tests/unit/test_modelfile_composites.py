@@ -12,9 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flexmech.errors import InputError
-from flexmech.materials import ply_from_constituents, published_constituents, woven_ply
-from flexmech.modelfile import json_schema, load_mechanism, mechanism_from_toml, template
+from flexmech.materials import (
+    PlyComposition,
+    ply_from_constituents,
+    published_constituents,
+    woven_ply,
+)
 from flexmech.materials.stacking import parse_stacking, stacking_text
+from flexmech.modelfile import json_schema, load_mechanism, mechanism_from_toml, template
 
 MODEL = Path(__file__).parents[2] / "models" / "composite_fourbar.toml"
 
@@ -274,6 +279,132 @@ def test_a_damping_frequency_without_specific_damping_is_refused() -> None:
     )
     with pytest.raises(InputError, match=r"links\.arm: a damping frequency needs the specific"):
         mechanism_from_toml(text)
+
+
+GENERAL = """section = "general"
+axial_stiffness = "5 MN"
+bending_stiffness = "7.8 N m^2"
+shear_stiffness = "1.7 MN"
+mass_per_length = "202 g/m"
+rotary_inertia = "0.3 g mm"
+in_plane_thickness = "4 mm"
+"""
+
+
+def test_a_general_section_may_know_its_layers_its_axes_and_its_loss() -> None:
+    text = changed('section = "laminate"', GENERAL) + (
+        'neutral_axis = "-0.2 mm"\nmass_axis = "0.1 mm"\nfree_curvature = "0.2 1/m"\n'
+        'free_strain = 1e-3\ndamping_frequency = "50 Hz"\nexposed_faces = "lower"\n'
+        "specific_damping = { axial = 0.01, bending = 0.02, shear = 0.03 }\n"
+    )
+    jsonschema.validate(tomllib.loads(text), json_schema(), jsonschema.Draft202012Validator)
+    mechanism = mechanism_from_toml(text)
+    section = mechanism.sections["arm"]
+    assert section.bending_stiffness == 7.8
+    assert (section.neutral_axis, section.mass_axis) == (-2e-4, 1e-4)
+    assert (section.free_strain, section.free_curvature) == (1e-3, 0.2)
+    assert section.specific_damping is not None
+    assert section.damping == section.specific_damping.times(100 * np.pi)
+    assert section.layers is not None
+    assert len(section.layers.laminate.layers) == 4
+    assert mechanism.wetting_of("arm").faces == "lower"
+
+
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ('damping_frequency = "5 Hz"', "damping_frequency is given without damping_ratio"),
+        (
+            'damping_time = "1 ms"\n'
+            'damping_times = { axial = "1 ms", bending = "1 ms", shear = "1 ms" }',
+            "damping_times and damping_time or damping_ratio are both given; keep one",
+        ),
+        ('damping_times = { axial = "1 ms" }', r"links\.arm\.damping_times\.bending: is missing"),
+        ('neutral_axis = "3 mm"', r"links\.arm: neutral_axis must lie inside the section"),
+    ],
+)
+def test_bad_general_sections_are_refused_by_name(key: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        mechanism_from_toml(changed('section = "laminate"', GENERAL) + key + "\n")
+
+
+def test_layers_of_a_general_section_have_a_width_and_a_laminate() -> None:
+    text = changed('section = "laminate"', GENERAL)
+    with pytest.raises(InputError, match="laminate and out_of_plane_width belong together"):
+        mechanism_from_toml(text.replace('out_of_plane_width = "20 mm"', ""))
+    with pytest.raises(InputError, match=r"links\.arm\.laminate: .*did you mean 'mixed'"):
+        mechanism_from_toml(text.replace('laminate = "mixed"', 'laminate = "mixd"'))
+
+
+RESIN = """
+[plies.T.resin]
+moisture_expansion = "3e-3 1/percent"
+mass_fraction = 0.3
+volume_fraction = "40 %"
+"""
+COMPOSITION = """
+[plies.T.constituents]
+fibre = "own"
+matrix = "resin"
+fibre_volume_fraction = 0.6
+"""
+
+
+def test_what_is_in_a_measured_ply_may_stand_beside_its_constants() -> None:
+    layers = mechanism_from_toml(TEXT + RESIN).sections["arm"].layers
+    assert layers is not None
+    known = layers.laminate.layers[-1].ply.resin
+    assert known is not None
+    assert (known.mass_fraction, known.volume_fraction) == (0.3, 0.4)
+    assert known.hygrothermal.moisture_expansion == pytest.approx(0.3)
+    layers = mechanism_from_toml(TEXT + COMPOSITION).sections["arm"].layers
+    assert layers is not None
+    ply = layers.laminate.layers[-1].ply
+    assert ply.longitudinal_modulus == 135e9
+    assert isinstance(ply.origin, PlyComposition)
+    assert ply.origin.fibre.name == "own"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (TEXT + RESIN + COMPOSITION, r"plies\.T: matrix, resin and constituents are given; keep o"),
+        (TEXT + COMPOSITION.replace('"own"', '"one"'), r"plies\.T\.constituents\.fibre: .*'own'"),
+        (TEXT + RESIN.replace("0.3\n", "3\n"), r"plies\.T: mass_fraction of the resin must be"),
+        (
+            changed("[matrices.resin]", "[matrices.resin]\nuncertainty = { densty = 1 }"),
+            r"matrices\.resin\.uncertainty: unknown property 'densty'; did you mean 'density'",
+        ),
+        (
+            changed("[matrices.resin]", "[matrices.resin]\nuncertainty = { density = 1 }"),
+            r"matrices\.resin\.uncertainty: got the number 1.0, which has no unit",
+        ),
+        (
+            changed(
+                "[matrices.resin]", '[matrices.resin]\nuncertainty = { glass_transition = "1 K" }'
+            ),
+            r"matrices\.resin: uncertainty of 'resin' is of 'glass_transition'",
+        ),
+    ],
+)
+def test_bad_contents_of_plies_are_refused_by_name(text: str, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        mechanism_from_toml(text)
+
+
+def test_names_and_uncertainties_of_constituents() -> None:
+    text = changed(
+        "[matrices.resin]",
+        '[matrices.resin]\nname = "epoxy"\nsource = "a book"\n'
+        'uncertainty = { density = "9 kg/m^3" }',
+    ).replace("[plies.W]", '[plies.W]\nname = "fabric ply"')
+    layers = mechanism_from_toml(text.replace('"mixed"', '"fabric"')).sections["arm"].layers
+    assert layers is not None
+    ply = layers.laminate.layers[0].ply
+    assert ply.name == "fabric ply"
+    assert isinstance(ply.origin, PlyComposition)
+    resin = ply.origin.matrix
+    assert (resin.name, resin.source, resin.uncertainty) == ("epoxy", "a book", {"density": 9.0})
 
 
 def test_the_text_fits_the_schema() -> None:

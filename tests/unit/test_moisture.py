@@ -1,4 +1,4 @@
-"""Diffusivity, surroundings and meshes; what diffusion refuses and how it says so."""
+"""Diffusivity, ambient conditions and meshes; what diffusion refuses and how it says so."""
 
 from __future__ import annotations
 
@@ -10,26 +10,22 @@ import pytest
 
 from flexmech.errors import ComputationError, InputError
 from flexmech.materials.moisture import (
+    Ambient,
     DiffusionLayer,
     Diffusivity,
     MoistureEquilibrium,
-    MoistureHistory,
-    Surroundings,
-    bar_profile,
     composite_diffusivity_ratio,
     diffuse,
     diffuse_bar,
+    shen_springer_uptake,
     short_time_uptake,
-    slab_profile,
-    slab_uptake,
     time_to_saturation,
-    time_to_saturation_shen_springer,
 )
+from flexmech.materials.moisture.cells import graded, layer_mesh
 from flexmech.materials.moisture.history import Period
-from flexmech.materials.moisture.mesh import graded, layer_mesh
 
 LAYER = DiffusionLayer(2e-3, Diffusivity(1e-12), 60.0, Diffusivity(2e-12))
-AIR = Surroundings.constant(0.5, 300.0)
+AIR = Ambient.constant(0.5, 300.0)
 
 
 # ---- materials -------------------------------------------------------------------------------
@@ -105,12 +101,12 @@ def test_fibres_that_touch_let_no_water_through(fraction):
         composite_diffusivity_ratio(fraction)
 
 
-# ---- surroundings ----------------------------------------------------------------------------
+# ---- ambient conditions ----------------------------------------------------------------------
 
-STEPPED = Surroundings([10.0, 20.0, 20.0, 40.0], [0.2, 0.6, 0.9, 0.1], [290, 300, 320, 320])
+STEPPED = Ambient([10.0, 20.0, 20.0, 40.0], [0.2, 0.6, 0.9, 0.1], [290, 300, 320, 320])
 
 
-def test_surroundings_run_straight_and_stay():
+def test_ambient_conditions_run_straight_and_stay():
     humidity, temperature = STEPPED.at([0.0, 10.0, 15.0, 20.0, 30.0, 40.0, 99.0])
     np.testing.assert_allclose(humidity, [0.2, 0.2, 0.4, 0.9, 0.5, 0.1, 0.1])
     np.testing.assert_allclose(temperature, [290, 290, 295, 320, 320, 320, 320])
@@ -137,32 +133,32 @@ def test_periods_cut_anywhere():
     assert constant == Period(0.0, 7.0, (0.5, 0.5), (300.0, 300.0))
 
 
-def test_surroundings_keep_rows_of_their_own():
+def test_ambient_conditions_keep_rows_of_their_own():
     time = np.array([0.0, 1.0])
-    surroundings = Surroundings(time, np.array([0.1, 0.2]), np.array([300.0, 300.0]))
+    ambient = Ambient(time, np.array([0.1, 0.2]), np.array([300.0, 300.0]))
     time[0] = 5.0
-    assert surroundings.time[0] == 0.0
+    assert ambient.time[0] == 0.0
     with pytest.raises(ValueError, match="read-only"):
-        surroundings.time[0] = 5.0
+        ambient.time[0] = 5.0
 
 
 @pytest.mark.parametrize(
     ("rows", "said"),
     [
-        (([], [], []), "as many relative humidities"),
+        (([], [], []), "as many humidities"),
         (([0.0, 1.0], [0.5], [300.0, 300.0]), r"shapes \(2,\), \(1,\) and \(2,\)"),
-        (([[0.0]], [[0.5]], [[300.0]]), "as many relative humidities"),
-        (([1.0, 0.0], [0.5, 0.5], [300, 300]), "times of the surroundings"),
-        (([0.0, np.nan], [0.5, 0.5], [300, 300]), "times of the surroundings"),
+        (([[0.0]], [[0.5]], [[300.0]]), "as many humidities"),
+        (([1.0, 0.0], [0.5, 0.5], [300, 300]), "ambient times must be numbers"),
+        (([0.0, np.nan], [0.5, 0.5], [300, 300]), "ambient times must be numbers"),
         (([1.0] * 3, [0.5] * 3, [300] * 3), "more than twice"),
         (([0.0], [50.0], [300.0]), "relative_humidity must lie between 0 and 1"),
         (([0.0], [np.nan], [300.0]), "relative_humidity"),
         (([0.0], [0.5], [-20.0]), "above 0 K"),
     ],
 )
-def test_surroundings_that_are_none(rows, said):
+def test_ambient_conditions_that_are_none(rows, said):
     with pytest.raises(InputError, match=said):
-        Surroundings(*rows)
+        Ambient(*rows)
 
 
 # ---- series ----------------------------------------------------------------------------------
@@ -171,19 +167,15 @@ def test_surroundings_that_are_none(rows, said):
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda: slab_profile([1.1e-3], [1.0], 2e-3, 1e-12), "places must be a row"),
-        (lambda: slab_profile([[0.0]], [1.0], 2e-3, 1e-12), "places must be a row"),
-        (lambda: slab_profile([np.nan], [1.0], 2e-3, 1e-12), "places must be a row"),
-        (lambda: slab_profile([0.0], [-1.0], 2e-3, 1e-12), "times must be a row"),
-        (lambda: slab_uptake([np.inf], 2e-3, 1e-12), "times must be a row"),
-        (lambda: slab_uptake([1.0], 0.0, 1e-12), "thickness must be positive, got 0.0 m"),
-        (lambda: slab_uptake([1.0], 2e-3, -1e-12), "diffusivity must be positive"),
-        (lambda: slab_uptake([1.0], 2e-3, 1e-12, faces="top"), "faces must be one of both, lower"),
+        (lambda: shen_springer_uptake([-1.0], 2e-3, 1e-12), "times must be a row"),
+        (lambda: short_time_uptake([np.inf], 2e-3, 1e-12), "times must be a row"),
+        (lambda: short_time_uptake([[1.0]], 2e-3, 1e-12), "times must be a row"),
+        (lambda: short_time_uptake([1.0], 0.0, 1e-12), "thickness must be positive, got 0.0 m"),
+        (lambda: short_time_uptake([1.0], 2e-3, -1e-12), "diffusivity must be positive"),
+        (lambda: short_time_uptake([1.0], 2e-3, 1e-12, faces="top"), "faces must be one of both"),
         (lambda: short_time_uptake([1.0], np.nan, 1e-12), "thickness must be positive"),
-        (lambda: bar_profile([0], [2e-3], [1], 2e-3, 3e-3, 1e-12, 1e-12), "places must be a row"),
         (lambda: time_to_saturation(1.0, 2e-3, 1e-12), "takes for ever"),
         (lambda: time_to_saturation(0.0, 2e-3, 1e-12), "fraction of saturation"),
-        (lambda: time_to_saturation_shen_springer(1.0, 2e-3, 1e-12), "fraction of saturation"),
     ],
 )
 def test_series_of_nothing(call, said):
@@ -249,7 +241,7 @@ def test_a_layer_that_is_none(change, said):
     ],
 )
 def test_diffusion_of_nothing(change, said):
-    arguments: dict[str, Any] = {"layers": [LAYER], "surroundings": AIR, "times": [1.0]}
+    arguments: dict[str, Any] = {"layers": [LAYER], "ambient": AIR, "times": [1.0]}
     with pytest.raises(InputError, match=said):
         diffuse(**(arguments | change))
 
@@ -268,7 +260,7 @@ def test_bars_of_nothing(change, said):
     arguments: dict[str, Any] = {
         "layers": [LAYER],
         "width": 5e-3,
-        "surroundings": AIR,
+        "ambient": AIR,
         "times": [1.0],
     }
     with pytest.raises(InputError, match=said):
@@ -281,25 +273,6 @@ def test_numbers_that_overflow_are_named():
         diffuse([layer], AIR, [1.0], cells=10)
 
 
-def history() -> MoistureHistory:
-    return diffuse([LAYER], AIR, [0.0, 4e5], cells=40, tolerance=1e-4)
-
-
-def test_means_between_places():
-    wet = history()
-    half = LAYER.thickness / 2
-    np.testing.assert_allclose(wet.mean_between(-half, half), wet.uptake, rtol=1e-12)
-    outer, inner = wet.mean_between(half / 2, half), wet.mean_between(-half / 2, half / 2)
-    assert outer[1] > wet.uptake[1] > inner[1]
-    np.testing.assert_allclose((outer + inner) / 2, wet.uptake, atol=1e-12)
-
-
-@pytest.mark.parametrize("places", [(0.0, 0.0), (1e-4, -1e-4), (0.0, 2e-3), (np.nan, 0.0)])
-def test_means_of_nothing(places):
-    with pytest.raises(InputError, match="places must rise"):
-        history().mean_between(*places)
-
-
 def test_times_that_repeat_and_a_part_that_is_at_rest():
     result = diffuse([LAYER], AIR, [0.0, 0.0, 5.0, 5.0], initial=0.5, cells=20)
     assert result.saturation.shape == (4, 20)
@@ -309,7 +282,7 @@ def test_times_that_repeat_and_a_part_that_is_at_rest():
 
 def test_thin_layers_through_long_histories():
     """Steps after a jump of humidity are shorter than the digits of the time."""
-    surroundings = Surroundings([1e9, 1e9], [1.0, 0.2], [300.0, 300.0])
+    ambient = Ambient([1e9, 1e9], [1.0, 0.2], [300.0, 300.0])
     foil = DiffusionLayer(1e-6, Diffusivity(1e-12), 50.0)
-    result = diffuse([foil], surroundings, [1e9, 1e9 + 10.0], cells=50, tolerance=1e-5)
+    result = diffuse([foil], ambient, [1e9, 1e9 + 10.0], cells=50, tolerance=1e-5)
     np.testing.assert_allclose(result.uptake, [1.0, 0.2], atol=1e-4)

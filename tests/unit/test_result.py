@@ -67,7 +67,7 @@ def test_csv_has_the_agreed_columns_and_a_row_for_each_mode(
 
 
 def test_rows_of_two_engines_follow_each_other(two_engines: MovingFrequencies) -> None:
-    table = two_engines.table()
+    table = two_engines.tables()["frequencies"]
     assert len(table) == 2 * 2 * 4 * 3
     assert table["engine"].tolist() == ["reference"] * 24 + ["exudyn"] * 24
     assert ",".join(table.columns) == HEADER
@@ -205,6 +205,10 @@ def test_progress_counts_up_to_all_positions() -> None:
         ({"crank_speeds": [5.0, 5.0]}, "crank_speeds repeats a speed"),
         ({"modes": 0}, "modes must be 1 or more, got 0"),
         ({"prestress": "some"}, "prestress must be one of none, axial, equilibrium"),
+        ({"crank_angles": [0.0, 90.0, 180.0]}, r"rad and reaches 180; .* np.radians\(crank_angles"),
+        ({"crank_angles": [5.0, 10.0, 15.0]}, r"rad and reaches 15; .* np.radians\(crank_angles"),
+        ({"crank_speeds": ["20 rpm"]}, "crank_speeds must be a number of rad/s"),
+        ({"modes": 2.5}, "modes must be 1 or more, got 2.5"),
     ],
 )
 def test_a_senseless_request_is_refused(wrong: dict[str, object], message: str) -> None:
@@ -216,6 +220,9 @@ def test_a_senseless_request_is_refused(wrong: dict[str, object], message: str) 
 def test_a_map_needs_an_engine() -> None:
     with pytest.raises(InputError, match="needs an engine, got an empty list"):
         moving_frequencies([], ANGLES, [0.0])
+    for wrong in (fourbar(), "model.toml", [ReferenceEngine(fourbar(), 2), None]):
+        with pytest.raises(InputError, match=r"write flexmech.ReferenceEngine\(mechanism\)"):
+            moving_frequencies(wrong, ANGLES, [0.0])  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
@@ -230,5 +237,5 @@ def test_a_map_needs_an_engine() -> None:
     ],
 )
 def test_a_full_turn_is_recognised(degrees: np.ndarray, full: bool) -> None:
-    request = FrequencyRequest(np.radians(degrees), np.array([0.0]), 4, "none", False)
+    request = FrequencyRequest(np.radians(degrees), [0.0])
     assert request.full_turn is full

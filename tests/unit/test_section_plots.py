@@ -11,8 +11,10 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.cli.section_data import unit_load_profile
+from flexmech.analyses.section_profile import section_profiles
+from flexmech.linkages import RotatingArm
 from flexmech.materials import Laminate, Layer, Material, Ply
+from flexmech.mechanism import Mechanism
 from flexmech.plots import plot_section
 from flexmech.sections import BeamSection, LaminateSection
 from tests.unit.figure_checks import check_texts, legend_texts
@@ -26,13 +28,15 @@ BLUE, ORANGE, GREEN = "#0072B2", "#D55E00", "#009E73"
 
 def profile(layers: list[Layer], reduction: str = "narrow") -> xr.Dataset:
     section = LaminateSection(Laminate(tuple(layers)), 0.02, reduction)  # type: ignore[arg-type]
-    return unit_load_profile("coupler", BeamSection.of_laminate(section), section)
+    return of_arm(BeamSection.of_laminate(section))
 
 
 def rectangle() -> xr.Dataset:
-    section = BeamSection.rectangle(Material(70e9, 2700, 0.33), 4e-3, 25e-3)
-    assert section.layers is not None
-    return unit_load_profile("arm", section, section.layers)
+    return of_arm(BeamSection.rectangle(Material(70e9, 2700, 0.33), 4e-3, 25e-3))
+
+
+def of_arm(section: BeamSection) -> xr.Dataset:
+    return section_profiles(Mechanism(RotatingArm(0.5), {"arm": section})).profile("arm")
 
 
 def angles(*degrees: float) -> list[Layer]:

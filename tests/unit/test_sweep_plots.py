@@ -12,75 +12,9 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots.speed_sweep import plot_speed_sweep
-from flexmech.plots.style import SERIES_STYLES
-from flexmech.plots.vibration_effect import plot_vibration_effect
-from tests.unit.figure_checks import check_layout, check_texts, legend_texts, shown_texts
-
-LOWEST = np.array([43.1, 47.3, 112.0, 180.0]) * 2 * np.pi
-HIGHEST = np.array([46.9, 49.7, 175.0, 198.0]) * 2 * np.pi
-MEANS = np.array([44.0, 48.0, 115.0, 190.0, 402.0, 515.0, 760.0, 1120.0])
-
-
-def sweep_dataset(
-    modes: int = 2, links: int = 3, *, settled: bool = True, fastest: float = 40.0
-) -> xr.Dataset:
-    """Peaks with a resonance wherever a multiple of the speed meets a mean frequency."""
-    speed = np.linspace(2.0, fastest, 77)
-    order = np.arange(1, 21)
-    peak = np.array([2e-6, 3e-5, 6e-5])[:links] * (1 + speed[:, None] ** 2 / 40)
-    for centre in ((LOWEST + HIGHEST) / 2)[:2]:
-        for number in range(2, 21):
-            offset = (speed * number / centre - 1) / 0.01
-            peak *= (1 + 6 / number / (1 + offset**2))[:, None]
-    dataset = xr.Dataset(
-        {
-            "peak_deflection": (("crank_speed", "link"), peak),
-            "critical_speed_low": (("mode", "order"), LOWEST[:modes, None] / order),
-            "critical_speed_high": (("mode", "order"), HIGHEST[:modes, None] / order),
-        },
-        coords={
-            "crank_speed": speed,
-            "link": ["crank", "coupler", "rocker"][:links],
-            "probe": ("link", ["tip", "middle", "middle"][:links]),
-            "order": order,
-            "mode": np.arange(1, modes + 1),
-        },
-        attrs={"mechanism": "aluminium four-bar"},
-    )
-    if settled:
-        some = [0, 20, 40, 76]
-        dataset["settled_peak"] = (("settled_speed", "link"), 1.02 * peak[some])
-        dataset = dataset.assign_coords(settled_speed=speed[some])
-    return dataset
-
-
-def vibration_dataset(
-    modes: int = 4,
-    engines: tuple[str, ...] = ("reference", "exudyn"),
-    affected: tuple[int, ...] = (1,),
-    step: float = 5.0,
-) -> xr.Dataset:
-    """Frequencies that the vibration of the affected engines moves by up to 0.4 per cent."""
-    theta = np.radians(np.arange(0.0, 360.1, step))
-    speed = np.array([10.0, -20.0, 5.0])
-    still = MEANS[:modes] * (1 + 0.04 * np.cos(theta[:, None] + np.arange(modes)))
-    still = np.broadcast_to(still, (len(engines), speed.size, *still.shape)).copy()
-    running = still.copy()
-    for engine in affected:
-        wave = np.sin(9 * theta[:, None] + np.arange(modes)) * np.linspace(1, 0.3, modes)
-        running[engine] *= 1 + 1e-5 * speed[:, None, None] ** 2 * wave
-    dims = ("engine", "crank_speed", "crank_angle", "mode")
-    return xr.Dataset(
-        {"frequency": (dims, running), "quasi_static_frequency": (dims, still)},
-        coords={
-            "engine": list(engines),
-            "element": ("engine", ["ancf" if name == "exudyn" else "euler" for name in engines]),
-            "crank_speed": speed,
-            "crank_angle": theta,
-            "mode": np.arange(1, modes + 1),
-        },
-    )
+from flexmech.plots import SERIES_STYLES, plot_speed_sweep, plot_vibration_effect
+from tests.unit.figure_checks import check_layout, check_texts, heading, legend_texts, shown_texts
+from tests.unit.plot_data import HIGHEST, LOWEST, sweep_dataset, vibration_dataset
 
 
 def link_panels(figure: Figure) -> list[Axes]:
@@ -130,6 +64,25 @@ class TestSpeedSweep:
         ratio = np.divide(top.get_xlim(), link_panels(figure)[0].get_xlim())
         np.testing.assert_allclose(ratio, 60 / (2 * np.pi))
 
+    def test_unit_of_the_user_is_on_the_lower_axis(self) -> None:
+        dataset = sweep_dataset(links=1)
+        plain = link_panels(plot_speed_sweep(dataset))[0]
+        dataset.attrs["speed_unit"] = "rpm"
+        figure = plot_speed_sweep(dataset)
+        (axes,) = link_panels(figure)
+        assert axes.get_xlabel() == "Crank speed (rpm)"
+        (top,) = strip_of(figure).child_axes
+        assert top.get_xlabel() == "Crank speed (rad/s)"
+        figure.draw_without_rendering()
+        rpm = 30 / np.pi
+        np.testing.assert_allclose(axes.get_xlim(), rpm * np.array(plain.get_xlim()))
+        np.testing.assert_allclose(top.get_xlim(), plain.get_xlim())
+        for line, other in zip(axes.lines, plain.lines, strict=True):
+            np.testing.assert_allclose(line.get_xdata(), rpm * other.get_xdata())
+            np.testing.assert_array_equal(line.get_ydata(), other.get_ydata())
+        starts = [[patch.get_x() for patch in panel.patches] for panel in (axes, plain)]
+        np.testing.assert_allclose(starts[0], rpm * np.array(starts[1]))
+
     def test_shaded_are_the_critical_speeds(self) -> None:
         dataset = sweep_dataset(modes=1, settled=False)
         for axes in link_panels(plot_speed_sweep(dataset)):
@@ -168,9 +121,9 @@ class TestSpeedSweep:
         texts = ", ".join(legend_texts(plot_speed_sweep(sweep_dataset())))
         assert texts == "steady state, settled simulation, f₁/order, f₂/order"
 
-    @pytest.mark.parametrize(("modes", "links"), [(1, 1), (2, 3)])
-    def test_layout(self, modes: int, links: int) -> None:
-        check_sweep(plot_speed_sweep(sweep_dataset(modes, links)))
+    def test_layout(self) -> None:
+        for modes, links in ((1, 1), (2, 3)):
+            check_sweep(plot_speed_sweep(sweep_dataset(modes, links)))
 
     def test_gaps_and_links_that_do_not_bend(self) -> None:
         dataset = sweep_dataset()
@@ -192,7 +145,7 @@ class TestVibrationEffect:
     def test_draws_the_affected_engine_at_the_highest_speed(self) -> None:
         dataset = vibration_dataset()
         figure = plot_vibration_effect(dataset)
-        title = figure.legends[0].get_title().get_text()
+        title = heading(figure)
         assert title == "Natural frequencies at \N{MINUS SIGN}20 rad/s, exudyn (ancf)"
         chosen = dataset.isel(engine=1, crank_speed=1)
         for mode, axes in enumerate(figure.axes[:-1]):
@@ -229,8 +182,8 @@ class TestVibrationEffect:
 
     def test_first_engine_if_vibration_changes_nothing(self) -> None:
         figure = plot_vibration_effect(vibration_dataset(affected=()))
-        assert "reference (euler)" in figure.legends[0].get_title().get_text()
-        assert "exudyn" not in figure.legends[0].get_title().get_text()
+        assert "reference (euler)" in heading(figure)
+        assert "exudyn" not in heading(figure)
         assert len(figure.axes[0].lines) == 2
 
     def test_two_affected_engines(self) -> None:
@@ -241,9 +194,9 @@ class TestVibrationEffect:
         assert first.get_marker() != second.get_marker()
         check_layout(figure)
 
-    @pytest.mark.parametrize("modes", [1, 6])
-    def test_layout(self, modes: int) -> None:
-        check_layout(plot_vibration_effect(vibration_dataset(modes)))
+    def test_layout(self) -> None:
+        for modes in (1, 6):
+            check_layout(plot_vibration_effect(vibration_dataset(modes)))
 
     def test_few_angles_are_marked(self) -> None:
         figure = plot_vibration_effect(vibration_dataset(step=60.0))

@@ -10,7 +10,13 @@ import pytest
 from numpy.typing import NDArray
 
 from flexmech.analyses import moving_frequencies, natural_frequencies
-from flexmech.analyses.frequencies.tracking import Branches, Tracker, assign, cross_amplitude, same_shapes
+from flexmech.analyses.frequencies.tracking import (
+    Branches,
+    Tracker,
+    assign,
+    cross_amplitude,
+    same_shapes,
+)
 from flexmech.reference import ReferenceEngine
 from tests.strategies import fourbar
 

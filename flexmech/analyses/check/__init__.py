@@ -1,4 +1,4 @@
-"""What is known of a mechanism?"""
+"""What is known of a mechanism, and its natural frequencies at rest."""
 
 from flexmech.analyses.check.compute import check_mechanism
 from flexmech.analyses.check.result import ModelCheck

@@ -2,37 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+import xarray as xr
+from numpy.typing import ArrayLike
 
-from flexmech.analyses.environment import environment_lines
-from flexmech.analyses.frequencies.dataset import EngineMap, SpeedMap, build_dataset, with_states
-from flexmech.analyses.frequencies.discretisation import check_angle_indices, discretisation_error
-from flexmech.analyses.frequencies.eigenproblem import Modes, solve_modes
-from flexmech.analyses.frequencies.formulation import Formulation, Systems
-from flexmech.analyses.frequencies.frequency_map import frequency_map, systems_at
-from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
-from flexmech.analyses.frequencies.reduction import settled
+from flexmech.analyses.environment import environment_lines, state_name
+from flexmech.analyses.frequencies.dataset import joined, with_states
+from flexmech.analyses.frequencies.engine_map import map_engine
+from flexmech.analyses.frequencies.formulation import Formulation
 from flexmech.analyses.frequencies.request import FrequencyRequest, operating_speeds
 from flexmech.analyses.frequencies.result import MovingFrequencies
 from flexmech.analyses.frequencies.speed_effect import speed_effect_terms
-from flexmech.analyses.frequencies.tracking import Tracker, same_shapes
 from flexmech.analyses.requests import engines_of
 from flexmech.choices import MODES, MapPrestress
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.threads import one_thread
-from flexmech.types import FloatArray, IntArray, LabelledProgress
+from flexmech.types import LabelledProgress
 
 __all__ = ["moving_frequencies"]
-
-# Modes followed besides those asked for, so that a branch may dip out and come back.
-SPARE_MODES = 2
 
 
 def moving_frequencies(
@@ -102,7 +93,9 @@ def moving_frequencies(
     formulation = Formulation(prestress, rotation_terms, modes)
     if crank_speeds is None:
         crank_speeds = operating_speeds(engines[0].mechanism)
-    request = FrequencyRequest(crank_angles, crank_speeds, formulation, speed_effect, speed_unit)
+    request = FrequencyRequest(
+        np.asarray(crank_angles), np.asarray(crank_speeds), formulation, speed_effect, speed_unit
+    )
     if prestress == "trajectory" and not any(each.simulates for each in engines):
         names = " and ".join(each.name for each in engines)
         raise InputError(
@@ -121,105 +114,19 @@ def moving_frequencies(
         each.with_(mechanism=mechanism, element=one.element)
         for each, one in zip(engines, exposed, strict=True)
     ]
+    # First in the environment: what it refuses is refused before the long work.
     found = _in_one_state(exposed, request, report)
-    return MovingFrequencies(
-        with_states(
-            {"dry": _in_one_state(dry, request, report), environment.label: found},
-            environment_lines(mechanism, environment),
-        )
-    )
+    states = {"dry": _in_one_state(dry, request, report), state_name(environment): found}
+    return MovingFrequencies(with_states(states, environment_lines(mechanism, environment)))
 
 
 def _in_one_state(
     engines: Sequence[Engine], request: FrequencyRequest, report: LabelledProgress
-) -> Any:
+) -> xr.Dataset:
     """Dataset of engines on one mechanism."""
+    terms = None
     with one_thread():
-        maps = [_map_engine(each, _request_of(each, request), report) for each in engines]
-        quasi_static = None
-        if request.formulation.prestress == "trajectory":
-            quasi_static = np.stack([_quasi_static(each, request) for each in maps])
-        terms = None
+        maps = [map_engine(engine, request, report) for engine in engines]
         if request.splits_speed and not engines[0].mechanism.is_free_strained:
             terms = speed_effect_terms(maps[0].engine, request, maps[0].detail, report)
-    return build_dataset(engines, request, maps, terms, quasi_static)
-
-
-def _request_of(engine: Engine, request: FrequencyRequest) -> FrequencyRequest:
-    """What an engine is asked: those that do not simulate have no trajectory."""
-    if engine.simulates:
-        return request
-    return replace(request, formulation=request.formulation.quasi_static)
-
-
-def _quasi_static(of: EngineMap, request: FrequencyRequest) -> FloatArray:
-    """Frequencies at the quasi-static equilibrium next to those of an engine, (S, A, modes)."""
-    still = replace(request, formulation=request.formulation.quasi_static)
-    if of.engine.simulates:
-        return frequency_map(of.engine, still, of.detail)
-    return np.stack([s.frequency[:, : request.formulation.modes] for s in of.speeds])
-
-
-def _map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgress) -> EngineMap:
-    """Map of one engine, speed by speed; a speed begins with the branches of the one before."""
-    where = check_angle_indices(request.crank_angles, request.full_turn)
-    losses = StrainEnergyDamping.of(engine)
-    total = len(request.crank_speeds) * len(request.crank_angles)
-    numbering: IntArray | None = None
-    start_shapes: NDArray[Any] | None = None
-    speeds: list[SpeedMap] = []
-    finest = Systems(engine, request.formulation)
-    for number, speed in enumerate(request.crank_speeds.tolist()):
-        checked = settled(
-            systems_at(engine, request, speed), request.crank_angles[where], speed, SPARE_MODES
-        )
-        systems = checked.systems
-        if systems.detail > finest.detail or not systems.engine.component_modes:
-            finest = systems
-        shapes = checked.system.displacements(checked.modes.vectors)
-        if start_shapes is not None:
-            numbering = same_shapes(start_shapes, shapes[0], numbering)
-        start_shapes = shapes[0]
-        tracker, done = Tracker(numbering), number * len(request.crank_angles)
-        parts = []
-        for modes, ratio in _follow(
-            systems, request.crank_angles, speed, checked.modes.count, losses, tracker
-        ):
-            parts.append((modes.frequency, modes.damping_ratio, ratio))
-            done += len(ratio)
-            report(engine.name, done, total)
-        frequency, damping, by_strain_energy = map(np.concatenate, zip(*parts, strict=True))
-        speeds.append(
-            SpeedMap(
-                frequency=frequency,
-                damping_ratio=damping,
-                strain_energy_damping=by_strain_energy if losses else None,
-                branches=tracker.finish(frequency, request.full_turn),
-                mode_shape=shapes[:, : request.formulation.modes],
-                reduction_error=checked.reduction_error,
-                discretisation_error=discretisation_error(
-                    systems, request.crank_angles[where], speed
-                ),
-            )
-        )
-    return EngineMap(finest.engine, finest.detail, where, speeds)
-
-
-def _follow(
-    systems: Systems,
-    crank_angles: FloatArray,
-    crank_speed: float,
-    count: int,
-    losses: StrainEnergyDamping | None,
-    tracker: Tracker,
-) -> Iterator[tuple[Modes, FloatArray]]:
-    """Modes along the crank angles, batch by batch, and what their strain energy loses."""
-    for system in systems.batches(crank_angles, crank_speed):
-        modes = solve_modes(system, count)
-        tracker.add(system.inertial_shapes(modes.vectors))
-        ratio = np.zeros_like(modes.frequency)
-        if losses is not None:
-            states = systems.states(system.motion.crank_angle)
-            prestress = systems.formulation.quasi_static_prestress
-            ratio = losses.ratio(system, modes, prestress, states)
-        yield modes, ratio
+    return joined(engines, request, [each.dataset for each in maps], terms)

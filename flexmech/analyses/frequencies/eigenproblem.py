@@ -38,7 +38,7 @@ class Modes:
     @property
     def count(self) -> int:
         """Number of modes m."""
-        return self.eigenvalues.shape[1]
+        return int(self.eigenvalues.shape[1])
 
     @property
     def frequency(self) -> FloatArray:

@@ -33,6 +33,11 @@ class Formulation:
     ------
     InputError
         If the prestress is unknown or no mode is asked for.
+
+    Examples
+    --------
+    >>> flexmech.Formulation("trajectory").quasi_static.prestress
+    'equilibrium'
     """
 
     prestress: MapPrestress = "equilibrium"
@@ -46,7 +51,7 @@ class Formulation:
                 f"prestress must be one of {', '.join(levels)}, got {self.prestress!r}"
             )
         if not isinstance(self.modes, int | np.integer) or self.modes < 1:
-            raise InputError(f"modes must be 1 or more, a whole number, got {self.modes!r}")
+            raise InputError(f"modes must be 1 or more, got {self.modes!r}")
 
     @property
     def quasi_static_prestress(self) -> Prestress:

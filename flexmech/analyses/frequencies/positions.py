@@ -127,6 +127,13 @@ def strain_energy_damping(
         If no section of the mechanism has specific damping.
     InputError, ComputationError
         See :func:`flexmech.analyses.natural_frequencies`.
+
+    Examples
+    --------
+    >>> mechanism = flexmech.load_mechanism("models/composite_fourbar.toml")
+    >>> engine = flexmech.ReferenceEngine(mechanism)
+    >>> (100 * flexmech.strain_energy_damping(engine, 0.0, modes=2)).round(2)
+    array([0.12, 0.1 ])
     """
     loss = StrainEnergyDamping.of(engine_of(engine))
     if loss is None:

@@ -19,16 +19,16 @@ FORMULATION = Formulation()
 SPEEDS = (0.0, 10.0, 20.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FrequencyRequest:
     """A map of natural frequencies over crank angles and speeds.
 
     Parameters
     ----------
-    crank_angles : array_like, shape (A,)
-        Increasing, rad; kept as an array.
-    crank_speeds : array_like, shape (S,)
-        rad/s; kept as an array.
+    crank_angles : ndarray, shape (A,)
+        Increasing, rad.
+    crank_speeds : ndarray, shape (S,)
+        rad/s.
     formulation : Formulation
     speed_effect : bool
         Whether to split the effect of speed by term, with the first engine.
@@ -39,6 +39,11 @@ class FrequencyRequest:
     ------
     InputError
         If angles do not increase or are degrees, a value is not finite, or a speed repeats.
+
+    Examples
+    --------
+    >>> flexmech.FrequencyRequest(np.radians([0, 90]), [0, 10, 20])
+    <FrequencyRequest: 2 crank angles, 3 crank speeds, 4 modes, equilibrium>
     """
 
     crank_angles: FloatArray
@@ -58,6 +63,12 @@ class FrequencyRequest:
             raise InputError("crank_angles must increase; sort them and leave out repetitions")
         if len(np.unique(speeds)) != len(speeds):
             raise InputError("crank_speeds repeats a speed; give each one once")
+
+    def __repr__(self) -> str:
+        return (
+            f"<FrequencyRequest: {len(self.crank_angles)} crank angles, {len(self.crank_speeds)} "
+            f"crank speeds, {self.formulation.modes} modes, {self.formulation.prestress}>"
+        )
 
     @property
     def splits_speed(self) -> bool:

@@ -63,7 +63,6 @@ class EngineAgreement:
     mode: int
 
 
-@dataclass(frozen=True, repr=False)
 class MovingFrequencies(Result):
     """Natural frequencies over crank angle and speed, tracked, with their errors.
 
@@ -111,9 +110,10 @@ class MovingFrequencies(Result):
         chosen = self.dataset.sel(state=name, drop=True)
         if "speed_effect" in chosen and chosen["speed_effect"].isnull().all():
             chosen = chosen.drop_vars("speed_effect").drop_dims("term", errors="ignore")
-        if name != "dry":
-            chosen.attrs["mechanism"] = f"{chosen.attrs['mechanism']}, {name}"
-        return MovingFrequencies(chosen)
+        if name == "dry":
+            return MovingFrequencies(chosen)
+        mechanism = f"{chosen.attrs['mechanism']}, {name}"
+        return MovingFrequencies(chosen.assign_attrs(mechanism=mechanism))
 
     @property
     def _has_states(self) -> bool:

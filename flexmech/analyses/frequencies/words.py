@@ -83,8 +83,10 @@ def tracking_lines(dataset: xr.Dataset) -> list[str]:
 
 def vibration_lines(effect: xr.DataArray | None, dataset: xr.Dataset) -> list[str]:
     """Say how much vibration moves the frequencies, where the running states were asked for."""
+    if effect is None:
+        return []
     lines = []
-    for engine in () if effect is None else effect["engine"].values:
+    for engine in effect["engine"].values:
         change = effect.sel(engine=engine)
         if not abs(change).max() > 0:
             lines.append(

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
-import pandas as pd
 import xarray as xr
 
-from flexmech.analyses.moisture.link_uptake import link_uptake
 from flexmech.analyses.moisture.result import MoistureUptake
 from flexmech.analyses.provenance import origin
-from flexmech.analyses.requests import link_of, mechanism_of
-from flexmech.errors import InputError
-from flexmech.hygrothermal import absorbing_links, link_diffusion
+from flexmech.analyses.requests import link_of
+from flexmech.errors import ComputationError, InputError
+from flexmech.hygrothermal import LinkDiffusion, absorbing_links, link_diffusion
+from flexmech.linear_system import checked_mechanism
+from flexmech.materials.moisture import (
+    Ambient,
+    MoistureHistory,
+    shen_springer_uptake,
+    short_time_uptake,
+    time_to_saturation,
+)
 from flexmech.mechanism import Mechanism
 from flexmech.numbers import POSITIVE, Bounds, checked_number
+from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
 __all__ = ["moisture_uptake"]
@@ -21,6 +30,10 @@ __all__ = ["moisture_uptake"]
 # Profiles at these parts of the time, uptake at so many times evenly in its root.
 PARTS = np.array([0.01, 0.05, 0.2, 0.5, 1.0])
 TIMES = 121
+SHARES = np.array([0.5, 0.9, 0.99])
+# Of the time scale of filling; a slab is full to 1e-17 by then.
+LONGEST = 40.0
+ONE, METRE, SECOND = {"units": "1"}, {"units": "m"}, {"units": "s"}
 
 
 def moisture_uptake(
@@ -54,8 +67,15 @@ def moisture_uptake(
     InputError
         If a number is out of its range, there is no such link, or the links cannot take up
         water; see :func:`flexmech.hygrothermal.link_diffusion`.
+
+    Examples
+    --------
+    >>> mechanism = flexmech.load_mechanism("models/moist_composite_fourbar.toml")
+    >>> found = flexmech.moisture_uptake(mechanism, 0.85, 30 * 86400, 353.15, link="rocker")
+    >>> found.dataset["uptake"].values[:, -1].round(3)
+    array([0.596])
     """
-    mechanism = mechanism_of(mechanism)
+    mechanism = checked_mechanism(mechanism)
     end = checked_number(time, "time", "s", POSITIVE)
     humidity = checked_number(relative_humidity, "relative_humidity", "", Bounds(above=0, most=1))
     kelvin = mechanism.reference_temperature if temperature is None else temperature
@@ -67,17 +87,12 @@ def moisture_uptake(
             f"{mechanism.provenance.file or 'mechanism'}: no link takes up water; add "
             "equilibrium_moisture and diffusivity to a material or a matrix"
         )
-    # Rounded, so that a time that is in both lists comes once.
-    roots = np.round(np.concatenate([np.linspace(0.0, 1.0, TIMES), np.sqrt(PARTS)]), 12)
-    times = end * np.unique(roots) ** 2
-    parts = np.abs(times - end * PARTS[:, np.newaxis]).argmin(axis=1)
     links = [
-        link_uptake(link_diffusion(mechanism, name), humidity, kelvin, times, parts)
+        _link(link_diffusion(mechanism, name), mechanism.sections[name], humidity, kelvin, end)
         for name in names
     ]
     # Links with fewer cells than others end with places that are not numbers.
-    dataset = xr.concat(links, pd.Index(names, name="link"), join="outer")
-    dataset["water"] = dataset["water"] * xr.DataArray(_faces_over_mass(mechanism, names), dims="link")
+    dataset = xr.concat(links, "link", join="outer").assign_coords(link=list(names))
     attributes = {
         **origin(mechanism),
         "relative_humidity": humidity,
@@ -85,3 +100,104 @@ def moisture_uptake(
         "links_without_uptake": ", ".join(name for name in known if name not in absorbing),
     }
     return MoistureUptake(dataset.assign_attrs(attributes))
+
+
+def _link(
+    diffusion: LinkDiffusion, section: BeamSection, humidity: float, kelvin: float, end: float
+) -> xr.Dataset:
+    """Water in one link over time."""
+    # Rounded, so that a time that is in both lists comes once.
+    roots = np.round(np.concatenate([np.linspace(0.0, 1.0, TIMES), np.sqrt(PARTS)]), 12)
+    times = end * np.unique(roots) ** 2
+    parts = np.abs(times - end * PARTS[:, np.newaxis]).argmin(axis=1)
+    history = _history(diffusion, humidity, kelvin, tuple(times))
+    short_time, shen_springer = _laws(diffusion, kelvin, times)
+    layers, saturation = diffusion.layers, np.array(diffusion.saturation)
+    resin = sum(np.array([one.thickness * one.capacity for one in layers]) / saturation)
+    tops = np.cumsum([one.thickness for one in layers])
+    layer_of_cell = np.searchsorted(tops - tops[-1] / 2, history.place).clip(max=len(layers) - 1)
+    profile = history.saturation[parts] * saturation[layer_of_cell]
+    assert section.layers is not None
+    water = history.water * section.layers.width / section.mass_per_length
+    return xr.Dataset(
+        {
+            "place": ("cell", history.place, METRE),
+            "profile": (("profile_time", "cell"), profile, ONE),
+            "moisture": ("time", history.water / resin, ONE),
+            "water": ("time", water, ONE),
+            "uptake": ("time", history.uptake / _final(diffusion, humidity), ONE),
+            "short_time_uptake": ("time", short_time, ONE),
+            "shen_springer_uptake": ("time", shen_springer, ONE),
+            "time_to_share": ("share", _times_to_shares(diffusion, humidity, kelvin), SECOND),
+            "mass_balance_error": ((), history.mass_balance_error, ONE),
+        },
+        {
+            "cell": np.arange(history.place.size),
+            "time": ("time", times, SECOND),
+            "profile_time": ("profile_time", times[parts], SECOND),
+            "share": SHARES,
+            "over_width": diffusion.width is not None,
+        },
+    )
+
+
+def _final(diffusion: LinkDiffusion, humidity: float) -> float:
+    """Saturation of all layers in the end."""
+    return float(humidity**diffusion.humidity_exponent)
+
+
+def _slab(diffusion: LinkDiffusion, kelvin: float) -> tuple[float, float] | None:
+    """Thickness in m and diffusivity in m^2/s, if the link is one homogeneous slab.
+
+    Layers that hold more water than others are no slab either, though water moves as fast.
+    """
+    layers = diffusion.layers
+    found = {(float(one.diffusivity.at(kelvin)), one.capacity) for one in layers}
+    if len(found) > 1 or diffusion.width is not None:
+        return None
+    return sum(one.thickness for one in layers), found.pop()[0]
+
+
+def _laws(diffusion: LinkDiffusion, kelvin: float, times: FloatArray) -> FloatArray:
+    """Uptake by the law of the root of time and by Shen & Springer's formula, (2, t).
+
+    Both are of a homogeneous slab, and not a number for any other link.
+    """
+    slab = _slab(diffusion, kelvin)
+    if slab is None:
+        return np.full((2, times.size), np.nan)
+    root = np.minimum(short_time_uptake(times, *slab, faces=diffusion.faces), 1.0)
+    return np.stack([root, shen_springer_uptake(times, *slab, faces=diffusion.faces)])
+
+
+def _times_to_shares(diffusion: LinkDiffusion, humidity: float, kelvin: float) -> list[float]:
+    """Times in s at which the link holds shares of its water in the end.
+
+    By the series where there is one; else from the finite volumes, within 1e-3.
+    """
+    slab = _slab(diffusion, kelvin)
+    if slab is not None:
+        return [time_to_saturation(share, *slab, faces=diffusion.faces) for share in SHARES]
+    # The time in the scale of which the link fills.
+    layers = [(one.thickness, float(one.diffusivity.at(kelvin))) for one in diffusion.layers]
+    root = sum(thickness / np.sqrt(diffusivity) for thickness, diffusivity in layers)
+    scale = float(root**2) * (1 if diffusion.faces == "both" else 4) / np.pi**2
+    times = np.concatenate([[0.0], np.geomspace(1e-4 * scale, LONGEST * scale, 400)])
+    history = _history(diffusion, humidity, kelvin, tuple(times))
+    uptake = history.uptake / _final(diffusion, humidity)
+    if uptake[-1] < SHARES[-1]:
+        raise ComputationError(
+            f"{100 * SHARES[-1]:g} % of the equilibrium is not reached in {times[-1]:.3g} s; "
+            "check the layers' diffusivities and thicknesses"
+        )
+    # Near the end what is left falls exponentially: straight in its logarithm.
+    left = -np.log(np.clip(1 - uptake, 1e-12, 1.0))
+    return [float(np.interp(-np.log(1 - share), left, times)) for share in SHARES]
+
+
+@lru_cache(maxsize=16)
+def _history(
+    diffusion: LinkDiffusion, humidity: float, kelvin: float, times: tuple[float, ...]
+) -> MoistureHistory:
+    """Water over time; links are often alike."""
+    return diffusion.history(Ambient.constant(humidity, kelvin), np.array(times))

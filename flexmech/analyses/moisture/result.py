@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pandas as pd
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.analyses.tables import table_over
 from flexmech.plots import plot_moisture
+from flexmech.plots.sheet import AxesLike
 
 __all__ = ["MoistureUptake"]
 
@@ -55,17 +54,13 @@ class MoistureUptake(Result):
             *("link", "time"),
             link=data["link"],
             time_s=data["time"],
-            sqrt_time_sqrt_s=np.sqrt(data["time"]),
+            sqrt_time_sqrt_s=data["time"] ** 0.5,
             moisture_percent=100 * data["moisture"],
             **{name: data[name] for name in laws},
         )
         return {"moisture_profile": profile.dropna(), "moisture_uptake": uptake}
 
-    def figures(self) -> dict[str, Figure]:
-        """Profiles and uptake of each link."""
-        return {"moisture": self.plot()}
-
-    def plot(self, *, ax: Axes | None = None) -> Figure:
+    def plot(self, *, ax: AxesLike | None = None) -> Figure:
         """Draw profiles and uptake of each link, or uptakes alone in axes of the user's."""
         return plot_moisture(self.dataset, ax=ax)
 

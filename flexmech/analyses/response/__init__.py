@@ -4,7 +4,7 @@ from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.measurements import deflections, deflections_of, probes
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.result import Response
-from flexmech.analyses.response.spectra import Spectrogram, ridge
+from flexmech.analyses.response.spectra import Spectrogram
 
 __all__ = [
     "Response",
@@ -14,5 +14,4 @@ __all__ = [
     "deflections_of",
     "probes",
     "response",
-    "ridge",
 ]

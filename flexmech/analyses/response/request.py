@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -57,6 +57,13 @@ class ResponseRequest:
     ------
     InputError
         If a value is impossible, or a periodic start is asked for with a run-up.
+
+    Examples
+    --------
+    >>> drive = flexmech.CrankDrive(20.0)
+    >>> request = flexmech.ResponseRequest(drive, revolutions=2, start="periodic")
+    >>> round(request.duration, 3)
+    0.628
     """
 
     drive: CrankDrive
@@ -67,7 +74,7 @@ class ResponseRequest:
     integrator: Integrator = "trapezoidal"
     prestress: Prestress = "equilibrium"
     modes: int = MODES
-    speed_unit: str = "rad/s"
+    speed_unit: str = field(default="rad/s", repr=False)
 
     def __post_init__(self) -> None:
         if not isinstance(self.drive, CrankDrive):

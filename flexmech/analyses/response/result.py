@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +24,6 @@ __all__ = ["Response"]
 ANIMATIONS = ("animation.gif", "animation.mp4")
 
 
-@dataclass(frozen=True, repr=False)
 class Response(Result):
     """How the linkage answers its own running, by one engine or more.
 

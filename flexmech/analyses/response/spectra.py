@@ -9,7 +9,7 @@ from scipy.signal import ShortTimeFFT, get_window, periodogram
 
 from flexmech.types import FloatArray
 
-__all__ = ["Spectrogram", "amplitude_spectrum", "ridge", "spectrogram"]
+__all__ = ["Spectrogram", "amplitude_spectrum", "spectrogram"]
 
 
 WINDOW = "hann"
@@ -103,25 +103,3 @@ def spectrogram(
         frequency=transform.f[wanted],
         amplitude=amplitude[:, wanted],
     )
-
-
-def ridge(picture: Spectrogram, low: FloatArray, high: FloatArray) -> FloatArray:
-    """Frequency of the greatest amplitude between two frequencies, window by window.
-
-    Parameters
-    ----------
-    picture : Spectrogram
-        Of one signal or more.
-    low, high : ndarray, shape (W,)
-        In Hz.
-
-    Returns
-    -------
-    ndarray, shape (k, W)
-        In Hz; NaN where no bin lies between.
-    """
-    frequency = picture.frequency[:, None]
-    band = (frequency >= low) & (frequency <= high)
-    level = np.where(band, picture.amplitude, -1.0)
-    best = picture.frequency[np.argmax(level, axis=1)]
-    return np.where(band.any(axis=0), best, np.nan)

@@ -1,4 +1,4 @@
-"""What is the cross-section of a link to a beam, and how is it strained and stressed inside?"""
+"""Cross-sections of links: stiffness and mass, and strain and stress inside under unit loads."""
 
 from flexmech.analyses.section_profile.compute import section_profiles
 from flexmech.analyses.section_profile.result import SectionProfiles

@@ -10,10 +10,11 @@ import xarray as xr
 
 from flexmech.analyses.environment import environment_lines
 from flexmech.analyses.provenance import origin, with_units
-from flexmech.analyses.requests import environment_of, link_of, mechanism_of
+from flexmech.analyses.requests import environment_of, link_of
 from flexmech.analyses.section_profile.properties import COUPLINGS, section_properties
-from flexmech.analyses.section_profile.result import SectionProfiles
+from flexmech.analyses.section_profile.result import QUANTITIES, SectionProfiles
 from flexmech.hygrothermal import Environment, mechanism_in_state
+from flexmech.linear_system import checked_mechanism
 from flexmech.mechanism import Mechanism
 from flexmech.sections import LaminateSection
 from flexmech.types import FloatArray
@@ -22,8 +23,12 @@ __all__ = ["section_profiles"]
 
 # Places in a layer, and about how many in all layers of a link with few.
 FEWEST_PLACES, SMOOTH = 9, 60
-LOADS = ("axial_force", "bending_moment", "shear_force")
-QUANTITIES = ("strain", "normal_stress", "shear_stress", "third_order_shear_stress")
+# Axial force, bending moment and shear force, each 1 alone.
+LOADS = {
+    "axial_force": (1.0, 0.0, 0.0),
+    "bending_moment": (0.0, 1.0, 0.0),
+    "shear_force": (0.0, 0.0, 1.0),
+}
 UNITS = {
     "strain": ("1", "strain along the link under a unit load"),
     "normal_stress": ("Pa", "stress along the link under a unit load"),
@@ -69,25 +74,24 @@ def section_profiles(
     >>> sections["bending_stiffness"].values.round(2)
     array([[62.13, 89.8 ]])
     """
-    names = mechanism_of(mechanism).linkage.topology.link_names
+    names = checked_mechanism(mechanism).linkage.topology.link_names
     chosen = names if link is None else [link_of(link, names)]
     words: list[str] = []
     if environment is not None:
         words = environment_lines(mechanism, environment_of(environment))
         mechanism = mechanism_in_state(mechanism, environment)
     sections = {name: mechanism.sections[name] for name in chosen}
+    layers = [section.layers for section in sections.values()]
     inside = xr.concat(
-        [_through_thickness(section.layers) for section in sections.values()],
+        [_through_thickness(one) for one in layers],
         pd.Index(chosen, name="link"),
         join="outer",
         fill_value={"ply": "", "run": 0},
     )
-    layers = [section.layers for section in sections.values()]
-    reductions = ["" if known is None else known.reduction for known in layers]
     dataset = section_properties(sections).merge(with_units(inside, UNITS))
-    dataset = dataset.assign_coords(reduction=("link", reductions))
+    dataset.coords["reduction"] = ("link", [one.reduction if one else "" for one in layers])
     return SectionProfiles(
-        dataset.assign_attrs(origin(mechanism) | {"environment_lines": "\n".join(words)})
+        dataset.assign_attrs(origin(mechanism), environment_lines="\n".join(words))
     )
 
 
@@ -122,13 +126,9 @@ def _through_thickness(layers: LaminateSection | None) -> xr.Dataset:
 
 def _under(layers: LaminateSection, load: str, place: FloatArray, coupled: bool) -> FloatArray:
     """The quantities (quantity, layer, point) under one unit load."""
+    force, moment, shear = LOADS[load]
     # Along the pins' axis a force has this lever about the neutral axis.
-    lever = layers.neutral_axis if coupled else 0.0
-    force, moment, shear = {
-        "axial_force": (1.0, lever, 0.0),
-        "bending_moment": (0.0, 1.0, 0.0),
-        "shear_force": (0.0, 0.0, 1.0),
-    }[load]
+    moment += force * layers.neutral_axis * coupled
     classical = layers.stresses(place, force, moment, shear, coupled=coupled)
     third = layers.stresses(place, force, moment, shear, coupled=coupled, theory="third-order")
     return np.array(

@@ -109,27 +109,23 @@ def _values(section: BeamSection) -> list[float]:
     layers, loss = section.layers, section.specific_damping
     height, width = section.in_plane_thickness, np.nan if layers is None else layers.width
     area = width * height
-    return [
-        height,
-        width,
-        section.axial_stiffness,
-        section.bending_stiffness,
-        section.coupling_stiffness,
-        section.neutral_axis,
-        section.shear_stiffness,
+    derived = {
+        "out_of_plane_width": width,
+        "shear_correction": np.nan,
+        "membrane_modulus": section.axial_stiffness / area,
+        "flexural_modulus": 12 * section.bending_stiffness / (area * height**2),
+        "density": section.mass_per_length / area,
+    }
+    if layers is not None:
         # Of the section's own kGA, which need not be that of its layers (Cowper's).
-        np.nan
-        if layers is None
-        else layers.shear_correction * section.shear_stiffness / layers.shear_stiffness,
-        section.axial_stiffness / area,
-        12 * section.bending_stiffness / (area * height**2),
-        section.mass_per_length / area,
-        section.mass_per_length,
-        section.rotary_inertia,
-        section.mass_axis,
-        *(np.nan if loss is None else getattr(loss, action) for action in _ACTIONS),
-        *(getattr(section.damping, action) for action in _ACTIONS),
-    ]
+        ratio = layers.shear_correction * section.shear_stiffness / layers.shear_stiffness
+        derived["shear_correction"] = ratio
+    for action in _ACTIONS:
+        derived[f"specific_damping_{action}"] = np.nan if loss is None else getattr(loss, action)
+        derived[f"damping_time_{action}"] = getattr(section.damping, action)
+    # All others are the section's own.
+    names = [one.name for one in PROPERTIES]
+    return [derived[name] if name in derived else getattr(section, name) for name in names]
 
 
 def _uncoupled(section: BeamSection) -> BeamSection:

@@ -2,35 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from flexmech import plots
 from flexmech.analyses.requests import link_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.section_profile.properties import PROPERTIES
 from flexmech.analyses.section_profile.tables import LOADS_IN_WORDS, layer_tables, property_table
 from flexmech.analyses.summary import Summary, Table
 from flexmech.errors import InputError
-from flexmech.plots import plot_section
 
-__all__ = ["SectionProfiles"]
+__all__ = ["QUANTITIES", "SectionProfiles"]
 
-PROFILE_COLUMNS = {
-    "link": "link",
-    "load": "load",
-    "coupling": "coupling",
-    "layer": "layer",
-    "ply": "ply",
-    "angle": "angle_deg",
-    "place": "y_m",
-    "strain": "strain",
-    "normal_stress": "normal_stress_Pa",
-    "shear_stress": "shear_stress_Pa",
-    "third_order_shear_stress": "third_order_shear_stress_Pa",
-}
+QUANTITIES = ("strain", "normal_stress", "shear_stress", "third_order_shear_stress")
+COLUMNS = ["link", "load", "coupling", "layer", "ply", "angle", "place", *QUANTITIES]
+IN_CSV = {"angle": "angle_deg", "place": "y_m"} | {name: f"{name}_Pa" for name in QUANTITIES[1:]}
 
 
 class SectionProfiles(Result):
@@ -79,41 +71,38 @@ class SectionProfiles(Result):
         """
         if link_of(link, self.links) not in self.links_with_layers:
             raise InputError(f"link: {_nothing_known(link)}; choose another link")
-        one = self.dataset.sel(link=link).drop_vars([p.name for p in PROPERTIES])
-        axes = self.dataset[["neutral_axis", "mass_axis"]].sel(
-            link=link, coupling="with", drop=True
-        )
+        one = self.dataset.sel(link=link)
         for dimension in ("layer", "point"):
             one = one.dropna(dimension, how="all", subset=["place"])
-        return one.merge(axes)
+        axes = one[["neutral_axis", "mass_axis"]].sel(coupling="with", drop=True)
+        return one.assign(axes)
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """Properties, two rows a link, and profiles, a row for each load, coupling and place."""
-        properties = self.dataset[[one.name for one in PROPERTIES]].reset_coords(drop=True)
-        frame = properties.to_dataframe(dim_order=["link", "coupling"]).reset_index()
-        tables = {"sections": frame.rename(columns={one.name: one.column for one in PROPERTIES})}
+        columns = {one.name: one.column for one in PROPERTIES}
+        frame = self.dataset[list(columns)].to_dataframe(dim_order=["link", "coupling"])
+        tables = {"sections": frame[list(columns)].rename(columns=columns).reset_index()}
         if self.links_with_layers:
-            inside = self.dataset.drop_vars([one.name for one in PROPERTIES])
             order = ["link", "load", "coupling", "layer", "point"]
-            frame = inside.to_dataframe(dim_order=order).reset_index().dropna(subset="place")
+            frame = self.dataset[["place", *QUANTITIES]].to_dataframe(dim_order=order)
+            frame = frame.reset_index().dropna(subset="place")
             frame["angle"] = np.round(np.degrees(frame["angle"]), 9)
-            chosen = frame[list(PROFILE_COLUMNS)]
-            tables["through_thickness"] = chosen.rename(columns=PROFILE_COLUMNS)
+            tables["through_thickness"] = frame[COLUMNS].rename(columns=IN_CSV)
         return tables
 
     def figures(self) -> dict[str, Figure]:
         """Strain and stress through each link whose layers are known."""
         return {f"section_{link}": self.plot(link) for link in self.links_with_layers}
 
-    def plot(self, link: str | None = None, *, ax: Axes | None = None) -> Figure:
+    def plot(self, link: str | None = None, *, ax: Axes | Sequence[Axes] | None = None) -> Figure:
         """Draw strain and stress through the thickness of a link.
 
         Parameters
         ----------
         link : str, optional
             The first one whose layers are known by default.
-        ax : matplotlib.axes.Axes, optional
-            Not used.
+        ax : sequence of matplotlib.axes.Axes, optional
+            Six axes to draw in; of a new figure by default.
 
         Returns
         -------
@@ -125,7 +114,7 @@ class SectionProfiles(Result):
             If there is no such link or its layers are not known.
         """
         chosen = link or next(iter(self.links_with_layers), self.links[0])
-        return plot_section(self.profile(chosen))
+        return plots.plot_section(self.profile(chosen), ax=ax)
 
     def summary(self) -> Summary:
         """Sections and what is inside them, link by link, and what the loads are."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.section_profile.properties import PROPERTIES
+from flexmech.analyses.section_profile.properties import COUPLINGS, PROPERTIES
 from flexmech.analyses.summary import Table
 from flexmech.materials.stacking import stacking_text
 
@@ -42,14 +42,14 @@ def property_table(section: xr.Dataset) -> Table:
     -------
     Table
     """
-    title = f"{section['link'].item()}: {_stack(section)}"
-    if not section["neutral_axis"].any():
-        values = section.sel(coupling="with")
-        rows = tuple((one.label, one.text(float(values[one.name]))) for one in PROPERTIES)
-        return Table(title, ("property", "value"), (rows,))
-    both = [(one, *section[one.name].values.tolist()) for one in PROPERTIES]
-    rows = tuple((one.label, one.text(a), one.text(b), _change(a, b)) for one, a, b in both)
-    return Table(title, ("property", "with coupling", "without coupling", "change"), (rows,))
+    couplings = COUPLINGS if section["neutral_axis"].any() else COUPLINGS[:1]
+    rows = []
+    for one in PROPERTIES:
+        values = [float(section[one.name].sel(coupling=coupling)) for coupling in couplings]
+        rows.append((one.label, *map(one.text, values), *_change(*values)))
+    two = ("with coupling", "without coupling", "change")
+    headings = ("property", *(two if len(couplings) > 1 else ("value",)))
+    return Table(f"{section['link'].item()}: {_stack(section)}", headings, (tuple(rows),))
 
 
 def layer_tables(profile: xr.Dataset) -> list[Table]:
@@ -67,8 +67,7 @@ def layer_tables(profile: xr.Dataset) -> list[Table]:
     title = f"{profile['link'].item()} under unit loads"
     if not profile["neutral_axis"]:
         return [_layer_table(profile.sel(coupling="with"), title)]
-    couplings = profile["coupling"].values
-    return [_layer_table(profile.sel(coupling=c), f"{title}, {c} coupling") for c in couplings]
+    return [_layer_table(profile.sel(coupling=c), f"{title}, {c} coupling") for c in COUPLINGS]
 
 
 def _layer_table(profile: xr.Dataset, title: str) -> Table:
@@ -116,7 +115,10 @@ def _number(value: float, largest: float) -> str:
     return f"{0.0 if abs(value) < _ZERO * largest else value:.4g}"
 
 
-def _change(first: float, second: float) -> str:
-    """Relative change in percent; nothing to say where there is none, or from or to zero."""
-    ratio = second / first if first else np.nan
-    return "" if np.isnan(ratio) or ratio in (0.0, 1.0) else f"{100 * (ratio - 1):+.4g} %"
+def _change(first: float, *others: float) -> list[str]:
+    """Relative changes in percent; nothing where there is none, or from or to zero."""
+    ratios = [other / first if first else np.nan for other in others]
+    return [
+        "" if np.isnan(ratio) or ratio in (0.0, 1.0) else f"{100 * (ratio - 1):+.4g} %"
+        for ratio in ratios
+    ]

@@ -60,7 +60,8 @@ def speed_sweep(
     crank_speeds : array_like, shape (S,)
         Increasing, positive, in rad/s.
     modes : int
-        Natural frequencies whose critical speeds are marked.
+        Natural frequencies whose critical speeds are marked; three by default, since harmonics
+        of the crank that reach the fourth are weak.
     orders : int
         Highest harmonic of the crank that is marked.
     prestress : {"none", "axial", "equilibrium"}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import pandas as pd
 from matplotlib.axes import Axes
@@ -17,7 +16,6 @@ from flexmech.units import from_si
 __all__ = ["SpeedSweep"]
 
 
-@dataclass(frozen=True, repr=False)
 class SpeedSweep(Result):
     """Peak deflections of the periodic motion over crank speeds, with critical speeds.
 

@@ -40,6 +40,12 @@ def crank_rocker_synthesis(
     ------
     InputError
         If an angle or the distance is out of its bounds.
+
+    Examples
+    --------
+    >>> found = flexmech.crank_rocker_synthesis(*np.radians([30, 90]), ground=0.4)
+    >>> found.dataset["length"].values.round(4)
+    array([0.4   , 0.0835, 0.3655, 0.1827])
     """
     wanted = checked_number(deviation, "deviation", "rad")
     found = synthesize_crank_rocker(wanted, checked_number(rocker_angle, "rocker_angle", "rad"))

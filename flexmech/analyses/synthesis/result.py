@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
-from flexmech.analyses.tables import table_over
+from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.plots import plot_transmission_angle
+from flexmech.plots.sheet import AxesLike
 
 __all__ = ["CrankRockerSynthesis"]
 
@@ -33,19 +33,15 @@ class CrankRockerSynthesis(Result):
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """Transmission angle at each degree of the crank."""
-        crank_angle, angle = self.dataset["crank_angle"], self.dataset["transmission_angle"]
+        data = self.dataset.isel(linkage=0)
         table = table_over(
             "crank_angle",
-            crank_angle_deg=np.degrees(crank_angle).round(9),
-            transmission_angle_deg=np.degrees(angle.isel(linkage=0)),
+            crank_angle_deg=(DEGREES * data["crank_angle"]).round(9),
+            transmission_angle_deg=DEGREES * data["transmission_angle"],
         )
         return {"transmission_angle": table}
 
-    def figures(self) -> dict[str, Figure]:
-        """Transmission angle over a turn of the crank."""
-        return {"transmission_angle": self.plot()}
-
-    def plot(self, *, ax: Axes | None = None) -> Figure:
+    def plot(self, *, ax: AxesLike | None = None) -> Figure:
         """Draw the transmission angle over a turn, in axes of the user's if they are given."""
         return plot_transmission_angle(self.dataset, ax=ax)
 

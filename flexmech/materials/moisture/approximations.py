@@ -1,7 +1,6 @@
 """Short formulas for the water that a slab takes up: the law of the root, and Shen & Springer's.
 
-:func:`~flexmech.materials.moisture.series.slab_uptake` is exact and costs no more; these are
-for comparison with what others publish.
+They are for comparison with what others publish; the series are exact and cost no more.
 """
 
 from __future__ import annotations
@@ -9,11 +8,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.errors import InputError
 from flexmech.materials.moisture.unit_slab import Faces, diffusion_length, fourier_number
 from flexmech.types import FloatArray
 
-__all__ = ["shen_springer_uptake", "short_time_uptake", "time_to_saturation_shen_springer"]
+__all__ = ["shen_springer_uptake", "short_time_uptake"]
 
 
 FACTOR = 7.3
@@ -84,36 +82,3 @@ def shen_springer_uptake(
     length = diffusion_length(thickness, diffusivity, faces)
     fourier = fourier_number(time, 2 * length, diffusivity)
     return np.asarray(-np.expm1(-FACTOR * fourier**EXPONENT))
-
-
-def time_to_saturation_shen_springer(
-    fraction: float, thickness: float, diffusivity: float, *, faces: Faces = "both"
-) -> float:
-    """Time for a part of the final change by Shen & Springer's fit, solved for the time.
-
-    Parameters
-    ----------
-    fraction : float
-        Above 0 and below 1.
-    thickness : float
-        In m.
-    diffusivity : float
-        In m^2/s.
-    faces : {"both", "lower", "upper"}
-        Those exposed.
-
-    Returns
-    -------
-    float
-        In s.
-
-    Raises
-    ------
-    InputError
-        If the fraction is not between 0 and 1, or the slab is no slab.
-    """
-    length = diffusion_length(thickness, diffusivity, faces)
-    if not 0 < fraction < 1:
-        raise InputError(f"fraction of saturation must lie above 0 and below 1, got {fraction}")
-    fourier = (-np.log1p(-fraction) / FACTOR) ** (1 / EXPONENT)
-    return float(fourier) * (2 * length) ** 2 / diffusivity

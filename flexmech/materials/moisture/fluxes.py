@@ -19,8 +19,8 @@ import scipy.sparse
 from scipy.integrate import solve_ivp
 
 from flexmech.errors import ComputationError
-from flexmech.materials.moisture.history import Period, Surroundings
-from flexmech.materials.moisture.mesh import DiffusionMesh
+from flexmech.materials.moisture.cells import DiffusionMesh
+from flexmech.materials.moisture.history import Ambient, Period
 from flexmech.materials.moisture.unit_slab import Faces
 from flexmech.materials.moisture.waves import Waves
 from flexmech.types import FloatArray
@@ -54,13 +54,13 @@ class Fluxes:
     humidity_exponent: float
 
     def run(
-        self, surroundings: Surroundings, times: FloatArray, initial: float, tolerance: float
+        self, ambient: Ambient, times: FloatArray, initial: float, tolerance: float
     ) -> tuple[FloatArray, FloatArray]:
         """Saturation and influx at times, from a uniform saturation at time zero.
 
         Parameters
         ----------
-        surroundings : Surroundings
+        ambient : Ambient
         times : ndarray, shape (t,)
             Rising, in s, from zero on.
         initial : float
@@ -81,7 +81,7 @@ class Fluxes:
         """
         passed = np.zeros((len(times), self._through.shape[0]))
         state = passed[0]
-        for period in surroundings.periods(0.0, float(times[-1])):
+        for period in ambient.periods(0.0, float(times[-1])):
             inside = (times > period.start) & (times <= period.stop)
             wanted = np.unique(np.append(times[inside], period.stop))
             found = self._solve(period, state, wanted, initial, tolerance)

@@ -1,4 +1,4 @@
-"""The air around a part: relative humidity and temperature over time."""
+"""Ambient conditions of a part: relative humidity and temperature of the air over time."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from flexmech.errors import InputError
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Period", "Surroundings"]
+__all__ = ["Ambient", "Period"]
 
 
 @dataclass(frozen=True)
@@ -42,8 +42,8 @@ class Period:
 
 
 @dataclass(frozen=True, eq=False)
-class Surroundings:
-    """Relative humidity and temperature, straight from one time to the next.
+class Ambient:
+    """Relative humidity and temperature of the air, straight from one time to the next.
 
     Before the first time and after the last one they stay as they are there. A time given twice
     is a step: the first values hold up to it, the second ones from it on.
@@ -76,8 +76,8 @@ class Surroundings:
         shapes = {self.time.shape, self.relative_humidity.shape, self.temperature.shape}
         if len(shapes) > 1 or self.time.ndim != 1 or not self.time.size:
             raise InputError(
-                "surroundings need as many relative humidities and temperatures as times, one or "
-                f"more; got shapes {self.time.shape}, {self.relative_humidity.shape} and "
+                "ambient times need as many humidities and temperatures as they are, one or more; "
+                f"got shapes {self.time.shape}, {self.relative_humidity.shape} and "
                 f"{self.temperature.shape}"
             )
         self._check_values()
@@ -85,15 +85,13 @@ class Surroundings:
     def _check_values(self) -> None:
         time, humidity, temperature = self.time, self.relative_humidity, self.temperature
         if not np.all(np.isfinite(time)) or np.any(np.diff(time) < 0):
-            raise InputError(f"times of the surroundings must be numbers that rise, got {time}")
+            raise InputError(f"ambient times must be numbers that rise, got {time}")
         if np.any(time[2:] == time[:-2]):
-            raise InputError("a time of the surroundings stands more than twice; a step needs two")
+            raise InputError("an ambient time stands more than twice; a step needs two")
         if not np.all((humidity >= 0) & (humidity <= 1)):
             raise InputError(f"relative_humidity must lie between 0 and 1 (100 %), got {humidity}")
         if not np.all(np.isfinite(temperature) & (temperature > 0)):
-            raise InputError(
-                f"temperature of the surroundings must be above 0 K, got {temperature}"
-            )
+            raise InputError(f"ambient temperature must be above 0 K, got {temperature}")
 
     @classmethod
     def constant(cls, relative_humidity: float, temperature: float) -> Self:
@@ -108,7 +106,7 @@ class Surroundings:
 
         Returns
         -------
-        Surroundings
+        Ambient
         """
         return cls(np.zeros(1), np.array([relative_humidity]), np.array([temperature]))
 

@@ -1,4 +1,4 @@
-"""Diffusion through layers in changing surroundings, by finite volumes and SciPy's BDF."""
+"""Diffusion through layers in changing ambient conditions, by finite volumes and SciPy's BDF."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
+from flexmech.materials.moisture.cells import DiffusionLayer, graded, layer_mesh
 from flexmech.materials.moisture.fluxes import Fluxes
-from flexmech.materials.moisture.history import Surroundings
-from flexmech.materials.moisture.mesh import DiffusionLayer, graded, layer_mesh
+from flexmech.materials.moisture.history import Ambient
 from flexmech.materials.moisture.unit_slab import Faces, checked_faces
 from flexmech.materials.moisture.waves import Waves, side_waves
 from flexmech.types import FloatArray
@@ -71,36 +71,10 @@ class MoistureHistory:
         """Water in the part over that in equilibrium with 100 % relative humidity, (t,)."""
         return np.asarray(self.water / self.capacity.sum())
 
-    def mean_between(self, lower: float, upper: float) -> FloatArray:
-        """Mean saturation between two places, such as the boundaries of a ply.
-
-        Parameters
-        ----------
-        lower, upper : float
-            From the mid-plane in m.
-
-        Returns
-        -------
-        ndarray, shape (t,)
-
-        Raises
-        ------
-        InputError
-            If there is nothing of the part between the two.
-        """
-        low, high = self.boundaries[0], self.boundaries[-1]
-        slack = 1e-9 * (high - low)
-        if not low - slack <= lower < upper <= high + slack:
-            raise InputError(
-                f"places must rise and lie between {low} and {high} m, got {lower} and {upper}"
-            )
-        sizes = np.diff(np.clip(self.boundaries, lower, upper))
-        return np.asarray(self.saturation @ sizes / sizes.sum())
-
 
 def diffuse(
     layers: Sequence[DiffusionLayer],
-    surroundings: Surroundings,
+    ambient: Ambient,
     times: ArrayLike,
     *,
     faces: Faces = "both",
@@ -118,7 +92,7 @@ def diffuse(
     ----------
     layers : sequence of DiffusionLayer
         Lowest first.
-    surroundings : Surroundings
+    ambient : Ambient
         The part has their temperature throughout: heat spreads a million times faster.
     times : array_like, shape (t,)
         At which the result is wanted in s, rising; the exposure begins at time zero.
@@ -148,14 +122,14 @@ def diffuse(
     wanted = _checked(times, faces, initial, humidity_exponent, tolerance)
     mesh = layer_mesh(layers, faces, cells)
     fluxes = Fluxes(mesh, faces, Waves.none(), humidity_exponent)
-    saturation, influx = fluxes.run(surroundings, wanted, initial, tolerance)
+    saturation, influx = fluxes.run(ambient, wanted, initial, tolerance)
     return MoistureHistory(wanted, mesh.boundaries, saturation[:, 0], mesh.capacity, influx)
 
 
 def diffuse_bar(
     layers: Sequence[DiffusionLayer],
     width: float,
-    surroundings: Surroundings,
+    ambient: Ambient,
     times: ArrayLike,
     *,
     faces: Faces = "both",
@@ -172,7 +146,7 @@ def diffuse_bar(
         Lowest first, each with its diffusivity across.
     width : float
         In m.
-    surroundings : Surroundings
+    ambient : Ambient
         The part has their temperature throughout: heat spreads a million times faster.
     times : array_like, shape (t,)
         At which the result is wanted in s, rising; the exposure begins at time zero.
@@ -210,7 +184,7 @@ def diffuse_bar(
     half = width / 2 * graded(cells[1] // 2, (False, True))
     waves = side_waves(half)
     fluxes = Fluxes(mesh, faces, waves, humidity_exponent)
-    rows, influx = fluxes.run(surroundings, wanted, initial, tolerance)
+    rows, influx = fluxes.run(ambient, wanted, initial, tolerance)
     # The waves put together again, on both halves of the width.
     quarter = np.einsum("tmn,mk->tnk", rows, waves.shape, optimize=True)
     return MoistureHistory(

@@ -1,185 +1,36 @@
-"""Fick's law solved exactly: constant surroundings, one diffusivity, faces at once in equilibrium.
+"""Fick's law solved exactly: constant ambient, one diffusivity, faces at once in equilibrium.
 
-A slab with one sealed face is half of one twice as thick, and a bar the product of two slabs.
-Everything is linear, so drying (``initial`` above ``surface``) follows the same functions.
+In units of the diffusion length, time is the Fourier number. Images of the error function
+converge within a few terms as long as the water has not reached the far side, cosines do so
+afterwards (Crank, *The Mathematics of Diffusion*, 2nd ed., sections 2.2.4, 4.3.1 and 4.3.2).
 """
 
 from __future__ import annotations
 
-from numpy.typing import ArrayLike
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import erfc
 
-from flexmech.materials.moisture.unit_slab import (
-    Faces,
-    depths,
-    diffusion_length,
-    fourier_number,
-    fourier_number_of,
-    remaining_profile,
-    uptake,
-)
+from flexmech.errors import InputError
+from flexmech.materials.moisture.unit_slab import Faces, diffusion_length
 from flexmech.types import FloatArray
 
-__all__ = ["bar_profile", "bar_uptake", "slab_profile", "slab_uptake", "time_to_saturation"]
+__all__ = [
+    "FOURIER_OF_CHANGE",
+    "SMALLEST",
+    "TERMS",
+    "early_uptake",
+    "remaining_uptake",
+    "time_to_saturation",
+]
 
 
-def slab_profile(
-    place: ArrayLike,
-    time: ArrayLike,
-    thickness: float,
-    diffusivity: float,
-    *,
-    faces: Faces = "both",
-    initial: float = 0.0,
-    surface: float = 1.0,
-) -> FloatArray:
-    """Saturation, or any other measure of moisture, through a slab after a step at its faces.
-
-    Crank, *The Mathematics of Diffusion*, eqs. 2.45 (images) and 4.17 (cosines).
-
-    Parameters
-    ----------
-    place : array_like, shape (m,)
-        From the mid-plane in m, -h/2 to h/2.
-    time : array_like, shape (t,)
-        Since the step in s; at zero only the exposed faces have changed.
-    thickness : float
-        In m.
-    diffusivity : float
-        In m^2/s.
-    faces : {"both", "lower", "upper"}
-        Those exposed.
-    initial, surface : float
-        Before the step everywhere, and after it at the exposed faces.
-
-    Returns
-    -------
-    ndarray, shape (t, m)
-
-    Raises
-    ------
-    InputError
-        If a place lies outside the slab, a time is negative, or the slab is no slab.
-    """
-    length = diffusion_length(thickness, diffusivity, faces)
-    depth = depths(place, thickness, faces)
-    fourier = fourier_number(time, length, diffusivity)
-    return surface + (initial - surface) * remaining_profile(depth, fourier)
-
-
-def slab_uptake(
-    time: ArrayLike, thickness: float, diffusivity: float, *, faces: Faces = "both"
-) -> FloatArray:
-    """Part of its final change that a slab's mean moisture has made after a step.
-
-    Crank, *The Mathematics of Diffusion*, eqs. 4.18 and 4.20.
-
-    Parameters
-    ----------
-    time : array_like, shape (t,)
-        Since the step in s.
-    thickness : float
-        In m.
-    diffusivity : float
-        In m^2/s.
-    faces : {"both", "lower", "upper"}
-        Those exposed.
-
-    Returns
-    -------
-    ndarray, shape (t,)
-
-    Raises
-    ------
-    InputError
-        If a time is negative or the slab is no slab.
-    """
-    length = diffusion_length(thickness, diffusivity, faces)
-    return uptake(fourier_number(time, length, diffusivity))
-
-
-def bar_profile(
-    y: ArrayLike,
-    z: ArrayLike,
-    time: ArrayLike,
-    thickness: float,
-    width: float,
-    diffusivity_y: float,
-    diffusivity_z: float,
-    *,
-    faces: Faces = "both",
-    initial: float = 0.0,
-    surface: float = 1.0,
-) -> FloatArray:
-    """Moisture in the cross-section of a bar whose sides are exposed too, after a step.
-
-    What is left of the change is the product of what is left in two slabs (Crank, *The
-    Mathematics of Diffusion*, section 2.5).
-
-    Parameters
-    ----------
-    y : array_like, shape (m,)
-        Through the thickness in m, -h/2 to h/2.
-    z : array_like, shape (n,)
-        Across the width in m, -w/2 to w/2.
-    time : array_like, shape (t,)
-        Since the step in s.
-    thickness, width : float
-        In m.
-    diffusivity_y, diffusivity_z : float
-        Through the thickness and across the width in m^2/s.
-    faces : {"both", "lower", "upper"}
-        Faces exposed, of those at the ends of y; both sides are.
-    initial, surface : float
-        Before the step everywhere, and after it at the exposed surfaces.
-
-    Returns
-    -------
-    ndarray, shape (t, m, n)
-
-    Raises
-    ------
-    InputError
-        If a place lies outside the bar, a time is negative, or the bar is no bar.
-    """
-    through = slab_profile(y, time, thickness, diffusivity_y, faces=faces, initial=1.0, surface=0.0)
-    across = slab_profile(z, time, width, diffusivity_z, initial=1.0, surface=0.0)
-    return surface + (initial - surface) * through[:, :, None] * across[:, None, :]
-
-
-def bar_uptake(
-    time: ArrayLike,
-    thickness: float,
-    width: float,
-    diffusivity_y: float,
-    diffusivity_z: float,
-    *,
-    faces: Faces = "both",
-) -> FloatArray:
-    """Part of its final change that the mean moisture of a bar has made after a step.
-
-    Parameters
-    ----------
-    time : array_like, shape (t,)
-        Since the step in s.
-    thickness, width : float
-        In m.
-    diffusivity_y, diffusivity_z : float
-        Through the thickness and across the width in m^2/s.
-    faces : {"both", "lower", "upper"}
-        Faces exposed, of those at the ends of the thickness; both sides are.
-
-    Returns
-    -------
-    ndarray, shape (t,)
-
-    Raises
-    ------
-    InputError
-        If a time is negative or the bar is no bar.
-    """
-    through = slab_uptake(time, thickness, diffusivity_y, faces=faces)
-    across = slab_uptake(time, width, diffusivity_z)
-    return through + across - through * across
+# Below this Fourier number the images are summed, above it the cosines; there either one's
+# first term left out is below 1e-17.
+FOURIER_OF_CHANGE = 0.2
+TERMS = 6
+# Stands for zero where that would divide.
+SMALLEST = 1e-100
 
 
 def time_to_saturation(
@@ -209,4 +60,42 @@ def time_to_saturation(
         If the fraction is not between 0 and 1, or the slab is no slab.
     """
     length = diffusion_length(thickness, diffusivity, faces)
-    return fourier_number_of(fraction) * length**2 / diffusivity
+    return _fourier_number_of(fraction) * length**2 / diffusivity
+
+
+def early_uptake(fourier: FloatArray) -> FloatArray:
+    """Part of the change that the mean has made, by images: Crank's eq. 4.20."""
+    root = np.maximum(np.sqrt(fourier), SMALLEST)
+    total = np.full(fourier.shape, 1 / np.sqrt(np.pi))
+    for n in range(1, TERMS):
+        argument = n / root
+        total += (
+            2 * (-1) ** n * (np.exp(-(argument**2)) / np.sqrt(np.pi) - argument * erfc(argument))
+        )
+    return np.asarray(2 * np.sqrt(fourier) * total)
+
+
+def remaining_uptake(fourier: FloatArray) -> FloatArray:
+    """Part of the change that the mean has yet to make, by cosines: Crank's eq. 4.18."""
+    waves = (2 * np.arange(TERMS) + 1) * np.pi / 2
+    return np.asarray(np.exp(-np.multiply.outer(fourier, waves**2)) @ (2 / waves**2))
+
+
+def _fourier_number_of(fraction: float) -> float:
+    """Fourier number at which the mean has made a part of the change."""
+    if not 0 < fraction < 1:
+        raise InputError(
+            f"fraction of saturation must lie above 0 and below 1, got {fraction}; full "
+            "saturation takes for ever, ask for 0.999"
+        )
+    # The law of the root is never below the uptake, and what is left of the change never above
+    # what it were if all of it were in the slowest cosine.
+    earliest = np.pi * fraction**2 / 4
+    latest = -4 / np.pi**2 * np.log1p(-fraction)
+
+    def excess(fourier: float) -> float:
+        if fourier < FOURIER_OF_CHANGE:
+            return float(early_uptake(np.array([fourier]))[0]) - fraction
+        return (1 - fraction) - float(remaining_uptake(np.array([fourier]))[0])
+
+    return float(brentq(excess, 0.999 * earliest, 1.001 * latest, xtol=1e-300, rtol=1e-14))

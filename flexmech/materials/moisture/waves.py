@@ -13,7 +13,7 @@ __all__ = ["Waves", "side_waves"]
 
 @dataclass(frozen=True, eq=False)
 class Waves:
-    """Waves across the width, of which the sides' surroundings see the same on both.
+    """Waves across the width of a bar whose sides are in the same ambient conditions.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """What the quasi-static equilibria of all engines have in common.
 
-Each engine has a Newton's method of its own. Which forces it may leave out of balance, and
-which equilibria it must not find, does not depend on the engine.
+Each engine has a Newton's method of its own. How long it may go on, what it may leave out of
+balance and which equilibria it must not find are the same for all.
 """
 
 from __future__ import annotations
@@ -16,11 +16,25 @@ from flexmech.linkages import RigidMotion, Topology
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = ["LOAD_STEPS", "ROUND_OFF", "free_load", "refuse_large_displacements"]
+__all__ = [
+    "LOAD_STEPS",
+    "MAX_ITERATIONS",
+    "RELATIVE_RESIDUAL",
+    "ROUND_OFF",
+    "free_load",
+    "refuse_large_displacements",
+]
 
 
+MAX_ITERATIONS = 40
+"""Of Newton's method in one load step."""
 LOAD_STEPS = (1, 5, 25)
 """Where all load at once leads nowhere, it is brought on in steps, swelling along with it."""
+RELATIVE_RESIDUAL = 1e-10
+"""Part of the load that may be out of balance when Newton's method stops.
+
+Convergence is quadratic: the last iteration brings far more than that.
+"""
 ROUND_OFF = 8 * float(np.finfo(float).eps)
 """What round-off leaves of forces between nodes that cancel, relative to these forces."""
 # A link displaced by more than this part of its length is no longer near the rigid linkage,

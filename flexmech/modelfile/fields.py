@@ -10,6 +10,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from flexmech import units
 from flexmech.errors import InputError
+from flexmech.numbers import FINITE, NOT_NEGATIVE, POSITIVE, Bounds
 from flexmech.units import Dimension, parse_quantity
 
 __all__ = [
@@ -18,9 +19,11 @@ __all__ = [
     "Angle",
     "AngularSpeed",
     "BendingStiffness",
+    "Curvature",
     "DampingRatio",
     "Density",
     "DiffusivityValue",
+    "Distance",
     "Expansion",
     "Force",
     "Frequency",
@@ -30,6 +33,7 @@ __all__ = [
     "MassPerLength",
     "MoistureContent",
     "MoistureExpansion",
+    "PlyMoistureExpansion",
     "PoissonRatio",
     "PositiveRatio",
     "QuantityField",
@@ -49,16 +53,12 @@ class QuantityField:
     Parameters
     ----------
     dimension : Dimension
-    above, below : float, optional
-        Bounds in SI units that the value must not reach.
-    least : float, optional
-        Bound in SI units that the value may reach.
+    bounds : Bounds
+        In SI units.
     """
 
     dimension: Dimension
-    above: float | None = None
-    below: float | None = None
-    least: float | None = None
+    bounds: Bounds = FINITE
 
     def parse(self, value: object) -> float:
         """SI float of a value from a file.
@@ -78,21 +78,9 @@ class QuantityField:
             If it is no quantity of this dimension or out of bounds.
         """
         number = parse_quantity(value, self.dimension)
-        too_low = (self.above is not None and number <= self.above) or (
-            self.least is not None and number < self.least
-        )
-        if too_low or (self.below is not None and number >= self.below):
-            raise InputError(f"must be {self.bounds}, got {value!r}")
+        if not self.bounds.hold(number):
+            raise InputError(f"must {self.bounds.words}, got {value!r}")
         return number
-
-    @property
-    def bounds(self) -> str:
-        """The bounds in words."""
-        if self.below is not None and self.above is not None:
-            return f"between {self.above:g} and {self.below:g}"
-        if self.below is not None and self.least is not None:
-            return f"at least {self.least:g} and less than {self.below:g}"
-        return "zero or positive" if self.above is None else "positive"
 
     def __get_pydantic_core_schema__(
         self, source: type[Any], handler: GetCoreSchemaHandler
@@ -113,28 +101,31 @@ class QuantityField:
         return text
 
 
-Length = Annotated[float, QuantityField(units.LENGTH, above=0.0)]
-LengthOrZero = Annotated[float, QuantityField(units.LENGTH, least=0.0)]
-Mass = Annotated[float, QuantityField(units.MASS, least=0.0)]
-TimeOrZero = Annotated[float, QuantityField(units.TIME, least=0.0)]
-Frequency = Annotated[float, QuantityField(units.FREQUENCY, above=0.0)]
+Length = Annotated[float, QuantityField(units.LENGTH, POSITIVE)]
+LengthOrZero = Annotated[float, QuantityField(units.LENGTH, NOT_NEGATIVE)]
+Distance = Annotated[float, QuantityField(units.LENGTH)]
+Curvature = Annotated[float, QuantityField(units.CURVATURE)]
+Mass = Annotated[float, QuantityField(units.MASS, NOT_NEGATIVE)]
+TimeOrZero = Annotated[float, QuantityField(units.TIME, NOT_NEGATIVE)]
+Frequency = Annotated[float, QuantityField(units.FREQUENCY, POSITIVE)]
 AngularSpeed = Annotated[float, QuantityField(units.ANGULAR_SPEED)]
 Acceleration = Annotated[float, QuantityField(units.ACCELERATION)]
-Stress = Annotated[float, QuantityField(units.STRESS, above=0.0)]
-Density = Annotated[float, QuantityField(units.DENSITY, above=0.0)]
-Force = Annotated[float, QuantityField(units.FORCE, above=0.0)]
-BendingStiffness = Annotated[float, QuantityField(units.BENDING_STIFFNESS, above=0.0)]
-MassPerLength = Annotated[float, QuantityField(units.MASS_PER_LENGTH, above=0.0)]
-RotaryInertia = Annotated[float, QuantityField(units.ROTARY_INERTIA, above=0.0)]
-PoissonRatio = Annotated[float, QuantityField(units.RATIO, above=-1.0, below=0.5)]
+Stress = Annotated[float, QuantityField(units.STRESS, POSITIVE)]
+Density = Annotated[float, QuantityField(units.DENSITY, POSITIVE)]
+Force = Annotated[float, QuantityField(units.FORCE, POSITIVE)]
+BendingStiffness = Annotated[float, QuantityField(units.BENDING_STIFFNESS, POSITIVE)]
+MassPerLength = Annotated[float, QuantityField(units.MASS_PER_LENGTH, POSITIVE)]
+RotaryInertia = Annotated[float, QuantityField(units.ROTARY_INERTIA, POSITIVE)]
+PoissonRatio = Annotated[float, QuantityField(units.RATIO, Bounds(above=-1.0, below=0.5))]
 Ratio = Annotated[float, QuantityField(units.RATIO)]
-SpecificDamping = Annotated[float, QuantityField(units.RATIO, least=0.0)]
+SpecificDamping = Annotated[float, QuantityField(units.RATIO, NOT_NEGATIVE)]
 Angle = Annotated[float, QuantityField(units.ANGLE)]
-DampingRatio = Annotated[float, QuantityField(units.RATIO, least=0.0, below=1.0)]
-PositiveRatio = Annotated[float, QuantityField(units.RATIO, above=0.0)]
-MoistureContent = Annotated[float, QuantityField(units.RATIO, above=0.0, below=1.0)]
-Temperature = Annotated[float, QuantityField(units.TEMPERATURE, above=0.0)]
+DampingRatio = Annotated[float, QuantityField(units.RATIO, Bounds(least=0.0, below=1.0))]
+PositiveRatio = Annotated[float, QuantityField(units.RATIO, POSITIVE)]
+MoistureContent = Annotated[float, QuantityField(units.RATIO, Bounds(above=0.0, below=1.0))]
+Temperature = Annotated[float, QuantityField(units.TEMPERATURE, POSITIVE)]
 Expansion = Annotated[float, QuantityField(units.EXPANSION)]
-MoistureExpansion = Annotated[float, QuantityField(units.MOISTURE_EXPANSION, least=0.0)]
-DiffusivityValue = Annotated[float, QuantityField(units.DIFFUSIVITY, above=0.0)]
-ActivationEnergy = Annotated[float, QuantityField(units.ACTIVATION_ENERGY, least=0.0)]
+MoistureExpansion = Annotated[float, QuantityField(units.MOISTURE_EXPANSION, NOT_NEGATIVE)]
+PlyMoistureExpansion = Annotated[float, QuantityField(units.MOISTURE_EXPANSION)]
+DiffusivityValue = Annotated[float, QuantityField(units.DIFFUSIVITY, POSITIVE)]
+ActivationEnergy = Annotated[float, QuantityField(units.ACTIVATION_ENERGY, NOT_NEGATIVE)]

@@ -1,21 +1,19 @@
-"""The heat and water that a mechanism is in."""
+"""The environment that a mechanism is put into: heat, and water that is there or diffuses in."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
+from flexmech.numbers import NOT_NEGATIVE, Bounds, check_fields
 
-from flexmech.errors import InputError
-
-__all__ = ["Environment", "Exposure", "HygrothermalState", "State"]
+__all__ = ["Environment", "Exposure", "HygrothermalState"]
 
 DAY = 86400.0
 
 
 @dataclass(frozen=True)
 class HygrothermalState:
-    """Every link equally hot and its resin equally moist; dry and unheated by default.
+    """Every link at the same temperature and its resin equally moist; dry and unheated by default.
 
     Parameters
     ----------
@@ -29,15 +27,19 @@ class HygrothermalState:
     ------
     InputError
         If the rise is not a number or the moisture negative.
+
+    Examples
+    --------
+    >>> flexmech.HygrothermalState(temperature_rise=60.0, moisture=0.04).label
+    '+60 K, 4 % moisture'
     """
 
     temperature_rise: float = 0.0
     moisture: float = 0.0
 
     def __post_init__(self) -> None:
-        _check_rise(self.temperature_rise)
-        if not (np.isfinite(self.moisture) and self.moisture >= 0):
-            raise InputError(f"moisture must be zero or positive, got {100 * self.moisture:g} %")
+        check_fields(self, {"temperature_rise": "K"})
+        check_fields(self, {"moisture": ""}, NOT_NEGATIVE)
 
     @property
     def label(self) -> str:
@@ -49,13 +51,13 @@ class HygrothermalState:
 
 @dataclass(frozen=True)
 class Exposure:
-    """Constant humid surroundings for a time, from dry; the links take up what diffuses in.
+    """Air of constant temperature and humidity for a time, from dry; water diffuses into the links.
 
     Parameters
     ----------
     temperature_rise : float
-        Over the mechanism's reference temperature in K, everywhere at once: heat diffuses a
-        million times as fast as water.
+        Over the mechanism's reference temperature in K. Heat diffuses a million times as fast as
+        water, so that all links are at this temperature from the start.
     relative_humidity : float
         From 0 to 1.
     time : float
@@ -65,6 +67,11 @@ class Exposure:
     ------
     InputError
         If a number is out of its range.
+
+    Examples
+    --------
+    >>> flexmech.Exposure(temperature_rise=60.0, relative_humidity=0.85, time=30 * 86400.0).label
+    '+60 K, 85 % humidity for 30 d'
     """
 
     temperature_rise: float
@@ -72,14 +79,9 @@ class Exposure:
     time: float
 
     def __post_init__(self) -> None:
-        _check_rise(self.temperature_rise)
-        if not 0 <= self.relative_humidity <= 1:
-            raise InputError(
-                f"relative_humidity must lie between 0 and 100 %, got "
-                f"{100 * self.relative_humidity:g} %"
-            )
-        if not (np.isfinite(self.time) and self.time >= 0):
-            raise InputError(f"time of exposure must be zero or positive, got {self.time} s")
+        check_fields(self, {"temperature_rise": "K"})
+        check_fields(self, {"relative_humidity": ""}, Bounds(least=0.0, most=1.0))
+        check_fields(self, {"time": "s"}, NOT_NEGATIVE, "of exposure")
 
     @property
     def label(self) -> str:
@@ -91,9 +93,4 @@ class Exposure:
 
 
 Environment = HygrothermalState | Exposure
-State = Environment
-
-
-def _check_rise(rise: float) -> None:
-    if not np.isfinite(rise):
-        raise InputError(f"temperature_rise must be a number, got {rise} K")
+"""What a mechanism is put into."""

@@ -2,26 +2,18 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Mapping
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
 from pydantic_core import PydanticCustomError
 
-from flexmech.errors import InputError
-from flexmech.modelfile.quantities import DampingRatio, Frequency, LengthOrZero, Mass, TimeOrZero
+from flexmech.errors import InputError, suggestion
+from flexmech.modelfile.fields import DampingRatio, Frequency, TimeOrZero
 
-__all__ = ["DampedTable", "PointMassTable", "Table", "Text", "suggestion"]
+__all__ = ["DampedTable", "Table", "Text"]
 
 Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
-
-
-def suggestion(got: str, known: list[str]) -> str:
-    """Word the remedy for a wrong name: the nearest known one, and all of them."""
-    close = difflib.get_close_matches(got, known, n=1)
-    choices = ", ".join(known)
-    return f"did you mean {close[0]!r}? Known here: {choices}" if close else f"use one of {choices}"
 
 
 class Table(BaseModel):
@@ -64,24 +56,24 @@ class DampedTable(Table):
         has_frequency = self.damping_frequency is not None
         if self.damping_time is not None and (has_ratio or has_frequency):
             raise InputError(
-                "damping_time and damping_ratio are both given; keep damping_time, or "
-                "damping_ratio with damping_frequency"
+                "damping_time and damping_ratio or damping_frequency are both given; keep "
+                "damping_time, or the others without it"
             )
-        if has_ratio != has_frequency:
-            given, absent = ("damping_ratio", "damping_frequency")[:: 1 if has_ratio else -1]
+        if has_ratio and not has_frequency:
             raise InputError(
-                f"{given} is given without {absent}; give both, or damping_time instead"
+                "damping_ratio is given without damping_frequency; give both, or damping_time"
             )
+        if has_frequency and not has_ratio:
+            self._check_frequency_alone()
         return self
+
+    def _check_frequency_alone(self) -> None:
+        """Refuse a damping frequency without a ratio where no specific damping can stand in."""
+        raise InputError(
+            "damping_frequency is given without damping_ratio; give both, or damping_time instead"
+        )
 
     @property
     def has_damping(self) -> bool:
         """Whether any damping is stated here."""
         return self.damping_time is not None or self.damping_ratio is not None
-
-
-class PointMassTable(Table):
-    """A point mass on a link."""
-
-    position: LengthOrZero = Field(description="Distance from the link's first joint")
-    mass: Mass = Field(description="Mass of the point")

@@ -1,0 +1,148 @@
+"""Natural frequencies of one engine over a map: tracked modes, with their errors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from flexmech.analyses.frequencies.discretisation import check_angle_indices, discretisation_error
+from flexmech.analyses.frequencies.eigenproblem import solve_modes
+from flexmech.analyses.frequencies.formulation import Systems
+from flexmech.analyses.frequencies.frequency_map import frequency_map, systems_at
+from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
+from flexmech.analyses.frequencies.reduction import CheckedModes, settled
+from flexmech.analyses.frequencies.request import FrequencyRequest
+from flexmech.analyses.frequencies.tracking import Tracker, same_shapes
+from flexmech.linear_system import Engine
+from flexmech.types import FloatArray, IntArray, LabelledProgress
+
+__all__ = ["EngineMap", "map_engine"]
+
+# Modes followed besides those asked for, so that a branch may dip out and come back.
+SPARE_MODES = 2
+
+OVER_CHECKS = ("check_angle", "mode", "part", "link", "station", "component")
+
+
+@dataclass(frozen=True)
+class EngineMap:
+    """Map of one engine.
+
+    Parameters
+    ----------
+    engine : Engine
+        As it was used at last: with component modes or without.
+    detail : float
+        How many component modes the most demanding speed has needed.
+    dataset : xarray.Dataset
+        Over (crank_speed, crank_angle, mode), errors and shapes over (crank_speed, check_angle,
+        mode); its dimensions are without coordinates but for the branches.
+    """
+
+    engine: Engine
+    detail: float
+    dataset: xr.Dataset
+
+
+def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgress) -> EngineMap:
+    """Map of one engine, speed by speed; a speed begins with the branches of the one before.
+
+    Parameters
+    ----------
+    engine : Engine
+    request : FrequencyRequest
+        Engines that do not simulate answer it about the quasi-static state.
+    report : callable
+        Progress: ``report(label, done, total)``.
+
+    Returns
+    -------
+    EngineMap
+    """
+    still = replace(request, formulation=request.formulation.quasi_static)
+    asked = request if engine.simulates else still
+    angles, modes = asked.crank_angles, asked.formulation.modes
+    where = check_angle_indices(angles, asked.full_turn)
+    losses = StrainEnergyDamping.of(engine)
+    numbering: IntArray | None = None
+    start_shapes: NDArray[Any] | None = None
+    finest, parts, done = Systems(engine, asked.formulation), [], 0
+
+    def advance(count: int) -> None:
+        nonlocal done
+        done += count
+        report(engine.name, done, len(asked.crank_speeds) * len(angles))
+
+    for speed in asked.crank_speeds.tolist():
+        checked = settled(systems_at(engine, asked, speed), angles[where], speed, SPARE_MODES)
+        systems = checked.systems
+        if systems.detail > finest.detail or not systems.engine.component_modes:
+            finest = systems
+        shapes = checked.system.displacements(checked.modes.vectors)
+        if start_shapes is not None:
+            numbering = same_shapes(start_shapes, shapes[0], numbering)
+        start_shapes = shapes[0]
+        along = _along_angles(checked, asked, speed, Tracker(numbering), losses, advance)
+        errors = {
+            "discretisation_error": discretisation_error(systems, angles[where], speed),
+            "reduction_error": checked.reduction_error,
+            "mode_shape": _scaled_parts(shapes[:, :modes]),
+        }
+        over_checks = {name: (OVER_CHECKS[: v.ndim], v) for name, v in errors.items()}
+        parts.append(along.isel(mode=slice(modes)).assign(over_checks))
+    dataset = xr.concat(parts, pd.Index(asked.crank_speeds, name="crank_speed"), join="inner")
+    if request.formulation.prestress == "trajectory":
+        quasi_static = dataset["frequency"]
+        if engine.simulates:
+            values = frequency_map(finest.engine, still, finest.detail)
+            quasi_static = quasi_static.copy(data=values)
+        dataset["quasi_static_frequency"] = quasi_static
+    return EngineMap(finest.engine, finest.detail, dataset)
+
+
+def _along_angles(
+    checked: CheckedModes,
+    request: FrequencyRequest,
+    crank_speed: float,
+    tracker: Tracker,
+    losses: StrainEnergyDamping | None,
+    advance: Callable[[int], None],
+) -> xr.Dataset:
+    """Modes along the crank angles, batch by batch: tracked, spare ones among them."""
+    systems, count, parts = checked.systems, checked.modes.count, []
+    for system in systems.batches(request.crank_angles, crank_speed):
+        modes = solve_modes(system, count)
+        tracker.add(system.inertial_shapes(modes.vectors))
+        found = {"frequency": modes.frequency, "damping_ratio": modes.damping_ratio}
+        if losses is not None:
+            states = systems.states(system.motion.crank_angle)
+            prestress = systems.formulation.quasi_static_prestress
+            found["strain_energy_damping"] = losses.ratio(system, modes, prestress, states)
+        parts.append(found)
+        advance(len(modes.frequency))
+    every = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    branches = tracker.finish(every["frequency"], request.full_turn)
+    every |= {
+        "branch_of_mode": branches.branch.astype(np.int64) + 1,
+        "mac": branches.mac,
+        "veering": branches.veering,
+    }
+    return xr.Dataset(
+        {name: (("crank_angle", "mode"), values) for name, values in every.items()}
+        | {"branch_whole": ("branch", branches.whole)},
+        coords={"branch": np.arange(1, count + 1)},
+    )
+
+
+def _scaled_parts(shapes: NDArray[Any]) -> FloatArray:
+    """Mode shapes as real and imaginary part, the largest displacement of each mode 1."""
+    amplitude = np.sqrt(np.sum(np.abs(shapes) ** 2, axis=-1))
+    largest = amplitude.max(axis=(-2, -1))[..., None, None, None]
+    scaled = shapes / np.where(largest > 0, largest, 1.0)
+    return np.stack([scaled.real, scaled.imag], axis=2)

@@ -1,0 +1,87 @@
+"""A whole model file, as pydantic models that hold SI floats."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field, StringConstraints
+
+from flexmech.materials import REFERENCE_TEMPERATURE, Material
+from flexmech.modelfile.base_table import DampedTable, Table
+from flexmech.modelfile.fields import (
+    Acceleration,
+    AngularSpeed,
+    Density,
+    Mass,
+    PoissonRatio,
+    Stress,
+    Temperature,
+)
+from flexmech.modelfile.hygrothermal_tables import HygrothermalTable
+from flexmech.modelfile.laminate_tables import FibreTable, LaminateTable, MatrixTable, PlyTable
+from flexmech.modelfile.link_tables import LinkTable
+from flexmech.modelfile.linkage_tables import LinkageTable
+
+__all__ = ["MaterialTable", "ModelFile"]
+
+
+class MaterialTable(DampedTable, HygrothermalTable):
+    """An isotropic material."""
+
+    youngs_modulus: Stress = Field(description="Young's modulus E")
+    density: Density = Field(description="Density rho")
+    poisson_ratio: PoissonRatio = Field(description="Poisson's ratio nu (for shear)")
+
+    @property
+    def material(self) -> Material:
+        """The material that is stated."""
+        return Material(self.youngs_modulus, self.density, self.poisson_ratio, self.hygrothermal)
+
+
+class JointTable(Table):
+    """A joint: O2, A, B and O4 of a four-bar; O2 of a rotating arm."""
+
+    mass: Mass = Field(description="Point mass at the joint")
+
+
+class EnvironmentTable(Table):
+    """What surrounds the linkage."""
+
+    gravity: tuple[Acceleration, Acceleration] = Field(
+        default=(0.0, 0.0),
+        description="Gravitational acceleration along x and y; none if left out",
+        json_schema_extra={"default": ["0 m/s^2", "0 m/s^2"]},
+    )
+    reference_temperature: Temperature = Field(
+        default=REFERENCE_TEMPERATURE,
+        description="At which lengths, sections and moduli are as stated; 20 degC if left out",
+        json_schema_extra={"default": "20 degC"},
+    )
+
+
+class OperationTable(Table):
+    """How the mechanism is meant to run."""
+
+    crank_speeds: list[AngularSpeed] = Field(
+        default_factory=list, description="Crank speeds that the mechanism is meant for"
+    )
+
+
+class ModelFile(Table):
+    """A model file of flexmech."""
+
+    name: Annotated[str, StringConstraints(pattern=r"\S")] = Field(
+        description="Short name, used in titles"
+    )
+    source: str = Field(description="Publication, drawing or measurement of the numbers")
+    notes: str = Field(default="", description="Anything a reader should know")
+    linkage: LinkageTable
+    materials: dict[str, MaterialTable] = Field(default_factory=dict)
+    fibres: dict[str, FibreTable] = Field(default_factory=dict)
+    matrices: dict[str, MatrixTable] = Field(default_factory=dict)
+    plies: dict[str, PlyTable] = Field(default_factory=dict)
+    laminates: dict[str, LaminateTable] = Field(default_factory=dict)
+    links: dict[str, LinkTable] = Field(description="One table for each moving link")
+    joints: dict[str, JointTable] = Field(default_factory=dict)
+    environment: EnvironmentTable = Field(default_factory=EnvironmentTable)
+    operation: OperationTable = Field(default_factory=OperationTable)

@@ -1,0 +1,146 @@
+"""Tables of a model file that describe links: their sections, damping and point masses."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from flexmech.errors import InputError
+from flexmech.modelfile.base_table import DampedTable, Table, Text
+from flexmech.modelfile.fields import (
+    BendingStiffness,
+    Curvature,
+    Distance,
+    Force,
+    Length,
+    LengthOrZero,
+    Mass,
+    MassPerLength,
+    Ratio,
+    RotaryInertia,
+    SpecificDamping,
+    TimeOrZero,
+)
+from flexmech.modelfile.hygrothermal_tables import WettedTable
+
+__all__ = ["GeneralLinkTable", "LaminateLinkTable", "LinkTable", "RectangleLinkTable"]
+
+
+class PointMassTable(Table):
+    """A point mass on a link."""
+
+    position: LengthOrZero = Field(description="Distance from the link's first joint")
+    mass: Mass = Field(description="Mass of the point")
+
+
+class AnyLinkTable(DampedTable, WettedTable):
+    """What all links have in common."""
+
+    point_masses: list[PointMassTable] = Field(default_factory=list)
+
+
+class RectangleLinkTable(AnyLinkTable):
+    """A link whose section is a solid rectangle; its own damping overrides the material's."""
+
+    section: Literal["rectangle"]
+    material: Text = Field(description="Name of a table under [materials]")
+    in_plane_thickness: Length = Field(
+        description="Extent of the section in the linkage's plane: h in I = b h^3 / 12"
+    )
+    out_of_plane_width: Length = Field(
+        description="Extent of the section along the joint axes: b in I = b h^3 / 12"
+    )
+
+
+class LaminateLinkTable(AnyLinkTable):
+    """A link made of a laminate whose layers lie in the plane of the linkage."""
+
+    section: Literal["laminate"]
+    laminate: Text = Field(description="Name of a table under [laminates]")
+    out_of_plane_width: Length = Field(description="Extent of the section along the joint axes")
+    reduction: Literal["narrow", "wide"] = Field(
+        default="narrow",
+        description="'narrow': free to contract along the joint axes; 'wide': held from it",
+    )
+
+    def _check_frequency_alone(self) -> None:
+        """Take the specific damping of the plies at that frequency."""
+
+
+class DampingTimesTable(Table):
+    """Kelvin-Voigt times of a section by deformation."""
+
+    axial: TimeOrZero = Field(description="Of stretching along the neutral axis")
+    bending: TimeOrZero = Field(description="Of bending about it")
+    shear: TimeOrZero = Field(description="Of shear")
+
+
+class SpecificDampingTable(Table):
+    """Energy that a section loses in a cycle over its largest, by deformation."""
+
+    axial: SpecificDamping = Field(description="Of stretching along the neutral axis")
+    bending: SpecificDamping = Field(description="Of bending about it")
+    shear: SpecificDamping = Field(description="Of shear")
+
+
+class GeneralLinkTable(AnyLinkTable):
+    """A link whose section is given by its stiffness and mass per length."""
+
+    section: Literal["general"]
+    axial_stiffness: Force = Field(description="EA")
+    bending_stiffness: BendingStiffness = Field(
+        description="EI about the neutral axis, for bending in the plane"
+    )
+    shear_stiffness: Force = Field(description="kGA, with the shear correction factor k")
+    mass_per_length: MassPerLength = Field(description="rho A")
+    rotary_inertia: RotaryInertia = Field(description="rho I, mass moment of inertia per length")
+    in_plane_thickness: Length = Field(description="Extent of the section in the linkage's plane")
+    neutral_axis: Distance = Field(
+        default=0.0,
+        description="Distance of the neutral axis from the line of the pins, to the left positive",
+        json_schema_extra={"default": "0 m"},
+    )
+    mass_axis: Distance = Field(
+        default=0.0,
+        description="The same of the centre of mass",
+        json_schema_extra={"default": "0 m"},
+    )
+    free_strain: Ratio = Field(default=0.0, description="Of the neutral axis, without load")
+    free_curvature: Curvature = Field(
+        default=0.0,
+        description="Without load; positive turns to the left along the link",
+        json_schema_extra={"default": "0 1/m"},
+    )
+    damping_times: DampingTimesTable | None = Field(
+        default=None, description="In place of damping_time, where deformations differ"
+    )
+    specific_damping: SpecificDampingTable | None = Field(
+        default=None, description="With damping_frequency alone: the damping at that frequency"
+    )
+    laminate: Text | None = Field(
+        default=None,
+        description="Layers of the section, a table under [laminates], for stresses inside it; "
+        "its stiffness stays as stated here",
+    )
+    out_of_plane_width: Length | None = Field(default=None, description="With laminate")
+    reduction: Literal["narrow", "wide"] = Field(default="narrow", description="With laminate")
+
+    @model_validator(mode="after")
+    def _nothing_twice_or_alone(self) -> GeneralLinkTable:
+        if (self.laminate is None) != (self.out_of_plane_width is None):
+            raise InputError("laminate and out_of_plane_width belong together; give both or none")
+        if self.damping_times is not None and self.has_damping:
+            raise InputError(
+                "damping_times and damping_time or damping_ratio are both given; keep one"
+            )
+        return self
+
+    def _check_frequency_alone(self) -> None:
+        if self.specific_damping is None and self.damping_times is None:
+            super()._check_frequency_alone()
+
+
+LinkTable = Annotated[
+    RectangleLinkTable | LaminateLinkTable | GeneralLinkTable, Field(discriminator="section")
+]

@@ -1,0 +1,84 @@
+"""Tables of a model file that describe linkages: one class for each kind."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from flexmech.linkages import CouplerPoint, FourBar, RotatingArm
+from flexmech.modelfile.base_table import Table
+from flexmech.modelfile.fields import Angle, Expansion, Length, LengthOrZero
+
+__all__ = ["FourBarTable", "LinkageTable", "RotatingArmTable"]
+
+
+class CouplerPointTable(Table):
+    """A point that moves with the coupler."""
+
+    distance: LengthOrZero = Field(description="Distance e from A")
+    angle: Angle = Field(
+        description="Angle gamma at A from the line A-B to the point, to the left positive"
+    )
+
+
+class MountedTable(Table):
+    """What a linkage is mounted to."""
+
+    ground_thermal_expansion: Expansion = Field(
+        default=0.0,
+        description="Of the frame between the ground pivots, or of the hub; 0 if left out",
+        json_schema_extra={"default": "0 1/K"},
+    )
+
+    @property
+    def point(self) -> CouplerPoint | None:
+        """Point of the coupler whose path matters."""
+        return None
+
+
+class FourBarTable(MountedTable):
+    """Ground pivots O2 and O4, crank O2-A, coupler A-B, rocker O4-B."""
+
+    kind: Literal["four-bar"]
+    ground: Length = Field(description="Distance r1 between the ground pivots O2 and O4")
+    crank: Length = Field(description="Crank length r2, O2 to A")
+    coupler: Length = Field(description="Coupler length r3, A to B")
+    rocker: Length = Field(description="Rocker length r4, O4 to B")
+    branch: Literal["open", "crossed"] = Field(
+        default="open", description="'open' has B above at crank angle zero"
+    )
+    coupler_point: CouplerPointTable | None = Field(
+        default=None, description="Point of the coupler whose path matters"
+    )
+
+    @property
+    def linkage(self) -> FourBar:
+        """The linkage that is described."""
+        return FourBar(self.ground, self.crank, self.coupler, self.rocker, self.branch)
+
+    @property
+    def point(self) -> CouplerPoint | None:
+        """Point of the coupler whose path matters."""
+        point = self.coupler_point
+        return None if point is None else CouplerPoint(point.distance, point.angle)
+
+
+class RotatingArmTable(MountedTable):
+    """One link clamped to a hub that turns about O2."""
+
+    kind: Literal["rotating-arm"]
+    length: Length = Field(description="Arm length, from the clamp to the free end")
+    hub_radius: LengthOrZero = Field(
+        default=0.0,
+        description="Distance from the axis to the clamp; zero if left out",
+        json_schema_extra={"default": "0 m"},
+    )
+
+    @property
+    def linkage(self) -> RotatingArm:
+        """The linkage that is described."""
+        return RotatingArm(self.length, self.hub_radius)
+
+
+LinkageTable = Annotated[FourBarTable | RotatingArmTable, Field(discriminator="kind")]

@@ -1,0 +1,248 @@
+"""The rigid linkage: a sketch of links, joints and supports for all figures, and one of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon
+from numpy.typing import NDArray
+
+from flexmech.plots.labels import names_of
+from flexmech.plots.reading import values_of
+from flexmech.plots.series import Look
+from flexmech.plots.sheet import AxesLike, grid, sheet
+from flexmech.plots.style import FIGURE_WIDTH, LIGHT_GREY
+from flexmech.types import FloatArray
+
+__all__ = ["JOINT", "RIGID", "Limits", "LinkageSketch", "extent_of", "joint_ends", "plot_linkage"]
+
+RIGID: Look = {"color": "0.65", "lw": 0.9}
+"""Look of undeformed links."""
+OUTLINE = "0.35"
+JOINT: Look = {"ls": "", "marker": "o", "ms": 3.6, "mfc": "white", "mec": OUTLINE, "mew": 0.7}
+"""Look of a pin; the driven shaft, to which its link is clamped, is filled."""
+
+# Places closer than this part of the linkage's extent are the same place.
+SAME_PLACE = 1e-6
+# Of a support over the linkage's extent: depth, half its width, depth of the hatching.
+DEPTH, HALF_WIDTH, HATCHING = 0.05, 0.028, 0.03
+# Depth of the shaft's support over the radius of a hub: it is seen below it. Half its width over
+# its depth at least, and half the width of a ground line over that of its support.
+BELOW_HUB, SLENDER, GROUND_WIDTH = 1.4, 0.4, 1.7
+# Room around the sketch, and below it for the scale bar, over the linkage's extent.
+ROOM, BAR_ROOM = 0.02, 0.06
+
+LEAST_HEIGHT, MOST_HEIGHT = 1.6, 3.6
+# Distance of a name from its joint in points.
+AWAY = 9.0
+# Room for the names around the joints over the linkage's size.
+NAME_ROOM = 0.06
+
+Limits = tuple[tuple[float, float], tuple[float, float]]
+"""Least and greatest x, and y."""
+Ends = list[tuple[int, int]]
+"""Ends of links: numbers of link and station (0 or -1)."""
+
+
+def extent_of(links: FloatArray) -> float:
+    """Diagonal of the box around the ends of links; shape (..., link, station, 2)."""
+    ends = links[..., [0, -1], :].reshape(*links.shape[:-3], -1, 2)
+    return float(np.hypot(*np.ptp(ends, axis=-2).T).max())
+
+
+def joint_ends(positions: FloatArray, held: NDArray[np.bool_]) -> tuple[Ends, Ends]:
+    """Link ends at which there are joints, one end of each joint.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (posture, link, station, 2)
+        Of the rigid linkage in m.
+    held : ndarray of bool, shape (link, 2)
+        Whether the start and the end of each link are held by the ground.
+
+    Returns
+    -------
+    list of (int, int), list of (int, int)
+        Link and station (0 or -1) of the pins between links, and of the supports.
+    """
+    near = SAME_PLACE * extent_of(positions)
+    ends = [(link, station) for link in range(positions.shape[1]) for station in (0, -1)]
+    pins, supports = [], []
+    for link, station in ends:
+        place = positions[:, link, station]
+        together = [e for e in ends if np.abs(positions[:, e[0], e[1]] - place).max() <= near]
+        if together[0] != (link, station):
+            continue
+        if held[link, station]:
+            supports.append((link, station))
+        elif len(together) > 1:
+            pins.append((link, station))
+    return pins, supports
+
+
+@dataclass(frozen=True)
+class LinkageSketch:
+    """A linkage in one posture.
+
+    Parameters
+    ----------
+    links : ndarray, shape (link, station, 2)
+        In m. By convention the first link is the driven one, on a shaft at the ground's
+        origin; where it starts away from there, it stands on a hub.
+    pins, supports : ndarray, shape (n, 2)
+        Joints between links, and joints with the ground, in m.
+    """
+
+    links: FloatArray
+    pins: FloatArray
+    supports: FloatArray
+
+    @classmethod
+    def at(cls, links: FloatArray, pins: Ends, supports: Ends) -> LinkageSketch:
+        """Sketch whose joints are where certain ends of its links are.
+
+        Parameters
+        ----------
+        links : ndarray, shape (link, station, 2)
+            In m.
+        pins, supports : list of (int, int)
+            Link and station of one end at each joint.
+
+        Returns
+        -------
+        LinkageSketch
+        """
+        places = (np.reshape([links[end] for end in ends], (-1, 2)) for ends in (pins, supports))
+        return cls(links, *places)
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the box around the linkage, in m."""
+        return extent_of(self.links)
+
+    @property
+    def hub_radius(self) -> float:
+        """Distance of the driven link's start from the shaft's axis, in m."""
+        radius = float(np.hypot(*self.links[0, 0]))
+        return radius if radius > SAME_PLACE * self.size else 0.0
+
+    @property
+    def grounds(self) -> FloatArray:
+        """Where the ground holds the linkage: a hub at its shaft, not where its link is clamped."""
+        if not self.hub_radius:
+            return self.supports
+        beyond = np.hypot(*self.supports.T) > self.hub_radius + SAME_PLACE * self.size
+        return np.vstack([[0.0, 0.0], self.supports[beyond]])
+
+    def limits(self, points: FloatArray) -> Limits:
+        """Limits around points, the linkage, its hub and supports, and a scale bar; in m."""
+        corners = [self.links.reshape(-1, 2), points.reshape(-1, 2)]
+        corners.append(self.hub_radius * np.array([[-1.0, -1.0], [1.0, 1.0]]))
+        for place in self.grounds:
+            half, deep = self._support(place)
+            wide, deep = GROUND_WIDTH * half, deep + HATCHING * self.size
+            corners.append(place - [[wide, deep], [-wide, 0.0]])
+        inside, room = np.vstack(corners), ROOM * self.size
+        (left, low), (right, high) = np.nanmin(inside, axis=0), np.nanmax(inside, axis=0)
+        return (left - room, right + room), (low - room - BAR_ROOM * self.size, high + room)
+
+    @staticmethod
+    def frame(axes: Axes, limits: Limits) -> None:
+        """Show what is within limits, at the same scale along x and y and without axes."""
+        axes.set(xlim=limits[0], ylim=limits[1], aspect="equal", anchor="N")
+        axes.set_axis_off()
+
+    def draw_ground(self, axes: Axes) -> None:
+        """Draw the hub, and under each support a triangle on a hatched ground line."""
+        axes.add_patch(Circle((0, 0), self.hub_radius, color=LIGHT_GREY, lw=0, zorder=0.5))
+        for place in self.grounds:
+            half, deep = self._support(place)
+            wide, hatch = GROUND_WIDTH * half, HATCHING * self.size
+            x, low = place - [0.0, deep]
+            foot = [(x - half, low), (x + half, low)]
+            axes.add_patch(Polygon([place, *foot], fc="white", ec=OUTLINE, lw=0.7, zorder=0.8))
+            axes.plot([x - wide, x + wide], [low, low], color=OUTLINE, lw=0.9, zorder=0.8)
+            starts = np.linspace(x - 0.7 * wide, x + wide, 5)
+            strokes = [starts, starts - 0.5 * hatch], [[low] * 5, [low - hatch] * 5]
+            axes.plot(*strokes, color=OUTLINE, lw=0.5, zorder=0.8)
+
+    def draw(self, axes: Axes, **links: Any) -> None:
+        """Draw the ground, the links with properties of their own, and the joints."""
+        self.draw_ground(axes)
+        for link in self.links:
+            axes.plot(*link.T, **(RIGID | links), zorder=1)
+        places = np.vstack([self.grounds, self.pins])
+        is_shaft = np.hypot(*places.T) <= SAME_PLACE * self.size
+        axes.plot(*places[~is_shaft].T, **JOINT, zorder=4)
+        axes.plot(*places[is_shaft].T, **(JOINT | {"mfc": OUTLINE}), zorder=4)
+
+    def draw_scale_bar(self, axes: Axes) -> None:
+        """Draw a bar of a round length in mm below the linkage, within the axes' limits."""
+        wanted = 0.3 * self.size * 1e3
+        decade = 10.0 ** np.floor(np.log10(wanted))
+        length = decade * max(step for step in (1, 2, 5) if step * decade <= wanted * (1 + 1e-9))
+        middle, height = sum(axes.get_xlim()) / 2, axes.get_ylim()[0] + 0.03 * self.size
+        ends = [middle - length * 0.5e-3, middle + length * 0.5e-3]
+        axes.plot(ends, [height, height], color="black", lw=1.6)
+        above = height + 0.012 * self.size
+        axes.text(middle, above, f"{length:g} mm", fontsize=7, ha="center")
+
+    def _support(self, place: FloatArray) -> tuple[float, float]:
+        """Half the width of a support and its depth in m: that of the shaft is seen below a hub."""
+        deep = max(DEPTH * self.size, 0.0 if place.any() else BELOW_HUB * self.hub_radius)
+        return max(HALF_WIDTH * self.size, SLENDER * deep), deep
+
+
+def plot_linkage(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the rigid linkage with the names of its joints, and its supports on the ground.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        With ``rigid_position`` (link, station, component) and ``joint_position`` (joint,
+        component) in m, the coordinate ``joint_kind`` (clamp, pivot or pin), and the name of
+        the mechanism.
+    ax : Axes, optional
+        The user's. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    links = values_of(dataset["rigid_position"], "link", "station", "component")
+    joints = values_of(dataset["joint_position"], "joint", "component")
+    is_pin = dataset["joint_kind"].values == "pin"
+    sketch = LinkageSketch(links, joints[is_pin], joints[~is_pin])
+    room = NAME_ROOM * sketch.size
+    limits = sketch.limits(np.vstack([joints - room, joints + room]))
+    (left, right), (low, high) = limits
+    tall = FIGURE_WIDTH * (high - low) / (right - left)
+    with sheet(grid(1, 1, min(max(tall, LEAST_HEIGHT), MOST_HEIGHT)), ax=ax) as drawn:
+        (axes,) = drawn.panels
+        sketch.frame(axes, limits)
+        sketch.draw(axes, color="0.5", lw=2.0)
+        sketch.draw_scale_bar(axes)
+        axes.set_title(str(dataset.attrs.get("mechanism", "")), loc="center")
+        for name, place, pinned in zip(names_of(dataset, "joint"), joints, is_pin, strict=True):
+            x, y = AWAY * _away(sketch, place, held=not pinned)
+            axes.annotate(name, place, (x, y), textcoords="offset points", ha="center", va="center")
+    return drawn.figure
+
+
+def _away(sketch: LinkageSketch, place: FloatArray, *, held: bool) -> FloatArray:
+    """Direction away from the links at a joint, and from a support below it."""
+    directions = [np.array([0.0, -1.0])] if held else []
+    for link in sketch.links:
+        for end, other in (link[[0, -1]], link[[-1, 0]]):
+            if np.hypot(*(end - place)) <= SAME_PLACE * sketch.size:
+                directions.append((other - end) / np.hypot(*(other - end)))
+    pull = np.sum(directions, axis=0)
+    if np.hypot(*pull) <= SAME_PLACE:
+        # Between two in one line there is room on both sides.
+        pull = directions[0][::-1] * [1.0, -1.0]
+    return np.asarray(-pull / np.hypot(*pull))

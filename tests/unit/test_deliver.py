@@ -1,0 +1,182 @@
+"""How a command delivers a result: files, pictures, what is printed, and how it fails."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import typer
+import xarray as xr
+from matplotlib.figure import Figure
+from typer.testing import CliRunner
+
+from flexmech.analyses import Result, Summary, Table
+from flexmech.cli.deliver import deliver
+from flexmech.cli.failures import reports_failures
+from flexmech.errors import ComputationError, FlexmechError, InputError
+
+TABLE = Table("sizes", ("name", "size"), ((("a", "1"), ("b", "20")), (("c", "3"),)), caption="mm")
+
+
+class Sizes(Result):
+    """A result that costs nothing."""
+
+    stem = "sizes"
+    hallmark = "size"
+    files = ("sizes.csv", "sizes.nc", "sizes.png", "picture_*.png", "below/*.csv")
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        frame = pd.DataFrame({"name": ["a", "b"], "size": [1 / 3, np.nan]})
+        return {"sizes": frame, "below/sizes": frame}
+
+    def figures(self) -> dict[str, Figure]:
+        return {"sizes": self.plot()}
+
+    def plot(self, *, ax: Any = None) -> Figure:
+        return Figure(figsize=(1, 1))
+
+    def summary(self) -> Summary:
+        return Summary((TABLE, "a line"), "the verdict")
+
+
+SIZES = Sizes(xr.Dataset({"size": ("place", [1.0, 2.0])}, attrs={"mechanism": "model"}))
+
+
+def run(
+    out: Path | None,
+    failure: BaseException | None = None,
+    *,
+    draw: bool = True,
+    unit: str = "rad/s",
+) -> Any:
+    app = typer.Typer()
+
+    def compute(progress: object) -> Sizes:
+        if failure is not None:
+            raise failure
+        return SIZES
+
+    @app.command()
+    @reports_failures
+    def command() -> None:
+        deliver(Sizes, compute, out, draw=draw, speed_unit=unit)
+
+    return CliRunner().invoke(app, [])
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file())
+
+
+def test_files_are_written_and_named_and_the_verdict_comes_last(tmp_path: Path) -> None:
+    out = tmp_path / "new" / "folder"
+    result = run(out)
+    assert (result.exit_code, result.stderr) == (0, "")
+    assert names(out) == ["below/sizes.csv", "sizes.csv", "sizes.nc", "sizes.png"]
+    assert (out / "sizes.csv").read_text() == "name,size\na,0.3333333333\nb,\n"
+    lines = result.stdout.strip().split("\n")
+    assert lines[-1] == "the verdict"
+    listed = ("sizes.csv", "below/sizes.csv", "sizes.nc", "sizes.png")
+    assert lines[-2] == "files: " + ", ".join(str(out / name) for name in listed)
+    assert lines[-3] == "a line"
+    rows = [line.split() for line in lines if "│" in line]
+    assert [(row[1], row[3]) for row in rows] == [("a", "1"), ("b", "20"), ("c", "3")]
+
+
+def test_without_a_folder_it_prints_alone(tmp_path: Path) -> None:
+    result = run(None)
+    assert result.exit_code == 0
+    assert "files:" not in result.stdout
+    assert result.stdout.strip().split("\n")[-2:] == ["a line", "the verdict"]
+
+
+def test_what_lies_there_from_an_earlier_run_is_named(tmp_path: Path) -> None:
+    (tmp_path / "picture_crank.png").write_bytes(b"old")
+    (tmp_path / "notes.txt").write_text("mine")
+    result = run(tmp_path, draw=False)
+    assert "from an earlier run, not of this one: picture_crank.png" in result.stdout
+    assert "sizes.png" not in names(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("failure", "code", "message"),
+    [
+        (InputError("the linkage locks at 90 deg"), 2, "error: the linkage locks at 90 deg"),
+        (
+            ComputationError("no equilibrium at {crank_speed}", crank_speed=10 * np.pi),
+            1,
+            "error: no equilibrium at 300 rpm",
+        ),
+        (FlexmechError("other"), 1, "error: other"),
+        (KeyboardInterrupt(), 130, "interrupted: "),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_failures_end_with_a_line_a_code_and_no_files(
+    failure: BaseException, code: int, message: str, tmp_path: Path
+) -> None:
+    result = run(tmp_path / "deep" / "out", failure, unit="rpm")
+    assert result.exit_code == code
+    assert result.stderr.startswith(message)
+    assert result.stderr.count("\n") == 1
+    assert result.stdout == ""
+    assert names(tmp_path) == []
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_files_come_all_together_or_not_at_all(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sizes.csv").write_text("old")
+
+    def fail(self: Sizes) -> dict[str, Figure]:
+        raise ComputationError("cannot draw")
+
+    monkeypatch.setattr(Sizes, "figures", fail)
+    assert run(tmp_path).exit_code == 1
+    assert names(tmp_path) == ["sizes.csv"]
+    assert (tmp_path / "sizes.csv").read_text() == "old"
+
+
+def test_a_folder_that_cannot_be_written_is_refused_before_the_work(tmp_path: Path) -> None:
+    taken = tmp_path / "taken"
+    (taken / "picture_crank.png").mkdir(parents=True)
+    for out, message in (
+        (taken, "picture_crank.png is a folder there; remove it"),
+        (Path(__file__), r"cannot write to"),
+    ):
+        result = run(out, AssertionError("it was computed"))
+        assert result.exit_code == 2
+        assert result.stderr.startswith("error: --out: ")
+        assert message in result.stderr
+    # Where no pictures are asked for, none can be in the way.
+    assert run(taken, draw=False).exit_code == 0
+
+
+def test_a_summary_is_a_text_and_a_page() -> None:
+    summary = Summary((TABLE, "a <line>"), "the verdict")
+    assert str(summary).split("\n") == [
+        "sizes",
+        "name  size",
+        "----------",
+        "a        1",
+        "b       20",
+        "----------",
+        "c        3",
+        "mm",
+        "a <line>",
+        "the verdict",
+    ]
+    page = summary._repr_html_()
+    assert "<td>20</td>" in page
+    assert "a &lt;line&gt;" in page
+
+
+def test_a_result_shows_itself_in_a_notebook_and_in_one_line() -> None:
+    assert repr(SIZES) == "<Sizes of model: place 2>"
+    page = SIZES._repr_html_()
+    assert page.startswith('<img src="data:image/png;base64,')
+    assert "the verdict" in page

@@ -1,0 +1,51 @@
+"""A script of a user for each question: ten lines, with public names alone."""
+
+from __future__ import annotations
+
+import ast
+import os
+import runpy
+from pathlib import Path
+
+import pytest
+
+import flexmech
+
+SCRIPTS = sorted((Path(__file__).parents[1] / "user_scripts").glob("*.py"))
+MODELS = Path(__file__).parents[2] / "models"
+MOST_LINES = 10
+# Of the results there is one that prints no summary: plain numbers.
+SUMMARIES = {path.stem for path in SCRIPTS} - {"laminate"}
+
+
+def code_lines(text: str) -> int:
+    return sum(bool(line.strip()) and not line.startswith("#") for line in text.splitlines())
+
+
+@pytest.mark.parametrize("path", SCRIPTS, ids=lambda path: path.stem)
+def test_a_script_answers_its_question(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = path.read_text()
+    assert code_lines(text) <= MOST_LINES
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            assert isinstance(node, ast.Import)
+            assert {alias.name for alias in node.names} <= {"numpy", "flexmech"}
+        if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "flexmech":
+            assert node.attr in flexmech.__all__
+        assert not (isinstance(node, ast.Attribute) and node.attr.startswith("_"))
+    (tmp_path / "models").symlink_to(MODELS)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(os.environ, "MPLBACKEND", "Agg")
+    runpy.run_path(str(path), run_name="__main__")
+    assert capsys.readouterr().out.strip()
+    pictures = list(tmp_path.glob("*.png"))
+    assert len(pictures) == (path.stem in SUMMARIES)
+    assert all(picture.read_bytes().startswith(b"\x89PNG") for picture in pictures)
+
+
+def test_every_question_has_its_script() -> None:
+    folders = {path.name for path in (Path(flexmech.__file__).parent / "analyses").iterdir()}
+    questions = {name for name in folders if "." not in name and not name.startswith("_")}
+    assert questions <= {path.stem for path in SCRIPTS}

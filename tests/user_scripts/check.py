@@ -1,0 +1,7 @@
+import flexmech
+
+mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
+check = flexmech.check_mechanism(flexmech.ReferenceEngine(mechanism))
+print(check.summary())
+check.plot().savefig("linkage.png")
+open("again.toml", "w").write(mechanism.to_toml())

@@ -1,0 +1,6 @@
+import flexmech
+
+sections = flexmech.section_profiles(flexmech.load_mechanism("models/composite_fourbar.toml"))
+print(sections.summary())
+sections.plot(link="coupler").savefig("coupler.png")
+sections.save("results")
