@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import tomllib
+from collections.abc import Sequence
 from functools import cache
+from importlib import resources
 from importlib.metadata import version
 
 import xarray as xr
@@ -42,21 +44,28 @@ def provenance(engines: Sequence[Engine]) -> dict[str, str | int]:
     return {**origin(engines[0].mechanism, *packages), "elements": engines[0].elements}
 
 
-def with_units(dataset: xr.Dataset, units: Mapping[str, tuple[str, str]]) -> xr.Dataset:
+@cache
+def _variables(question: str) -> dict[str, list[str]]:
+    text = resources.files("flexmech.analyses").joinpath("variables.toml").read_text("utf-8")
+    known = tomllib.loads(text)
+    return {**known["common"], **known[question]}
+
+
+def with_units(dataset: xr.Dataset, question: str) -> xr.Dataset:
     """The dataset, each of its variables with its unit and what it is in words.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         Changed in place.
-    units : mapping of str to tuple of str
-        Unit and long name by variable; of those that are not there nothing is said.
+    question : str
+        Folder of the analysis: a table of ``variables.toml``.
 
     Returns
     -------
     xarray.Dataset
     """
-    for name, (unit, long_name) in units.items():
+    for name, (unit, long_name) in _variables(question).items():
         if name in dataset.variables:
             dataset[name].attrs.update(units=unit, long_name=long_name)
     return dataset

@@ -67,7 +67,7 @@ def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
         for axes in drawn.panels:
             axes.set_aspect("equal", adjustable="datalim")
             axes.set_box_aspect(1)
-            axes.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})")
+            axes.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})", anchor="N")
         first, *middle, last = drawn.panels
         first.set_title("Coupler point")
         _draw_paths(first, curves, angles)

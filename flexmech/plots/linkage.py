@@ -39,7 +39,7 @@ ROOM, BAR_ROOM = 0.02, 0.06
 
 LEAST_HEIGHT, MOST_HEIGHT = 1.6, 3.6
 # Distance of a name from its joint in points.
-AWAY = 9.0
+AWAY = np.array([12.0, 9.0])
 # Room for the names around the joints over the linkage's size.
 NAME_ROOM = 0.06
 

@@ -19,14 +19,6 @@ from flexmech.linkages import Clamp, Pin, Pivot
 
 __all__ = ["check_mechanism"]
 
-UNITS = {
-    LENGTH.name: (LENGTH.unit, LENGTH.words),
-    LINK_MASS.name: (LINK_MASS.unit, LINK_MASS.words),
-    "frequency": ("Hz", "natural frequency at rest, crank angle 0"),
-    "rigid_position": ("m", "places along the undeformed links at crank angle 0"),
-    "joint_position": ("m", "places of the joints at crank angle 0"),
-}
-
 
 def check_mechanism(engine: Engine) -> ModelCheck:
     """What is known of a mechanism, with its natural frequencies at rest.
@@ -72,7 +64,7 @@ def check_mechanism(engine: Engine) -> ModelCheck:
     except InputError as error:
         # Not every linkage can stand at crank angle zero; what is known of it is right even so.
         dataset.attrs["without_frequencies"] = str(error)
-    return ModelCheck(with_units(dataset, UNITS))
+    return ModelCheck(with_units(dataset, "check"))
 
 
 def _positions(engine: Engine) -> dict[str, Any]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 
 from flexmech.analyses.frequencies.discretisation import check_angle_indices
@@ -17,27 +16,6 @@ from flexmech.linear_system import Engine
 from flexmech.types import FloatArray
 
 __all__ = ["joined", "with_states"]
-
-
-UNITS = {
-    "frequency": ("Hz", "natural frequency"),
-    "damping_ratio": ("1", "damping ratio"),
-    "strain_energy_damping": ("1", "damping ratio by modal strain energy"),
-    "branch_of_mode": ("1", "tracked branch of the mode"),
-    "mac": ("1", "modal assurance criterion with the same branch at the previous crank angle"),
-    "veering": ("1", "branch veers against another here"),
-    "branch_whole": ("1", "branch is tracked without a break and back to itself"),
-    "discretisation_error": ("1", "estimated relative error of the frequency by the mesh"),
-    "reduction_error": ("1", "relative error of the frequency by component modes"),
-    "mode_shape": ("1", "displacement of the mode in ground axes, largest 1"),
-    "rigid_position": ("m", "position of the undeformed links"),
-    "quasi_static_frequency": ("Hz", "natural frequency at the quasi-static equilibrium"),
-    "speed_effect": ("Hz", "change of the frequency that the term adds"),
-    "crank_speed": ("rad/s", "crank speed"),
-    "crank_angle": ("rad", "crank angle"),
-    "check_angle": ("rad", "crank angle of the error estimates and mode shapes"),
-    "station": ("1", "place along the link over its length"),
-}
 
 
 def joined(
@@ -61,7 +39,7 @@ def joined(
     xarray.Dataset
     """
     first, formulation = engines[0], request.formulation
-    names = pd.Index([engine.name for engine in engines], name="engine")
+    names = xr.DataArray([engine.name for engine in engines], dims="engine", name="engine")
     dataset = xr.concat(maps, names, join="inner")
     checks = request.crank_angles[check_angle_indices(request.crank_angles, request.full_turn)]
     positions = rigid_positions(first, first.mechanism.linkage.motion(checks))
@@ -69,7 +47,7 @@ def joined(
     if speed_effect:
         values = np.stack(list(speed_effect.values()))
         dataset["speed_effect"] = (("term", "crank_speed", "crank_angle", "mode"), values)
-        dataset["term"] = list(speed_effect)
+        dataset = dataset.assign_coords(term=list(speed_effect))
     if "strain_energy_damping" in dataset:
         unknown = ", ".join(links_without_loss(first.mechanism))
         dataset["strain_energy_damping"].attrs["links_without_data"] = unknown
@@ -83,7 +61,7 @@ def joined(
         station=np.linspace(0.0, 1.0, positions.shape[2]),
         component=["x", "y"],
     )
-    return with_units(dataset, UNITS).assign_attrs(
+    return with_units(dataset, "frequencies").assign_attrs(
         provenance(engines),
         prestress=formulation.prestress,
         rotation_terms="on" if formulation.rotation_terms else "off",
@@ -112,7 +90,7 @@ def with_states(states: dict[str, xr.Dataset], environment_lines: Sequence[str])
             part[name] = xr.full_like(parts[0][name], np.nan)
     both = xr.concat(
         parts,
-        pd.Index(list(states), name="state"),
+        xr.DataArray(list(states), dims="state", name="state"),
         coords="minimal",
         compat="override",
         join="inner",

@@ -33,38 +33,6 @@ Variables = dict[str, tuple[tuple[str, ...], Any]]
 # Spectra reach this far above the highest natural frequency asked for.
 SPECTRUM_REACH = 1.5
 
-UNITS = {
-    "deflection": ("m", "deflection, positive along the link frame's y axis"),
-    "strain": ("1", "bending strain in the middle, of the surface on the +y side"),
-    "driving_torque": ("N m", "torque of the shaft"),
-    "rigid_driving_torque": ("N m", "torque of the shaft if the links were rigid"),
-    "joint_force": ("N", "force on the held or following link, ground axes"),
-    "rigid_joint_force": ("N", "force at the joint if the links were rigid, ground axes"),
-    "displacement": ("m", "elastic displacement in ground axes"),
-    "rigid_position": ("m", "position of the undeformed links"),
-    "kinetic_energy": ("J", "kinetic energy"),
-    "strain_energy": ("J", "strain energy"),
-    "gravity_energy": ("J", "potential of the weight"),
-    "dissipated_energy": ("J", "energy that damping has taken"),
-    "drive_work": ("J", "work of the driving torque"),
-    "prestress_work": ("J", "work of the prescribed change of prestress"),
-    "step": ("s", "time step"),
-    "energy_error": ("1", "greatest gap in the energy balance over the peak kinetic energy"),
-    "constraint_drift": ("m", "greatest gap of a pin or held end"),
-    "step_error": ("1", "estimated error by the time step over the peak deflection"),
-    "reduction_error": ("1", "change by finer component modes over the peak deflection"),
-    "mesh_error": ("1", "change of the deflection by twice the elements over its peak"),
-    "spectrum": ("m", "amplitude of the deflection"),
-    "spectrogram": ("m", "amplitude of the deflection"),
-    "natural_frequency": ("Hz", "predicted moving natural frequency"),
-    "time": ("s", "time"),
-    "crank_angle": ("rad", "crank angle"),
-    "spectrum_frequency": ("Hz", "frequency"),
-    "window_time": ("s", "middle of the window"),
-    "window_frequency": ("Hz", "frequency"),
-    "station": ("1", "place along the link over its length"),
-}
-
 
 def build_dataset(
     runs: Sequence[EngineRun],
@@ -126,7 +94,7 @@ def build_dataset(
             "prestress": request.prestress,
         },
     )
-    return with_units(dataset, UNITS)
+    return with_units(dataset, "response")
 
 
 def _kind(topology: Topology, joint: str) -> str:

@@ -29,15 +29,6 @@ LOADS = {
     "bending_moment": (0.0, 1.0, 0.0),
     "shear_force": (0.0, 0.0, 1.0),
 }
-UNITS = {
-    "strain": ("1", "strain along the link under a unit load"),
-    "normal_stress": ("Pa", "stress along the link under a unit load"),
-    "shear_stress": ("Pa", "shear stress under a unit load, by equilibrium"),
-    "third_order_shear_stress": ("Pa", "shear stress under a unit load, third-order theory"),
-    "place": ("m", "place y from the pins' axis"),
-    "angle": ("rad", "angle of the fibres against the link's axis"),
-    "run": ("1", "number of the run of equal layers"),
-}
 
 
 def section_profiles(
@@ -88,7 +79,7 @@ def section_profiles(
         join="outer",
         fill_value={"ply": "", "run": 0},
     )
-    dataset = section_properties(sections).merge(with_units(inside, UNITS))
+    dataset = section_properties(sections).merge(with_units(inside, "section_profile"))
     dataset.coords["reduction"] = ("link", [one.reduction if one else "" for one in layers])
     return SectionProfiles(
         dataset.assign_attrs(origin(mechanism), environment_lines="\n".join(words))

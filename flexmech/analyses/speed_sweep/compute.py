@@ -34,12 +34,6 @@ STEPS_PER_PERIOD = 40
 LEAST_STEPS = 720
 # A steady state shakes the lowest modes alone: fewer component modes than a start at speed.
 DETAIL = 2.0
-UNITS = {
-    "peak_deflection": ("m", "greatest deflection of the steady state"),
-    "critical_speed_low": ("rad/s", "lowest crank speed at which the harmonic meets the mode"),
-    "critical_speed_high": ("rad/s", "highest crank speed at which the harmonic meets the mode"),
-    "crank_speed": ("rad/s", "crank speed"),
-}
 
 
 def speed_sweep(
@@ -124,7 +118,7 @@ def speed_sweep(
             "speed_unit": speed_unit,
         },
     )
-    return SpeedSweep(with_units(dataset, UNITS))
+    return SpeedSweep(with_units(dataset, "speed_sweep"))
 
 
 def _peak(
