@@ -24,10 +24,10 @@ from .analyses import crank_rocker_synthesis as crank_rocker_synthesis
 from .analyses import moisture_uptake as moisture_uptake
 from .analyses import moving_frequencies as moving_frequencies
 from .analyses import natural_frequencies as natural_frequencies
-from .analyses import response as response
 from .analyses import section_profiles as section_profiles
-from .analyses import speed_sweep as speed_sweep
 from .analyses import strain_energy_damping as strain_energy_damping
+from .analyses.response import response as response
+from .analyses.speed_sweep import speed_sweep as speed_sweep
 from .errors import ComputationError as ComputationError
 from .errors import FlexmechError as FlexmechError
 from .errors import InputError as InputError

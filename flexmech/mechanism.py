@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape
@@ -27,7 +28,15 @@ from flexmech.numbers import (
 )
 from flexmech.sections import BeamSection
 from flexmech.short_repr import short_repr
-from flexmech.units import ACCELERATION, ANGULAR_SPEED, EXPANSION, LENGTH, MASS, TEMPERATURE
+from flexmech.units import (
+    ACCELERATION,
+    ANGULAR_SPEED,
+    EXPANSION,
+    LENGTH,
+    MASS,
+    TEMPERATURE,
+    from_si,
+)
 
 __all__ = ["Mechanism", "PointMass", "Provenance", "Wetting"]
 
@@ -311,6 +320,29 @@ class Mechanism:
     def link_masses_in_order(self) -> tuple[LinkMass, ...]:
         """:meth:`link_mass` of every link of the topology."""
         return tuple(self.link_mass(name) for name in self.linkage.topology.link_names)
+
+    def described(self) -> list[str]:
+        """Masses, gravity, operating speeds and coupler point, a line each."""
+        joints = [f"{joint} {1e3 * mass:.6g} g" for joint, mass in self.joint_masses.items()]
+        points = [
+            f"{point.link} {1e3 * point.mass:.6g} g at {1e3 * point.position:.6g} mm"
+            for point in self.link_masses
+        ]
+        # Links with the point masses along them and at their joints.
+        total = sum(link.moment(0) for link in self.link_masses_in_order)
+        x, y = self.gravity
+        speeds = [f"{w:.6g} rad/s ({from_si(w, 'rpm'):.4g} rpm)" for w in self.operating_speeds]
+        lines = [
+            f"joint masses: {', '.join(joints) or 'none'}",
+            f"link point masses: {', '.join(points) or 'none'}",
+            f"total mass: {1e3 * total:.6g} g",
+            f"gravity: ({x:g}, {y:g}) m/s^2",
+            f"operating speeds: {', '.join(speeds) or 'none stated'}",
+        ]
+        if (point := self.coupler_point) is not None:
+            place = f"{1e3 * point.distance:.6g} mm from A, {math.degrees(point.angle):.6g} deg"
+            lines.append(f"coupler point: {place}")
+        return lines
 
     def to_toml(self) -> str:
         """Write a model file that loads back equal.

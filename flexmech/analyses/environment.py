@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from flexmech.analyses.requests import environment_of
 from flexmech.hygrothermal import Environment, inert_links, resin_retention, swollen_links
 from flexmech.mechanism import Mechanism
 
@@ -33,11 +34,11 @@ def environment_lines(mechanism: Mechanism, environment: Environment | None) -> 
     Raises
     ------
     InputError
-        As :func:`flexmech.hygrothermal.swollen_links`.
+        If it is no environment, or as :func:`flexmech.hygrothermal.swollen_links`.
     """
     if environment is None:
         return []
-    lines = [f"state: {environment.label}"]
+    lines = [f"state: {environment_of(environment).label}"]
     for name, link in swollen_links(mechanism, environment).items():
         dry, kept = mechanism.sections[name], resin_retention(mechanism, name, environment)
         stiffness = link.section.bending_stiffness / dry.bending_stiffness

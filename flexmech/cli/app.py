@@ -3,25 +3,36 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from io import TextIOWrapper
 from typing import Annotated
 
 import typer
 
-from flexmech.cli import (
-    check,
-    coupler_curve,
-    frequencies,
-    moisture,
-    new,
-    response,
-    schema,
-    section,
-    study,
-    synthesize,
-)
+from flexmech.cli.check import check
+from flexmech.cli.coupler_curve import coupler_curve
+from flexmech.cli.failures import reports_failures
+from flexmech.cli.frequencies import frequencies
+from flexmech.cli.moisture import moisture
+from flexmech.cli.new import new
+from flexmech.cli.response import response
+from flexmech.cli.schema import schema
+from flexmech.cli.section import section
+from flexmech.cli.study import study_app
+from flexmech.cli.synthesize import synthesize
 
-__all__ = ["app", "main"]
+# In the order of the help. The docstring of a command is what its help says.
+COMMANDS: tuple[Callable[..., None], ...] = (
+    frequencies,
+    response,
+    coupler_curve,
+    moisture,
+    section,
+    synthesize,
+    check,
+    new,
+    schema,
+)
 
 app = typer.Typer(
     name="flexmech",
@@ -60,16 +71,9 @@ def options(
     """Options of flexmech itself, before any command."""
 
 
-app.command("frequencies", help=frequencies.HELP)(frequencies.frequencies)
-app.command("response", help=response.HELP)(response.response)
-app.command("coupler-curve", help=coupler_curve.HELP)(coupler_curve.coupler_curve)
-app.command("moisture", help=moisture.HELP)(moisture.moisture)
-app.command("section", help=section.HELP)(section.section)
-app.add_typer(study.study_app, name="study", help=study.HELP)
-app.command("synthesize", help=synthesize.HELP)(synthesize.synthesize)
-app.command("check", help=check.HELP)(check.check)
-app.command("new", help=new.HELP)(new.new)
-app.command("schema", help=schema.HELP)(schema.schema)
+for command in COMMANDS:
+    app.command()(reports_failures(command))
+app.add_typer(study_app, name="study")
 
 
 def main() -> None:

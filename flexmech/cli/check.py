@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from flexmech.cli import options
 from flexmech.cli.deliver import deliver
-from flexmech.cli.failures import reports_failures
-from flexmech.cli.options import Model, NoPlots, OptionalOut
-
-__all__ = ["HELP", "check"]
-
-HELP = "Print what was understood of a model file. With the first natural frequencies at rest."
 
 
-@reports_failures
-def check(model: Model, out: OptionalOut = None, no_plots: NoPlots = False) -> None:
-    """Print geometry, masses and sections of a model file and its frequencies at rest."""
+def check(
+    model: options.Model, out: options.OptionalOut = None, no_plots: options.NoPlots = False
+) -> None:
+    """Print what was understood of a model file.
+
+    With the first natural frequencies at rest.
+    """
     from flexmech.analyses.check import ModelCheck, check_mechanism
     from flexmech.modelfile import load_mechanism
     from flexmech.reference import ReferenceEngine

@@ -10,16 +10,14 @@ from typing import TYPE_CHECKING, TypeVar
 
 import typer
 
+from flexmech.cli.failures import naming
 from flexmech.cli.progress import progress_bar
-from flexmech.errors import FlexmechError, InputError
+from flexmech.errors import FlexmechError
 from flexmech.files import check_writable, matching
 
 if TYPE_CHECKING:
-    from flexmech.analyses.result import Result
-    from flexmech.analyses.summary import Summary, Table
+    from flexmech.analyses import Result, Table
     from flexmech.types import LabelledProgress
-
-__all__ = ["check_folder", "deliver", "print_summary", "report_files"]
 
 WIDTH_OF_PIPES = 100
 # Of a folder with more files than these its own name is printed.
@@ -59,7 +57,8 @@ def deliver(
         If the folder cannot be written to.
     """
     if out is not None:
-        check_folder(out, (name for name in kind.files if draw or not name.endswith(".png")))
+        with naming("--out"):
+            check_writable(out, (name for name in kind.files if draw or not name.endswith(".png")))
     with progress_bar() as progress:
         try:
             result = compute(progress)
@@ -70,31 +69,18 @@ def deliver(
         if further is not None:
             files += further(result, progress)
     summary = result.summary()
-    print_summary(summary)
-    if out is not None:
-        report_files(out, files, kind.files)
-    if summary.verdict:
-        typer.echo(summary.verdict)
-
-
-def check_folder(out: Path, patterns: Iterable[str]) -> None:
-    """Refuse a folder of ``--out`` that cannot be written."""
-    try:
-        check_writable(out, patterns)
-    except InputError as error:
-        raise error.within("--out") from error
-
-
-def print_summary(summary: Summary) -> None:
-    """Print the tables and lines of a summary, all but its verdict."""
     for part in summary.parts:
         if isinstance(part, str):
             typer.echo(part)
         else:
             _print_table(part)
+    if out is not None:
+        _name_files(out, files, kind.files)
+    if summary.verdict:
+        typer.echo(summary.verdict)
 
 
-def report_files(out: Path, files: list[Path], patterns: Iterable[str]) -> None:
+def _name_files(out: Path, files: list[Path], patterns: Iterable[str]) -> None:
     """Name the files of a run, and those that lie beside them from an earlier one.
 
     Parameters
@@ -113,10 +99,9 @@ def report_files(out: Path, files: list[Path], patterns: Iterable[str]) -> None:
         for file in files
     )
     typer.echo("files: " + ", ".join(dict.fromkeys(names)))
-    stale = [path for path in matching(out, patterns) if path not in files]
+    stale = [str(path.relative_to(out)) for path in matching(out, patterns) if path not in files]
     if stale:
-        left = ", ".join(str(path.relative_to(out)) for path in stale)
-        typer.echo(f"from an earlier run, not of this one: {left}")
+        typer.echo(f"from an earlier run, not of this one: {', '.join(stale)}")
 
 
 def _print_table(table: Table) -> None:

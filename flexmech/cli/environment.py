@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexmech.cli.arguments import parse_option
+from flexmech.cli.arguments import parse_option, parse_percent, parse_time
 from flexmech.errors import InputError
-from flexmech.units import TEMPERATURE, TEMPERATURE_DIFFERENCE, TIME, parse_number
+from flexmech.units import TEMPERATURE_DIFFERENCE
 
 if TYPE_CHECKING:
     from flexmech.hygrothermal import Environment
-
-__all__ = ["parse_environment", "parse_percent", "parse_temperature", "parse_time"]
 
 
 def parse_environment(
@@ -53,53 +51,6 @@ def parse_environment(
     if relative_humidity is not None and time is not None:
         humidity = parse_percent("--relative-humidity", relative_humidity)
         return Exposure(rise, humidity, parse_time(time))
-    if temperature_rise is None and moisture is None:
-        return None
-    return HygrothermalState(
-        rise, 0.0 if moisture is None else parse_percent("--moisture", moisture)
-    )
-
-
-def parse_time(text: str) -> float:
-    """Time of exposure in s; it needs a unit."""
-    time = parse_option("--time", text, TIME)
-    if time < 0:
-        raise InputError(f"--time: must be zero or positive, got {text!r}")
-    return time
-
-
-def parse_temperature(text: str) -> float:
-    """Temperature of ``--temperature`` in K, degrees Celsius unless a unit is given."""
-    kelvin = parse_option("--temperature", text, TEMPERATURE, "degC")
-    if kelvin <= 0:
-        raise InputError(f"--temperature: must be above absolute zero, got {text!r}")
-    return kelvin
-
-
-def parse_percent(option: str, text: str) -> float:
-    """Fraction of an option in percent, ``"7"`` or ``"7 %"``.
-
-    Parameters
-    ----------
-    option : str
-        Its name, for messages.
-    text : str
-
-    Returns
-    -------
-    float
-        0.07 for ``"7"``.
-
-    Raises
-    ------
-    InputError
-        If it is no number from 0 to 100.
-    """
-    unit = next((unit for unit in ("percent", "%") if text.strip().endswith(unit)), "")
-    try:
-        percent = float(parse_number(text.strip().removesuffix(unit)))
-    except InputError as error:
-        raise InputError(f"{option}: {error} (in percent)") from error
-    if not 0 <= percent <= 100:
-        raise InputError(f"{option}: must lie between 0 and 100 percent, got {text!r}")
-    return percent / 100
+    if moisture is not None:
+        return HygrothermalState(rise, parse_percent("--moisture", moisture))
+    return None if temperature_rise is None else HygrothermalState(rise)

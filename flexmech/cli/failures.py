@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import ParamSpec
 
 import typer
 
-from flexmech.errors import FlexmechError
-
-__all__ = ["INTERRUPTED", "reports_failures"]
+from flexmech.errors import FlexmechError, InputError
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C, as shells have it: 128 + SIGINT."""
@@ -45,3 +44,12 @@ def reports_failures(command: Callable[Parameters, None]) -> Callable[Parameters
             raise typer.Exit(INTERRUPTED) from error
 
     return wrapped
+
+
+@contextmanager
+def naming(option: str) -> Iterator[None]:
+    """Put the name of an option in front of the message where its value is refused."""
+    try:
+        yield
+    except InputError as error:
+        raise error.within(option) from error

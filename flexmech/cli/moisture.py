@@ -3,41 +3,22 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from flexmech.cli import options
+from flexmech.cli.arguments import parse_percent, parse_temperature, parse_time
 from flexmech.cli.deliver import deliver
-from flexmech.cli.environment import parse_percent, parse_temperature, parse_time
-from flexmech.cli.failures import reports_failures
-
-__all__ = ["HELP", "moisture"]
-
-HELP = "Moisture profiles and uptake of the links in air of constant humidity, by diffusion."
-
-Humidity = Annotated[str, typer.Option(help="Humidity of the air in percent.", metavar="PERCENT")]
-Temperature = Annotated[
-    str | None,
-    typer.Option(
-        help="Temperature of air and links: degrees Celsius unless a unit is given. Left out: the "
-        "model's reference temperature.",
-        metavar="C",
-    ),
-]
 
 
-@reports_failures
 def moisture(
     model: options.Model,
-    relative_humidity: Humidity,
+    relative_humidity: options.RequiredHumidity,
     time: options.RequiredExposureTime,
-    temperature: Temperature = None,
+    temperature: options.Temperature = None,
     link: options.Link = None,
     out: options.Out = Path("results"),
     no_plots: options.NoPlots = False,
 ) -> None:
-    """Compute, save, draw and report the moisture of the links over a time of exposure."""
+    """Moisture profiles and uptake of the links in air of constant humidity, by diffusion."""
     humidity = parse_percent("--relative-humidity", relative_humidity)
     seconds = parse_time(time)
     kelvin = None if temperature is None else parse_temperature(temperature)

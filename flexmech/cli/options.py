@@ -1,83 +1,188 @@
-"""Options that several commands share, with the library's own words as choices."""
+"""The options of all commands, by subject, with the library's own words as choices."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Annotated
 
-import typer
+from typer import Argument, Option
 
-from flexmech.choices import ElementName, EngineChoice
+from flexmech import choices
 
-__all__ = [
-    "Angles",
-    "Element",
-    "Elements",
-    "Engine",
-    "ExposureTime",
-    "Link",
-    "Model",
-    "Modes",
-    "Moisture",
-    "NoPlots",
-    "OptionalOut",
-    "Out",
-    "RelativeHumidity",
-    "RequiredExposureTime",
-    "TemperatureRise",
-]
-
-Model = Annotated[Path, typer.Argument(help="Model file.", metavar="MODEL")]
-Out = Annotated[Path, typer.Option(help="Folder for the files.", metavar="DIR")]
+# The model and the files.
+Model = Annotated[Path, Argument(help="Model file.", metavar="MODEL")]
+Out = Annotated[Path, Option(help="Folder for the files.", metavar="DIR")]
 OptionalOut = Annotated[
     Path | None,
-    typer.Option(help="Folder for CSV files and pictures; none if left out.", metavar="DIR"),
+    Option(help="Folder for CSV files and pictures; none if left out.", metavar="DIR"),
 ]
-NoPlots = Annotated[bool, typer.Option("--no-plots", help="Write no pictures.")]
-Angles = Annotated[
-    str, typer.Option(help="Crank angles in degrees: START:STOP:STEP, or a comma list.")
+NoPlots = Annotated[bool, Option("--no-plots", help="Write no pictures.")]
+Animate = Annotated[
+    bool, Option("--animate", help="Write an animation: GIF, and MP4 where ffmpeg exists.")
 ]
-Modes = Annotated[int, typer.Option(min=1, help="Number of natural frequencies.")]
-Link = Annotated[str | None, typer.Option(help="This link alone, such as coupler.", metavar="NAME")]
 
-Engine = Annotated[EngineChoice, typer.Option(help="Which engine computes.")]
+# Where, and at what speed.
+Angles = Annotated[str, Option(help="Crank angles in degrees: START:STOP:STEP, or a comma list.")]
+Speeds = Annotated[
+    str | None,
+    Option(
+        help='Crank speeds: a comma list or START:STOP:STEP with one unit at the end, as in "0,50,'
+        '100 rpm" or "0:300:10 rpm"; rad/s if there is none. Left out: standstill and the speeds '
+        "at which the model operates; 0,10,20 rad/s if it names none.",
+        metavar="LIST",
+    ),
+]
+Speed = Annotated[
+    str,
+    Option(
+        help='Crank speed: rad/s unless a unit is given, as in "300 rpm". Negative turns backwards.'
+    ),
+]
+Link = Annotated[str | None, Option(help="This link alone, such as coupler.", metavar="NAME")]
+Point = Annotated[
+    str | None,
+    Option(
+        help='Distance e from A and angle gamma from A-B, as in "33 mm,320 deg". Left out: the '
+        "coupler point of the model file.",
+        metavar="e,gamma",
+    ),
+]
+
+# Engines, and what they linearize.
+Engine = Annotated[choices.EngineChoice, Option(help="Which engine computes.")]
 Element = Annotated[
-    ElementName | None,
-    typer.Option(
+    choices.ElementName | None,
+    Option(
         help="Beam element: euler, timoshenko or reddy in the reference, ancf or "
         "geometrically-exact in Exudyn; the other engine takes its element of the same theory. "
         "Left out: euler and ancf, or timoshenko and geometrically-exact where a link's neutral "
         "axis is off its pins."
     ),
 ]
-Elements = Annotated[int, typer.Option(min=1, help="Elements on each link.")]
+Elements = Annotated[int, Option(min=1, help="Elements on each link.")]
+CheckMesh = Annotated[
+    bool, Option("--check-mesh", help="Repeat with twice the elements and compare.")
+]
+Modes = Annotated[int, Option(min=1, help="Number of natural frequencies.")]
+ModesOfInterest = Annotated[
+    int,
+    Option(
+        min=1, help="Natural frequencies of interest: set the time step and the spectra's range."
+    ),
+]
+MapPrestress = Annotated[
+    choices.MapPrestress,
+    Option(
+        help="none: elastic stiffness alone; axial: with the axial forces of the rigid motion; "
+        "equilibrium: at the nonlinear quasi-static equilibrium; trajectory: in the states that "
+        "Exudyn's settled simulation runs through, beside the quasi-static ones."
+    ),
+]
+RunPrestress = Annotated[
+    choices.Prestress,
+    Option(
+        help="Of the reference engine's linear equations and of the frequencies drawn into the "
+        "spectrogram: as in frequencies."
+    ),
+]
+RotationTerms = Annotated[
+    bool,
+    Option(
+        "--rotation-terms/--no-rotation-terms",
+        help="Coriolis, centripetal and tangential terms of the link frames, or none of them.",
+    ),
+]
 
+# A run in time.
+Revolutions = Annotated[
+    str, Option(help="Turns at that speed; may be a fraction.", metavar="NUMBER")
+]
+Start = Annotated[
+    choices.Start,
+    Option(
+        help="rigid: undeformed links at the rigid motion's velocities; equilibrium: links bent "
+        "quasi-statically by the loads; periodic: on the periodic motion of the linear equations."
+    ),
+]
+RunUp = Annotated[
+    str,
+    Option(
+        help="Duration of a smooth (cycloidal) run-up to the speed, before the turns: s unless a "
+        "unit is given.",
+        metavar="SECONDS",
+    ),
+]
+Step = Annotated[
+    str,
+    Option(
+        help='Time step: s unless a unit is given, as in "0.1 ms"; auto: halved until '
+        "deflections hold still.",
+        metavar="auto|SECONDS",
+    ),
+]
+Samples = Annotated[int, Option(min=8, help="Samples saved of each turn.")]
+Integrator = Annotated[
+    choices.Integrator,
+    Option(help="Time integration in Exudyn; the reference engine's is trapezoidal."),
+]
+
+# Heat and moisture.
 TemperatureRise = Annotated[
     str | None,
-    typer.Option(
+    Option(
         help="Temperature over the model's reference temperature: degrees Celsius unless a unit "
         "is given.",
         metavar="C",
     ),
 ]
+Temperature = Annotated[
+    str | None,
+    Option(
+        help="Temperature of air and links: degrees Celsius unless a unit is given. Left out: the "
+        "model's reference temperature.",
+        metavar="C",
+    ),
+]
 Moisture = Annotated[
     str | None,
-    typer.Option(
+    Option(
         help="Moisture of every resin: mass of water over its dry mass, in percent.",
         metavar="PERCENT",
     ),
 ]
 RelativeHumidity = Annotated[
     str | None,
-    typer.Option(
+    Option(
         help="Instead of --moisture: humidity of the surrounding air in percent, with --time.",
         metavar="PERCENT",
     ),
 ]
-_TIME = typer.Option(
+RequiredHumidity = Annotated[str, Option(help="Humidity of the air in percent.", metavar="PERCENT")]
+_TIME = Option(
     *("--time", "--exposure-time"),
     help='Time of exposure since the links were dry, such as "30 day".',
     metavar="T",
 )
 ExposureTime = Annotated[str | None, _TIME]
 RequiredExposureTime = Annotated[str, _TIME]
+
+# The proportions of a crank-rocker.
+Deviation = Annotated[
+    float, Option(help="Greatest deviation of the transmission angle from 90 deg, in deg.")
+]
+RockerAngle = Annotated[float, Option(help="Angle of the rocker at crank angle zero, in deg.")]
+Ground = Annotated[
+    str | None,
+    Option(
+        help='Distance of the ground pivots, such as "400 mm": prints a table for a model file.',
+        metavar="LENGTH",
+    ),
+]
+
+# Model files and their schema.
+TemplateKind = Annotated[choices.TemplateKind, Argument(help="Kind of linkage.")]
+NewFile = Annotated[Path, Argument(help="Model file to write.", metavar="FILE")]
+Force = Annotated[bool, Option("--force", help="Replace a file that exists.")]
+SchemaFile = Annotated[
+    Path | None, Option("--out", help="Write it to this file instead.", metavar="FILE")
+]

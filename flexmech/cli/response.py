@@ -4,123 +4,54 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING
 
 import typer
 
-from flexmech.choices import MODES, Integrator, Prestress, Start
-from flexmech.cli import options
-from flexmech.cli.arguments import (
-    AUTO,
-    parse_revolutions,
-    parse_run_up,
-    parse_speed,
-    parse_step,
-)
+from flexmech.choices import MODES
+from flexmech.cli import arguments, options
 from flexmech.cli.deliver import deliver
-from flexmech.cli.engines import element_by_engine, make_engines
+from flexmech.cli.engines import make_engines
 from flexmech.cli.environment import parse_environment
-from flexmech.cli.failures import reports_failures
+from flexmech.cli.failures import naming
 from flexmech.errors import InputError
 
 if TYPE_CHECKING:
-    from flexmech.analyses import Response, ResponseRequest
+    from flexmech.analyses import Response
     from flexmech.types import LabelledProgress
 
-__all__ = ["HELP", "response"]
 
-HELP = (
-    "The running mechanism in time. Deflections, strains, driving torque and joint forces at "
-    "constant crank speed: a table, CSV and NetCDF files, pictures and an animation; dry, or in "
-    "heat and moisture."
-)
-Speed = Annotated[
-    str,
-    typer.Option(
-        help='Crank speed: rad/s unless a unit is given, as in "300 rpm". Negative turns backwards.'
-    ),
-]
-Revolutions = Annotated[
-    str, typer.Option(help="Turns at that speed; may be a fraction.", metavar="NUMBER")
-]
-StartOption = Annotated[
-    Start,
-    typer.Option(
-        help="rigid: undeformed links at the rigid motion's velocities; equilibrium: links bent "
-        "quasi-statically by the loads; periodic: on the periodic motion of the linear equations."
-    ),
-]
-Step = Annotated[
-    str,
-    typer.Option(
-        help='Time step: s unless a unit is given, as in "0.1 ms"; auto: halved until '
-        "deflections hold still.",
-        metavar="auto|SECONDS",
-    ),
-]
-Samples = Annotated[int, typer.Option(min=8, help="Samples saved of each turn.")]
-PrestressOption = Annotated[
-    Prestress,
-    typer.Option(
-        help="Of the reference engine's linear equations and of the frequencies drawn into the "
-        "spectrogram: as in frequencies."
-    ),
-]
-IntegratorOption = Annotated[
-    Integrator,
-    typer.Option(help="Time integration in Exudyn; the reference engine's is trapezoidal."),
-]
-RunUp = Annotated[
-    str,
-    typer.Option(
-        help="Duration of a smooth (cycloidal) run-up to the speed, before the turns: s unless a "
-        "unit is given.",
-        metavar="SECONDS",
-    ),
-]
-CheckMesh = Annotated[
-    bool, typer.Option("--check-mesh", help="Repeat with twice the elements and compare.")
-]
-Modes = Annotated[
-    int,
-    typer.Option(
-        min=1, help="Natural frequencies of interest: set the time step and the spectra's range."
-    ),
-]
-Animate = Annotated[
-    bool, typer.Option("--animate", help="Write an animation: GIF, and MP4 where ffmpeg exists.")
-]
-
-
-@reports_failures
 def response(
     model: options.Model,
-    speed: Speed,
-    revolutions: Revolutions = "4",
+    speed: options.Speed,
+    revolutions: options.Revolutions = "4",
     engine: options.Engine = "both",
     element: options.Element = None,
     elements: options.Elements = 8,
-    start: StartOption = "rigid",
-    step: Step = AUTO,
-    samples: Samples = 720,
-    prestress: PrestressOption = "equilibrium",
-    integrator: IntegratorOption = "trapezoidal",
-    run_up: RunUp = "0",
-    check_mesh: CheckMesh = False,
-    modes: Modes = MODES,
+    start: options.Start = "rigid",
+    step: options.Step = arguments.AUTO,
+    samples: options.Samples = 720,
+    prestress: options.RunPrestress = "equilibrium",
+    integrator: options.Integrator = "trapezoidal",
+    run_up: options.RunUp = "0",
+    check_mesh: options.CheckMesh = False,
+    modes: options.ModesOfInterest = MODES,
     temperature_rise: options.TemperatureRise = None,
     moisture: options.Moisture = None,
     relative_humidity: options.RelativeHumidity = None,
     time: options.ExposureTime = None,
     out: options.Out = Path("results"),
     no_plots: options.NoPlots = False,
-    animate: Animate = False,
+    animate: options.Animate = False,
 ) -> None:
-    """Run the mechanism of a model file; save, draw and report its response."""
-    crank_speed, unit = parse_speed(speed)
-    asked = {"revolutions": parse_revolutions(revolutions), "samples": samples, "start": start}
-    run_up_time, time_step = parse_run_up(run_up), parse_step(step)
-    chosen = element_by_engine(engine, element)
+    """The running mechanism in time.
+
+    Deflections, strains, driving torque and joint forces at constant crank speed: a table, CSV
+    and NetCDF files, pictures and an animation; dry, or in heat and moisture.
+    """
+    crank_speed, unit = arguments.parse_speed(speed)
+    turns = arguments.parse_revolutions(revolutions)
+    run_up_time, time_step = arguments.parse_run_up(run_up), arguments.parse_step(step)
     environment = parse_environment(temperature_rise, moisture, relative_humidity, time)
     if start == "periodic" and run_up_time:
         raise InputError(
@@ -128,21 +59,24 @@ def response(
             "--start rigid or equilibrium"
         )
 
-    from flexmech.analyses import Response
-    from flexmech.analyses import response as compute
+    from flexmech import analyses
     from flexmech.linkages import CrankDrive
     from flexmech.modelfile import load_mechanism
 
     mechanism = load_mechanism(model)
-    request = _request(
-        CrankDrive(crank_speed, run_up_time),
-        time_step,
-        **asked,
-        modes=modes,
-        integrator=integrator,
-        prestress=prestress,
-        speed_unit=unit,
-    )
+    with naming("--revolutions, --samples, --run-up"):
+        request = analyses.ResponseRequest(
+            CrankDrive(crank_speed, run_up_time),
+            turns,
+            samples,
+            start,
+            modes=modes,
+            integrator=integrator,
+            prestress=prestress,
+            speed_unit=unit,
+        )
+    with naming("--step"):
+        request = replace(request, step=time_step)
 
     def animations(result: Response, progress: LabelledProgress | None) -> list[Path]:
         files = result.save_animations(out, progress) if animate else []
@@ -151,9 +85,9 @@ def response(
         return files
 
     deliver(
-        Response,
-        lambda progress: compute(
-            make_engines(mechanism, chosen, elements),
+        analyses.Response,
+        lambda progress: analyses.response.response(
+            make_engines(mechanism, engine, element, elements),
             request,
             check_mesh=check_mesh,
             environment=environment,
@@ -164,17 +98,3 @@ def response(
         speed_unit=unit,
         further=animations,
     )
-
-
-def _request(drive: Any, step: float | None, **asked: Any) -> ResponseRequest:
-    """What is asked for; where that is refused, the message names the options."""
-    from flexmech.analyses import ResponseRequest
-
-    try:
-        request = ResponseRequest(drive, **asked)
-    except InputError as error:
-        raise error.within("--revolutions, --samples, --run-up") from error
-    try:
-        return replace(request, step=step)
-    except InputError as error:
-        raise error.within("--step") from error

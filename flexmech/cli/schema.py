@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Annotated
-
 import typer
 
-from flexmech.cli.failures import reports_failures
-
-__all__ = ["HELP", "schema"]
-
-HELP = "Print the JSON schema of model files. For editors that complete and check TOML."
+from flexmech.cli import options
 
 
-@reports_failures
-def schema(
-    out: Annotated[
-        Path | None, typer.Option("--out", help="Write it to this file instead.", metavar="FILE")
-    ] = None,
-) -> None:
-    """Print the JSON schema, or write it to a file."""
+def schema(out: options.SchemaFile = None) -> None:
+    """Print the JSON schema of model files.
+
+    For editors that complete and check TOML.
+    """
     import json
 
     from flexmech.files import write_whole

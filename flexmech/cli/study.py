@@ -6,30 +6,25 @@ from pathlib import Path
 
 import typer
 
+from flexmech.cli import options
 from flexmech.cli.deliver import deliver
 from flexmech.cli.failures import reports_failures
-from flexmech.cli.options import NoPlots, Out
 
-__all__ = ["HELP", "study_app"]
-
-HELP = "Run a whole campaign and set it beside what is published."
-
-study_app = typer.Typer(help=HELP, no_args_is_help=True, rich_markup_mode=None)
+study_app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
 
 @study_app.callback()
 def studies() -> None:
-    """Choose a campaign."""
+    """Run a whole campaign and set it beside what is published."""
 
 
-@study_app.command(
-    "composites",
-    help="Composite crank-rockers of Elamy et al. 2023: six laminates, four linkages, three "
-    "positions of the transmission angle.",
-)
+@study_app.command()
 @reports_failures
-def composites(out: Out = Path("results"), no_plots: NoPlots = False) -> None:
-    """Compute, save, draw and report the campaign, claim by claim."""
+def composites(out: options.Out = Path("results"), no_plots: options.NoPlots = False) -> None:
+    """Composite crank-rockers of Elamy et al. 2023.
+
+    Six laminates, four linkages, three positions of the transmission angle.
+    """
     from flexmech.studies import CompositeStudy, study_composites
 
     deliver(

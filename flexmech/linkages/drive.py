@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
+from flexmech.linkages.linkage import Linkage
+from flexmech.linkages.motion import RigidMotion
 from flexmech.numbers import NOT_NEGATIVE, check_number
 from flexmech.types import FloatArray
 
@@ -93,3 +95,9 @@ class CrankDrive:
             return np.zeros_like(t)
         part = np.minimum(t, total) / total
         return np.asarray(self.speed / total * (1 - np.cos(2 * np.pi * part)))
+
+    def motion(self, linkage: Linkage, time: ArrayLike) -> RigidMotion:
+        """Rigid motion of a linkage that is driven so, at times in s of shape (m,)."""
+        return linkage.motion(
+            self.crank_angle(time), self.crank_speed(time), self.crank_acceleration(time)
+        )

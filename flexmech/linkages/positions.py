@@ -52,9 +52,6 @@ def linkage_positions(linkage: Linkage, crank_angle: float) -> xr.Dataset:
         ends[topology.index(place.link), 0 if place.end == "start" else 1]
         for place in topology.joints.values()
     ]
-    kinds = {clamp.joint: "clamp" for clamp in topology.clamps}
-    kinds |= {pin.joint: "pin" for pin in topology.pins}
-    kinds |= {pivot.joint: "pivot" for pivot in topology.pivots}
     return xr.Dataset(
         {
             "rigid_position": (("link", "station", "component"), ends, {"units": "m"}),
@@ -64,7 +61,7 @@ def linkage_positions(linkage: Linkage, crank_angle: float) -> xr.Dataset:
             "link": list(topology.link_names),
             "component": ["x", "y"],
             "joint": list(topology.joint_names),
-            "joint_kind": ("joint", [kinds[name] for name in topology.joint_names]),
+            "joint_kind": ("joint", list(topology.joint_kinds)),
         },
     )
 

@@ -116,6 +116,14 @@ class Topology:
         """Names of all joints: clamps, pins, pivots."""
         return tuple(self.joints)
 
+    @property
+    def joint_kinds(self) -> tuple[str, ...]:
+        """What each joint is: ``clamp``, ``pin`` or ``pivot``."""
+        kinds = {clamp.joint: "clamp" for clamp in self.clamps}
+        kinds |= {pin.joint: "pin" for pin in self.pins}
+        kinds |= {pivot.joint: "pivot" for pivot in self.pivots}
+        return tuple(kinds[name] for name in self.joint_names)
+
     def index(self, link: str) -> int:
         """Position of a link in ``links``."""
         return self.link_names.index(link)

@@ -150,10 +150,7 @@ class Simulation:
         )
 
     def _motion(self, time: FloatArray) -> RigidMotion:
-        drive = self.model.drive
-        return self.model.assembly.mechanism.linkage.motion(
-            drive.crank_angle(time), drive.crank_speed(time), drive.crank_acceleration(time)
-        )
+        return self.model.drive.motion(self.model.assembly.mechanism.linkage, time)
 
     def _set_start(self, start: LinkState) -> None:
         batch = [[values[None] for values in part] for part in (start.displacement, start.rate)]

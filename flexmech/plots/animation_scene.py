@@ -150,7 +150,7 @@ class Scene:
         self._rigid = [line_handle("rigid linkage", **RIGID, zorder=1) for _ in links]
         self._trace = line_handle(motion.trace_name, color=orange, lw=1.0, zorder=2)
         self._deflected = [line_handle(enlarged, color=blue, lw=2.2, zorder=3) for _ in links]
-        self._joints = line_handle("", **JOINT, zorder=4)
+        self._joints = line_handle("", **(JOINT | {"ms": 5}), zorder=4)
         ends, held = motion.rigid[:, :, [0, -1]], np.zeros((len(links), 2), dtype=bool)
         if len(ends) > 1:
             held = np.ptp(ends, axis=0).max(axis=-1) <= SAME_PLACE * extent_of(ends)

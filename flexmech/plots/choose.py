@@ -74,7 +74,7 @@ def _places(dataset: xr.Dataset, argument: str, wanted: ArrayLike) -> list[int]:
     for value in values:
         found = [place for place, each in enumerate(known) if _same(each, value)]
         if not found:
-            raise InputError(f"{argument}: this result has no {_text(value)}; choose from {there}")
+            raise InputError(f"{argument}: this result has no {value!r}; choose from {there}")
         places += found
     return places
 

@@ -20,7 +20,7 @@ from flexmech.types import FloatArray
 
 __all__ = ["plot_coupler_angles", "plot_coupler_curve"]
 
-HEIGHT, HEIGHT_OF_THREE = 3.6, 2.4
+HEIGHT, HEIGHT_OF_THREE = 3.6, 2.45
 ANGLE_HEIGHT = 4.2
 CLOSE_UP_ROOM = 1.5
 # Above this extent in m a picture is in m, below it in mm.

@@ -88,7 +88,14 @@ def scale_y(axes: Axes, values: ArrayLike, *, least: float = 1e-9, least_part: f
 
 
 def log_scale(axes: Axes, low: float, high: float) -> None:
-    """Make the y axis logarithmic between two limits, ticked at every decade or every few."""
+    """Make the y axis logarithmic, ticked at every decade or every few.
+
+    Parameters
+    ----------
+    axes : Axes
+    low, high : float
+        Limits of the axis.
+    """
     axes.set_yscale("log")
     axes.set_ylim(low, high)
     axes.yaxis.set_major_locator(LogLocator(base=10, numticks=7))

@@ -47,7 +47,7 @@ class Layout:
 def grid(
     rows: int, columns: int, height: float, *, count: int | None = None, **options: Any
 ) -> Layout:
-    """Panels in rows and columns.
+    """Panels in rows and columns; options are those of ``Figure.subplots``, as ``sharex=True``.
 
     Parameters
     ----------
@@ -56,8 +56,6 @@ def grid(
         Of all rows in inches, without the header.
     count : int, optional
         Number of panels, where the last row is not full.
-    **options
-        Of ``Figure.subplots``, such as ``sharex=True``.
 
     Returns
     -------
@@ -161,9 +159,10 @@ def _given(ax: AxesLike, count: int, fewer: str) -> list[Axes]:
         raise InputError(f"ax: must be Axes of matplotlib or several of them, got {wrong[0]!r}")
     if len(given) != count:
         remedy = f", or {fewer}, which leaves one panel" if fewer and count > 1 else ""
+        panels = f"{count} panel{'' if count == 1 else 's'}"
         raise InputError(
-            f"ax: this figure has {count} panels and {len(given)} Axes are given; give as many "
-            f"Axes as panels{remedy}"
+            f"ax: this figure has {panels} and {len(given)} Axes are given; give one Axes a panel"
+            + remedy
         )
     return given
 
@@ -208,9 +207,10 @@ def legend_columns(labels: list[str]) -> int:
     widths = [(around + MEAN_LETTER * len(label)) * em for label in labels]
 
     def fits(columns: int) -> bool:
-        needed: float = sum(max(widths[n::columns]) for n in range(columns))
+        needed: float = sum(max(widths[n::columns], default=0.0) for n in range(columns))
         return needed <= FIGURE_WIDTH - 0.1
 
-    most = next((n for n in range(len(labels), 1, -1) if fits(n)), 1)
-    balanced = -(-len(labels) // -(-len(labels) // most))
+    count = max(len(labels), 1)
+    most = next((n for n in range(count, 1, -1) if fits(n)), 1)
+    balanced = -(-count // -(-count // most))
     return balanced if fits(balanced) else most

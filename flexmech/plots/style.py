@@ -17,7 +17,6 @@ __all__ = [
     "LIGHT_GREY",
     "MID_GREY",
     "STYLE",
-    "NotebookFigure",
     "figure_html",
     "figure_png",
     "new_figure",
@@ -34,7 +33,7 @@ STYLE = mpl.rc_params_from_file(
 )
 
 
-class NotebookFigure(Figure):
+class _NotebookFigure(Figure):
     """Figure that a notebook shows by itself, though pyplot does not know of it."""
 
     def _repr_png_(self) -> bytes:
@@ -56,7 +55,7 @@ def figure_html(figure: Figure) -> str:
 def new_figure(height: float) -> Figure:
     """Empty figure of journal width and the given height in inches, laid out on drawing."""
     layout = ConstrainedLayoutEngine(w_pad=0.05, h_pad=0.05, wspace=0.03, hspace=0.03)
-    return NotebookFigure(figsize=(FIGURE_WIDTH, height), dpi=150, layout=layout)
+    return _NotebookFigure(figsize=(FIGURE_WIDTH, height), dpi=150, layout=layout)
 
 
 @contextmanager

@@ -137,10 +137,7 @@ class DrivenLinkage:
 
     def motion(self, time: FloatArray) -> RigidMotion:
         """Rigid motion at times of shape (m,)."""
-        drive = self.drive
-        return self.engine.mechanism.linkage.motion(
-            drive.crank_angle(time), drive.crank_speed(time), drive.crank_acceleration(time)
-        )
+        return self.drive.motion(self.engine.mechanism.linkage, time)
 
     def loads(self, motion: RigidMotion) -> list[FloatArray]:
         """Inertia forces of the rigid motion and weight on each reduced link, (m, n)."""

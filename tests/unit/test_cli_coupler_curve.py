@@ -290,7 +290,7 @@ def test_what_python_refuses() -> None:
         ((mechanism, ["0 deg"]), "crank_angles must be a number of rad"),
         ((mechanism, 0.5), "crank_angles must be a row"),
         ((mechanism, []), "crank_angles must be"),
-        (("models/steel_fourbar.toml", TURN), "write flexmech.load_mechanism"),
+        (("models/steel_fourbar.toml", TURN), "read the file first: flexmech.load_mechanism"),
         ((mechanism, TURN, (0.033, 5.6)), "write flexmech.CouplerPoint"),
         ((mechanism, TURN, None, (80, 0.07)), "write flexmech.HygrothermalState"),
     ):

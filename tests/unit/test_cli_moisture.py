@@ -181,7 +181,7 @@ def test_what_python_refuses(model: Path) -> None:
         ((mechanism, "85 %", DAY), "relative_humidity must be a number"),
         ((mechanism, 0.85, "20 day"), "time must be a number of s"),
         ((mechanism, 0.85, DAY, -5.0), "temperature must be positive"),
-        ((str(model), 0.85, DAY), "write flexmech.load_mechanism"),
+        ((str(model), 0.85, DAY), "read the file first: flexmech.load_mechanism"),
     ):
         with pytest.raises(InputError, match=said):
             moisture_uptake(*arguments)  # type: ignore[arg-type]

@@ -13,7 +13,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from flexmech import plots
-from flexmech.analyses import Response, ResponseRequest, response
+from flexmech.analyses.response import Response, ResponseRequest, response
 from flexmech.analyses.response.words import check_lines, load_lines, peak_table
 from flexmech.cli import app
 from flexmech.errors import ComputationError
@@ -74,7 +74,7 @@ def invented(
         path.write_bytes(b"frames")
         seen.animated.append(path.name)
 
-    monkeypatch.setattr("flexmech.analyses.response", analysis)
+    monkeypatch.setattr("flexmech.analyses.response.response", analysis)
     monkeypatch.setattr(plots, "write_animation", write_animation)
     monkeypatch.setattr(plots, "mp4_available", lambda: seen.mp4)
     return seen

@@ -326,3 +326,4 @@ class TestStyle:
         assert legend_columns(["20 rad/s"] * 4) == 4
         assert legend_columns(["a rather long engine name"] * 4) == 2
         assert legend_columns(["x" * 200] * 3) == 1
+        assert legend_columns([]) == 1

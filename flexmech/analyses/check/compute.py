@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from flexmech.analyses.check.result import LENGTH, LINK_MASS, ModelCheck
-from flexmech.analyses.check.words import mechanism_lines
+from flexmech.analyses.check.result import ModelCheck
 from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.provenance import provenance, with_units
 from flexmech.analyses.requests import engine_of
-from flexmech.analyses.section_profile.properties import section_properties
-from flexmech.analyses.stations import rigid_positions
+from flexmech.analyses.section_profile.properties import LINK_PROPERTIES, section_properties
 from flexmech.errors import InputError
+from flexmech.hygrothermal import absorbing_links, inert_links
 from flexmech.linear_system import Engine
-from flexmech.linkages import Clamp, Pin, Pivot
+from flexmech.linkages import linkage_positions
+from flexmech.mechanism import Mechanism
 
 __all__ = ["check_mechanism"]
+
+ZERO_CELSIUS = 273.15
 
 
 def check_mechanism(engine: Engine) -> ModelCheck:
@@ -49,39 +49,35 @@ def check_mechanism(engine: Engine) -> ModelCheck:
     links = mechanism.linkage.topology.links
     sections = {link.name: mechanism.sections[link.name] for link in links}
     dataset = section_properties(sections).sel(coupling="with", drop=True)
-    dataset[LENGTH.name] = ("link", [link.length for link in links])
-    dataset[LINK_MASS.name] = dataset["mass_per_length"] * dataset[LENGTH.name]
+    lengths = np.array([link.length for link in links])
+    of_links = (lengths, lengths * dataset["mass_per_length"].values)
+    for one, values in zip(LINK_PROPERTIES, of_links, strict=True):
+        dataset[one.name] = ("link", values, one.attributes)
+    lines = [*mechanism.described(), *_hygrothermal_lines(mechanism)]
     dataset = dataset.assign_attrs(
         provenance([engine]),
         engine=engine.name,
         linkage="\n".join(mechanism.linkage.described()),
-        mechanism_lines="\n".join(mechanism_lines(mechanism)),
+        mechanism_lines="\n".join(lines),
         without_frequencies="",
     )
     try:
         dataset["frequency"] = ("mode", natural_frequencies(engine, 0.0))
-        dataset = dataset.assign(_positions(engine))
+        dataset = dataset.merge(linkage_positions(mechanism.linkage, 0.0))
     except InputError as error:
         # Not every linkage can stand at crank angle zero; what is known of it is right even so.
         dataset.attrs["without_frequencies"] = str(error)
     return ModelCheck(with_units(dataset, "check"))
 
 
-def _positions(engine: Engine) -> dict[str, Any]:
-    """Stations along the links, and joints, in ground axes."""
-    linkage = engine.mechanism.linkage
-    topology = linkage.topology
-    stations = rigid_positions(engine, linkage.motion(np.zeros(1)))[0]
-    joints = [
-        stations[topology.index(place.link), 0 if place.end == "start" else -1]
-        for place in topology.joints.values()
+def _hygrothermal_lines(mechanism: Mechanism) -> list[str]:
+    """What heat and moisture change, if there is anything."""
+    inert = inert_links(mechanism)
+    changed = [name for name in mechanism.linkage.topology.link_names if name not in inert]
+    if not changed:
+        return []
+    reference = f"{mechanism.reference_temperature - ZERO_CELSIUS:.4g} degC"
+    return [
+        f"heat and moisture change: {', '.join(changed)}; water enters: "
+        f"{', '.join(absorbing_links(mechanism)) or 'none'}; reference temperature {reference}"
     ]
-    connections: tuple[Clamp | Pin | Pivot, ...]
-    connections = (*topology.clamps, *topology.pins, *topology.pivots)
-    kinds = {one.joint: type(one).__name__.lower() for one in connections}
-    return {
-        "rigid_position": (("link", "station", "component"), stations),
-        "joint_position": (("joint", "component"), np.array(joints)),
-        "joint_kind": ("joint", [kinds[name] for name in topology.joint_names]),
-        "joint": list(topology.joint_names),
-    }

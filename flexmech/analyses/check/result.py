@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexmech import plots
 from flexmech.analyses.result import Result
-from flexmech.analyses.section_profile.properties import PROPERTIES, Property
+from flexmech.analyses.section_profile.properties import LINK_PROPERTIES, PROPERTIES
 from flexmech.analyses.summary import Summary, Table
 from flexmech.errors import InputError
 
-__all__ = ["LENGTH", "LINK_MASS", "ModelCheck"]
+__all__ = ["ModelCheck"]
 
-LENGTH = Property("length", "m", "m", "length", "mm", 1e3)
-LINK_MASS = Property("link_mass", "kg", "kg", "mass without point masses", "g", 1e3)
-ROWS = (LENGTH, LINK_MASS, *PROPERTIES)
+ROWS = (*LINK_PROPERTIES, *PROPERTIES)
 
 
 class ModelCheck(Result):
@@ -51,7 +48,7 @@ class ModelCheck(Result):
         """The linkage at crank angle 0, if it can stand there."""
         return {"check": self.plot()} if "rigid_position" in self.dataset else {}
 
-    def plot(self, *, ax: Axes | None = None) -> Figure:
+    def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw the linkage at crank angle 0.
 
         Parameters
@@ -95,7 +92,7 @@ class ModelCheck(Result):
         for one in ROWS:
             values = self.dataset[one.name].values
             if np.nan_to_num(values).any() or one.name.startswith("damping"):
-                rows.append((one.label, *map(one.text, values)))
+                rows.append(one.row(values))
         return Table("links", ("property", *self.dataset["link"].values), (tuple(rows),))
 
     def _frequency_line(self) -> str:

@@ -11,8 +11,7 @@ from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.linkages import FourBar
-from flexmech.plots import plot_coupler_angles, plot_coupler_curve
-from flexmech.plots.sheet import AxesLike
+from flexmech.plots import AxesLike, plot_coupler_angles, plot_coupler_curve
 
 __all__ = ["CouplerPaths"]
 
@@ -74,7 +73,7 @@ class CouplerPaths(Result):
         return {"coupler_curve": self.plot(), "coupler_angles": plot_coupler_angles(self.dataset)}
 
     def plot(self, *, ax: AxesLike | None = None) -> Figure:
-        """Draw the curves with their double points, in axes of the user's if they are given."""
+        """Draw curves with their double points, in axes of the user's (one a panel) if given."""
         return plot_coupler_curve(self.dataset, ax=ax)
 
     def summary(self) -> Summary:

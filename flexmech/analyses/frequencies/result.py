@@ -15,18 +15,13 @@ from flexmech import plots
 from flexmech.analyses.frequencies import words
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
+from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.errors import InputError
 from flexmech.units import from_si
 
 __all__ = ["EngineAgreement", "MovingFrequencies"]
 
 DIMS = ("engine", "crank_speed", "crank_angle", "mode")
-COLUMNS = {
-    "engine": "engine",
-    "crank_speed": "crank_speed_rad_s",
-    "crank_angle": "crank_angle_deg",
-    "mode": "mode",
-}
 FILES = (
     "frequencies.csv",
     "frequencies.nc",
@@ -213,34 +208,29 @@ class MovingFrequencies(Result):
         """
         if self._has_states:
             dry, wet = (self.state(name) for name in self.states)
+            effect = _rows(
+                dry_frequency_Hz=dry.dataset["frequency"],
+                frequency_Hz=wet.dataset["frequency"],
+                relative_change=self.relative_change(),
+            )
             below = {f"dry/{name}": table for name, table in dry.tables().items()}
-            frequency = {
-                "dry_frequency_Hz": dry.dataset["frequency"],
-                "frequency_Hz": wet.dataset["frequency"],
-                "relative_change": self.relative_change(),
-            }
-            return {**wet.tables(), **below, "hygrothermal_effect": _rows(frequency)}
-        data = self.dataset
+            return {**wet.tables(), **below, "hygrothermal_effect": effect}
+        data, effect = self.dataset, self.vibration_effect()
         tables = {
-            "frequencies": _rows(
-                {
-                    "branch": data["branch_of_mode"],
-                    "frequency_Hz": data["frequency"],
-                    "damping_ratio": data["damping_ratio"],
-                }
+            self.stem: _rows(
+                branch=data["branch_of_mode"],
+                frequency_Hz=data["frequency"],
+                damping_ratio=data["damping_ratio"],
             )
         }
-        effect = self.vibration_effect()
         if effect is not None:
             tables["vibration_effect"] = _rows(
-                {
-                    "frequency_Hz": data["frequency"],
-                    "quasi_static_frequency_Hz": data["quasi_static_frequency"],
-                    "relative_change": effect,
-                }
+                frequency_Hz=data["frequency"],
+                quasi_static_frequency_Hz=data["quasi_static_frequency"],
+                relative_change=effect,
             )
         if "strain_energy_damping" in data:
-            tables["damping"] = _rows({"damping_ratio": data["strain_energy_damping"]})
+            tables["damping"] = _rows(damping_ratio=data["strain_energy_damping"])
         return tables
 
     def datasets(self) -> dict[str, xr.Dataset]:
@@ -338,9 +328,13 @@ class MovingFrequencies(Result):
         )
 
 
-def _rows(columns: dict[str, xr.DataArray]) -> pd.DataFrame:
+def _rows(**columns: xr.DataArray) -> pd.DataFrame:
     """Columns side by side, one row for each engine, crank speed, crank angle and mode."""
-    plain = {name: values.reset_coords(drop=True) for name, values in columns.items()}
-    frame = xr.Dataset(plain).to_dataframe(dim_order=DIMS).reset_index()
-    frame["crank_angle"] = np.round(np.degrees(frame["crank_angle"]), 9)
-    return frame[[*COLUMNS, *columns]].rename(columns=COLUMNS)
+    any_of_them = next(iter(columns.values()))
+    places = {
+        "engine": any_of_them["engine"],
+        "crank_speed_rad_s": any_of_them["crank_speed"],
+        "crank_angle_deg": (DEGREES * any_of_them["crank_angle"]).round(9),
+        "mode": any_of_them["mode"],
+    }
+    return table_over(*DIMS, **places, **columns)

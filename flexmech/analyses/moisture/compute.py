@@ -113,7 +113,8 @@ def _link(
     history = _history(diffusion, humidity, kelvin, tuple(times))
     short_time, shen_springer = _laws(diffusion, kelvin, times)
     layers, saturation = diffusion.layers, np.array(diffusion.saturation)
-    resin = sum(np.array([one.thickness * one.capacity for one in layers]) / saturation)
+    of_layers = zip(layers, saturation, strict=True)
+    resin = sum(layer.thickness * layer.capacity / greatest for layer, greatest in of_layers)
     tops = np.cumsum([one.thickness for one in layers])
     layer_of_cell = np.searchsorted(tops - tops[-1] / 2, history.place).clip(max=len(layers) - 1)
     profile = history.saturation[parts] * saturation[layer_of_cell]

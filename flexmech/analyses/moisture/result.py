@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.analyses.tables import table_over
-from flexmech.plots import plot_moisture
-from flexmech.plots.sheet import AxesLike
+from flexmech.plots import AxesLike, plot_moisture
 
 __all__ = ["MoistureUptake"]
 
@@ -61,7 +60,7 @@ class MoistureUptake(Result):
         return {"moisture_profile": profile.dropna(), "moisture_uptake": uptake}
 
     def plot(self, *, ax: AxesLike | None = None) -> Figure:
-        """Draw profiles and uptake of each link, or uptakes alone in axes of the user's."""
+        """Draw profiles and uptake of each link, in axes of the user's (two a link) if given."""
         return plot_moisture(self.dataset, ax=ax)
 
     def summary(self) -> Summary:

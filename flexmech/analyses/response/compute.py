@@ -8,17 +8,18 @@ import numpy as np
 
 from flexmech.analyses.environment import environment_lines
 from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.analyses.provenance import with_units
 from flexmech.analyses.requests import engines_of
 from flexmech.analyses.response.dataset import SPECTRUM_REACH, build_dataset
 from flexmech.analyses.response.request import MOST_SAMPLES, ResponseRequest
 from flexmech.analyses.response.result import Response
-from flexmech.analyses.response.run import highest_frequency, mesh_error, run_engine
+from flexmech.analyses.response.run import mesh_error, run_engine
 from flexmech.analyses.turn import sampled_turn
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress, StepProgress
+from flexmech.types import LabelledProgress
 
 __all__ = ["response"]
 
@@ -72,45 +73,44 @@ def response(
     >>> [str(name) for name in run.dataset["deflection"].dims]
     ['engine', 'time', 'link']
     """
-    chosen = engines_of(engines)
+    chosen, report = engines_of(engines), progress or (lambda label, done, total: None)
     lines = environment_lines(chosen[0].mechanism, environment)
     if environment is not None:
         wet = mechanism_in_state(chosen[0].mechanism, environment)
         chosen = [engine.with_(mechanism=wet) for engine in chosen]
-    if request.start == "rigid" and chosen[0].mechanism.is_free_strained:
+    mechanism = chosen[0].mechanism
+    if request.start == "rigid" and mechanism.is_free_strained:
         raise InputError(
             "start rigid would hold links straight that are bent without any load, and then let "
             "them ring; choose start equilibrium or periodic"
         )
     # A crank that cannot turn round shows itself here, before anything is computed.
-    chosen[0].mechanism.linkage.motion(
-        np.asarray(request.drive.crank_angle(request.sample_time())), 1.0
-    )
+    mechanism.linkage.motion(request.drive.crank_angle(request.sample_time()), 1.0)
     with one_thread():
-        highest = highest_frequency(chosen[0], request)
-        _predict(chosen, request)
+        lowest, highest = _predicted_range(chosen, request)
         refinement = _refinement(request, highest)
         time = request.sample_time(refinement)
-        runs = [run_engine(e, request, time, highest, _labelled(progress, e)) for e in chosen]
-        mesh_errors = None
+        runs = [run_engine(engine, request, time, highest, report) for engine in chosen]
+        dataset = build_dataset(runs, request, refinement, lowest, highest)
         if check_mesh:
-            mesh_errors = [
-                mesh_error(run, request, _labelled(progress, run.engine, " on twice the elements"))
-                for run in runs
-            ]
-        dataset = build_dataset(runs, request, refinement, highest, mesh_errors)
-    if lines:
-        dataset.attrs["environment_lines"] = "\n".join(lines)
-    return Response(dataset)
+            errors = [mesh_error(run, request, report) for run in runs]
+            dataset["mesh_error"] = ("engine", errors)
+    dataset.attrs["environment_lines"] = "\n".join(lines)
+    return Response(with_units(dataset, "response"))
 
 
-def _predict(engines: Sequence[Engine], request: ResponseRequest) -> None:
-    """Predict frequencies over a turn: what cannot be done shows itself before the long run."""
-    turn = sampled_turn(request.drive.start_angle)
+def _predicted_range(engines: Sequence[Engine], request: ResponseRequest) -> tuple[float, float]:
+    """Lowest and highest natural frequency of interest, at rest over a turn, in Hz."""
+    first, turn = engines[0], sampled_turn(request.drive.start_angle)
+    frequency = natural_frequencies(
+        first, turn, modes=request.modes, prestress=first.prestress_at_rest, rotation_terms=False
+    )
     for engine in engines:
+        # Frequencies at speed that cannot be computed show themselves before the long run.
         natural_frequencies(
             engine, turn, request.drive.speed, modes=request.modes, prestress=request.prestress
         )
+    return float(frequency.min()), float(frequency.max())
 
 
 def _refinement(request: ResponseRequest, highest: float) -> int:
@@ -123,11 +123,3 @@ def _refinement(request: ResponseRequest, highest: float) -> int:
             "fewer revolutions, or a higher crank speed"
         )
     return max(1, int(np.ceil(fastest * request.sample_interval)))
-
-
-def _labelled(
-    progress: LabelledProgress | None, engine: Engine, what: str = ""
-) -> StepProgress | None:
-    if progress is None:
-        return None
-    return lambda done, total: progress(engine.name + what, done, total)

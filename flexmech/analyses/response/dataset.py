@@ -3,32 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.frequencies import Formulation, frequencies_at, natural_frequencies
-from flexmech.analyses.provenance import provenance, with_units
-from flexmech.analyses.response.measurements import (
-    bending_strains,
-    constraint_drift,
-    deflections,
-    ground_displacements,
-    probes,
-)
+from flexmech.analyses.frequencies import Formulation, frequencies_at
+from flexmech.analyses.provenance import provenance
+from flexmech.analyses.response import measurements
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.run import EngineRun
 from flexmech.analyses.response.spectra import amplitude_spectrum, spectrogram
 from flexmech.analyses.stations import rigid_positions
-from flexmech.analyses.turn import sampled_turn
 from flexmech.linear_system import Engine
-from flexmech.linkages import RigidMotion, Topology, inverse_dynamics
-from flexmech.types import FloatArray
+from flexmech.linkages import RigidMotion, inverse_dynamics
 
 __all__ = ["build_dataset"]
-
-Variables = dict[str, tuple[tuple[str, ...], Any]]
 
 # Spectra reach this far above the highest natural frequency asked for.
 SPECTRUM_REACH = 1.5
@@ -38,8 +27,8 @@ def build_dataset(
     runs: Sequence[EngineRun],
     request: ResponseRequest,
     refinement: int,
+    lowest: float,
     highest: float,
-    mesh_errors: Sequence[float] | None,
 ) -> xr.Dataset:
     """Label the runs of all engines.
 
@@ -49,170 +38,111 @@ def build_dataset(
         At samples ``refinement`` times as dense as asked for.
     request : ResponseRequest
     refinement : int
-    highest : float
-        Highest natural frequency asked for in Hz.
-    mesh_errors : sequence of float, or None
+    lowest, highest : float
+        Natural frequencies between which the spectra are of interest, in Hz.
 
     Returns
     -------
     xarray.Dataset
     """
-    engines = [run.engine for run in runs]
-    time = request.sample_time()
-    motion = _motion(engines[0], request, time)
-    topology = engines[0].mechanism.linkage.topology
-    variables: Variables = {
-        **_histories(runs, motion, refinement),
-        **_rigid_values(engines[0], motion),
-        **_checks(runs, mesh_errors),
-    }
-    spectra, coordinates = _spectra(runs, request, refinement, highest)
-    variables.update(spectra)
-    dataset = xr.Dataset(
-        variables,
-        coords={
-            "engine": [e.name for e in engines],
-            "element": ("engine", [e.element for e in engines]),
-            "time": time,
-            "crank_angle": ("time", motion.crank_angle),
-            "link": list(topology.link_names),
-            "probe": ("link", probes(engines[0])),
-            "joint": list(topology.joint_names),
-            "joint_kind": ("joint", [_kind(topology, name) for name in topology.joint_names]),
-            "station": np.linspace(0.0, 1.0, engines[0].links[0].shape.shape[0]),
-            "component": ["x", "y"],
-            **coordinates,
-        },
-        attrs={
-            **provenance(engines),
-            "crank_speed": request.drive.speed,
-            "speed_unit": request.speed_unit,
-            "run_up_time": request.drive.run_up_time,
-            "revolutions": request.revolutions,
-            "start": request.start,
-            "integrator": request.integrator,
-            "prestress": request.prestress,
-        },
+    engines, time = [run.engine for run in runs], request.sample_time()
+    first, topology = engines[0], engines[0].mechanism.linkage.topology
+    motion = request.drive.motion(first.mechanism.linkage, time)
+    parts = [
+        _history(run, motion, refinement).merge(_spectra(run, request, refinement, lowest, highest))
+        for run in runs
+    ]
+    names = xr.DataArray([engine.name for engine in engines], dims="engine", name="engine")
+    dataset = xr.concat(parts, names, join="exact").merge(_rigid_values(first, motion))
+    dataset = dataset.assign_coords(
+        element=("engine", [engine.element for engine in engines]),
+        time=time,
+        crank_angle=("time", motion.crank_angle),
+        link=list(topology.link_names),
+        probe=("link", measurements.probes(first)),
+        joint=list(topology.joint_names),
+        joint_kind=("joint", list(topology.joint_kinds)),
+        station=np.linspace(0.0, 1.0, dataset.sizes["station"]),
+        component=["x", "y"],
     )
-    return with_units(dataset, "response")
-
-
-def _kind(topology: Topology, joint: str) -> str:
-    if any(clamp.joint == joint for clamp in topology.clamps):
-        return "clamp"
-    return "pivot" if any(pivot.joint == joint for pivot in topology.pivots) else "pin"
-
-
-def _motion(engine: Engine, request: ResponseRequest, time: FloatArray) -> RigidMotion:
-    drive = request.drive
-    return engine.mechanism.linkage.motion(
-        drive.crank_angle(time), drive.crank_speed(time), drive.crank_acceleration(time)
+    return dataset.assign_attrs(
+        provenance(engines),
+        crank_speed=request.drive.speed,
+        speed_unit=request.speed_unit,
+        run_up_time=request.drive.run_up_time,
+        revolutions=request.revolutions,
+        start=request.start,
+        integrator=request.integrator,
+        prestress=request.prestress,
     )
 
 
-def _histories(runs: Sequence[EngineRun], motion: RigidMotion, refinement: int) -> Variables:
-    asked = slice(None, None, refinement)
-    energies = {
-        "kinetic_energy": "kinetic",
-        "strain_energy": "strain",
-        "gravity_energy": "gravity",
-        "dissipated_energy": "dissipated",
-        "drive_work": "drive_work",
-        "prestress_work": "prestress_work",
-    }
-    trajectories = [run.trajectory[asked] for run in runs]
-    pairs = [(run.engine, trajectory) for run, trajectory in zip(runs, trajectories, strict=True)]
-    variables: Variables = {
-        "deflection": (("engine", "time", "link"), np.stack([deflections(*p) for p in pairs])),
-        "strain": (("engine", "time", "link"), np.stack([bending_strains(*p) for p in pairs])),
-        "driving_torque": (("engine", "time"), np.stack([t.driving_torque for t in trajectories])),
-        "joint_force": (
-            ("engine", "time", "joint", "component"),
-            np.stack([t.joint_force for t in trajectories]),
-        ),
-        "displacement": (
-            ("engine", "time", "link", "station", "component"),
-            np.stack([ground_displacements(*p, motion) for p in pairs]),
-        ),
-        "constraint_drift": (
-            ("engine",),
-            np.array([constraint_drift(*p, motion) for p in pairs]),
-        ),
-    }
-    for name, field in energies.items():
-        values = np.stack([getattr(t.energy, field) for t in trajectories])
-        variables[name] = (("engine", "time"), values)
-    return variables
+def _history(run: EngineRun, motion: RigidMotion, refinement: int) -> xr.Dataset:
+    """What a run measures at the samples asked for, and how far it may be trusted."""
+    engine, trajectory = run.engine, run.trajectory[::refinement]
+    energy = trajectory.energy
+    displacement = measurements.ground_displacements(engine, trajectory, motion)
+    return xr.Dataset(
+        {
+            "deflection": (("time", "link"), measurements.deflections(engine, trajectory)),
+            "strain": (("time", "link"), measurements.bending_strains(engine, trajectory)),
+            "driving_torque": ("time", trajectory.driving_torque),
+            "joint_force": (("time", "joint", "component"), trajectory.joint_force),
+            "displacement": (("time", "link", "station", "component"), displacement),
+            "kinetic_energy": ("time", energy.kinetic),
+            "strain_energy": ("time", energy.strain),
+            "gravity_energy": ("time", energy.gravity),
+            "dissipated_energy": ("time", energy.dissipated),
+            "drive_work": ("time", energy.drive_work),
+            "prestress_work": ("time", energy.prestress_work),
+            "constraint_drift": measurements.constraint_drift(engine, displacement, motion),
+            "step": trajectory.step,
+            "energy_error": trajectory.energy_error,
+            "step_error": run.step_error,
+            "reduction_error": run.reduction_error,
+        }
+    )
 
 
-def _rigid_values(engine: Engine, motion: RigidMotion) -> Variables:
+def _rigid_values(engine: Engine, motion: RigidMotion) -> xr.Dataset:
+    """Torque, forces and positions if the links were rigid."""
     mechanism = engine.mechanism
     topology = mechanism.linkage.topology
     forces = inverse_dynamics(topology, motion, mechanism.link_masses_in_order, mechanism.gravity)
-    return {
-        "rigid_driving_torque": (("time",), forces.driving_torque),
-        "rigid_joint_force": (
-            ("time", "joint", "component"),
-            np.stack([forces.joint_force[name] for name in topology.joint_names], axis=1),
-        ),
-        "rigid_position": (
-            ("time", "link", "station", "component"),
-            rigid_positions(engine, motion),
-        ),
-    }
-
-
-def _checks(runs: Sequence[EngineRun], mesh_errors: Sequence[float] | None) -> Variables:
-    checks = {
-        "step": [run.trajectory.step for run in runs],
-        "energy_error": [run.trajectory.energy_error for run in runs],
-        "step_error": [run.step_error for run in runs],
-        "reduction_error": [run.reduction_error for run in runs],
-    }
-    if mesh_errors is not None:
-        checks["mesh_error"] = list(mesh_errors)
-    return {name: (("engine",), np.array(values)) for name, values in checks.items()}
+    joint_force = np.stack([forces.joint_force[name] for name in topology.joint_names], axis=1)
+    positions = rigid_positions(engine, motion)
+    return xr.Dataset(
+        {
+            "rigid_driving_torque": ("time", forces.driving_torque),
+            "rigid_joint_force": (("time", "joint", "component"), joint_force),
+            "rigid_position": (("time", "link", "station", "component"), positions),
+        }
+    )
 
 
 def _spectra(
-    runs: Sequence[EngineRun], request: ResponseRequest, refinement: int, highest: float
-) -> tuple[Variables, dict[str, Any]]:
-    """Spectra of the run at its final speed, and their axes."""
-    steady = request.sample_time(refinement) >= request.drive.run_up_time - 1e-12
-    signals = [deflections(run.engine, run.trajectory)[steady].T for run in runs]
-    interval = request.sample_interval / refinement
+    run: EngineRun, request: ResponseRequest, refinement: int, lowest: float, highest: float
+) -> xr.Dataset:
+    """Spectra of a run at its final speed; in time as well where it is long enough."""
+    drive, interval = request.drive, request.sample_interval / refinement
+    steady = run.trajectory.time >= drive.run_up_time - 1e-12
+    signals = measurements.deflections(run.engine, run.trajectory)[steady].T
     up_to = SPECTRUM_REACH * highest
-    whole = [amplitude_spectrum(signal, interval, up_to) for signal in signals]
-    variables: Variables = {
-        "spectrum": (("engine", "link", "spectrum_frequency"), np.stack([a for _, a in whole]))
-    }
-    coordinates: dict[str, Any] = {"spectrum_frequency": whole[0][0]}
-    engine, turn = runs[0].engine, sampled_turn(request.drive.start_angle)
-    at_rest = natural_frequencies(engine, turn, modes=1, prestress=engine.prestress_at_rest)
-    lowest = float(at_rest.min())
-    pictures = [spectrogram(signal, interval, lowest, up_to) for signal in signals]
-    shown = [picture for picture in pictures if picture is not None]
-    if not shown:
-        return variables, coordinates
-    start = request.drive.run_up_time
-    middle = shown[0].time + start
-    prediction = [
-        frequencies_at(
-            run.engine,
-            np.asarray(request.drive.crank_angle(middle)),
-            request.drive.speed,
-            Formulation(request.prestress, modes=request.modes),
-        )
-        for run in runs
-    ]
-    variables["spectrogram"] = (
-        ("engine", "link", "window_frequency", "window_time"),
-        np.stack([picture.amplitude for picture in shown]),
+    frequency, amplitude = amplitude_spectrum(signals, interval, up_to)
+    spectra = xr.Dataset(
+        {"spectrum": (("link", "spectrum_frequency"), amplitude)},
+        coords={"spectrum_frequency": frequency},
     )
-    variables["natural_frequency"] = (("engine", "window_time", "mode"), np.stack(prediction))
-    coordinates.update(
-        window_frequency=shown[0].frequency,
+    moving = spectrogram(signals, interval, lowest, up_to)
+    if moving is None:
+        return spectra
+    middle = moving.time + drive.run_up_time
+    formulation = Formulation(request.prestress, modes=request.modes)
+    prediction = frequencies_at(run.engine, drive.crank_angle(middle), drive.speed, formulation)
+    spectra["spectrogram"] = ("link", "window_frequency", "window_time"), moving.amplitude
+    spectra["natural_frequency"] = ("window_time", "mode"), prediction
+    return spectra.assign_coords(
+        window_frequency=moving.frequency,
         window_time=middle,
         mode=np.arange(1, request.modes + 1),
     )
-    return variables, coordinates

@@ -134,13 +134,14 @@ def ground_displacements(engine: Engine, trajectory: Trajectory, motion: RigidMo
     return np.stack(parts, axis=1)
 
 
-def constraint_drift(engine: Engine, trajectory: Trajectory, motion: RigidMotion) -> float:
+def constraint_drift(engine: Engine, displacement: FloatArray, motion: RigidMotion) -> float:
     """Greatest distance by which pins gape and held ends leave their place, in m.
 
     Parameters
     ----------
     engine : Engine
-    trajectory : Trajectory
+    displacement : ndarray, shape (N, n_links, n_stations, 2)
+        Of :func:`ground_displacements`.
     motion : RigidMotion
         At the N samples.
 
@@ -148,11 +149,10 @@ def constraint_drift(engine: Engine, trajectory: Trajectory, motion: RigidMotion
     -------
     float
     """
-    moved = ground_displacements(engine, trajectory, motion)
     topology = engine.mechanism.linkage.topology
 
     def elastic(end: LinkEnd) -> FloatArray:
-        return moved[:, topology.index(end.link), 0 if end.end == "start" else -1]
+        return displacement[:, topology.index(end.link), 0 if end.end == "start" else -1]
 
     def place(end: LinkEnd) -> FloatArray:
         link = topology.index(end.link)

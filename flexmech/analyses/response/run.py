@@ -3,28 +3,22 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.response.measurements import deflections
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start, simulation_start
-from flexmech.analyses.turn import sampled_turn
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
-from flexmech.time_domain import (
-    DETAIL,
-    DrivenLinkage,
-    Trajectory,
-    is_reduced,
-    linear_run,
-    simulator,
-)
-from flexmech.types import FloatArray, StepProgress
+from flexmech.time_domain import Trajectory, linear_run, simulator
+from flexmech.time_domain.driven_linkage import DETAIL, DrivenLinkage, is_reduced
+from flexmech.types import FloatArray, LabelledProgress, StepProgress
 
-__all__ = ["EngineRun", "highest_frequency", "mesh_error", "run_engine"]
+__all__ = ["EngineRun", "mesh_error", "run_engine"]
 
 logger = logging.getLogger(__name__)
 
@@ -62,24 +56,12 @@ class EngineRun:
     reduction_error: float
 
 
-def highest_frequency(engine: Engine, request: ResponseRequest) -> float:
-    """Greatest value over a turn of the highest natural frequency asked for, at rest; Hz."""
-    frequency = natural_frequencies(
-        engine,
-        sampled_turn(request.drive.start_angle),
-        modes=request.modes,
-        prestress=engine.prestress_at_rest,
-        rotation_terms=False,
-    )
-    return float(frequency.max())
-
-
 def run_engine(
     engine: Engine,
     request: ResponseRequest,
     sample_time: FloatArray,
     highest: float,
-    progress: StepProgress | None = None,
+    report: LabelledProgress,
 ) -> EngineRun:
     """Run, and run again with half the step.
 
@@ -91,7 +73,8 @@ def run_engine(
         Evenly spaced, in s.
     highest : float
         Highest frequency of interest in Hz.
-    progress : callable, optional
+    report : callable
+        Progress: called with a label, the steps done and the steps to do.
 
     Returns
     -------
@@ -104,21 +87,37 @@ def run_engine(
     ComputationError
         If a run fails, or no step is short enough.
     """
-    if request.step is not None:
-        asked = _run(engine, request, sample_time, request.step, progress)
-        finer = _run(engine, request, sample_time, request.step / 2, progress)
+
+    def run(step: float, detail: float = DETAIL) -> Trajectory:
+        progress = partial(report, engine.name)
+        return _run(engine, request, sample_time, step, progress, detail)
+
+    if request.step is None:
+        interval = float(sample_time[1] - sample_time[0])
+        step = interval / np.ceil(interval * highest * STEPS_PER_PERIOD)
+        trajectory, step_error = _with_halved_steps(engine, run, step)
+    else:
+        trajectory, finer = run(request.step), run(request.step / 2)
         # Second order: the asked run is off by 4/3 of what halving changes.
-        return _checked(engine, request, asked, 4 / 3 * _difference(engine, asked, finer))
-    interval = float(sample_time[1] - sample_time[0])
-    step = interval / np.ceil(interval * highest * STEPS_PER_PERIOD)
-    coarse = _run(engine, request, sample_time, step, progress)
+        step_error = 4 / 3 * _difference(engine, trajectory, finer)
+    reduction_error = 0.0
+    if not engine.simulates and is_reduced(engine):
+        reduction_error = _difference(engine, trajectory, run(trajectory.step, 2 * DETAIL))
+    return EngineRun(engine, trajectory, step_error, reduction_error)
+
+
+def _with_halved_steps(
+    engine: Engine, run: Callable[[float], Trajectory], step: float
+) -> tuple[Trajectory, float]:
+    """The first run whose step is short enough, and its estimated error."""
+    coarse = run(step)
     for _ in range(MOST_HALVINGS):
         step /= 2
-        fine = _run(engine, request, sample_time, step, progress)
+        fine = run(step)
         # Second order: the finer run is off by a third of what halving has changed.
         error = _difference(engine, coarse, fine) / 3
         if error <= STEP_TOLERANCE:
-            return _checked(engine, request, fine, error)
+            return fine, error
         logger.info("%s: step %.3g s, error %.1e of the peak deflection", engine.name, step, error)
         coarse = fine
     raise ComputationError(
@@ -128,26 +127,15 @@ def run_engine(
     )
 
 
-def _checked(
-    engine: Engine, request: ResponseRequest, trajectory: Trajectory, step_error: float
-) -> EngineRun:
-    """A run with the error of its component modes."""
-    if engine.simulates or not is_reduced(engine):
-        return EngineRun(engine, trajectory, step_error, 0.0)
-    finer = _linear_run(engine, request, trajectory.time, trajectory.step, None, detail=2 * DETAIL)
-    return EngineRun(engine, trajectory, step_error, _difference(engine, trajectory, finer))
-
-
-def mesh_error(
-    run: EngineRun, request: ResponseRequest, progress: StepProgress | None = None
-) -> float:
+def mesh_error(run: EngineRun, request: ResponseRequest, report: LabelledProgress) -> float:
     """How much twice the elements change the deflections, relative to their peak.
 
     Parameters
     ----------
     run : EngineRun
     request : ResponseRequest
-    progress : callable, optional
+    report : callable
+        Progress: called with a label, the steps done and the steps to do.
 
     Returns
     -------
@@ -159,20 +147,22 @@ def mesh_error(
         If the run on the finer mesh fails.
     """
     finer = run.engine.with_(elements=2 * run.engine.elements)
+    progress = partial(report, f"{finer.name} on twice the elements")
     trajectory = _run(finer, request, run.trajectory.time, run.trajectory.step, progress)
-    first, second = deflections(run.engine, run.trajectory), deflections(finer, trajectory)
-    return _relative(run.engine, first, second)
+    return _difference(run.engine, run.trajectory, trajectory, finer)
 
 
-def _difference(engine: Engine, first: Trajectory, second: Trajectory) -> float:
-    return _relative(engine, deflections(engine, first), deflections(engine, second))
+def _difference(
+    engine: Engine, first: Trajectory, second: Trajectory, finer: Engine | None = None
+) -> float:
+    """Greatest difference of deflections over their peak; round-off of the lengths is none.
 
-
-def _relative(engine: Engine, first: FloatArray, second: FloatArray) -> float:
-    """Greatest difference of deflections over their peak; round-off of the lengths is none."""
+    The second run is of the same engine, or of a finer one.
+    """
+    before, after = deflections(engine, first), deflections(finer or engine, second)
     extent = sum(link.length for link in engine.mechanism.linkage.topology.links)
-    peak = max(float(np.abs(second).max()), NO_DEFLECTION * extent)
-    return float(np.abs(first - second).max() / peak)
+    peak = max(float(np.abs(after).max()), NO_DEFLECTION * extent)
+    return float(np.abs(before - after).max() / peak)
 
 
 def _run(
@@ -180,30 +170,19 @@ def _run(
     request: ResponseRequest,
     sample_time: FloatArray,
     step: float,
-    progress: StepProgress | None,
+    progress: StepProgress,
+    detail: float = DETAIL,
 ) -> Trajectory:
+    """Simulate, or integrate the linear equations with component modes of some detail."""
     if engine.simulates:
-        start = simulation_start(engine, request, step)
         return simulator(engine).simulate(
             request.drive,
-            start,
+            simulation_start(engine, request, step),
             sample_time,
             step,
             integrator=request.integrator,
             progress=progress,
         )
-    return _linear_run(engine, request, sample_time, step, progress, detail=DETAIL)
-
-
-def _linear_run(
-    engine: Engine,
-    request: ResponseRequest,
-    sample_time: FloatArray,
-    step: float,
-    progress: StepProgress | None,
-    *,
-    detail: float,
-) -> Trajectory:
     linkage = DrivenLinkage(
         engine, request.drive, request.prestress, modes=request.modes, detail=detail
     )

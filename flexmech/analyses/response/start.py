@@ -55,9 +55,7 @@ def simulation_start(engine: Engine, request: ResponseRequest, step: float) -> L
 def _equilibrium(engine: Engine, drive: CrankDrive) -> LinkState:
     """Nonlinear quasi-static equilibrium at time zero, and how fast the loads move it."""
     time = _start_times(drive)
-    motion = engine.mechanism.linkage.motion(
-        drive.crank_angle(time), drive.crank_speed(time), drive.crank_acceleration(time)
-    )
+    motion = drive.motion(engine.mechanism.linkage, time)
     displacement = engine.stressed_links(motion, "equilibrium").displacement
     if displacement is None:
         return LinkState.rigid(engine.links)

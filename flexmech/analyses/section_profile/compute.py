@@ -16,19 +16,16 @@ from flexmech.analyses.section_profile.result import QUANTITIES, SectionProfiles
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import checked_mechanism
 from flexmech.mechanism import Mechanism
-from flexmech.sections import LaminateSection
+from flexmech.sections import SHEAR_THEORIES, LaminateSection
 from flexmech.types import FloatArray
 
 __all__ = ["section_profiles"]
 
 # Places in a layer, and about how many in all layers of a link with few.
 FEWEST_PLACES, SMOOTH = 9, 60
-# Axial force, bending moment and shear force, each 1 alone.
-LOADS = {
-    "axial_force": (1.0, 0.0, 0.0),
-    "bending_moment": (0.0, 1.0, 0.0),
-    "shear_force": (0.0, 0.0, 1.0),
-}
+# After the layers of a link with fewer of them.
+PADDING = {"ply": "", "run": 0}
+LOADS = ("axial_force", "bending_moment", "shear_force")
 
 
 def section_profiles(
@@ -72,56 +69,52 @@ def section_profiles(
         words = environment_lines(mechanism, environment_of(environment))
         mechanism = mechanism_in_state(mechanism, environment)
     sections = {name: mechanism.sections[name] for name in chosen}
-    layers = [section.layers for section in sections.values()]
-    inside = xr.concat(
-        [_through_thickness(one) for one in layers],
-        pd.Index(chosen, name="link"),
-        join="outer",
-        fill_value={"ply": "", "run": 0},
-    )
-    dataset = section_properties(sections).merge(with_units(inside, "section_profile"))
-    dataset.coords["reduction"] = ("link", [one.reduction if one else "" for one in layers])
-    return SectionProfiles(
-        dataset.assign_attrs(origin(mechanism), environment_lines="\n".join(words))
-    )
+    known = {name: one.layers for name, one in sections.items() if one.layers is not None}
+    dataset = section_properties(sections)
+    dataset["reduction"] = ("link", [known[n].reduction if n in known else "" for n in chosen])
+    if known:
+        each = [_through_thickness(layers) for layers in known.values()]
+        inside = xr.concat(each, pd.Index(known, name="link"), join="outer", fill_value=PADDING)
+        dataset = dataset.merge(inside, join="left", fill_value=PADDING)
+    attributes = origin(mechanism) | {"environment_lines": "\n".join(words)}
+    return SectionProfiles(with_units(dataset, "section_profile").assign_attrs(attributes))
 
 
-def _through_thickness(layers: LaminateSection | None) -> xr.Dataset:
-    """Strain and stress over (coupling, load, layer, point); of size zero without layers."""
-    stack = () if layers is None else layers.laminate.layers
-    place, values = np.empty((0, 0)), np.empty((len(COUPLINGS), len(LOADS), len(QUANTITIES), 0, 0))
-    if layers is not None:
-        place = layers.places(max(FEWEST_PLACES, 2 * (SMOOTH // (2 * len(stack))) + 1))
-        values = np.array(
-            [[_under(layers, load, place, c == "with") for load in LOADS] for c in COUPLINGS]
-        )
+def _through_thickness(layers: LaminateSection) -> xr.Dataset:
+    """Strain and stress over (coupling, load, layer, point)."""
+    stack = layers.laminate.layers
+    place = layers.places(max(FEWEST_PLACES, 2 * (SMOOTH // (2 * len(stack))) + 1))
+    values = [[_under(layers, load, place, c == "with") for load in LOADS] for c in COUPLINGS]
+    coordinates = [
+        ("coupling", list(COUPLINGS)),
+        ("load", list(LOADS)),
+        ("quantity", list(QUANTITIES)),
+        ("layer", np.arange(1, len(stack) + 1)),
+        ("point", np.arange(1, place.shape[1] + 1)),
+    ]
     # Layers are counted together where neighbours have one ply and angle.
     turns = [(one.ply, one.angle) != (other.ply, other.angle) for one, other in pairwise(stack)]
-    dims = ("coupling", "load", "layer", "point")
-    return xr.Dataset(
-        {
-            "place": (dims[2:], place),
-            **{name: (dims, values[:, :, number]) for number, name in enumerate(QUANTITIES)},
-        },
-        coords={
-            "coupling": list(COUPLINGS),
-            "load": list(LOADS),
-            "layer": np.arange(1, len(stack) + 1),
-            "point": np.arange(1, place.shape[1] + 1),
-            "ply": ("layer", np.array([layer.ply.name for layer in stack], dtype=str)),
-            "angle": ("layer", [layer.angle for layer in stack]),
-            "run": ("layer", np.cumsum([1, *turns])[: len(stack)]),
-        },
+    return (
+        xr.DataArray(values, coordinates)
+        .to_dataset("quantity")
+        .assign(place=(("layer", "point"), place))
+        .assign_coords(
+            ply=("layer", [layer.ply.name for layer in stack]),
+            angle=("layer", [layer.angle for layer in stack]),
+            run=("layer", np.cumsum([1, *turns])),
+        )
     )
 
 
 def _under(layers: LaminateSection, load: str, place: FloatArray, coupled: bool) -> FloatArray:
     """The quantities (quantity, layer, point) under one unit load."""
-    force, moment, shear = LOADS[load]
-    # Along the pins' axis a force has this lever about the neutral axis.
-    moment += force * layers.neutral_axis * coupled
-    classical = layers.stresses(place, force, moment, shear, coupled=coupled)
-    third = layers.stresses(place, force, moment, shear, coupled=coupled, theory="third-order")
+    loads = {load: 1.0}
+    if load == "axial_force" and coupled:
+        # Along the pins' axis the force has this lever about the neutral axis.
+        loads["bending_moment"] = layers.neutral_axis
+    classical, third = (
+        layers.stresses(place, **loads, coupled=coupled, theory=theory) for theory in SHEAR_THEORIES
+    )
     return np.array(
         [classical.strain, classical.normal_stress, classical.shear_stress, third.shear_stress]
     )

@@ -1,21 +1,28 @@
-"""Properties of cross-sections: names, units and words, and one dataset of them all."""
+"""Properties of links and their cross-sections: how each is written, and one dataset of them all.
+
+Their names, units and words are in ``properties.toml``.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import tomllib
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from importlib import resources
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.summary import Row
 from flexmech.sections import BeamSection
+from flexmech.units import from_si
 
-__all__ = ["COUPLINGS", "PROPERTIES", "Property", "section_properties"]
+__all__ = ["COUPLINGS", "LINK_PROPERTIES", "PROPERTIES", "Property", "section_properties"]
 
 COUPLINGS = ("with", "without")
 """A section with its axial-bending coupling, and with that left out."""
-_ACTIONS = ("axial", "bending", "shear")
+ACTIONS = ("axial", "bending", "shear")
 
 
 class Property(NamedTuple):
@@ -25,61 +32,39 @@ class Property(NamedTuple):
     ----------
     name : str
         Of the variable in datasets.
-    suffix : str
-        Unit as the name of a CSV column ends with it.
     unit : str
         SI unit.
+    column : str
+        Name of the CSV column.
     words : str
-    printed : str
-        Unit of the printed number, if it is another one.
-    factor : float
-        From the SI unit to the printed one.
+    printed_unit : str
+        Empty for a ratio that is printed as it is.
     """
 
     name: str
-    suffix: str
     unit: str
+    column: str
     words: str
-    printed: str = ""
-    factor: float = 1.0
+    printed_unit: str
 
     @property
-    def column(self) -> str:
-        """Name of the CSV column."""
-        return f"{self.name}_{self.suffix}" if self.suffix else self.name
+    def attributes(self) -> dict[str, str]:
+        """Of the variable: its unit and words."""
+        return {"units": self.unit, "long_name": self.words}
 
-    @property
-    def label(self) -> str:
-        """Words and unit of a printed row."""
-        unit = self.printed or self.unit
-        return self.words if unit == "1" else f"{self.words} ({unit})"
-
-    def text(self, value: float) -> str:
-        """A printed number."""
-        return "not known" if np.isnan(value) else f"{value * self.factor:.6g}"
+    def row(self, values: Iterable[float]) -> Row:
+        """Row of a printed table: the words with their unit, and the numbers."""
+        unit = self.printed_unit
+        numbers = ("not known" if np.isnan(v) else f"{from_si(v, unit):.6g}" for v in values)
+        return (f"{self.words} ({unit})" if unit else self.words, *numbers)
 
 
-PROPERTIES = (
-    Property("in_plane_thickness", "m", "m", "in-plane thickness", "mm", 1e3),
-    Property("out_of_plane_width", "m", "m", "out-of-plane width", "mm", 1e3),
-    Property("axial_stiffness", "N", "N", "EA"),
-    Property("bending_stiffness", "Nm2", "N m^2", "EI about the neutral axis"),
-    Property("coupling_stiffness", "Nm", "N m", "coupling B about the pins' axis"),
-    Property("neutral_axis", "m", "m", "neutral axis y", "mm", 1e3),
-    Property("shear_stiffness", "N", "N", "kGA"),
-    Property("shear_correction", "", "1", "shear correction k"),
-    Property("membrane_modulus", "Pa", "Pa", "EA / (b h)", "GPa", 1e-9),
-    Property("flexural_modulus", "Pa", "Pa", "12 EI / (b h^3)", "GPa", 1e-9),
-    Property("density", "kg_m3", "kg/m^3", "density"),
-    Property("mass_per_length", "kg_m", "kg/m", "rho A"),
-    Property("rotary_inertia", "kg_m", "kg m", "rho I about the mass axis"),
-    Property("mass_axis", "m", "m", "mass axis y", "mm", 1e3),
-    *(
-        Property(f"specific_damping_{a}", "", "1", f"specific damping, {a}", "%", 100.0)
-        for a in _ACTIONS
-    ),
-    *(Property(f"damping_time_{a}", "s", "s", f"damping time, {a}") for a in _ACTIONS),
-)
+_FILE = resources.files("flexmech.analyses.section_profile") / "properties.toml"
+_TABLES = tomllib.loads(_FILE.read_text(encoding="utf-8"))
+LINK_PROPERTIES = tuple(Property(*row) for row in _TABLES["link"])
+"""What is known of a link beside its section."""
+PROPERTIES = tuple(Property(*row) for row in _TABLES["section"])
+"""What is known of a section."""
 
 
 def section_properties(sections: Mapping[str, BeamSection]) -> xr.Dataset:
@@ -95,22 +80,27 @@ def section_properties(sections: Mapping[str, BeamSection]) -> xr.Dataset:
     xarray.Dataset
         Each of :data:`PROPERTIES` over (link, coupling); NaN where it is not known.
     """
-    rows = [[_values(section), _values(_uncoupled(section))] for section in sections.values()]
+    pairs = [
+        # The layers of the section without coupling are still known.
+        (_numbers(section), _numbers(replace(section.without_coupling(), layers=section.layers)))
+        for section in sections.values()
+    ]
     dataset = xr.Dataset(coords={"link": list(sections), "coupling": list(COUPLINGS)})
-    for number, one in enumerate(PROPERTIES):
-        values = np.array(rows)[..., number]
-        attributes = {"units": one.unit, "long_name": one.words}
-        dataset[one.name] = (("link", "coupling"), values, attributes)
+    for one in PROPERTIES:
+        values = [[numbers[one.name] for numbers in pair] for pair in pairs]
+        dataset[one.name] = (("link", "coupling"), values, one.attributes)
     return dataset
 
 
-def _values(section: BeamSection) -> list[float]:
-    """Numbers in the order of the properties."""
+def _numbers(section: BeamSection) -> dict[str, float]:
+    """All that is known of a section, the properties among it."""
     layers, loss = section.layers, section.specific_damping
     height, width = section.in_plane_thickness, np.nan if layers is None else layers.width
     area = width * height
-    derived = {
+    numbers = {
+        **vars(section),
         "out_of_plane_width": width,
+        "coupling_stiffness": section.coupling_stiffness,
         "shear_correction": np.nan,
         "membrane_modulus": section.axial_stiffness / area,
         "flexural_modulus": 12 * section.bending_stiffness / (area * height**2),
@@ -119,15 +109,8 @@ def _values(section: BeamSection) -> list[float]:
     if layers is not None:
         # Of the section's own kGA, which need not be that of its layers (Cowper's).
         ratio = layers.shear_correction * section.shear_stiffness / layers.shear_stiffness
-        derived["shear_correction"] = ratio
-    for action in _ACTIONS:
-        derived[f"specific_damping_{action}"] = np.nan if loss is None else getattr(loss, action)
-        derived[f"damping_time_{action}"] = getattr(section.damping, action)
-    # All others are the section's own.
-    names = [one.name for one in PROPERTIES]
-    return [derived[name] if name in derived else getattr(section, name) for name in names]
-
-
-def _uncoupled(section: BeamSection) -> BeamSection:
-    """The section without its axial-bending coupling, its layers still known."""
-    return replace(section.without_coupling(), layers=section.layers)
+        numbers["shear_correction"] = ratio
+    for action in ACTIONS:
+        numbers[f"specific_damping_{action}"] = np.nan if loss is None else getattr(loss, action)
+        numbers[f"damping_time_{action}"] = getattr(section.damping, action)
+    return numbers

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-import numpy as np
 import pandas as pd
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexmech import plots
@@ -16,13 +12,12 @@ from flexmech.analyses.result import Result
 from flexmech.analyses.section_profile.properties import PROPERTIES
 from flexmech.analyses.section_profile.tables import LOADS_IN_WORDS, layer_tables, property_table
 from flexmech.analyses.summary import Summary, Table
+from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.errors import InputError
 
 __all__ = ["QUANTITIES", "SectionProfiles"]
 
 QUANTITIES = ("strain", "normal_stress", "shear_stress", "third_order_shear_stress")
-COLUMNS = ["link", "load", "coupling", "layer", "ply", "angle", "place", *QUANTITIES]
-IN_CSV = {"angle": "angle_deg", "place": "y_m"} | {name: f"{name}_Pa" for name in QUANTITIES[1:]}
 
 
 class SectionProfiles(Result):
@@ -37,7 +32,7 @@ class SectionProfiles(Result):
     """
 
     stem = "sections"
-    hallmark = "third_order_shear_stress"
+    hallmark = "reduction"
     files = ("sections.csv", "through_thickness.csv", "sections.nc", "section_*.png")
 
     @property
@@ -48,8 +43,7 @@ class SectionProfiles(Result):
     @property
     def links_with_layers(self) -> list[str]:
         """Names of the links of which it is known what is inside."""
-        known = self.dataset["place"].notnull().any(["layer", "point"])
-        return [name for name in self.links if known.sel(link=name)]
+        return [name for name in self.links if self.dataset["reduction"].sel(link=name)]
 
     def profile(self, link: str) -> xr.Dataset:
         """Strain and stress through the thickness of one link.
@@ -79,22 +73,26 @@ class SectionProfiles(Result):
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """Properties, two rows a link, and profiles, a row for each load, coupling and place."""
-        columns = {one.name: one.column for one in PROPERTIES}
-        frame = self.dataset[list(columns)].to_dataframe(dim_order=["link", "coupling"])
-        tables = {"sections": frame[list(columns)].rename(columns=columns).reset_index()}
+        data, dims = self.dataset, ("link", "coupling")
+        properties = {one.column: data[one.name] for one in PROPERTIES}
+        tables = {"sections": table_over(*dims, **{dim: data[dim] for dim in dims}, **properties)}
         if self.links_with_layers:
-            order = ["link", "load", "coupling", "layer", "point"]
-            frame = self.dataset[["place", *QUANTITIES]].to_dataframe(dim_order=order)
-            frame = frame.reset_index().dropna(subset="place")
-            frame["angle"] = np.round(np.degrees(frame["angle"]), 9)
-            tables["through_thickness"] = frame[COLUMNS].rename(columns=IN_CSV)
+            profiles = table_over(
+                *("link", "load", "coupling", "layer", "point"),
+                **{name: data[name] for name in ("link", "load", "coupling", "layer", "ply")},
+                angle_deg=(DEGREES * data["angle"]).round(9),
+                y_m=data["place"],
+                strain=data["strain"],
+                **{f"{stress}_Pa": data[stress] for stress in QUANTITIES[1:]},
+            )
+            tables["through_thickness"] = profiles.dropna(subset="y_m")
         return tables
 
     def figures(self) -> dict[str, Figure]:
         """Strain and stress through each link whose layers are known."""
         return {f"section_{link}": self.plot(link) for link in self.links_with_layers}
 
-    def plot(self, link: str | None = None, *, ax: Axes | Sequence[Axes] | None = None) -> Figure:
+    def plot(self, link: str | None = None, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw strain and stress through the thickness of a link.
 
         Parameters

@@ -8,6 +8,7 @@ import xarray as xr
 from flexmech.analyses.section_profile.properties import COUPLINGS, PROPERTIES
 from flexmech.analyses.summary import Table
 from flexmech.materials.stacking import stacking_text
+from flexmech.types import FloatArray
 
 __all__ = ["LOADS_IN_WORDS", "layer_tables", "property_table"]
 
@@ -42,14 +43,14 @@ def property_table(section: xr.Dataset) -> Table:
     -------
     Table
     """
-    couplings = COUPLINGS if section["neutral_axis"].any() else COUPLINGS[:1]
-    rows = []
-    for one in PROPERTIES:
-        values = [float(section[one.name].sel(coupling=coupling)) for coupling in couplings]
-        rows.append((one.label, *map(one.text, values), *_change(*values)))
-    two = ("with coupling", "without coupling", "change")
-    headings = ("property", *(two if len(couplings) > 1 else ("value",)))
-    return Table(f"{section['link'].item()}: {_stack(section)}", headings, (tuple(rows),))
+    title = f"{section['link'].item()}: {_composition(section)}"
+    if not section["neutral_axis"].any():
+        alone = section.sel(coupling=["with"])
+        rows = tuple(one.row(alone[one.name].values) for one in PROPERTIES)
+        return Table(title, ("property", "value"), (rows,))
+    values = [(one, section[one.name].values) for one in PROPERTIES]
+    rows = tuple((*one.row(both), _change(*both)) for one, both in values)
+    return Table(title, ("property", "with coupling", "without coupling", "change"), (rows,))
 
 
 def layer_tables(profile: xr.Dataset) -> list[Table]:
@@ -71,54 +72,51 @@ def layer_tables(profile: xr.Dataset) -> list[Table]:
 
 
 def _layer_table(profile: xr.Dataset, title: str) -> Table:
-    columns = [1e3 * profile["place"].values]
-    columns += [profile[name].sel(load=load).values for _, name, load in _COLUMNS]
-    largest = [float(np.abs(values).max()) for values in columns]
-    # The highest layer stands at the top, as in the link.
+    columns = [_without_noise(1e3 * profile["place"].values)]
+    columns += [_without_noise(profile[name].sel(load=load).values) for _, name, load in _COLUMNS]
+    stack, runs = _stack(profile), profile["run"].values
     groups = []
-    for number in np.unique(profile["run"])[::-1]:
-        run = profile["run"].values == number
-        first = profile.isel(layer=int(run.argmax()))
-        label = stacking_text([(str(first["ply"].item()), _degrees(first["angle"]))])[1:-1]
+    # The highest layer stands at the top, as in the link.
+    for run in np.unique(runs)[::-1]:
+        label = stacking_text([stack[(runs == run).argmax()]])[1:-1]
         # Normal stress is linear and shear stress quadratic in a run of equal layers: its two
         # faces and its middle say it all.
-        inside = [values[run].ravel() for values in columns]
-        middle = int(np.abs(inside[0] - (inside[0][0] + inside[0][-1]) / 2).argmin())
-        rows = [
-            ("" if place != middle else label, *map(_number, [v[place] for v in inside], largest))
-            for place in (-1, middle, 0)
-        ]
-        groups.append(tuple(rows))
+        inside = np.array([values[runs == run].ravel() for values in columns])
+        middle = np.abs(inside[0] - inside[0, [0, -1]].mean()).argmin()
+        cells = inside[:, [-1, middle, 0]].T
+        groups.append(
+            tuple(
+                (word, *(f"{value:.4g}" for value in row))
+                for word, row in zip(("", label, ""), cells, strict=True)
+            )
+        )
     headings = ("layer", "y (mm)", *(heading for heading, *_ in _COLUMNS))
     return Table(title, headings, tuple(groups))
 
 
-def _stack(section: xr.Dataset) -> str:
+def _without_noise(values: FloatArray) -> FloatArray:
+    return np.where(np.abs(values) < _ZERO * np.abs(values).max(), 0.0, values)
+
+
+def _composition(section: xr.Dataset) -> str:
     """Say in one line what a section is made of, from its lowest y up."""
-    known = section.isel(layer=section["run"].values > 0)
-    degrees = [_degrees(angle) for angle in known["angle"]]
-    stack = list(zip(known["ply"].values.tolist(), degrees, strict=True))
-    if not stack:
+    reduction = section["reduction"].item()
+    if not reduction:
         return "by its stiffness and mass"
+    stack = _stack(section.isel(layer=section["run"].values > 0))
     if stack == [("", 0.0)]:
         return "rectangle of one material"
-    reduction = str(section["reduction"].item())
     tail = "" if reduction == "narrow" else f", {reduction}"
     return f"{stacking_text(stack)}, {len(stack)} layers{tail}"
 
 
-def _degrees(angle: xr.DataArray) -> float:
-    return round(float(np.degrees(angle)), 6)
+def _stack(section: xr.Dataset) -> list[tuple[str, float]]:
+    """Ply and angle in degrees of each layer."""
+    degrees = np.round(np.degrees(section["angle"].values), 6)
+    return list(zip(section["ply"].values.tolist(), degrees.tolist(), strict=True))
 
 
-def _number(value: float, largest: float) -> str:
-    return f"{0.0 if abs(value) < _ZERO * largest else value:.4g}"
-
-
-def _change(first: float, *others: float) -> list[str]:
-    """Relative changes in percent; nothing where there is none, or from or to zero."""
-    ratios = [other / first if first else np.nan for other in others]
-    return [
-        "" if np.isnan(ratio) or ratio in (0.0, 1.0) else f"{100 * (ratio - 1):+.4g} %"
-        for ratio in ratios
-    ]
+def _change(first: float, other: float) -> str:
+    """Relative change in percent; nothing where there is none, or from or to zero."""
+    ratio = other / first if first else np.nan
+    return "" if np.isnan(ratio) or ratio in (0.0, 1.0) else f"{100 * (ratio - 1):+.4g} %"

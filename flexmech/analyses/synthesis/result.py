@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.analyses.tables import DEGREES, table_over
-from flexmech.plots import plot_transmission_angle
-from flexmech.plots.sheet import AxesLike
+from flexmech.plots import AxesLike, plot_transmission_angle
 
 __all__ = ["CrankRockerSynthesis"]
 
