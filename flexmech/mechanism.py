@@ -28,15 +28,7 @@ from flexmech.numbers import (
 )
 from flexmech.sections import BeamSection
 from flexmech.short_repr import short_repr
-from flexmech.units import (
-    ACCELERATION,
-    ANGULAR_SPEED,
-    EXPANSION,
-    LENGTH,
-    MASS,
-    TEMPERATURE,
-    from_si,
-)
+from flexmech.units import ACCELERATION, ANGULAR_SPEED, EXPANSION, LENGTH, MASS, TEMPERATURE
 
 __all__ = ["Mechanism", "PointMass", "Provenance", "Wetting"]
 
@@ -331,7 +323,7 @@ class Mechanism:
         # Links with the point masses along them and at their joints.
         total = sum(link.moment(0) for link in self.link_masses_in_order)
         x, y = self.gravity
-        speeds = [f"{w:.6g} rad/s ({from_si(w, 'rpm'):.4g} rpm)" for w in self.operating_speeds]
+        speeds = [f"{w:.6g} rad/s ({w * 30 / math.pi:.4g} rpm)" for w in self.operating_speeds]
         lines = [
             f"joint masses: {', '.join(joints) or 'none'}",
             f"link point masses: {', '.join(points) or 'none'}",

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-import base64
-import io
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import pandas as pd
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from flexmech import plots
 from flexmech.analyses.summary import Summary
 from flexmech.errors import InputError
 from flexmech.files import moved_into
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
 
 __all__ = ["DOTS_PER_INCH", "Result"]
 
@@ -159,11 +161,8 @@ class Result(ABC):
         return f"<{type(self).__name__} of {self.dataset.attrs.get('mechanism', '')}: {sizes}>"
 
     def _repr_html_(self) -> str:
-        picture = io.BytesIO()
         try:
-            self.plot().savefig(picture, format="png")
+            picture = plots.figure_html(self.plot())
         except InputError:
-            # There is nothing to draw; the summary says why.
-            return self.summary()._repr_html_()
-        source = base64.b64encode(picture.getvalue()).decode()
-        return f'<img src="data:image/png;base64,{source}"/>{self.summary()._repr_html_()}'
+            picture = ""  # there is nothing to draw; the summary says why
+        return picture + self.summary()._repr_html_()

@@ -48,6 +48,7 @@ class Table:
         return "  ".join(cells).rstrip()
 
     def _repr_html_(self) -> str:
+        caption = f"<p>{escape(self.caption)}</p>" if self.caption else ""
         heading = "".join(f"<th>{escape(text)}</th>" for text in self.headings)
         rows = "".join(
             "<tr>" + "".join(f"<td>{escape(text)}</td>" for text in row) + "</tr>"
@@ -56,8 +57,7 @@ class Table:
         )
         return (
             f"<table><caption>{escape(self.title)}</caption><thead><tr>{heading}</tr></thead>"
-            f"<tbody>{rows}</tbody></table>"
-            + (f"<p>{escape(self.caption)}</p>" * bool(self.caption))
+            f"<tbody>{rows}</tbody></table>{caption}"
         )
 
 

@@ -19,7 +19,6 @@ MOST_SPEEDS = 10_000
 
 CRANK_ANGLE = units.Dimension("an angle", "deg", ("0:360:5", "45 deg", "0.785 rad"))
 """Whole degrees stay exact if they do not pass through radians."""
-PERCENTAGE = units.Dimension("a percentage", "percent", ("7 percent", "7 %"))
 
 # Speeds nearer to each other than this, relatively, are one speed in two units.
 _SAME_SPEED = 1e-12
@@ -180,13 +179,13 @@ def parse_step(text: str) -> float | None:
         return None
     try:
         step = parse_option("--step", text, units.TIME, "s")
+        if step <= 0:
+            raise InputError(
+                f"--step: got {text!r}, which is not positive; write a time, for example "
+                f"{units.TIME.example}"
+            )
     except InputError as error:
         raise InputError(f"{error}, or {AUTO}") from error
-    if step <= 0:
-        raise InputError(
-            f"--step: got {text!r}, which is not positive; write a time, for example "
-            f"{units.TIME.example}, or {AUTO}"
-        )
     return step
 
 
@@ -219,7 +218,11 @@ def parse_temperature(text: str) -> float:
 
 def parse_percent(option: str, text: str) -> float:
     """Fraction of an option in percent, ``"7"`` or ``"7 %"``: 0.07; from 0 to 1."""
-    percent = parse_option(option, text, PERCENTAGE, "percent")
+    unit = next((unit for unit in ("percent", "%") if text.strip().endswith(unit)), "")
+    try:
+        percent = float(units.parse_number(text.strip().removesuffix(unit)))
+    except InputError as error:
+        raise InputError(f"{option}: {error} (in percent)") from error
     if not 0 <= percent <= 100:
         raise InputError(f"{option}: must lie between 0 and 100 percent, got {text!r}")
     return percent / 100

@@ -59,13 +59,13 @@ def response(
             "--start rigid or equilibrium"
         )
 
-    from flexmech import analyses
+    from flexmech.analyses import response as analysis
     from flexmech.linkages import CrankDrive
     from flexmech.modelfile import load_mechanism
 
     mechanism = load_mechanism(model)
     with naming("--revolutions, --samples, --run-up"):
-        request = analyses.ResponseRequest(
+        request = analysis.ResponseRequest(
             CrankDrive(crank_speed, run_up_time),
             turns,
             samples,
@@ -85,8 +85,8 @@ def response(
         return files
 
     deliver(
-        analyses.Response,
-        lambda progress: analyses.response.response(
+        analysis.Response,
+        lambda progress: analysis.response(
             make_engines(mechanism, engine, element, elements),
             request,
             check_mesh=check_mesh,

@@ -4,25 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from flexmech.errors import InputError
-from flexmech.plots.angle_lines import draw_line
-from flexmech.plots.angle_panels import mode_panels
-from flexmech.plots.labels import engine_label, names_of, speed_texts
-from flexmech.plots.reading import degrees, values_of
-from flexmech.plots.scales import log_scale
-from flexmech.plots.series import Look, line_handle, series_handle, series_line
-from flexmech.plots.sheet import AxesLike
-from flexmech.plots.style import MID_GREY
+from flexmech.plots import angle_panels, scales, style
+from flexmech.plots.labels import engine_label, speed_texts
+from flexmech.plots.layout import AxesLike
+from flexmech.plots.reading import degrees, names_of, values_of
+from flexmech.plots.series import Look, line_handle, series_handles
 from flexmech.types import FloatArray
 
 __all__ = ["plot_agreement"]
 
 # Zero has no place on a logarithmic axis: equal frequencies are drawn at about machine epsilon.
 FLOOR = 1e-16
-ERROR: Look = {"color": MID_GREY, "linewidth": 0.7, "markersize": 4, "markeredgewidth": 0.8}
+ERROR: Look = {"color": style.MID_GREY, "linewidth": 0.7, "markersize": 4, "markeredgewidth": 0.8}
 ERRORS: tuple[Look, ...] = (
     ERROR | {"linestyle": (0.0, (4.0, 2.0)), "marker": "x"},
     ERROR | {"linestyle": (0.0, (1.0, 1.5)), "marker": "+"},
@@ -60,22 +56,19 @@ def plot_agreement(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     dataset = dataset.sortby(["crank_angle", "check_angle"])
     angles, check_angles = (degrees(dataset[name]) for name in ("crank_angle", "check_angle"))
     difference, error = _relative_difference(dataset), _own_errors(dataset)
-    with mode_panels(dataset, "Relative difference (-)", ax=ax, share_y=True) as drawn:
-        handles: list[Artist] = [
-            series_handle(number, text, **series_line(number, angles))
-            for number, text in enumerate(speed_texts(dataset))
-        ]
+    with angle_panels.mode_panels(dataset, "Relative difference (-)", ax=ax, share_y=True) as drawn:
+        handles = series_handles(speed_texts(dataset), angles)
         for engine, line in zip(names_of(dataset, "engine"), ERRORS, strict=False):
             handles.append(line_handle(f"estimated error of {engine}", **line))
-        title = f"Frequencies of {engine_label(dataset, 1)} against {engine_label(dataset)}"
-        drawn.header(handles, title)
+        first, second = (engine_label(dataset, engine) for engine in (0, 1))
+        drawn.header(handles, f"Frequencies of {second} against {first}")
         low, high = _decades(np.concatenate([difference.ravel(), error.ravel()]))
         for mode, axes in enumerate(drawn.panels):
             for number, values in enumerate(difference[mode]):
-                draw_line(axes, angles, values, number)
+                angle_panels.draw_line(axes, angles, values, number)
             for values, line in zip(error[mode], ERRORS, strict=False):
                 axes.plot(check_angles, values, **line, zorder=1.5, clip_on=False)
-            log_scale(axes, low, high)
+            scales.log_scale(axes, low, high)
     return drawn.figure
 
 

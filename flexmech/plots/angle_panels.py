@@ -1,4 +1,4 @@
-"""Panels over the crank angle: where they stand, and what is on their axes."""
+"""Panels over the crank angle, and the series in them: lines of one engine, marks of others."""
 
 from __future__ import annotations
 
@@ -6,18 +6,35 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import accumulate
 
+import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots.labels import mode_label
+from flexmech.plots import scales
+from flexmech.plots.labels import engine_label, mode_label
+from flexmech.plots.layout import AxesLike, Layout, Sheet, sheet
 from flexmech.plots.reading import degrees
-from flexmech.plots.scales import crank_angle_axis
-from flexmech.plots.sheet import AxesLike, Layout, Sheet, sheet
+from flexmech.plots.series import Look, few_points, line_handle, series_line, series_style
+from flexmech.plots.style import MID_GREY
 from flexmech.types import FloatArray
 
-__all__ = ["ONE_MODE", "angle_layout", "label_angles", "mode_panels"]
+__all__ = [
+    "ONE_MODE",
+    "angle_layout",
+    "draw_line",
+    "draw_series",
+    "label_angles",
+    "mode_panels",
+    "series_and_engines",
+    "staggered",
+]
 
+# Size in points of the marks of further engines.
+MARK_SIZE = 4.2
+# Marks along a line: enough to judge by, few enough to see the lines through.
+MARKS_ALONG_ANGLE = 12
 ONE_MODE = "choose one mode (modes=1)"
 # From this number of panels on, two columns read better than one tall stack.
 TWO_COLUMNS_FROM = 4
@@ -82,7 +99,7 @@ def label_angles(drawn: Sheet, angles: FloatArray, y_label: str) -> None:
     """
     width = drawn.figure.get_figwidth()
     for axes in drawn.panels:
-        crank_angle_axis(axes, angles, narrow=axes.get_position().width * width < WIDE)
+        scales.crank_angle_axis(axes, angles, narrow=axes.get_position().width * width < WIDE)
     drawn.label_x("Crank angle (deg)")
     drawn.label_y(y_label)
 
@@ -114,3 +131,122 @@ def mode_panels(
         for axes, mode in zip(drawn.panels, dataset["mode"].values, strict=True):
             axes.set_title(mode_label([mode]))
         yield drawn
+
+
+def draw_line(axes: Axes, angles: FloatArray, values: FloatArray, number: int) -> None:
+    """Draw a series over the crank angle, with a point where a value stands alone.
+
+    Parameters
+    ----------
+    axes : Axes
+    angles, values : ndarray, shape (n,)
+        Degrees, and numbers in the panel's unit; not a number is a gap.
+    number : int
+        Of the series' style.
+    """
+    line = series_line(number, angles)
+    axes.plot(angles, values, **line, zorder=2.5)
+    present = np.concatenate([[False], np.isfinite(values), [False]])
+    alone = present[1:-1] & ~present[:-2] & ~present[2:]
+    if alone.any() and not line["marker"]:
+        axes.plot(angles[alone], values[alone], ".", color=line["color"], ms=3)
+
+
+def staggered(angles: FloatArray, number: int, total: int) -> slice:
+    """Every so many points for the marks of a line, apart from those of the other lines.
+
+    Parameters
+    ----------
+    angles : ndarray
+    number, total : int
+        Which line of how many.
+
+    Returns
+    -------
+    slice
+        All points where they are few.
+    """
+    step = 1 if few_points(angles) else -(-angles.size // MARKS_ALONG_ANGLE)
+    # In the middle of its share, so that no mark is cut off by the axis.
+    return slice(((2 * number + 1) * step) // (2 * total), None, step)
+
+
+def _branch_lines(values: FloatArray, branch: FloatArray) -> dict[int, FloatArray]:
+    """Values along each branch over the angles; not a number where the branch is elsewhere.
+
+    Parameters
+    ----------
+    values, branch : ndarray, shape (crank_angle, mode)
+        Values of some modes, and the numbers of their branches.
+
+    Returns
+    -------
+    dict of int to ndarray, shape (crank_angle,)
+    """
+    lines = {}
+    for number in np.unique(branch):
+        here = branch == number
+        along = np.where(here, values, 0.0).sum(axis=1)
+        lines[int(number)] = np.where(here.any(axis=1), along, np.nan)
+    return lines
+
+
+def draw_series(
+    axes: Axes, angles: FloatArray, values: FloatArray, branch: FloatArray, number: int, total: int
+) -> dict[int, FloatArray]:
+    """Draw a series of modes: the first engine as lines, the others as marks at some angles.
+
+    Parameters
+    ----------
+    axes : Axes
+    angles : ndarray, shape (n,)
+        In degrees.
+    values : ndarray, shape (engine, n, mode)
+        In the panel's unit.
+    branch : ndarray, shape (n, mode)
+        Branch of each mode of the first engine; a line follows a branch.
+    number, total : int
+        Which series of how many.
+
+    Returns
+    -------
+    dict of int to ndarray, shape (n,)
+        The lines, by branch.
+    """
+    lines = _branch_lines(values[0], branch)
+    for line in lines.values():
+        draw_line(axes, angles, line, number)
+    style, places = series_style(number), staggered(angles, number, total)
+    for engine in range(1, len(values)):
+        look = _mark(style.marker, style.color, engine)
+        if few_points(angles):
+            # The first engine has marks too: ring them.
+            look["markersize"] *= 1.5
+        axes.plot(angles[places], values[engine, places], **look, clip_on=False, zorder=2.4)
+    return lines
+
+
+def _mark(marker: str, color: str, engine: int) -> Look:
+    """Mark of an engine: open for the second one, filled for further ones."""
+    fill = "white" if engine == 1 else color
+    look = {"linestyle": "", "color": color, "marker": marker, "markersize": MARK_SIZE}
+    return look | {"markerfacecolor": fill, "markeredgewidth": 0.9}
+
+
+def series_and_engines(dataset: xr.Dataset, names: Sequence[str]) -> list[Artist]:
+    """Legend entries of series by name, then of the engines: lines of one, marks of others.
+
+    The marks of the series are those of the second engine, or of few angles.
+    """
+    engines, few = dataset.sizes["engine"], few_points(dataset["crank_angle"].values)
+    handles = []
+    for number, name in enumerate(names):
+        style, look = series_style(number), series_line(number)
+        if engines > 1 or few:
+            look = _mark(style.marker, style.color, engines - 1) | {"linestyle": style.linestyle}
+        handles.append(line_handle(name, **look))
+    first: Look = {"color": MID_GREY, "marker": "o" if few else "", "markersize": 3.0}
+    for engine in range(engines):
+        look = _mark("o", MID_GREY, engine) if engine else first
+        handles.append(line_handle(engine_label(dataset, engine), **look))
+    return handles

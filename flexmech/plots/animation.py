@@ -104,14 +104,8 @@ def _write_gif(path: Path, pictures: Iterator[Picture]) -> None:
     palette = Image.new("P", (1, 1))
     palette.putpalette(entries.ravel().tolist())
     frames = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
-    frames[0].save(
-        path,
-        format="GIF",
-        save_all=True,
-        append_images=frames[1:],
-        duration=round(1000 / FRAMES_A_SECOND),
-        loop=0,
-    )
+    pause = round(1000 / FRAMES_A_SECOND)
+    frames[0].save(path, "GIF", save_all=True, append_images=frames[1:], duration=pause, loop=0)
 
 
 def _write_mp4(path: Path, pictures: Iterator[Picture]) -> None:

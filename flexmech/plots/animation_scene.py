@@ -11,12 +11,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from flexmech.plots.labels import engine_label, names_of, speed_text
-from flexmech.plots.linkage import JOINT, RIGID, LinkageSketch, extent_of, joint_ends
-from flexmech.plots.reading import values_of
-from flexmech.plots.series import line_handle, series_style
-from flexmech.plots.sheet import grid, sheet
-from flexmech.plots.style import FIGURE_WIDTH
+from flexmech.plots import linkage, style
+from flexmech.plots.labels import engine_label, speed_text
+from flexmech.plots.layout import grid, sheet
+from flexmech.plots.reading import names_of, values_of
+from flexmech.plots.series import series_style
 from flexmech.types import FloatArray
 
 __all__ = ["DOTS_AN_INCH", "FRAMES_A_SECOND", "EnlargedMotion", "Picture", "Scene"]
@@ -85,11 +84,10 @@ class EnlargedMotion:
         shown = np.abs(angle[-1] - angle) <= 2 * np.pi * (1 + 1e-9)
         turn = dataset.isel(engine=0, time=shown)
         order = ("time", "link", "station", "component")
-        rigid, elastic = (
-            values_of(turn[name], *order) for name in ("rigid_position", "displacement")
-        )
+        rigid = values_of(turn["rigid_position"], *order)
+        elastic = values_of(turn["displacement"], *order)
         if enlargement is None:
-            enlargement = _round_enlargement(extent_of(rigid), elastic)
+            enlargement = _round_enlargement(linkage.extent_of(rigid), elastic)
         links = names_of(turn, "link")
         link = links.index("coupler") if "coupler" in links else len(links) - 1
         probe = str(turn["probe"].values[link])
@@ -145,42 +143,46 @@ class Scene:
     def __init__(self, motion: EnlargedMotion) -> None:
         self._motion = motion
         blue, orange = series_style(0).color, series_style(1).color
-        links = range(motion.rigid.shape[1])
         enlarged = f"displacement enlarged {_times(motion.enlargement)}"
-        self._rigid = [line_handle("rigid linkage", **RIGID, zorder=1) for _ in links]
-        self._trace = line_handle(motion.trace_name, color=orange, lw=1.0, zorder=2)
-        self._deflected = [line_handle(enlarged, color=blue, lw=2.2, zorder=3) for _ in links]
-        self._joints = line_handle("", **(JOINT | {"ms": 5}), zorder=4)
-        ends, held = motion.rigid[:, :, [0, -1]], np.zeros((len(links), 2), dtype=bool)
-        if len(ends) > 1:
-            held = np.ptp(ends, axis=0).max(axis=-1) <= SAME_PLACE * extent_of(ends)
-        pins, supports = joint_ends(motion.rigid, held)
-        self._ends = [*supports, *pins]
-        sketch = LinkageSketch.at(motion.rigid[0], pins, supports)
-        self._moving = [*self._rigid, self._trace, *self._deflected, self._joints]
+        self._rigid = self._lines(label="rigid linkage", **linkage.RIGID, zorder=1)
+        self._trace = Line2D([], [], label=motion.trace_name, color=orange, lw=1.0, zorder=2)
+        self._deflected = self._lines(label=enlarged, color=blue, lw=2.2, zorder=3)
+        self._joints = Line2D([], [], **(linkage.JOINT | {"ms": 5}), zorder=4)
+        ends = motion.rigid[:, :, [0, -1]]
+        rests = np.ptp(ends, axis=0).max(axis=-1) <= SAME_PLACE * linkage.extent_of(ends)
+        # Of a single sample nothing can be told.
+        joints = linkage.joint_ends(motion.rigid, rests & (len(ends) > 1))
+        self._ends = [end for group in joints for end in group]
+        pins, supports = (linkage.places_of(motion.rigid[0], group) for group in joints)
+        sketch = linkage.LinkageSketch(motion.rigid[0], pins, supports)
         self._open(sketch, [self._rigid[0], self._deflected[0], self._trace])
 
-    def _open(self, sketch: LinkageSketch, handles: list[Line2D]) -> None:
+    def _lines(self, **look: Any) -> list[Line2D]:
+        """One line a link."""
+        return [Line2D([], [], **look) for _ in range(self._motion.rigid.shape[1])]
+
+    def _open(self, sketch: linkage.LinkageSketch, handles: list[Line2D]) -> None:
         """Draw what does not move, with room for the whole motion, the legend and the title."""
         motion = self._motion
         limits = sketch.limits(np.concatenate([motion.rigid, motion.deflected]))
-        (left, right), (low, high) = limits
-        tall = min(max(FIGURE_WIDTH * (high - low) / (right - left), 2.0), 5.2)
-        with sheet(grid(1, 1, tall + TITLE_HEIGHT)) as drawn:
+        height = linkage.height_of(limits, style.FIGURE_WIDTH, 2.0, 5.2) + TITLE_HEIGHT
+        with sheet(grid(1, 1, height)) as drawn:
             drawn.header(handles, motion.title)
         figure, (self._axes,) = drawn.figure, drawn.panels
         # Codecs of moving pictures want an even number of pixels.
         figure.set_dpi(DOTS_AN_INCH)
-        width, height = 2 * np.round(figure.get_size_inches() * figure.dpi / 2) / figure.dpi
-        figure.set_size_inches(width, height)
+        pixels = 2 * np.round(figure.get_size_inches() * DOTS_AN_INCH / 2)
+        figure.set_size_inches(*(pixels / DOTS_AN_INCH))
         sketch.frame(self._axes, limits)
         sketch.draw_ground(self._axes)
         if sketch.hub_radius:
-            self._axes.plot(0, 0, **JOINT, zorder=4)
+            self._axes.plot(0, 0, **linkage.JOINT, zorder=4)
         self._clock = self._axes.set_title("time")
-        for line in self._moving:
+        lines = [*self._rigid, self._trace, *self._deflected, self._joints]
+        for line in lines:
             self._axes.add_line(line)
-        for artist in (*self._moving, self._clock):
+        self._moving = [*lines, self._clock]
+        for artist in self._moving:
             # Left out of the drawing of the ground.
             artist.set_animated(True)
         # Any: matplotlib leaves the methods of this canvas without types.
@@ -196,12 +198,12 @@ class Scene:
             for line, link in zip(lines, links, strict=True):
                 line.set_data(*link.T)
         self._trace.set_data(*motion.deflected[: sample + 1, *motion.traced].T)
-        self._joints.set_data(*np.reshape([deflected[end] for end in self._ends], (-1, 2)).T)
+        self._joints.set_data(*linkage.places_of(deflected, self._ends).T)
         turned = round(float(np.degrees(motion.angle[sample]))) % 360
         angle = str(turned).rjust(3, FIGURE_SPACE)
         self._clock.set_text(f"time {motion.time[sample]:.4f} s    crank angle {angle}°")
         self._canvas.restore_region(self._ground)
-        for artist in (*self._moving, self._clock):
+        for artist in self._moving:
             self._axes.draw_artist(artist)
         return np.array(self._canvas.buffer_rgba(), dtype=np.uint8)[..., :3].copy()
 

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from flexmech.plots.labels import names_of
-from flexmech.plots.reading import values_of
-from flexmech.plots.scales import plain_numbers
+from flexmech.plots import scales
+from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.reading import names_of, values_of
 from flexmech.plots.series import Look, line_handle, series_handle, series_line, series_style
-from flexmech.plots.sheet import AxesLike, grid, sheet
 from flexmech.types import FloatArray
 
 __all__ = ["plot_composite_damping", "plot_composite_frequencies", "plot_laminate_factors"]
@@ -22,15 +19,18 @@ PANEL = 1.9
 # From dark to light, so that the order shows without colour as well.
 SHADES = ("#08306b", "#08519c", "#2171b5", "#4292c6", "#9ecae1", "#deebf7")
 BAR_WIDTH = 0.8 / len(SHADES)
+# Middle of each laminate's bar from the middle of its group.
+OFFSETS = (np.arange(len(SHADES)) - (len(SHADES) - 1) / 2) * BAR_WIDTH
 EDGE: Look = {"edgecolor": "black", "linewidth": 0.4}
+MARK: Look = {"ls": "", "ms": 3.8, "mew": 0.9}
+DIAMOND = MARK | {"marker": "D", "color": "#D55E00"}
+DASH = MARK | {"marker": "_", "color": "black"}
+RING = MARK | {"marker": "o", "color": "black", "mfc": "white"}
 POSITIONS = {
     "min": "Least transmission angle",
     "90": "Transmission angle 90 deg",
     "max": "Greatest transmission angle",
 }
-
-Marks = tuple[xr.DataArray, str, str, str]
-"""Values drawn as markers on the bars, with their marker, colour and fill."""
 
 
 def plot_composite_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -49,14 +49,13 @@ def plot_composite_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = Non
     -------
     Figure
     """
-    one = {"laminate": "C1", "case": 1, "position": "min"}
     computed = dataset["frequency"].sel(plies="unidirectional", beams="converged")
-    marks: dict[str, Marks] = {
-        "FE, published": (dataset["finite_element"], "D", "#D55E00", "#D55E00"),
-        "measured": (dataset["measured"], "_", "black", "black"),
+    marks = {
+        "FE, published": (dataset["finite_element"], DIAMOND),
+        "measured": (dataset["measured"], DASH),
     }
     title = "Frequency over that of C1, case 1, least transmission angle (bars: computed)"
-    return _bars(computed, marks, one, title, "Ratio of frequencies (-)", ax)
+    return _bars(computed, marks, "C1", title, "Ratio of frequencies (-)", ax)
 
 
 def plot_composite_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -76,14 +75,13 @@ def plot_composite_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
     -------
     Figure
     """
-    one = {"laminate": "C6", "case": 1, "position": "min"}
     computed = dataset["strain_energy_damping"].sel(plies="unidirectional")
-    marks: dict[str, Marks] = {
-        "with shear": (computed.sel(beams="with shear"), "o", "black", "white"),
-        "measured": (dataset["damping"], "D", "#D55E00", "#D55E00"),
+    marks = {
+        "with shear": (computed.sel(beams="with shear"), RING),
+        "measured": (dataset["damping"], DIAMOND),
     }
     title = "Damping over that of C6, case 1, least transmission angle (bars: computed, bending)"
-    return _bars(computed.sel(beams="converged"), marks, one, title, "Ratio of damping (-)", ax)
+    return _bars(computed.sel(beams="converged"), marks, "C6", title, "Ratio of damping (-)", ax)
 
 
 def plot_laminate_factors(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -112,7 +110,7 @@ def plot_laminate_factors(dataset: xr.Dataset, *, ax: AxesLike | None = None) ->
     }
     with sheet(grid(1, 1, 2.6), ax=ax) as drawn:
         (axes,) = drawn.panels
-        handles: list[Artist] = []
+        handles = []
         for number, (label, values) in enumerate(curves.items()):
             line = series_line(number) | {"marker": series_style(number).marker, "markersize": 4}
             axes.plot(names_of(dataset, "laminate"), values.values, **line)
@@ -125,54 +123,37 @@ def plot_laminate_factors(dataset: xr.Dataset, *, ax: AxesLike | None = None) ->
 
 def _bars(
     computed: xr.DataArray,
-    marks: dict[str, Marks],
-    one: dict[str, object],
+    marks: dict[str, tuple[xr.DataArray, Look]],
+    unit: str,
     title: str,
     y_label: str,
     ax: AxesLike | None,
 ) -> Figure:
-    """One panel a position, one group of bars a case, over the value at ``one`` place."""
-    cases = [f"case {case}" for case in computed["case"].values]
-    looks = [_mark(*look) for _, *look in marks.values()]
+    """One panel a position, one group of bars a case; ``unit`` is the laminate that has 1."""
+
+    def ratio(values: xr.DataArray, position: str) -> FloatArray:
+        one = values.sel(laminate=unit, case=1, position="min")
+        return values_of(values.sel(position=position) / one, "laminate", "case")
+
+    cases = np.arange(computed.sizes["case"])
+    places = cases + OFFSETS[:, None]
     with sheet(grid(3, 1, 3 * PANEL + 0.2, sharex=True, sharey=True), ax=ax) as drawn:
-        handles: list[Artist] = [
-            Patch(facecolor=shade, label=str(laminate), **EDGE)
-            for shade, laminate in zip(SHADES, computed["laminate"].values, strict=True)
-        ]
-        handles += [line_handle(label, **look) for label, look in zip(marks, looks, strict=True)]
-        drawn.header(handles, title)
+        laminates = zip(SHADES, names_of(computed, "laminate"), strict=True)
+        bars = [Patch(facecolor=shade, label=name, **EDGE) for shade, name in laminates]
+        lines = [line_handle(label, **look) for label, (_, look) in marks.items()]
+        drawn.header([*bars, *lines], title)
         for axes, (position, words) in zip(drawn.panels, POSITIONS.items(), strict=True):
             axes.set_title(words)
-            _group(axes, _ratio(computed, one, position))
-            for (values, *_), look in zip(marks.values(), looks, strict=True):
-                shown = _ratio(values, one, position)
-                axes.plot(_places(len(cases)).ravel(), shown.ravel(), **look)
-            plain_numbers(axes)
-            axes.set_xticks(np.arange(len(cases)), cases)
+            heights = ratio(computed, position)
+            for laminate, shade in enumerate(SHADES):
+                axes.bar(places[laminate], heights[laminate], BAR_WIDTH, color=shade, **EDGE)
+            for values, look in marks.values():
+                axes.plot(places.ravel(), ratio(values, position).ravel(), **look)
+            scales.plain_numbers(axes)
+            axes.set_xticks(cases, [f"case {case}" for case in computed["case"].values])
         # Only now: the panels share the axis, and a limit ends its fitting to what is drawn.
         for axes in drawn.panels:
             axes.set_ylim(bottom=0.0)
         drawn.label_x("Proportions of the linkage")
         drawn.label_y(y_label)
     return drawn.figure
-
-
-def _mark(marker: str, color: str, fill: str) -> Look:
-    return {"ls": "", "marker": marker, "color": color, "mfc": fill, "ms": 3.8, "mew": 0.9}
-
-
-def _ratio(values: xr.DataArray, one: dict[str, object], position: str) -> FloatArray:
-    """Values at a position over that at one place; shape (case, laminate)."""
-    return values_of((values / values.sel(one)).sel(position=position), "case", "laminate")
-
-
-def _places(cases: int) -> FloatArray:
-    """Middle of each bar; shape (case, laminate)."""
-    offset = (np.arange(len(SHADES)) - (len(SHADES) - 1) / 2) * BAR_WIDTH
-    return np.arange(cases)[:, None] + offset
-
-
-def _group(axes: Axes, ratio: FloatArray) -> None:
-    """Bars of a position; shape (case, laminate)."""
-    for places, heights, shade in zip(_places(len(ratio)).T, ratio.T, SHADES, strict=True):
-        axes.bar(places, heights, BAR_WIDTH, color=shade, **EDGE)

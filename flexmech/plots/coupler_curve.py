@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots.labels import names_of
-from flexmech.plots.reading import degrees, values_of
-from flexmech.plots.scales import crank_angle_axis, plain_numbers
-from flexmech.plots.series import line_handle, series_handle, series_line, series_style, told_apart
-from flexmech.plots.sheet import AxesLike, grid, sheet
-from flexmech.plots.style import MID_GREY
+from flexmech.plots import scales, style
+from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.reading import degrees, names_of, values_of
+from flexmech.plots.series import line_handle, series_handles, series_line, series_style, told_apart
 from flexmech.types import FloatArray
 
 __all__ = ["plot_coupler_angles", "plot_coupler_curve"]
@@ -55,27 +50,31 @@ def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
         If there are no states, or more than there are styles to tell them apart.
     """
     states, angles = told_apart(names_of(dataset, "state")), degrees(dataset["crank_angle"])
-    extent = float(np.ptp(dataset["position"].transpose("crank_angle", ...).values, axis=0).max())
-    scale, unit = (1.0, "m") if extent > METRES else (1e3, "mm")
-    pins = values_of(scale * dataset["pin_position"], "state", "pin", "crank_angle", "component")
-    curves = values_of(scale * dataset["position"], "state", "crank_angle", "component")[:, None]
+    curves = values_of(dataset["position"], "state", "crank_angle", "component")[:, None]
+    scale, unit = (1.0, "m") if np.ptp(curves, axis=2).max() > METRES else (1e3, "mm")
+    pins = scale * values_of(dataset["pin_position"], "state", "pin", "crank_angle", "component")
     layout = grid(1, 3, HEIGHT_OF_THREE) if "close_up" in dataset else grid(1, 2, HEIGHT)
     with sheet(layout, ax=ax) as drawn:
-        handles = [series_handle(n, _counted(dataset, state)) for n, state in enumerate(states)]
-        title = f"Coupler curve, {dataset.attrs['mechanism']}"
-        drawn.header([*handles, *_mark_handles(dataset, angles)], title)
+        handles = series_handles(_counted(dataset, state) for state in states)
+        # Beyond the crank angles drawn, marks stand off the lines.
+        where = "" if np.ptp(angles) > 360.0 - 1e-4 else " of the whole curve"
+        for kind, mark in MARKS.items():
+            if kind in dataset["double_point_kind"].values:
+                look = {"color": "black", "ls": "", "marker": mark, "mfc": "none"}
+                handles.append(line_handle(kind + where, **look))
+        drawn.header(handles, f"Coupler curve, {dataset.attrs['mechanism']}")
         for axes in drawn.panels:
             axes.set_aspect("equal", adjustable="datalim")
             axes.set_box_aspect(1)
             axes.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})", anchor="N")
         first, *middle, last = drawn.panels
         first.set_title("Coupler point")
-        _draw_paths(first, curves, angles)
+        _draw_paths(first, scale * curves, angles)
         _draw_double_points(first, dataset, scale)
         for axes in middle:
             axes.set_title("Close-up of the loops")
-            # It is fine whatever the crank angles.
             close = values_of(scale * dataset["close_up"], "state", "window", "point", "component")
+            # Without marks: it is fine whatever the crank angles.
             _draw_paths(axes, close)
             _draw_double_points(axes, dataset, scale)
             _frame(axes, values_of(scale * dataset["framed"], "framed_place", "component"))
@@ -113,20 +112,20 @@ def plot_coupler_angles(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> F
     rows = 2 if len(states) > 1 else 1
     layout = grid(rows, 2, ANGLE_HEIGHT if rows > 1 else ANGLE_HEIGHT / 2 + 0.5, sharex=True)
     with sheet(layout, ax=ax) as drawn:
-        handles = [series_handle(number, state) for number, state in enumerate(states)]
-        drawn.header(handles, f"Angles of coupler and rocker, {dataset.attrs['mechanism']}")
+        title = f"Angles of coupler and rocker, {dataset.attrs['mechanism']}"
+        drawn.header(series_handles(states), title)
         for place, axes in enumerate(drawn.panels):
             row, link = divmod(place, 2)
             symbol = rf"$\theta_{link + 3}$"
             if row == 0:
                 axes.set_title(f"{names_of(dataset, 'link')[link].capitalize()}, {symbol}")
             else:
-                axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=1)
+                axes.axhline(0.0, color=style.MID_GREY, lw=0.6, zorder=1)
             for number in range(row, len(states)):
                 values = (angle, change)[row][link, number]
                 axes.plot(angles, values, **series_line(number, angles))
-            plain_numbers(axes)
-            crank_angle_axis(axes, angles)
+            scales.plain_numbers(axes)
+            scales.crank_angle_axis(axes, angles)
             axes.set_ylabel(f"{('', 'Change of ')[row]}{symbol} (deg)")
         drawn.label_x("Crank angle (deg)")
     return drawn.figure
@@ -140,22 +139,10 @@ def _counted(dataset: xr.Dataset, state: str) -> str:
     return f"{state}: " + ", ".join(f"{n} {kind}{'' if n == 1 else 's'}" for n, kind in counts)
 
 
-def _mark_handles(dataset: xr.Dataset, angles: FloatArray) -> list[Artist]:
-    # Beyond the crank angles drawn, marks stand off the lines.
-    where = "" if np.ptp(angles) > 360.0 - 1e-4 else " of the whole curve"
-    hollow: dict[str, Any] = {"color": "black", "linestyle": "", "markerfacecolor": "none"}
-    return [
-        line_handle(f"{kind}{where}", marker=mark, **hollow)
-        for kind, mark in MARKS.items()
-        if kind in dataset["double_point_kind"].values
-    ]
-
-
 def _draw_paths(axes: Axes, paths: FloatArray, angles: FloatArray | None = None) -> None:
     """Paths of states in parts; shape (state, part, point, component)."""
     for number, parts in enumerate(paths):
-        for part in parts:
-            axes.plot(*part.T, **series_line(number, angles))
+        axes.plot(parts[..., 0].T, parts[..., 1].T, **series_line(number, angles))
 
 
 def _draw_double_points(axes: Axes, dataset: xr.Dataset, scale: float) -> None:
@@ -178,6 +165,5 @@ def _name_pins(axes: Axes, names: list[str], paths: FloatArray) -> None:
 def _frame(axes: Axes, places: FloatArray) -> None:
     """Show places, with room around them."""
     middle = (places.max(axis=0) + places.min(axis=0)) / 2
-    half = CLOSE_UP_ROOM * float(np.ptp(places, axis=0).max()) / 2
-    axes.set_xlim(middle[0] - half, middle[0] + half)
-    axes.set_ylim(middle[1] - half, middle[1] + half)
+    to_edges = CLOSE_UP_ROOM * np.ptp(places, axis=0).max() / 2 * np.array([-1.0, 1.0])
+    axes.set(xlim=middle[0] + to_edges, ylim=middle[1] + to_edges)

@@ -9,23 +9,22 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from flexmech.plots.angle_lines import draw_line, draw_marks, engine_handles, marked_handles
-from flexmech.plots.angle_panels import ONE_MODE, angle_layout, label_angles
-from flexmech.plots.branches import MAP, branch_lines, contiguous_runs, mode_groups
-from flexmech.plots.labels import mode_label, speed_texts
-from flexmech.plots.reading import cell_edges, degrees, values_of
-from flexmech.plots.scales import scale_y
-from flexmech.plots.sheet import AxesLike, sheet
-from flexmech.plots.style import MID_GREY
+from flexmech.plots import angle_panels, scales, style
+from flexmech.plots.labels import mode_label, speed_texts, spread
+from flexmech.plots.layout import AxesLike, sheet
+from flexmech.plots.reading import MAP, cell_edges, degrees, values_of
+from flexmech.plots.series import Look
 from flexmech.types import FloatArray
 
-__all__ = ["plot_frequencies"]
+__all__ = ["contiguous_runs", "mode_groups", "plot_frequencies"]
 
-# Narrowest y axis as a part of the frequency: below it one would look at round-off.
-LEAST_BAND = 4e-3
+# Two modes whose bands are this close in ratio can exchange branches; modes further apart
+# only seem to, where the crank angles are too coarse to follow a branch.
+NEAR_BANDS = 1.1
+
 # Veering can last for a large part of the turn: a strip of this part of a mode's height.
 VEERING_STRIP = 0.035
-STRIP_GREY = "0.72"
+STRIP: Look = {"color": "0.72", "lw": 0}
 
 
 def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -52,65 +51,87 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     groups, angles = mode_groups(dataset), degrees(dataset["crank_angle"])
     frequency, branch = (values_of(dataset[name], *MAP) for name in ("frequency", "branch_of_mode"))
     veering = dataset["veering"].transpose(*MAP).values.astype(bool)[0]
-    layout = angle_layout([len(group) for group in groups])
-    with sheet(layout, ax=ax, fewer=ONE_MODE) as drawn:
-        handles = marked_handles(dataset, speed_texts(dataset)) + engine_handles(dataset)
+    layout = angle_panels.angle_layout([len(group) for group in groups])
+    with sheet(layout, ax=ax, fewer=angle_panels.ONE_MODE) as drawn:
+        handles = angle_panels.series_and_engines(dataset, speed_texts(dataset))
         if veering.any():
-            handles.append(Patch(color=STRIP_GREY, lw=0, label="veering"))
+            handles.append(Patch(**STRIP, label="veering"))
         drawn.header(handles)
-        label_angles(drawn, angles, "Frequency (Hz)")
+        angle_panels.label_angles(drawn, angles, "Frequency (Hz)")
         for axes, group in zip(drawn.panels, groups, strict=True):
             axes.set_title(mode_label(dataset["mode"].values[group].tolist()))
-            scale_y(axes, frequency[..., group], least_part=LEAST_BAND)
+            scales.scale_y(axes, frequency[..., group], least_part=scales.FREQUENCY_BAND)
             _mark_veering(axes, angles, veering[..., group])
             _draw_speeds(axes, angles, frequency[..., group], branch[0][..., group])
     return drawn.figure
+
+
+def mode_groups(dataset: xr.Dataset) -> list[list[int]]:
+    """Modes that share a panel: neighbours between which a tracked branch passes.
+
+    Frequencies sorted at each angle keep to one panel a mode until two branches cross or
+    veer; then the branch is what a reader follows, and both modes belong in one panel.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        With ``frequency`` and ``branch_of_mode``, sorted by crank angle.
+
+    Returns
+    -------
+    list of list of int
+        Positions along the mode dimension, ascending.
+    """
+    branch = dataset["branch_of_mode"].transpose(*MAP).values
+    frequency = dataset["frequency"].transpose(*MAP).values
+    before, after = branch[:, :, :-1], branch[:, :, 1:]
+    highest, lowest = np.nanmax(frequency, axis=2), np.nanmin(frequency, axis=2)
+    near = np.any(lowest[..., 1:] <= NEAR_BANDS * highest[..., :-1], axis=(0, 1))
+    n_modes = frequency.shape[-1]
+    joined = np.zeros(n_modes, dtype=bool)
+    for low in range(n_modes):
+        for high in range(low + 1, n_modes):
+            rises = np.any(before[..., low] == after[..., high])
+            falls = np.any(before[..., high] == after[..., low])
+            if (rises or falls) and np.all(near[low:high]):
+                joined[low:high] = True
+    cuts = np.flatnonzero(~joined[:-1]) + 1
+    return [group.tolist() for group in np.split(np.arange(n_modes), cuts)]
+
+
+def contiguous_runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First and last position of each unbroken run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
+    return [(int(start), int(stop) - 1) for start, stop in edges.reshape(-1, 2)]
 
 
 def _mark_veering(axes: Axes, angles: FloatArray, veering: NDArray[np.bool_]) -> None:
     """Grey strip along the axis where a mode veers at any speed; (speed, angle, mode)."""
     # A flagged angle stands for the interval half way to its neighbours.
     edges = np.clip(cell_edges(angles), angles[0], angles[-1])
+    height = VEERING_STRIP / veering.shape[-1]
     for first, last in contiguous_runs(np.any(veering, axis=(0, 2))):
-        axes.axvspan(
-            edges[first],
-            edges[last + 1],
-            ymax=VEERING_STRIP / veering.shape[-1],
-            color=STRIP_GREY,
-            lw=0,
-            zorder=0,
-        )
+        axes.axvspan(edges[first], edges[last + 1], ymax=height, **STRIP, zorder=0)
 
 
 def _draw_speeds(axes: Axes, angles: FloatArray, frequency: FloatArray, branch: FloatArray) -> None:
     """All speeds in one panel: frequency (engine, speed, angle, mode), branch without engine."""
-    n_engines, n_speeds, _, n_modes = frequency.shape
+    _, n_speeds, _, n_modes = frequency.shape
+    # One mode alone is one line: sorted frequencies do not jump.
+    along = branch if n_modes > 1 else np.zeros_like(branch)
     for number in range(n_speeds):
-        # One mode alone is one line: sorted frequencies do not jump.
-        along = branch[number] if n_modes > 1 else np.zeros_like(branch[number])
-        lines = branch_lines(frequency[0, number], along)
-        for values in lines.values():
-            draw_line(axes, angles, values, number)
-        for engine in range(1, n_engines):
-            draw_marks(axes, angles, frequency[engine, number], number, n_speeds, engine)
+        values = frequency[:, number]
+        lines = angle_panels.draw_series(axes, angles, values, along[number], number, n_speeds)
         if number == 0 and n_modes > 1:
             _number_branches(axes, lines)
 
 
 def _number_branches(axes: Axes, lines: dict[int, FloatArray]) -> None:
     """Write each branch's number beside the right end of its line, spread to be read."""
-    ends = {number: float(values[-1]) for number, values in lines.items()}
-    low, high = axes.get_ylim()
-    height = -np.inf
-    for number in sorted((n for n in ends if np.isfinite(ends[n])), key=ends.__getitem__):
-        height = max(ends[number], height + 0.07 * (high - low))
-        axes.annotate(
-            f"branch {number}",
-            xy=(1.0, height),
-            xycoords=("axes fraction", "data"),
-            xytext=(6, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=7,
-            color=MID_GREY,
-        )
+    ends = sorted((float(line[-1]), number) for number, line in lines.items())
+    there = [(end, number) for end, number in ends if np.isfinite(end)]
+    least = 0.07 * float(np.ptp(axes.get_ylim()))
+    heights = spread(np.array([end for end, _ in there]), least)
+    look: Look = {"va": "center", "fontsize": 7, "color": style.MID_GREY}
+    for height, (_, number) in zip(heights, there, strict=True):
+        axes.text(1.015, height, f"branch {number}", **look, transform=axes.get_yaxis_transform())

@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from flexmech.errors import InputError
-from flexmech.plots.angle_panels import mode_panels
-from flexmech.plots.labels import names_of, speed_texts
-from flexmech.plots.reading import degrees, values_of
-from flexmech.plots.scales import scale_y
-from flexmech.plots.series import line_handle, series_line, series_style
-from flexmech.plots.sheet import AxesLike
-from flexmech.plots.style import MID_GREY
+from flexmech.plots import angle_panels, scales, style
+from flexmech.plots.labels import speed_texts
+from flexmech.plots.layout import AxesLike
+from flexmech.plots.reading import degrees, names_of, values_of
+from flexmech.plots.series import Look, line_handle, series_line, series_style
 
 __all__ = ["plot_hygrothermal_effect"]
 
-LINES: tuple[dict[str, Any], ...] = (
+LINES: tuple[Look, ...] = (
     {"linestyle": "-", "linewidth": 1.2},
     {"linestyle": (0.0, (4.0, 1.5)), "linewidth": 1.5},
 )
-# Narrowest y axis as a part of the frequency: below it one would look at round-off.
-LEAST_BAND = 4e-3
 
 
 def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -53,9 +46,9 @@ def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None)
     angles = degrees(dataset["crank_angle"])
     order = ("mode", "crank_speed", "state", "crank_angle")
     frequency = values_of(dataset["frequency"].isel(engine=0), *order)
-    with mode_panels(dataset, "Natural frequency (Hz)", ax=ax) as drawn:
-        handles: list[Artist] = [
-            line_handle(label, color=MID_GREY, **line)
+    with angle_panels.mode_panels(dataset, "Natural frequency (Hz)", ax=ax) as drawn:
+        handles = [
+            line_handle(label, color=style.MID_GREY, **line)
             for label, line in zip(names_of(dataset, "state"), LINES, strict=True)
         ]
         for number, text in enumerate(speed_texts(dataset)):
@@ -65,5 +58,5 @@ def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None)
             for number, states in enumerate(speeds):
                 for values, line in zip(states, LINES, strict=True):
                     axes.plot(angles, values, **(series_line(number, angles) | line))
-            scale_y(axes, speeds, least_part=LEAST_BAND)
+            scales.scale_y(axes, speeds, least_part=scales.FREQUENCY_BAND)
     return drawn.figure

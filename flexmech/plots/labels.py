@@ -1,23 +1,25 @@
-"""Names and titles out of datasets, in the words that figures use."""
+"""Names and titles out of datasets, in the words that figures use, and where labels stand."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 import xarray as xr
 
+from flexmech.types import FloatArray
 from flexmech.units import ANGULAR_SPEED, from_si
 
 __all__ = [
     "engine_label",
     "link_label",
     "mode_label",
-    "names_of",
     "run_title",
     "speed_label",
     "speed_text",
     "speed_texts",
     "speed_unit",
+    "spread",
 ]
 
 STARTS = {
@@ -25,11 +27,6 @@ STARTS = {
     "equilibrium": "from the quasi-static equilibrium",
     "periodic": "on the periodic motion",
 }
-
-
-def names_of(dataset: xr.Dataset, coordinate: str) -> list[str]:
-    """Names along a coordinate such as ``link``."""
-    return [str(name) for name in dataset[coordinate].values]
 
 
 def mode_label(numbers: Sequence[int]) -> str:
@@ -81,3 +78,31 @@ def run_title(dataset: xr.Dataset) -> str:
         title += f" after a run-up of {run_up:.3g} s"
     start = STARTS.get(str(dataset.attrs.get("start", "")))
     return f"{title}, {start}" if start else title
+
+
+def spread(places: FloatArray, least: float) -> FloatArray:
+    """Move places apart to a least distance, so that labels at them do not touch.
+
+    Parameters
+    ----------
+    places : ndarray
+        Ascending.
+    least : float
+        Distance that neighbours keep at least.
+
+    Returns
+    -------
+    ndarray
+        In the same order; places that had to move are centred on where they were.
+    """
+    rows: list[tuple[float, int]] = []  # centre and number of places that stand in a row
+    for place in places.tolist():
+        centre, count = place, 1
+        while rows and centre - rows[-1][0] < (count + rows[-1][1]) * least / 2:
+            before, many = rows.pop()
+            centre = (centre * count + before * many) / (count + many)
+            count += many
+        rows.append((centre, count))
+    return np.array(
+        [centre + (n - (count - 1) / 2) * least for centre, count in rows for n in range(count)]
+    )

@@ -10,16 +10,25 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
-from flexmech.plots.labels import names_of
-from flexmech.plots.reading import values_of
+from flexmech.plots import style
+from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.reading import names_of, values_of
 from flexmech.plots.series import Look
-from flexmech.plots.sheet import AxesLike, grid, sheet
-from flexmech.plots.style import FIGURE_WIDTH, LIGHT_GREY
 from flexmech.types import FloatArray
 
-__all__ = ["JOINT", "RIGID", "Limits", "LinkageSketch", "extent_of", "joint_ends", "plot_linkage"]
+__all__ = [
+    "JOINT",
+    "RIGID",
+    "LinkageSketch",
+    "extent_of",
+    "height_of",
+    "joint_ends",
+    "places_of",
+    "plot_linkage",
+]
 
 RIGID: Look = {"color": "0.65", "lw": 0.9}
 """Look of undeformed links."""
@@ -43,8 +52,6 @@ AWAY = np.array([12.0, 9.0])
 # Room for the names around the joints over the linkage's size.
 NAME_ROOM = 0.06
 
-Limits = tuple[tuple[float, float], tuple[float, float]]
-"""Least and greatest x, and y."""
 Ends = list[tuple[int, int]]
 """Ends of links: numbers of link and station (0 or -1)."""
 
@@ -53,6 +60,27 @@ def extent_of(links: FloatArray) -> float:
     """Diagonal of the box around the ends of links; shape (..., link, station, 2)."""
     ends = links[..., [0, -1], :].reshape(*links.shape[:-3], -1, 2)
     return float(np.hypot(*np.ptp(ends, axis=-2).T).max())
+
+
+def height_of(limits: Bbox, width: float, least: float, most: float) -> float:
+    """Height of a panel of a width that shows what is within limits at one scale.
+
+    Parameters
+    ----------
+    limits : Bbox
+    width, least, most : float
+        Width of the panel, and what its height may be, in inches.
+
+    Returns
+    -------
+    float
+    """
+    return float(min(max(width * limits.height / limits.width, least), most))
+
+
+def places_of(links: FloatArray, ends: Ends) -> FloatArray:
+    """Where ends of links are: shape (link, station, 2) -> (end, 2)."""
+    return np.reshape([links[end] for end in ends], (-1, 2))
 
 
 def joint_ends(positions: FloatArray, held: NDArray[np.bool_]) -> tuple[Ends, Ends]:
@@ -73,15 +101,13 @@ def joint_ends(positions: FloatArray, held: NDArray[np.bool_]) -> tuple[Ends, En
     near = SAME_PLACE * extent_of(positions)
     ends = [(link, station) for link in range(positions.shape[1]) for station in (0, -1)]
     pins, supports = [], []
-    for link, station in ends:
-        place = positions[:, link, station]
-        together = [e for e in ends if np.abs(positions[:, e[0], e[1]] - place).max() <= near]
-        if together[0] != (link, station):
-            continue
-        if held[link, station]:
-            supports.append((link, station))
-        elif len(together) > 1:
-            pins.append((link, station))
+    for end in ends:
+        place = positions[:, *end]
+        together = [other for other in ends if np.abs(positions[:, *other] - place).max() <= near]
+        if end == together[0] and held[end]:
+            supports.append(end)
+        elif end == together[0] and len(together) > 1:
+            pins.append(end)
     return pins, supports
 
 
@@ -102,24 +128,6 @@ class LinkageSketch:
     pins: FloatArray
     supports: FloatArray
 
-    @classmethod
-    def at(cls, links: FloatArray, pins: Ends, supports: Ends) -> LinkageSketch:
-        """Sketch whose joints are where certain ends of its links are.
-
-        Parameters
-        ----------
-        links : ndarray, shape (link, station, 2)
-            In m.
-        pins, supports : list of (int, int)
-            Link and station of one end at each joint.
-
-        Returns
-        -------
-        LinkageSketch
-        """
-        places = (np.reshape([links[end] for end in ends], (-1, 2)) for ends in (pins, supports))
-        return cls(links, *places)
-
     @property
     def size(self) -> float:
         """Diagonal of the box around the linkage, in m."""
@@ -139,7 +147,7 @@ class LinkageSketch:
         beyond = np.hypot(*self.supports.T) > self.hub_radius + SAME_PLACE * self.size
         return np.vstack([[0.0, 0.0], self.supports[beyond]])
 
-    def limits(self, points: FloatArray) -> Limits:
+    def limits(self, points: FloatArray) -> Bbox:
         """Limits around points, the linkage, its hub and supports, and a scale bar; in m."""
         corners = [self.links.reshape(-1, 2), points.reshape(-1, 2)]
         corners.append(self.hub_radius * np.array([[-1.0, -1.0], [1.0, 1.0]]))
@@ -149,17 +157,18 @@ class LinkageSketch:
             corners.append(place - [[wide, deep], [-wide, 0.0]])
         inside, room = np.vstack(corners), ROOM * self.size
         (left, low), (right, high) = np.nanmin(inside, axis=0), np.nanmax(inside, axis=0)
-        return (left - room, right + room), (low - room - BAR_ROOM * self.size, high + room)
+        lowest = low - room - BAR_ROOM * self.size
+        return Bbox.from_extents(left - room, lowest, right + room, high + room)
 
     @staticmethod
-    def frame(axes: Axes, limits: Limits) -> None:
+    def frame(axes: Axes, limits: Bbox) -> None:
         """Show what is within limits, at the same scale along x and y and without axes."""
-        axes.set(xlim=limits[0], ylim=limits[1], aspect="equal", anchor="N")
+        axes.set(xlim=limits.intervalx, ylim=limits.intervaly, aspect="equal", anchor="N")
         axes.set_axis_off()
 
     def draw_ground(self, axes: Axes) -> None:
         """Draw the hub, and under each support a triangle on a hatched ground line."""
-        axes.add_patch(Circle((0, 0), self.hub_radius, color=LIGHT_GREY, lw=0, zorder=0.5))
+        axes.add_patch(Circle((0, 0), self.hub_radius, color=style.LIGHT_GREY, lw=0, zorder=0.5))
         for place in self.grounds:
             half, deep = self._support(place)
             wide, hatch = GROUND_WIDTH * half, HATCHING * self.size
@@ -220,9 +229,8 @@ def plot_linkage(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     sketch = LinkageSketch(links, joints[is_pin], joints[~is_pin])
     room = NAME_ROOM * sketch.size
     limits = sketch.limits(np.vstack([joints - room, joints + room]))
-    (left, right), (low, high) = limits
-    tall = FIGURE_WIDTH * (high - low) / (right - left)
-    with sheet(grid(1, 1, min(max(tall, LEAST_HEIGHT), MOST_HEIGHT)), ax=ax) as drawn:
+    height = height_of(limits, style.FIGURE_WIDTH, LEAST_HEIGHT, MOST_HEIGHT)
+    with sheet(grid(1, 1, height), ax=ax) as drawn:
         (axes,) = drawn.panels
         sketch.frame(axes, limits)
         sketch.draw(axes, color="0.5", lw=2.0)

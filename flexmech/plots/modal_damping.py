@@ -7,13 +7,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from flexmech.errors import InputError
-from flexmech.plots.angle_lines import draw_line, draw_marks, engine_handles, marked_handles
-from flexmech.plots.angle_panels import angle_layout, label_angles
-from flexmech.plots.branches import MAP, branch_lines
+from flexmech.plots import angle_panels, scales
 from flexmech.plots.labels import speed_texts
-from flexmech.plots.reading import degrees, values_of
-from flexmech.plots.scales import scale_y
-from flexmech.plots.sheet import AxesLike, sheet
+from flexmech.plots.layout import AxesLike, sheet
+from flexmech.plots.reading import MAP, degrees, values_of
 
 __all__ = ["plot_modal_damping"]
 
@@ -55,25 +52,21 @@ def plot_modal_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     dataset = _few_speeds(dataset.sortby("crank_angle"))
     percent = 100.0 * values_of(dataset["strain_energy_damping"], *MAP)
     branch = values_of(dataset["branch_of_mode"], *MAP)[0]
-    n_engines, n_speeds, _, n_modes = percent.shape
+    _, n_speeds, _, n_modes = percent.shape
     angles = degrees(dataset["crank_angle"])
-    layout = angle_layout([1] * n_speeds, share_y=True)
+    layout = angle_panels.angle_layout([1] * n_speeds, share_y=True)
     with sheet(layout, ax=ax, fewer="choose one speed (speeds=...)") as drawn:
         modes = [f"mode {mode}" for mode in dataset["mode"].values]
-        handles = marked_handles(dataset, modes) + engine_handles(dataset)
+        handles = angle_panels.series_and_engines(dataset, modes)
         drawn.header(handles, "Damping by modal strain energy")
-        label_angles(drawn, angles, "Damping ratio (%)")
-        for speed, axes in enumerate(drawn.panels):
-            axes.set_title(speed_texts(dataset)[speed])
-            scale_y(axes, percent, least_part=LEAST_BAND)
+        angle_panels.label_angles(drawn, angles, "Damping ratio (%)")
+        for speed, (axes, text) in enumerate(zip(drawn.panels, speed_texts(dataset), strict=True)):
+            axes.set_title(text)
+            scales.scale_y(axes, percent, least_part=LEAST_BAND)
             for mode in range(n_modes):
                 one = slice(mode, mode + 1)
-                for values in branch_lines(
-                    percent[0, speed, :, one], branch[speed, :, one]
-                ).values():
-                    draw_line(axes, angles, values, mode)
-                for engine in range(1, n_engines):
-                    draw_marks(axes, angles, percent[engine, speed, :, mode], mode, n_modes, engine)
+                values, along = percent[:, speed, :, one], branch[speed, :, one]
+                angle_panels.draw_series(axes, angles, values, along, mode, n_modes)
     return drawn.figure
 
 

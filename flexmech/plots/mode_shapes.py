@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from flexmech.plots.angle_panels import ONE_MODE
+from flexmech.plots import angle_panels, style
 from flexmech.plots.labels import engine_label, mode_label, speed_texts
-from flexmech.plots.linkage import RIGID, Limits, LinkageSketch, joint_ends
+from flexmech.plots.layout import AxesLike, Layout, grid, sheet
+from flexmech.plots.linkage import RIGID, LinkageSketch, height_of, joint_ends, places_of
 from flexmech.plots.reading import values_of
 from flexmech.plots.series import line_handle, series_handle, series_line
-from flexmech.plots.sheet import AxesLike, Layout, grid, sheet
-from flexmech.plots.style import FIGURE_WIDTH
 from flexmech.types import FloatArray
 
 __all__ = ["plot_mode_shapes"]
@@ -58,13 +57,16 @@ def plot_mode_shapes(
     stored = first["mode_shape"].isel(check_angle=nearest)
     real, imaginary = (values_of(stored.sel(part=part), *SHAPE) for part in ("real", "imaginary"))
     shapes = _real_shapes(real + 1j * imaginary)
-    sketch = _sketch(dataset, nearest, shapes)
+    rigid = values_of(dataset["rigid_position"], "check_angle", *SHAPE[2:])
+    held = np.abs(shapes[..., [0, -1], :]).max(axis=(0, 1, -1)) <= AT_REST
+    pins, supports = (places_of(rigid[nearest], ends) for ends in joint_ends(rigid, held))
+    sketch = LinkageSketch(rigid[nearest], pins, supports)
     deflected = _smooth(sketch.links + ENLARGED_TO * sketch.size * shapes)
     limits = sketch.limits(deflected)
     n_speeds, n_modes = shapes.shape[:2]
     widths = _line_widths(n_speeds)
-    with sheet(_layout(limits, n_modes, n_speeds), ax=ax, fewer=ONE_MODE) as drawn:
-        handles: list[Artist] = [
+    with sheet(_layout(limits, n_modes, n_speeds), ax=ax, fewer=angle_panels.ONE_MODE) as drawn:
+        handles = [
             series_handle(number, text, linewidth=widths[number])
             for number, text in enumerate(speed_texts(dataset))
         ]
@@ -87,14 +89,6 @@ def plot_mode_shapes(
     return drawn.figure
 
 
-def _sketch(dataset: xr.Dataset, nearest: int, shapes: FloatArray) -> LinkageSketch:
-    """The rigid linkage: held are ends that move in no mode."""
-    order = ("check_angle", "link", "station", "component")
-    rigid = values_of(dataset["rigid_position"], *order)
-    held = np.abs(shapes[..., [0, -1], :]).max(axis=(0, 1, -1)) <= AT_REST
-    return LinkageSketch.at(rigid[nearest], *joint_ends(rigid, held))
-
-
 def _real_shapes(complex_shapes: NDArray[np.complex128]) -> FloatArray:
     """Turn each shape's phase until its largest component is real; match the first speed.
 
@@ -108,29 +102,24 @@ def _real_shapes(complex_shapes: NDArray[np.complex128]) -> FloatArray:
     signs = np.where(np.sum(real * real[:1], axis=-1, keepdims=True) < 0, -1.0, 1.0)
     shapes = (signs * real).reshape(complex_shapes.shape)
     longest = np.hypot(shapes[..., 0], shapes[..., 1]).max(axis=(-2, -1))
-    scaled: FloatArray = shapes / np.where(longest > 0, longest, 1.0)[..., None, None, None]
-    return scaled
+    return np.asarray(shapes / np.where(longest > 0, longest, 1.0)[..., None, None, None])
 
 
 def _smooth(deflected: FloatArray) -> FloatArray:
     """Cubic spline through the stations of each link, which stay among the points drawn."""
     stations = deflected.shape[-2]
     points = np.linspace(0, stations - 1, (stations - 1) * POINTS_A_STATION + 1)
-    curve: FloatArray = CubicSpline(np.arange(stations), deflected, axis=-2)(points)
-    return curve
+    return np.asarray(CubicSpline(np.arange(stations), deflected, axis=-2)(points))
 
 
-def _layout(limits: Limits, n_modes: int, n_speeds: int) -> Layout:
+def _layout(limits: Bbox, n_modes: int, n_speeds: int) -> Layout:
     """Panels of equal scale, with room for the frequencies in their headings."""
-    columns = min(n_modes, PANELS_A_ROW)
-    if n_modes in (PANELS_A_ROW + 1, PANELS_A_ROW + 2):
-        columns = 3
+    columns = 3 if n_modes in (5, 6) else min(n_modes, PANELS_A_ROW)
     rows = -(-n_modes // columns)
-    (left, right), (low, high) = limits
     # Less the layout's padding between the panels.
-    tall = (FIGURE_WIDTH / columns - 0.2) * (high - low) / (right - left)
+    panel = height_of(limits, style.FIGURE_WIDTH / columns - 0.2, 0.7, 2.6)
     title = 0.2 + 0.17 * -(-n_speeds // 3)
-    return grid(rows, columns, rows * (min(max(tall, 0.7), 2.6) + title), count=n_modes)
+    return grid(rows, columns, rows * (panel + title), count=n_modes)
 
 
 def _frequencies_text(frequency: FloatArray) -> str:

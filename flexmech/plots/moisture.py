@@ -9,11 +9,10 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots.labels import names_of
-from flexmech.plots.reading import values_of
+from flexmech.plots import style
+from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.reading import names_of
 from flexmech.plots.series import line_handle, series_handle, series_line
-from flexmech.plots.sheet import AxesLike, grid, label_x, sheet
-from flexmech.plots.style import MID_GREY
 
 __all__ = ["plot_moisture"]
 
@@ -21,8 +20,6 @@ ROW_HEIGHT = 2.1
 CELSIUS = 273.15
 # Formulas beside the finite volumes, by the numbers of their styles.
 LAWS = {1: ("short_time_uptake", "root of time"), 3: ("shen_springer_uptake", "Shen & Springer")}
-
-
 TIME_UNITS = {"day": 86400.0, "hour": 3600.0, "second": 1.0}
 
 
@@ -46,58 +43,55 @@ def plot_moisture(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """
     links, end = names_of(dataset, "link"), float(dataset["time"].max())
     unit = next((name for name, seconds in TIME_UNITS.items() if end >= seconds), "second")
+    attrs = dataset.attrs
+    title = (
+        f"{attrs['mechanism']}: {100 * attrs['relative_humidity']:.4g} % relative humidity, "
+        f"{attrs['temperature'] - CELSIUS:.4g} °C"
+    )
     layout = grid(len(links), 2, ROW_HEIGHT * len(links) + 0.5, sharex="col")
     with sheet(layout, ax=ax) as drawn:
-        drawn.header(_handles(dataset, unit), _title(dataset))
-        for number, link in enumerate(links):
-            profile, uptake = drawn.panels[2 * number : 2 * number + 2]
+        drawn.header(_handles(dataset, unit), title)
+        drawn.label_x("Distance from the middle (mm)", slice(0, None, 2))
+        drawn.label_x(rf"Root of time ($\sqrt{{\mathrm{{{unit}}}}}$)", slice(1, None, 2))
+        for link, profile, uptake in zip(links, drawn.panels[::2], drawn.panels[1::2], strict=True):
             of_link = dataset.sel(link=link)
             _draw_profiles(profile, of_link)
-            _draw_uptake(uptake, of_link, unit)
+            _draw_uptake(uptake, of_link, TIME_UNITS[unit])
             what = "mean over the width" if of_link["over_width"] else "through the thickness"
             profile.set_title(f"{link.capitalize()}: {what}")
             uptake.set_title(f"{link.capitalize()}: uptake")
     return drawn.figure
 
 
-def _title(dataset: xr.Dataset) -> str:
-    humidity, temperature = (dataset.attrs[name] for name in ("relative_humidity", "temperature"))
-    return (
-        f"{dataset.attrs['mechanism']}: {100 * humidity:.4g} % relative humidity, "
-        f"{temperature - CELSIUS:.4g} °C"
-    )
-
-
-def _colours(count: int) -> list[tuple[float, float, float, float]]:
+def _colours(dataset: xr.Dataset) -> list[tuple[float, float, float, float]]:
     """Dark to light with time, told apart in grey as well."""
-    return [mpl.colormaps["viridis"](x) for x in np.linspace(0.0, 0.85, count)]
+    places = np.linspace(0.0, 0.85, dataset.sizes["profile_time"])
+    return [mpl.colormaps["viridis"](place) for place in places]
 
 
 def _handles(dataset: xr.Dataset, unit: str) -> list[Artist]:
+    handles = []
     times = dataset["profile_time"].values / TIME_UNITS[unit]
-    texts = [f"{t:.0f} {unit[0]}" if t >= 1000 else f"{t:.3g} {unit[0]}" for t in times]
-    colours = _colours(times.size)
-    return [
-        *(line_handle(text, color=c) for text, c in zip(texts, colours, strict=True)),
-        line_handle("finite volumes", color="black"),
-        *(series_handle(n, label) for n, (name, label) in LAWS.items() if dataset[name].count()),
-    ]
+    for time, colour in zip(times, _colours(dataset), strict=True):
+        number = f"{time:.0f}" if time >= 1000 else f"{time:.3g}"
+        handles.append(line_handle(f"{number} {unit[0]}", color=colour))
+    handles.append(line_handle("finite volumes", color="black"))
+    laws = {n: label for n, (name, label) in LAWS.items() if dataset[name].count()}
+    return [*handles, *(series_handle(number, label) for number, label in laws.items())]
 
 
 def _draw_profiles(axes: Axes, link: xr.Dataset) -> None:
-    profiles = values_of(link["profile"], "profile_time", "cell")
-    for colour, profile in zip(_colours(len(profiles)), profiles, strict=True):
+    profiles = link["profile"].transpose("profile_time", "cell").values
+    for colour, profile in zip(_colours(link), profiles, strict=True):
         axes.plot(1e3 * link["place"].values, 100 * profile, color=colour)
     axes.set(ylabel="Moisture of the resin (%)", xmargin=0.0)
     axes.set_ylim(bottom=0.0)
-    label_x(axes, "Distance from the middle (mm)")
 
 
-def _draw_uptake(axes: Axes, link: xr.Dataset, unit: str) -> None:
-    root = np.sqrt(link["time"].values / TIME_UNITS[unit])
-    axes.axhline(1.0, color=MID_GREY, lw=0.6, zorder=1)
+def _draw_uptake(axes: Axes, link: xr.Dataset, unit: float) -> None:
+    root = np.sqrt(link["time"].values / unit)
+    axes.axhline(1.0, color=style.MID_GREY, lw=0.6, zorder=1)
     axes.plot(root, link["uptake"].values, color="black")
     for number, (name, _) in LAWS.items():
         axes.plot(root, link[name].values, **series_line(number))
     axes.set(ylabel="Share of equilibrium", ylim=(0.0, 1.08), xmargin=0.02)
-    label_x(axes, rf"Root of time ($\sqrt{{\mathrm{{{unit}}}}}$)")

@@ -10,11 +10,13 @@ from flexmech.types import FloatArray
 
 __all__ = [
     "LENGTH_UNITS",
+    "MAP",
     "Units",
     "at_highest_speed",
     "cell_edges",
     "degrees",
     "fitting_unit",
+    "names_of",
     "values_of",
 ]
 
@@ -23,11 +25,18 @@ Units = tuple[tuple[float, str], ...]
 LENGTH_UNITS: Units = ((1e3, "mm"), (1e6, "µm"), (1e9, "nm"))
 """Deflections are read in mm; an arm at constant speed hardly bends, and needs less."""
 LEAST_NUMBER = 0.01
+MAP = ("engine", "crank_speed", "crank_angle", "mode")
+"""Dimensions of what is known of each mode, in the order in which it is drawn."""
 
 
 def values_of(array: xr.DataArray, *order: str) -> FloatArray:
     """Numbers of an array with its dimensions in an order."""
     return np.asarray(array.transpose(*order).values, dtype=float)
+
+
+def names_of(dataset: xr.Dataset | xr.DataArray, coordinate: str) -> list[str]:
+    """Names along a coordinate such as ``link``."""
+    return [str(name) for name in dataset[coordinate].values]
 
 
 def degrees(angle: xr.DataArray) -> FloatArray:

@@ -8,13 +8,11 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots.labels import engine_label, link_label, names_of, run_title
-from flexmech.plots.reading import LENGTH_UNITS, Units, fitting_unit, values_of
-from flexmech.plots.scales import plain_numbers
-from flexmech.plots.series import Look, line_handle, series_handle, series_line
-from flexmech.plots.sheet import AxesLike, sheet
-from flexmech.plots.style import LIGHT_GREY
-from flexmech.plots.time_axis import label_times, time_layout
+from flexmech.plots import scales, style, time_axis
+from flexmech.plots.labels import engine_label, link_label, run_title
+from flexmech.plots.layout import AxesLike, sheet
+from flexmech.plots.reading import LENGTH_UNITS, Units, fitting_unit, names_of, values_of
+from flexmech.plots.series import Look, line_handle, series_handles, series_line
 from flexmech.types import FloatArray
 
 __all__ = ["engine_lines", "plot_forces", "plot_response"]
@@ -57,9 +55,9 @@ def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     shown = [("deflection", name, LENGTH_UNITS) for name in links]
     shown += [("strain", name, STRAIN_UNITS) for name in strained]
     fewer = "choose one link that is watched at its tip (links=...)"
-    with sheet(time_layout(len(shown)), ax=ax, fewer=fewer) as drawn:
+    with sheet(time_axis.time_layout(len(shown)), ax=ax, fewer=fewer) as drawn:
         drawn.header(engine_lines(dataset), run_title(dataset))
-        label_times(drawn, dataset)
+        time_axis.label_times(drawn, dataset)
         for axes, (quantity, link, units) in zip(drawn.panels, shown, strict=True):
             what = f"{link_label(dataset, link)}\n{quantity}"
             draw_engines(axes, dataset[quantity].sel(link=link), units, what)
@@ -89,16 +87,13 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     pins = dataset["joint"].values[dataset["joint_kind"].values == "pin"]
     for joint in pins if pins.size else dataset["joint"].values:
         for component in names_of(dataset, "component"):
-            place = {"joint": joint, "component": component}
-            force, rigid = (
-                dataset[name].sel(place) for name in ("joint_force", "rigid_joint_force")
-            )
-            shown.append((force, rigid, FORCE_UNITS, f"Force at {joint},\n{component}"))
-    with sheet(time_layout(len(shown)), ax=ax) as drawn:
-        drawn.header(
-            [*engine_lines(dataset), line_handle("rigid links", **RIGID)], run_title(dataset)
-        )
-        label_times(drawn, dataset)
+            there = dataset.sel(joint=joint, component=component)
+            forces = there["joint_force"], there["rigid_joint_force"]
+            shown.append((*forces, FORCE_UNITS, f"Force at {joint},\n{component}"))
+    with sheet(time_axis.time_layout(len(shown)), ax=ax) as drawn:
+        handles = [*engine_lines(dataset), line_handle("rigid links", **RIGID)]
+        drawn.header(handles, run_title(dataset))
+        time_axis.label_times(drawn, dataset)
         for axes, (elastic, rigid, units, what) in zip(drawn.panels, shown, strict=True):
             factor = draw_engines(axes, elastic, units, what)
             axes.plot(rigid["time"].values, factor * rigid.values, **RIGID, zorder=3)
@@ -107,10 +102,7 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
 
 def engine_lines(dataset: xr.Dataset) -> list[Artist]:
     """Legend entries of engines that are all drawn as lines."""
-    return [
-        series_handle(number, engine_label(dataset, number))
-        for number in range(dataset.sizes["engine"])
-    ]
+    return series_handles(engine_label(dataset, n) for n in range(dataset.sizes["engine"]))
 
 
 def draw_engines(axes: Axes, quantity: xr.DataArray, units: Units, what: str) -> float:
@@ -136,14 +128,14 @@ def draw_engines(axes: Axes, quantity: xr.DataArray, units: Units, what: str) ->
     """
     factor, unit = fitting_unit(quantity.values, units)
     lines = factor * values_of(quantity, "engine", "time")
-    axes.axhline(0.0, color=LIGHT_GREY, lw=0.6, zorder=0)
+    axes.axhline(0.0, color=style.LIGHT_GREY, lw=0.6, zorder=0)
     for number, line in enumerate(lines):
         width, opacity = _line_look(line)
         # What lies under a line must be seen between its dashes and beside them.
         wider = 1.4 if number < len(lines) - 1 and opacity == 1.0 else 1.0
         look = series_line(number)
         axes.plot(quantity["time"].values, line, **look, lw=wider * width, alpha=opacity)
-    plain_numbers(axes)
+    scales.plain_numbers(axes)
     axes.set_ylabel(f"{what} ({unit})")
     return factor
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.ticker import (
@@ -16,7 +18,21 @@ from numpy.typing import ArrayLike
 from flexmech.plots.series import few_points
 from flexmech.types import FloatArray
 
-__all__ = ["crank_angle_axis", "log_scale", "plain_numbers", "scale_y"]
+__all__ = [
+    "DEGREE_STEPS",
+    "FREQUENCY_BAND",
+    "crank_angle_axis",
+    "log_scale",
+    "plain_numbers",
+    "round_step",
+    "scale_y",
+]
+
+DEGREE_STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 90.0, 180.0, 360.0)
+"""Distances of ticks at round angles."""
+
+FREQUENCY_BAND = 4e-3
+"""Narrowest axis of frequencies as a part of them: below it one would look at round-off."""
 
 # Half the height of a y axis over the span of the values on it.
 HALF_AXIS = 0.58
@@ -47,16 +63,15 @@ def crank_angle_axis(axes: Axes, angles: FloatArray, *, narrow: bool = False) ->
         if angles.size <= most + 1 and np.diff(angles).min() >= span / (most + 1):
             axes.set_xticks(angles)
         else:
-            axes.xaxis.set_major_locator(MultipleLocator(_tick_step(span, most)))
+            axes.xaxis.set_major_locator(MultipleLocator(round_step(span, most, DEGREE_STEPS)))
     axes.xaxis.set_major_formatter(ScalarFormatter(useOffset=False))
 
 
-def _tick_step(span: float, most: int) -> float:
-    """Smallest round step in degrees that cuts a span into at most so many parts."""
-    for step in (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 90.0, 180.0):
-        if span <= step * most * (1 + 1e-9):
-            return step
-    return 360.0 * float(np.ceil(span / (360.0 * most)))
+def round_step(span: float, most: int, steps: Sequence[float]) -> float:
+    """Smallest round step, or multiple of the last one, that cuts a span into so many parts."""
+    parts = most * (1 + 1e-6)
+    fitting = (step for step in steps if span <= step * parts)
+    return next(fitting, steps[-1] * float(np.ceil(span / (steps[-1] * parts))))
 
 
 def plain_numbers(axes: Axes) -> None:

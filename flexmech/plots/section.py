@@ -10,15 +10,14 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch, Rectangle
+from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
+from flexmech.plots import scales, style
+from flexmech.plots.labels import spread
+from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import values_of
-from flexmech.plots.scales import plain_numbers
 from flexmech.plots.series import Look, line_handle, series_handle, series_line
-from flexmech.plots.sheet import AxesLike, grid, sheet
-from flexmech.plots.spectra import spread
-from flexmech.plots.style import MID_GREY
 from flexmech.types import FloatArray
 
 __all__ = ["plot_section"]
@@ -33,15 +32,16 @@ LINE = 1.3
 LONGEST_NAME = 24
 # Greys of the plies: light enough for the lines on them, apart enough to be told.
 LIGHTEST, DARKEST = 0.96, 0.80
-LAYER_EDGE = "0.70"
+# A line between layers that have one shade and different angles.
+BETWEEN_LAYERS: Look = {"ec": "0.70", "lw": 0.3, "zorder": 0.5}
 TIMES = "\N{MULTIPLICATION SIGN}"
 # Two lines closer than this fraction of the largest value are one.
 SAME = 1e-6
 # Right edge of the drawn stack and left edge of its names, over the panel's width.
 STACK_EDGE, NAME_EDGE = 0.20, 0.30
 COUPLED, UNCOUPLED, THIRD_ORDER = 0, 1, 2
-NEUTRAL_AXIS = (0.0, (8.0, 2.0, 1.5, 2.0))
-MASS_AXIS = (0.0, (1.5, 1.5))
+NEUTRAL_AXIS: Look = {"ls": (0.0, (8.0, 2.0, 1.5, 2.0)), "color": "black", "lw": 0.9}
+MASS_AXIS = NEUTRAL_AXIS | {"ls": (0.0, (1.5, 1.5))}
 
 LOADS = {"axial_force": "N = 1 N", "bending_moment": "M = 1 N m", "shear_force": "V = 1 N"}
 # Quantity and load of each panel; the layers stand in the third one.
@@ -53,7 +53,7 @@ PROFILES = (
     ("shear_stress", "shear_force"),
 )
 LAYERS_PANEL = 2
-PREFIXES = {-3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
+PASCAL = {-3: "mPa", 0: "Pa", 3: "kPa", 6: "MPa", 9: "GPa"}
 
 
 @dataclass(frozen=True)
@@ -99,14 +99,19 @@ def plot_section(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         link = str(dataset["link"].item()).capitalize()
         handles = _handles(dataset, set().union(*profiles), [] if named else runs)
         drawn.header(handles, f"{link}: through the thickness under unit loads on the pins' axis")
+        stack = drawn.panels[LAYERS_PANEL]
         for axes in drawn.panels:
-            _shade(axes, runs, STACK_EDGE if axes is drawn.panels[LAYERS_PANEL] else 1.0)
+            edge = STACK_EDGE if axes is stack else 1.0
+            for run in runs:
+                axes.axhspan(run.low, run.high, xmax=edge, fc=run.shade, **BETWEEN_LAYERS)
             axes.set_ylim(runs[0].low, runs[-1].high)
-            plain_numbers(axes)
-        of_profiles = [axes for n, axes in enumerate(drawn.panels) if n != LAYERS_PANEL]
+            scales.plain_numbers(axes)
+        of_profiles = [axes for axes in drawn.panels if axes is not stack]
         for axes, lines, profile in zip(of_profiles, profiles, PROFILES, strict=True):
             _draw_profile(axes, dataset, lines, *profile)
-        _draw_stack(drawn.panels[LAYERS_PANEL], dataset, runs if named else [])
+        _draw_axes_of_section(stack, dataset)
+        if named:
+            _name_layers(stack, runs)
         drawn.label_y("Place y from the pins' axis (mm)")
         if drawn.is_new:
             drawn.figure.align_xlabels(of_profiles)
@@ -136,16 +141,6 @@ def _short(name: str, longest: int = LONGEST_NAME) -> str:
     return cut.replace("$", r"\$")
 
 
-def _shade(axes: Axes, runs: list[_Run], edge: float) -> None:
-    """Fill the layers up to an edge, over the panel's width."""
-    across = axes.get_yaxis_transform()
-    for run in runs:
-        # A line between layers that have one shade and different angles.
-        look: Look = {"fc": run.shade, "ec": LAYER_EDGE, "lw": 0.3, "zorder": 0.5}
-        layer = Rectangle((0.0, run.low), edge, run.high - run.low, transform=across, **look)
-        axes.add_patch(layer)
-
-
 def _draw_profile(
     axes: Axes, dataset: xr.Dataset, lines: dict[int, FloatArray], name: str, load: str
 ) -> None:
@@ -154,9 +149,9 @@ def _draw_profile(
     factor, unit = _scaled(dataset, name, load)
     for number, values in lines.items():
         axes.plot(factor * values, 1e3 * _flat(dataset["place"]), **series_line(number), zorder=3)
-    axes.axvline(0.0, color=MID_GREY, lw=0.5, zorder=2)
-    _, neutral, dashes = _axes_of(dataset)[0]
-    axes.axhline(neutral, color=MID_GREY, ls=dashes, lw=0.7, zorder=2)
+    axes.axvline(0.0, color=style.MID_GREY, lw=0.5, zorder=2)
+    neutral = 1e3 * float(dataset["neutral_axis"])
+    axes.axhline(neutral, color=style.MID_GREY, ls=NEUTRAL_AXIS["ls"], lw=0.7, zorder=2)
     ends = factor * np.concatenate([[0.0], *lines.values()])
     low, high = float(ends.min()), float(ends.max())
     room = 0.08 * ((high - low) or 1.0)
@@ -186,22 +181,23 @@ def _scaled(dataset: xr.Dataset, name: str, load: str) -> tuple[float, str]:
     """Factor and unit that make the largest value a number between 1 and 1000."""
     largest = float(np.abs(dataset[name].sel(load=load)).max())
     power = 3 * int(np.floor(np.log10(largest) / 3)) if largest > 0 else 0
-    if name != "strain" and power in PREFIXES:
-        return 10.0**-power, f"{PREFIXES[power]}Pa"
-    unit = "" if name == "strain" else " Pa"
-    return 10.0**-power, f"$10^{{{power}}}$" + unit if power else unit.strip() or "1"
+    ten = f"$10^{{{power}}}$"
+    if name == "strain":
+        return 10.0**-power, ten if power else "1"
+    return 10.0**-power, PASCAL.get(power, f"{ten} Pa")
 
 
-def _draw_stack(axes: Axes, dataset: xr.Dataset, runs: list[_Run]) -> None:
-    """Names of the layers beside their shades, the neutral axis and the mass axis."""
-    axes.set_title("Layers")
-    axes.set_xlim(0.0, 1.0)
+def _draw_axes_of_section(axes: Axes, dataset: xr.Dataset) -> None:
+    """The neutral axis and the mass axis, across the stack of layers."""
+    axes.set(title="Layers", xlim=(0.0, 1.0))
     axes.xaxis.set_visible(False)
     axes.spines["bottom"].set_visible(False)
-    for _, y, dashes in _axes_of(dataset):
-        axes.plot([0.0, STACK_EDGE], [y, y], color="black", ls=dashes, lw=0.9, zorder=3)
-    if not runs:
-        return
+    for place, look in _axes_of(dataset).values():
+        axes.plot([0.0, STACK_EDGE], [place, place], **look, zorder=3)
+
+
+def _name_layers(axes: Axes, runs: list[_Run]) -> None:
+    """Names of the layers beside their shades."""
     middles = np.array([(run.low + run.high) / 2 for run in runs])
     low, high = runs[0].low, runs[-1].high
     size = min(NAME_SIZE, INSIDE / (LINE * len(runs)))
@@ -211,16 +207,16 @@ def _draw_stack(axes: Axes, dataset: xr.Dataset, runs: list[_Run]) -> None:
     inside = low + step / 2, high - step / 2 - rows[-1]
     names = np.clip(spread(middles, step) - rows, *inside) + rows
     for run, middle, name in zip(runs, middles, names, strict=True):
-        axes.plot([STACK_EDGE, NAME_EDGE - 0.02], [middle, name], color=MID_GREY, lw=0.5)
+        axes.plot([STACK_EDGE, NAME_EDGE - 0.02], [middle, name], color=style.MID_GREY, lw=0.5)
         axes.text(NAME_EDGE, name, run.text, fontsize=size, va="center")
 
 
-def _axes_of(dataset: xr.Dataset) -> list[tuple[str, float, tuple[float, tuple[float, ...]]]]:
-    """Label, place in mm and dashes of the neutral axis and the mass axis, or of both in one."""
+def _axes_of(dataset: xr.Dataset) -> dict[str, tuple[float, Look]]:
+    """Places in mm and looks of the neutral axis and the mass axis, or of both in one."""
     neutral, mass = (1e3 * float(dataset[name]) for name in ("neutral_axis", "mass_axis"))
     if neutral == mass:
-        return [("neutral axis and centre of mass", neutral, NEUTRAL_AXIS)]
-    return [("neutral axis", neutral, NEUTRAL_AXIS), ("centre of mass", mass, MASS_AXIS)]
+        return {"neutral axis and centre of mass": (neutral, NEUTRAL_AXIS)}
+    return {"neutral axis": (neutral, NEUTRAL_AXIS), "centre of mass": (mass, MASS_AXIS)}
 
 
 def _handles(dataset: xr.Dataset, numbers: set[int], runs: list[_Run]) -> list[Artist]:
@@ -228,9 +224,8 @@ def _handles(dataset: xr.Dataset, numbers: set[int], runs: list[_Run]) -> list[A
     labels = {UNCOUPLED: "without coupling", THIRD_ORDER: "shear stress by third-order theory"}
     alone = "classical theory, shear by equilibrium"
     labels[COUPLED] = "with coupling" if UNCOUPLED in numbers else alone
-    handles: list[Artist] = [series_handle(n, labels[n]) for n in sorted(numbers)]
-    for label, _, dashes in _axes_of(dataset):
-        handles.append(line_handle(label, color="black", ls=dashes, lw=0.9))
+    handles = [series_handle(n, labels[n]) for n in sorted(numbers)]
+    handles += [line_handle(label, **look) for label, (_, look) in _axes_of(dataset).items()]
     for ply, shade in dict.fromkeys((run.ply, run.shade) for run in runs):
-        handles.append(Patch(fc=shade, ec=MID_GREY, lw=0.6, label=_short(ply)))
+        handles.append(Patch(fc=shade, ec=style.MID_GREY, lw=0.6, label=_short(ply)))
     return handles

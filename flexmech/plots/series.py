@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from matplotlib.artist import Artist
 from matplotlib.lines import Line2D
 
 from flexmech.errors import InputError
 from flexmech.types import FloatArray
 
 __all__ = [
-    "MARK_SIZE",
     "SERIES_STYLES",
     "Look",
     "SeriesStyle",
     "few_points",
     "line_handle",
     "series_handle",
+    "series_handles",
     "series_line",
     "series_style",
     "told_apart",
@@ -29,8 +31,6 @@ FEW_POINTS = 10
 POINT_SIZE = 3.0
 Look = dict[str, Any]
 """Properties of a line or a marker, as matplotlib names them."""
-MARK_SIZE = 4.2
-"""Size of markers that carry a meaning of their own, in points."""
 
 
 @dataclass(frozen=True)
@@ -83,14 +83,36 @@ def series_line(number: int, points: FloatArray | None = None) -> Look:
     }
 
 
-def line_handle(label: str, **properties: Any) -> Line2D:
+def line_handle(label: str, **properties: Any) -> Artist:
     """Legend entry with the properties of a ``Line2D``."""
     return Line2D([], [], label=label, **properties)
 
 
-def series_handle(number: int, label: str, **properties: Any) -> Line2D:
-    """Legend entry in the style of a series; properties are those of ``Line2D``."""
-    return line_handle(label, **(series_line(number) | properties))
+def series_handle(
+    number: int, label: str, points: FloatArray | None = None, **properties: Any
+) -> Artist:
+    """Legend entry of a series.
+
+    Parameters
+    ----------
+    number : int
+        Of the series, from 0.
+    label : str
+    points : ndarray, optional
+        Abscissas of the computed points. Without them the entry shows no mark.
+    **properties
+        Of ``Line2D``, other than the series'.
+
+    Returns
+    -------
+    Artist
+    """
+    return line_handle(label, **(series_line(number, points) | properties))
+
+
+def series_handles(labels: Iterable[str], points: FloatArray | None = None) -> list[Artist]:
+    """Legend entries of series in order; each of the points is marked where they are few."""
+    return [series_handle(number, label, points) for number, label in enumerate(labels)]
 
 
 def told_apart(names: list[str]) -> list[str]:

@@ -11,17 +11,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from flexmech.errors import InputError
-from flexmech.plots.labels import engine_label, link_label, names_of, run_title
-from flexmech.plots.reading import LENGTH_UNITS, cell_edges, fitting_unit, values_of
+from flexmech.plots import scales, style, time_axis
+from flexmech.plots.labels import engine_label, link_label, run_title, spread
+from flexmech.plots.layout import AxesLike, Layout, grid, sheet
+from flexmech.plots.reading import LENGTH_UNITS, cell_edges, fitting_unit, names_of, values_of
 from flexmech.plots.response import engine_lines
-from flexmech.plots.scales import log_scale, plain_numbers
 from flexmech.plots.series import Look, line_handle, series_line
-from flexmech.plots.sheet import AxesLike, Layout, grid, sheet
-from flexmech.plots.style import MID_GREY
-from flexmech.plots.time_axis import angle_axis
-from flexmech.types import FloatArray
 
-__all__ = ["ONE_LINK", "plot_spectrogram", "plot_spectrum", "spread"]
+__all__ = ["ONE_LINK", "plot_spectrogram", "plot_spectrum"]
 
 ONE_LINK = "choose one link (links=...)"
 
@@ -46,8 +43,6 @@ DECIBELS = 60.0
 # White with a dark rim is seen on any colour, and the ridges between the dashes.
 RIM = [effects.Stroke(linewidth=2.0, foreground="black", alpha=0.6), effects.Normal()]
 PREDICTION: Look = {"color": "white", "lw": 0.8, "ls": (0.0, (4.0, 5.0)), "path_effects": RIM}
-
-Bands = list[tuple[int, float, float]]
 
 
 def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -78,9 +73,9 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         drawn.header(handles, run_title(dataset))
         for axes, link in zip(drawn.panels, links, strict=True):
             axes.set_xlim(0.0, limit)
-            for _, low, high in bands:
+            for band in bands.values():
                 # The edge line keeps a frequency that hardly moves visible.
-                axes.axvspan(low, high, fc=BAND_COLOR, ec=BAND_EDGE, lw=0.5, zorder=0)
+                axes.axvspan(*band, fc=BAND_COLOR, ec=BAND_EDGE, lw=0.5, zorder=0)
             unit = _draw_spectra(axes, within["spectrum"].sel(link=link))
             axes.set_ylabel(f"{link_label(dataset, link)}\namplitude ({unit})")
         _label_bands(drawn.panels[0], bands)
@@ -112,24 +107,21 @@ def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
         raise InputError("this response is too short for a spectrogram: ask for more revolutions")
     first, links = dataset.isel(engine=0), names_of(dataset, "link")
     time = first["window_time"].values
-    predicted = values_of(first["natural_frequency"], "mode", "window_time")
     with sheet(_layout(len(links), 1.75, 2.4), ax=ax, fewer=ONE_LINK) as drawn:
         title = f"{run_title(dataset)}, by {engine_label(dataset)}"
         drawn.header([line_handle("predicted natural frequencies", **PREDICTION)], title)
         for axes, link in zip(drawn.panels, links, strict=True):
             mesh = _draw_levels(axes, first["spectrogram"].sel(link=link))
-            for values in predicted:
-                axes.plot(time, values, **PREDICTION, marker="." if time.size == 1 else "")
+            predicted = values_of(first["natural_frequency"], "window_time", "mode")
+            axes.plot(time, predicted, **PREDICTION, marker="." if time.size == 1 else "")
             axes.set_ylim(0.0, _highest_frequency(dataset, "window_frequency"))
-            plain_numbers(axes)
+            scales.plain_numbers(axes)
             axes.set_ylabel(f"{link_label(dataset, link)}\nfrequency (Hz)")
-        angle_axis(drawn.panels[0], dataset)
+        time_axis.angle_axis(drawn.panels[0], dataset)
         drawn.label_x("Time (s)")
-        panels = drawn.panels
-        bar = drawn.figure.colorbar(
-            mesh, ax=panels, extend="min", pad=0.015, aspect=14 * len(panels)
-        )
-        of_what = "each panel's maximum" if len(panels) > 1 else "maximum"
+        slender = 14 * len(links)
+        bar = drawn.figure.colorbar(mesh, ax=drawn.panels, extend="min", pad=0.015, aspect=slender)
+        of_what = "each panel's maximum" if len(links) > 1 else "maximum"
         bar.set_label(f"Level relative to {of_what} (dB)")
         bar.outline.set_linewidth(0.6)
     return drawn.figure
@@ -170,49 +162,21 @@ def _highest_frequency(dataset: xr.Dataset, name: str) -> float:
     return min(end, REACH * float(dataset["natural_frequency"].max()))
 
 
-def _bands(dataset: xr.Dataset) -> Bands:
-    """Number of each mode with its lowest and highest natural frequency by any engine."""
+def _bands(dataset: xr.Dataset) -> dict[int, tuple[float, float]]:
+    """Lowest and highest natural frequency of each mode by any engine."""
     if "natural_frequency" not in dataset:
-        return []
+        return {}
     frequency = dataset["natural_frequency"].transpose("mode", ...)
-    return [(int(each["mode"]), float(each.min()), float(each.max())) for each in frequency]
+    return {int(each["mode"]): (float(each.min()), float(each.max())) for each in frequency}
 
 
-def _label_bands(axes: Axes, bands: Bands) -> None:
+def _label_bands(axes: Axes, bands: dict[int, tuple[float, float]]) -> None:
     """Write f1, f2, ... over the bands, apart from each other where bands are close."""
     limit = axes.get_xlim()[1]
-    wanted = np.array([(low + high) / 2 / limit for _, low, high in bands])
+    wanted = np.array([(low + high) / 2 / limit for low, high in bands.values()])
     look: Look = {"ha": "center", "va": "top", "fontsize": 8, "color": "0.25"}
-    for place, (mode, _, _) in zip(spread(wanted, LABEL_ROOM), bands, strict=True):
+    for place, mode in zip(spread(wanted, LABEL_ROOM), bands, strict=True):
         axes.text(place, 0.985, f"$f_{{{mode}}}$", transform=axes.transAxes, **look)
-
-
-def spread(places: FloatArray, least: float) -> FloatArray:
-    """Move places apart to a least distance, so that labels at them do not touch.
-
-    Parameters
-    ----------
-    places : ndarray
-        Ascending.
-    least : float
-        Distance that neighbours keep at least.
-
-    Returns
-    -------
-    ndarray
-        In the same order; places that had to move are centred on where they were.
-    """
-    rows: list[tuple[float, int]] = []  # centre and number of places that stand in a row
-    for place in places.tolist():
-        centre, count = place, 1
-        while rows and centre - rows[-1][0] < (count + rows[-1][1]) * least / 2:
-            before, many = rows.pop()
-            centre = (centre * count + before * many) / (count + many)
-            count += many
-        rows.append((centre, count))
-    return np.array(
-        [centre + (n - (count - 1) / 2) * least for centre, count in rows for n in range(count)]
-    )
 
 
 def _draw_spectra(axes: Axes, spectrum: xr.DataArray) -> str:
@@ -225,18 +189,15 @@ def _draw_spectra(axes: Axes, spectrum: xr.DataArray) -> str:
         wider = 1.4 if number < len(amplitude) - 1 else 1.0
         frequency = spectrum["spectrum_frequency"].values
         axes.plot(frequency, values, **series_line(number), lw=wider * width)
-    lowest = max(factor * float(np.nanmin(amplitude)), highest * 10.0**-DECADES)
-    lowest = min(lowest, 0.1 * highest)
-    log_scale(axes, lowest, highest * (highest / lowest) ** HEADROOM)
+    lowest = np.clip(factor * np.nanmin(amplitude), highest * 10.0**-DECADES, 0.1 * highest)
+    scales.log_scale(axes, lowest, highest * (highest / lowest) ** HEADROOM)
     return unit
 
 
 def _order_axis(panels: list[Axes], turning: float, limit: float) -> None:
     """Axis of harmonics of the turning frequency in Hz on top, with lines down at some."""
     orders = limit / turning
-    step = next((s for s in ORDER_STEPS if orders <= s * MOST_ORDERS), None)
-    if step is None:
-        return
+    step = int(scales.round_step(orders, MOST_ORDERS, ORDER_STEPS))
     labelled = np.arange(step, int(orders) + 1, step)
     top = panels[0].secondary_xaxis("top")
     top.set_xticks((labelled * turning).tolist(), [f"{order}" for order in labelled])
@@ -245,7 +206,7 @@ def _order_axis(panels: list[Axes], turning: float, limit: float) -> None:
     top.set_xlabel("Harmonic of the crank's turning frequency")
     for axes in panels:
         for order in labelled:
-            axes.axvline(order * turning, color=MID_GREY, lw=0.5, ls=":", zorder=0.5)
+            axes.axvline(order * turning, color=style.MID_GREY, lw=0.5, ls=":", zorder=0.5)
 
 
 def _draw_levels(axes: Axes, amplitude: xr.DataArray) -> QuadMesh:

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from flexmech.errors import InputError
-from flexmech.plots.angle_lines import draw_line
-from flexmech.plots.angle_panels import mode_panels
-from flexmech.plots.labels import names_of
-from flexmech.plots.reading import at_highest_speed, degrees, values_of
-from flexmech.plots.scales import scale_y
-from flexmech.plots.series import few_points, line_handle, series_handle, series_line
-from flexmech.plots.sheet import AxesLike
-from flexmech.plots.style import MID_GREY
+from flexmech.plots import angle_panels, scales, style
+from flexmech.plots.layout import AxesLike
+from flexmech.plots.reading import at_highest_speed, degrees, names_of, values_of
+from flexmech.plots.series import Look, few_points, line_handle, series_handles
 
 __all__ = ["plot_speed_effect"]
 
@@ -56,19 +50,19 @@ def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     fastest, speed = at_highest_speed(dataset.sortby("crank_angle"))
     effect = values_of(fastest["speed_effect"], "mode", "term", "crank_angle")
     angles = degrees(fastest["crank_angle"])
-    total: dict[str, Any] = {"color": "black", "linewidth": 1.8, "markersize": 5}
-    total["marker"] = "*" if few_points(angles) else ""
-    with mode_panels(fastest, "Change of frequency (Hz)", ax=ax) as drawn:
+    mark = "*" if few_points(angles) else ""
+    total: Look = {"color": "black", "linewidth": 1.8, "marker": mark, "markersize": 5}
+    with angle_panels.mode_panels(fastest, "Change of frequency (Hz)", ax=ax) as drawn:
         # Coriolis is a name; the others are plain words.
         terms = [name.replace("coriolis", "Coriolis") for name in names_of(dataset, "term")]
-        lines = [series_handle(n, t, **series_line(n, angles)) for n, t in enumerate(terms)]
         title = f"Change of frequency from rest to {speed}, by term"
-        drawn.header([line_handle("total", **total), *lines], title)
+        drawn.header([line_handle("total", **total), *series_handles(terms, angles)], title)
         for axes, changes in zip(drawn.panels, effect, strict=True):
-            axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=1)
+            axes.axhline(0.0, color=style.MID_GREY, lw=0.6, zorder=1)
             # Under the terms, so that a term which makes up the whole effect is seen on it.
-            axes.plot(angles, changes.sum(axis=0), **total, zorder=1.9)
+            whole = changes.sum(axis=0)
+            axes.plot(angles, whole, **total, zorder=1.9)
             for number, change in enumerate(changes):
-                draw_line(axes, angles, change, number)
-            scale_y(axes, np.vstack([changes, changes.sum(axis=0), 0.0 * angles]), least=LEAST_BAND)
+                angle_panels.draw_line(axes, angles, change, number)
+            scales.scale_y(axes, np.vstack([changes, whole, 0.0 * angles]), least=LEAST_BAND)
     return drawn.figure

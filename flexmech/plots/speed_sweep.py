@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
@@ -11,15 +9,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
-from numpy.typing import ArrayLike
 
-from flexmech.plots.labels import link_label, names_of, speed_unit
-from flexmech.plots.reading import values_of
-from flexmech.plots.scales import log_scale, plain_numbers
+from flexmech.plots import scales, style
+from flexmech.plots.labels import link_label, speed_unit
+from flexmech.plots.layout import AxesLike, Layout, grid, sheet
+from flexmech.plots.reading import names_of
 from flexmech.plots.series import Look, line_handle, series_line, series_style
-from flexmech.plots.sheet import AxesLike, Layout, grid, sheet
 from flexmech.plots.spectra import ONE_LINK
-from flexmech.plots.style import FIGURE_WIDTH
 from flexmech.types import FloatArray
 from flexmech.units import from_si
 
@@ -36,9 +32,10 @@ LABEL_POINTS = 7.0
 # Mean width of these letters as a fraction of their size: f, / and 1 are narrow.
 MEAN_LETTER = 0.5
 # What the panels have of the figure's width, on the safe side.
-PANEL_WIDTH = FIGURE_WIDTH - 0.85
+PANEL_WIDTH = style.FIGURE_WIDTH - 0.85
 BAND_OPACITY = 0.18
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+ENDS = ("critical_speed_low", "critical_speed_high")
 # Up to this many decades the ticks stand at 1, 2 and 5, beyond it at powers of ten.
 FEW_DECADES = 2.3
 SETTLED: Look = {"ls": "", "marker": "s", "ms": 4.2, "mfc": "white", "mec": series_style(1).color}
@@ -90,13 +87,10 @@ def plot_speed_sweep(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
             top = drawn.figure.axes[0]
             _draw_strip(top, bands)
         other, ratio = ("rad/s", 1.0 / factor) if unit == "rpm" else ("rpm", RPM / factor)
-        upper = top.secondary_xaxis("top", functions=(_times(ratio), _times(1.0 / ratio)))
+        there_and_back = (lambda speed: ratio * speed, lambda speed: speed / ratio)
+        upper = top.secondary_xaxis("top", functions=there_and_back)
         upper.set_xlabel(f"Crank speed ({other})")
     return drawn.figure
-
-
-def _times(factor: float) -> Callable[[ArrayLike], FloatArray]:
-    return lambda values: factor * np.asarray(values, dtype=float)
 
 
 def _layout(links: int, modes: int) -> Layout:
@@ -117,19 +111,19 @@ def _limits(speeds: FloatArray, settled: bool) -> tuple[float, float]:
 
 def _bands(dataset: xr.Dataset, factor: float, limits: tuple[float, float]) -> Bands:
     """Bands within the limits; one that only reaches into the range is cut off at the edge."""
-    ends = [
-        factor * values_of(dataset[f"critical_speed_{end}"].sortby("order"), "mode", "order")
-        for end in ("low", "high")
-    ]
-    orders = np.sort(dataset["order"].values).tolist()
     bands: Bands = {}
-    for mode, lows, highs in zip(dataset["mode"].values.tolist(), *ends, strict=True):
-        for order, low, high in zip(orders, lows.tolist(), highs.tolist(), strict=True):
+    for mode in dataset["mode"].values.tolist():
+        for order in np.sort(dataset["order"].values).tolist():
+            of_both = dataset.sel(mode=mode, order=order)
+            low, high = (factor * float(of_both[name]) for name in ENDS)
             if high > limits[0] and low < limits[1]:
-                name = f"f{mode}".translate(SUBSCRIPTS) + f"/{order}"
-                cut = name, max(low, limits[0]), min(high, limits[1])
+                cut = f"{_symbol(mode)}/{order}", max(low, limits[0]), min(high, limits[1])
                 bands.setdefault(mode, []).append(cut)
     return bands
+
+
+def _symbol(mode: int) -> str:
+    return f"f{mode}".translate(SUBSCRIPTS)
 
 
 def _merged(bands: list[tuple[str, float, float]]) -> list[tuple[float, float]]:
@@ -182,20 +176,20 @@ def _draw_peaks(axes: Axes, link: xr.Dataset, factor: float) -> None:
     values = np.concatenate(drawn)
     positive = values[np.isfinite(values) & (values > 0)]
     if positive.size == 0:
-        plain_numbers(axes)
+        scales.plain_numbers(axes)
         return
     low, high = 0.8 * float(positive.min()), 1.25 * float(positive.max())
     few = np.log10(high / low) <= FEW_DECADES
-    log_scale(axes, low, high)
+    scales.log_scale(axes, low, high)
     axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,), numticks=9))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def _handles(dataset: xr.Dataset, bands: Bands) -> list[Artist]:
-    handles: list[Artist] = [line_handle("steady state", color=series_style(0).color)]
+    handles = [line_handle("steady state", color=series_style(0).color)]
     if "settled_peak" in dataset:
         handles.append(line_handle("settled simulation", **SETTLED))
     for row, mode in enumerate(bands):
-        label = f"f{mode}".translate(SUBSCRIPTS) + "/order"
-        handles.append(Patch(color=_color(row), alpha=2 * BAND_OPACITY, lw=0, label=label))
+        look: Look = {"color": _color(row), "alpha": 2 * BAND_OPACITY, "lw": 0}
+        handles.append(Patch(**look, label=f"{_symbol(mode)}/order"))
     return handles

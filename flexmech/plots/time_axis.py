@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from flexmech.plots.sheet import Layout, Sheet, grid
+from flexmech.plots.layout import Layout, Sheet, grid
+from flexmech.plots.scales import DEGREE_STEPS, round_step
 from flexmech.plots.style import LIGHT_GREY
 from flexmech.types import FloatArray
 
@@ -19,7 +20,6 @@ AXES_HEIGHT = 0.85
 
 # Up to this many turns the angle is read in degrees, beyond it turns are counted.
 MOST_TURNS_IN_DEGREES = 2.05
-DEGREE_STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 90.0)
 TURN_STEPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
 MOST_INTERVALS = 8
 MOST_TURNS = 12
@@ -74,8 +74,7 @@ def angle_axis(axes: Axes, dataset: xr.Dataset) -> list[float]:
     unit = 2 * np.pi if whole else np.pi / 180
     span = abs(high - low) / unit
     most, steps = (MOST_TURNS, TURN_STEPS) if whole else (MOST_INTERVALS, DEGREE_STEPS)
-    step = next((s for s in steps if span <= s * most * (1 + 1e-6)), float(np.ceil(span / most)))
-    ticks = _multiples(low / unit, high / unit, step)
+    ticks = _multiples(low / unit, high / unit, round_step(span, most, steps))
     top = axes.secondary_xaxis("top")
     labels = [f"{tick:g}".replace("-", "\N{MINUS SIGN}") for tick in ticks]
     top.set_xticks(_times(ticks * unit, time, angle).tolist(), labels)

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from flexmech.plots.angle_panels import label_angles
-from flexmech.plots.labels import names_of
-from flexmech.plots.reading import degrees, values_of
-from flexmech.plots.series import series_handle, series_line, told_apart
-from flexmech.plots.sheet import AxesLike, grid, sheet
-from flexmech.plots.style import LIGHT_GREY, MID_GREY
+from flexmech.plots import angle_panels, style
+from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.reading import degrees, names_of, values_of
+from flexmech.plots.series import series_handles, series_line, told_apart
 
 __all__ = ["plot_transmission_angle"]
 
@@ -48,14 +45,15 @@ def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) 
     angles, attrs = degrees(dataset["crank_angle"]), dataset.attrs
     with sheet(grid(1, 1, 3.2), ax=ax) as drawn:
         (axes,) = drawn.panels
-        handles: list[Artist] = [series_handle(n, name) for n, name in enumerate(names)]
+        handles = series_handles(names)
         if "wanted_least" in attrs:
             wanted = np.degrees([attrs["wanted_least"], attrs["wanted_greatest"]])
-            axes.axhspan(*wanted, color=LIGHT_GREY, zorder=0)
-            handles.append(Patch(color=LIGHT_GREY, label=attrs.get("wanted_label", "wanted range")))
+            axes.axhspan(*wanted, color=style.LIGHT_GREY, zorder=0)
+            words = attrs.get("wanted_label", "wanted range")
+            handles.append(Patch(color=style.LIGHT_GREY, label=words))
         drawn.header(handles, str(attrs.get("title", TITLE)))
-        axes.axhline(90.0, color=MID_GREY, lw=0.6, zorder=1)
+        axes.axhline(90.0, color=style.MID_GREY, lw=0.6, zorder=1)
         for number, values in enumerate(curves):
             axes.plot(angles, values, **series_line(number))
-        label_angles(drawn, angles, "Transmission angle (deg)")
+        angle_panels.label_angles(drawn, angles, "Transmission angle (deg)")
     return drawn.figure

@@ -8,12 +8,11 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots.angle_lines import staggered
+from flexmech.plots import angle_panels, scales
 from flexmech.plots.labels import engine_label, mode_label
+from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import at_highest_speed, degrees, values_of
-from flexmech.plots.scales import crank_angle_axis, scale_y
 from flexmech.plots.series import SERIES_STYLES, Look, few_points, line_handle, series_style
-from flexmech.plots.sheet import AxesLike, grid, sheet
 from flexmech.plots.style import MID_GREY
 from flexmech.types import FloatArray
 
@@ -22,9 +21,7 @@ __all__ = ["plot_vibration_effect"]
 # Of the engines, where there are several.
 MARKS = "so^D"
 MARK_SIZE = 3.6
-# Narrowest axes, of frequency as a part of it and of the difference in percent: below them
-# one would look at round-off.
-LEAST_BAND = 4e-3
+# Narrowest axis of the difference in percent: below it one would look at round-off.
 LEAST_DIFFERENCE = 1e-3
 SAME = 1e-12
 RUNNING: Look = {"lw": 1.1}
@@ -68,10 +65,10 @@ def plot_vibration_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) ->
         for mode, axes in enumerate(drawn.panels[:-1]):
             axes.set(title=mode_label(modes[mode : mode + 1]), ylabel="Frequency\n(Hz)")
             _draw_frequencies(axes, angles, running[mode], still[mode], series_style(mode).color)
-            scale_y(axes, [running[mode], still[mode]], least_part=LEAST_BAND)
+            scales.scale_y(axes, [running[mode], still[mode]], least_part=scales.FREQUENCY_BAND)
         _draw_difference(drawn.panels[-1], angles, 100.0 * (running / still - 1.0))
         for axes in drawn.panels:
-            crank_angle_axis(axes, angles)
+            scales.crank_angle_axis(axes, angles)
     return drawn.figure
 
 
@@ -90,7 +87,7 @@ def _draw_frequencies(
         # One engine needs no marks to be told from others.
         marked = few_points(angles) or len(running) > 1
         mark: Look = {"marker": MARKS[number % 4] if marked else "", "ms": MARK_SIZE}
-        mark["markevery"] = staggered(angles, number, len(running))
+        mark["markevery"] = angle_panels.staggered(angles, number, len(running))
         axes.plot(angles, running[number], color=color, **RUNNING, **mark)
         axes.plot(angles, still[number], **STILL, **mark, mfc="white")
 
@@ -101,8 +98,10 @@ def _draw_difference(axes: Axes, angles: FloatArray, percent: FloatArray) -> Non
     for mode, engines in enumerate(percent):
         for number, values in enumerate(engines):
             look = {"ls": "-" if number == 0 else ":", **RUNNING, **_mode_mark(mode)}
-            axes.plot(angles, values, **look, markevery=staggered(angles, mode, len(percent)))
-    scale_y(axes, np.append(percent, 0.0), least=LEAST_DIFFERENCE)
+            axes.plot(
+                angles, values, **look, markevery=angle_panels.staggered(angles, mode, len(percent))
+            )
+    scales.scale_y(axes, np.append(percent, 0.0), least=LEAST_DIFFERENCE)
     axes.set(title="Running against quasi-static", ylabel="Difference\n(%)")
 
 
@@ -120,4 +119,4 @@ def _handles(modes: list[int], names: list[str]) -> list[Artist]:
         mark = {"ls": "", "marker": MARKS[number % 4], "ms": MARK_SIZE}
         handles.append(line_handle(name, color="0.2", **mark))
     handles += [line_handle(f"mode {mode}", **_mode_mark(n)) for n, mode in enumerate(modes)]
-    return [*handles]
+    return handles

@@ -1,28 +1,8 @@
-"""Whole campaigns: a paper's cases, computed and set beside what it prints."""
+"""Whole campaigns: a paper's cases, computed and set beside what it prints.
 
-from flexmech.studies.claim import Claim, Verdict
-from flexmech.studies.composite_crank_rockers import CompositeStudy, study_composites
-from flexmech.studies.composite_crank_rockers.linkages import (
-    composite_crank_rocker,
-    composite_model_file,
-    position_angles,
-)
-from flexmech.studies.composite_crank_rockers.published import published_case, published_tables
-from flexmech.studies.composite_crank_rockers.structure import (
-    deviation_at_best_scale,
-    laminate_factors,
-)
+Names are loaded when they are first used.
+"""
 
-__all__ = [
-    "Claim",
-    "CompositeStudy",
-    "Verdict",
-    "composite_crank_rocker",
-    "composite_model_file",
-    "deviation_at_best_scale",
-    "laminate_factors",
-    "position_angles",
-    "published_case",
-    "published_tables",
-    "study_composites",
-]
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -64,8 +64,10 @@ class Claim:
         return f"{self.place}, {self.statement}: {known}"
 
 
-def verdict_on(holds: object) -> Verdict:
-    """Verdict on a statement of which we know whether it holds."""
+def verdict_on(holds: bool | None) -> Verdict:
+    """Verdict on a statement of which we know whether it holds, or None where we cannot."""
+    if holds is None:
+        return "not checkable"
     return "reproduced" if holds else "not reproduced"
 
 

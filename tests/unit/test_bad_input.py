@@ -384,7 +384,7 @@ def test_result_folders_that_cannot_be_written_are_refused_at_once(tmp_path: Pat
         (model, r"cannot write to .*model\.toml \(File exists\); choose a folder"),
         (model / "below", r"cannot write to .*below \(Not a directory\); choose a folder"),
         (tmp_path / ("x" * 300), r"File name too long"),
-        (taken, r"frequencies\.csv is a folder there; remove it or choose another --out"),
+        (taken, r"frequencies\.csv is a folder there; remove it or choose another one"),
     ):
         result = CliRunner().invoke(app, ["frequencies", str(model), "--out", str(out)])
         assert result.exit_code == 2

@@ -77,6 +77,7 @@ def test_numbers_are_those_of_the_mechanism(
         assert float(one["bending_stiffness"]) == section.bending_stiffness
         mass = section.mass_per_length * link.length
         assert float(one["link_mass"]) == pytest.approx(mass, rel=1e-12)
+        assert one["link_mass"].attrs["units"] == "kg"
         total += mass
     engine = ReferenceEngine(loaded_mechanism, elements=2)
     np.testing.assert_array_equal(found["frequency"], natural_frequencies(engine, 0.0))

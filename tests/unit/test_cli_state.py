@@ -10,11 +10,13 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from flexmech.analyses import MovingFrequencies, moving_frequencies
+from flexmech.analyses import MovingFrequencies, ResponseRequest, moving_frequencies
+from flexmech.analyses.response import response
 from flexmech.cli import app
 from flexmech.cli.environment import parse_environment
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Exposure, HygrothermalState
+from flexmech.linkages import CrankDrive
 from flexmech.modelfile import load_mechanism
 from flexmech.reference import ReferenceEngine
 from tests.unit.figure_checks import HALF_WIDTH_PANEL, check_layout
@@ -249,3 +251,9 @@ def test_response_refuses_to_start_a_bent_link_straight(model: Path, tmp_path: P
     assert "start rigid" in error
     assert "equilibrium or periodic" in error
     assert not (tmp_path / "wet").exists()
+
+
+def test_response_in_what_is_no_environment_is_refused(model: Path) -> None:
+    engine = ReferenceEngine(load_mechanism(model), 2)
+    with pytest.raises(InputError, match="an environment is needed, got 'wet'"):
+        response(engine, ResponseRequest(CrankDrive(10.0)), environment="wet")  # type: ignore[arg-type]

@@ -12,10 +12,10 @@ from matplotlib.patches import Circle
 
 from flexmech.errors import InputError
 from flexmech.plots import plot_agreement, plot_frequencies, plot_mode_shapes, plot_speed_effect
-from flexmech.plots.branches import contiguous_runs, mode_groups
+from flexmech.plots.frequencies import contiguous_runs, mode_groups
 from flexmech.plots.labels import speed_label
+from flexmech.plots.layout import legend_columns
 from flexmech.plots.series import SERIES_STYLES
-from flexmech.plots.sheet import legend_columns
 from tests.unit.figure_checks import check_layout, heading, legend_texts, lines_in
 from tests.unit.plot_data import FULL_TURN, TERMS, arm_dataset, frequency_dataset
 

@@ -64,6 +64,10 @@ def test_numbers_are_those_of_each_section(composite: Mechanism) -> None:
         values = found.dataset.sel(link=name, coupling="with")
         assert float(values["axial_stiffness"]) == section.axial_stiffness
         assert float(values["damping_time_shear"]) == section.damping.shear
+        modulus = 12 * section.bending_stiffness / (0.02 * section.in_plane_thickness**3)
+        assert float(values["flexural_modulus"]) == pytest.approx(modulus)
+        unknown = [key for key, one in values.items() if one.ndim == 0 and one.isnull()]
+        assert unknown == []
         profile = found.profile(name)
         assert profile["place"].notnull().all()
         assert float(profile["neutral_axis"]) == section.neutral_axis

@@ -143,7 +143,10 @@ def test_point_masses_come_in_order_and_zero_ones_not_at_all() -> None:
             {"link_masses": (PointMass("crank", 0.2, 1.0),)},
             r"position 0.2 m is not on the crank \(0 to 0.102 m\)",
         ),
-        ({"link_masses": (PointMass("crank", np.nan, 1.0),)}, "position on the crank must be a number, got nan m"),
+        (
+            {"link_masses": (PointMass("crank", np.nan, 1.0),)},
+            "position on the crank must be a number, got nan m",
+        ),
         ({"link_masses": (PointMass("crank", 0.1, -1.0),)}, "mass on the crank must be zero"),
         ({"gravity": (0.0, np.inf)}, "gravity must be a number, got inf m/s"),
     ],

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
 from flexmech import plots
 from flexmech.analyses.result import Result
 from flexmech.analyses.section_profile.properties import LINK_PROPERTIES, PROPERTIES
 from flexmech.analyses.summary import Summary, Table
 from flexmech.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 __all__ = ["ModelCheck"]
 
@@ -66,9 +71,8 @@ class ModelCheck(Result):
             If the linkage cannot stand at crank angle 0.
         """
         if "rigid_position" not in self.dataset:
-            raise InputError(
-                f"no picture of the linkage: {self.dataset.attrs['without_frequencies']}"
-            )
+            reason = self.dataset.attrs["without_frequencies"]
+            raise InputError(f"no picture of the linkage: {reason}")
         return plots.plot_linkage(self.dataset, ax=ax)
 
     def summary(self) -> Summary:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import pandas as pd
 import xarray as xr
-from matplotlib.figure import Figure
 
+from flexmech import plots
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.linkages import FourBar
-from flexmech.plots import AxesLike, plot_coupler_angles, plot_coupler_curve
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 __all__ = ["CouplerPaths"]
 
@@ -70,11 +75,14 @@ class CouplerPaths(Result):
 
     def figures(self) -> dict[str, Figure]:
         """Curves with their double points, and the angles of coupler and rocker."""
-        return {"coupler_curve": self.plot(), "coupler_angles": plot_coupler_angles(self.dataset)}
+        return {
+            "coupler_curve": self.plot(),
+            "coupler_angles": plots.plot_coupler_angles(self.dataset),
+        }
 
-    def plot(self, *, ax: AxesLike | None = None) -> Figure:
+    def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw curves with their double points, in axes of the user's (one a panel) if given."""
-        return plot_coupler_curve(self.dataset, ax=ax)
+        return plots.plot_coupler_curve(self.dataset, ax=ax)
 
     def summary(self) -> Summary:
         """Lengths, double points, changes, and the check by the sextic."""

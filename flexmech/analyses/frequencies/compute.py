@@ -106,6 +106,7 @@ def moving_frequencies(
     if environment is None:
         return MovingFrequencies(_in_one_state(engines, request, report))
     mechanism = engines[0].mechanism
+    lines = environment_lines(mechanism, environment)
     exposed = [
         each.with_(mechanism=mechanism_in_state(each.mechanism, environment)) for each in engines
     ]
@@ -117,7 +118,7 @@ def moving_frequencies(
     # First in the environment: what it refuses is refused before the long work.
     found = _in_one_state(exposed, request, report)
     states = {"dry": _in_one_state(dry, request, report), state_name(environment): found}
-    return MovingFrequencies(with_states(states, environment_lines(mechanism, environment)))
+    return MovingFrequencies(with_states(states, lines))
 
 
 def _in_one_state(

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from flexmech import plots
 from flexmech.analyses.frequencies import words
@@ -18,6 +17,10 @@ from flexmech.analyses.summary import Summary
 from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.errors import InputError
 from flexmech.units import from_si
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 __all__ = ["EngineAgreement", "MovingFrequencies"]
 
@@ -263,7 +266,7 @@ class MovingFrequencies(Result):
     def plot(
         self,
         *,
-        ax: Axes | Sequence[Axes] | None = None,
+        ax: plots.AxesLike | None = None,
         modes: int | Sequence[int] | None = None,
         speeds: float | Sequence[float] | None = None,
         engine: str | None = None,

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import pandas as pd
 import xarray as xr
-from matplotlib.figure import Figure
 
+from flexmech import plots
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.analyses.tables import table_over
-from flexmech.plots import AxesLike, plot_moisture
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 __all__ = ["MoistureUptake"]
 
@@ -59,9 +64,9 @@ class MoistureUptake(Result):
         )
         return {"moisture_profile": profile.dropna(), "moisture_uptake": uptake}
 
-    def plot(self, *, ax: AxesLike | None = None) -> Figure:
+    def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw profiles and uptake of each link, in axes of the user's (two a link) if given."""
-        return plot_moisture(self.dataset, ax=ax)
+        return plots.plot_moisture(self.dataset, ax=ax)
 
     def summary(self) -> Summary:
         """What the links hold at the end, and how long they take to their equilibrium."""

@@ -4,12 +4,10 @@ from flexmech.analyses.response.compute import response
 from flexmech.analyses.response.measurements import deflections, deflections_of, probes
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.result import Response
-from flexmech.analyses.response.spectra import Spectrogram
 
 __all__ = [
     "Response",
     "ResponseRequest",
-    "Spectrogram",
     "deflections",
     "deflections_of",
     "probes",

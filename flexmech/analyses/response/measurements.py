@@ -64,17 +64,16 @@ def deflections_of(engine: Engine, displacement: Sequence[FloatArray]) -> FloatA
         In m.
     """
     parts = []
-    lengths = [link.length for link in engine.mechanism.linkage.topology.links]
-    for link, place, length, q in zip(
-        engine.links, probes(engine), lengths, displacement, strict=True
+    bodies = engine.mechanism.linkage.topology.links
+    for body, link, place, q in zip(
+        bodies, engine.links, probes(engine), displacement, strict=True
     ):
-        count = len(link.shape)
-        chosen = link.shape[[0, count // 2, count - 1]]
-        start, middle, end = np.moveaxis(np.einsum("scn,bn->sbc", chosen, q), 0, 0)
+        stations = [0, len(link.shape) // 2, -1]
+        start, middle, end = np.einsum("scn,bn->sbc", link.shape[stations], q)
         if place == "tip":
             parts.append(end[:, 1] - start[:, 1])
         else:
-            parts.append(_off_chord(start, middle, end, length))
+            parts.append(_off_chord(start, middle, end, body.length))
     return np.stack(parts, axis=1)
 
 

@@ -6,17 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from flexmech.choices import (
-    INTEGRATORS,
-    MODES,
-    PRESTRESS_LEVELS,
-    STARTS,
-    Integrator,
-    Prestress,
-    Start,
-)
+from flexmech import choices
 from flexmech.errors import InputError
 from flexmech.linkages import CrankDrive
+from flexmech.numbers import POSITIVE, check_instance, check_number
 from flexmech.types import FloatArray
 
 __all__ = ["ResponseRequest"]
@@ -69,43 +62,33 @@ class ResponseRequest:
     drive: CrankDrive
     revolutions: float = 4.0
     samples: int = 720
-    start: Start = "rigid"
+    start: choices.Start = "rigid"
     step: float | None = None
-    integrator: Integrator = "trapezoidal"
-    prestress: Prestress = "equilibrium"
-    modes: int = MODES
+    integrator: choices.Integrator = "trapezoidal"
+    prestress: choices.Prestress = "equilibrium"
+    modes: int = choices.MODES
     speed_unit: str = field(default="rad/s", repr=False)
 
     def __post_init__(self) -> None:
-        if not isinstance(self.drive, CrankDrive):
-            raise InputError(
-                f"drive must be a CrankDrive, got {self.drive!r}; write flexmech.CrankDrive(20.0) "
-                "for 20 rad/s"
-            )
-        if not (np.isfinite(self.revolutions) and self.revolutions > 0):
-            raise InputError(f"revolutions must be positive, got {self.revolutions}")
+        check_instance(
+            self.drive, CrankDrive, "drive", "write flexmech.CrankDrive(20.0) for 20 rad/s"
+        )
+        check_number(self.revolutions, "revolutions", "", POSITIVE)
         if self.samples < 8:
             raise InputError(f"samples must be 8 or more a revolution, got {self.samples}")
         if self.modes < 1:
             raise InputError(f"modes must be 1 or more, got {self.modes}")
-        for name, value, choices in (
-            ("start", self.start, STARTS),
-            ("integrator", self.integrator, INTEGRATORS),
-            ("prestress", self.prestress, PRESTRESS_LEVELS),
+        for name, value, known in (
+            ("start", self.start, choices.STARTS),
+            ("integrator", self.integrator, choices.INTEGRATORS),
+            ("prestress", self.prestress, choices.PRESTRESS_LEVELS),
         ):
-            if value not in choices:
-                raise InputError(f"{name} must be one of {', '.join(choices)}, got {value!r}")
-        if self.step is not None and not (np.isfinite(self.step) and self.step > 0):
-            raise InputError(f"step must be a positive time in s, got {self.step}")
-        if self.step is not None and self.step > self.duration:
-            raise InputError(
-                f"step {self.step:g} s is longer than the run of {self.duration:g} s; choose a "
-                "shorter one, or leave it out"
-            )
+            if value not in known:
+                raise InputError(f"{name} must be one of {', '.join(known)}, got {value!r}")
         if self.start == "periodic" and not self.drive.is_constant:
             raise InputError("a periodic start needs a constant crank speed: leave out the run-up")
         samples = self.duration / self.sample_interval
-        if not samples <= MOST_SAMPLES:
+        if samples > MOST_SAMPLES:
             raise InputError(
                 f"the run would take {samples:.3g} samples, more than {MOST_SAMPLES}; ask for "
                 "fewer revolutions or samples"
@@ -115,9 +98,19 @@ class ResponseRequest:
                 f"the run of {self.duration:g} s is shorter than the {self.sample_interval:g} s "
                 "between two samples; ask for more revolutions or samples"
             )
-        if self.step is not None and not self.duration / self.step <= MOST_STEPS:
+        if self.step is not None:
+            check_number(self.step, "step", "s", POSITIVE)
+            self._check_length_of_step(self.step)
+
+    def _check_length_of_step(self, step: float) -> None:
+        if step > self.duration:
             raise InputError(
-                f"a step of {self.step:g} s makes more than {MOST_STEPS} steps of a run of "
+                f"step {step:g} s is longer than the run of {self.duration:g} s; choose a "
+                "shorter one, or leave it out"
+            )
+        if self.duration / step > MOST_STEPS:
+            raise InputError(
+                f"a step of {step:g} s makes more than {MOST_STEPS} steps of a run of "
                 f"{self.duration:g} s; choose a longer one, or leave it out"
             )
 

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import numpy as np
 import pandas as pd
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from flexmech import plots
 from flexmech.analyses.response import words
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
+from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.files import moved_into
-from flexmech.types import LabelledProgress, StepProgress
+from flexmech.types import LabelledProgress
 from flexmech.units import from_si
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 __all__ = ["Response"]
 
@@ -86,38 +90,30 @@ class Response(Result):
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """Histories, one row for each engine and sample."""
-        parts = [self._engine_table(str(e)) for e in self.dataset["engine"].values]
-        return {"response": pd.concat(parts)}
-
-    def _engine_table(self, engine: str) -> pd.DataFrame:
-        data = self.dataset.sel(engine=engine)
-        angle = np.round(np.degrees(data["crank_angle"].values), 9)
-        columns = {"engine": engine, "time_s": data["time"].values, "crank_angle_deg": angle}
-        # Pinned links first, then what the shaft holds.
-        ordered = sorted(data["link"].values, key=lambda name: _place(data, name) == "tip")
-        for link in ordered:
-            where = {"middle": "mid", "tip": "tip"}[_place(data, link)]
-            columns[f"{link}_{where}_deflection_m"] = data["deflection"].sel(link=link).values
-        for link in ordered:
-            if _place(data, link) == "middle":
-                columns[f"{link}_mid_strain"] = data["strain"].sel(link=link).values
-        columns["driving_torque_Nm"] = data["driving_torque"].values
-        for joint in data["joint"].values:
-            if joint in self.pins:
-                for axis in ("x", "y"):
-                    force = data["joint_force"].sel(joint=joint, component=axis)
-                    columns[f"pin_{joint}_{axis}_N"] = force.values
-        return pd.DataFrame(columns)
+        data = self.dataset
+        deflection, strain, force = data["deflection"], data["strain"], data["joint_force"]
+        pinned, clamped = (data["link"][data["probe"] == at].values for at in ("middle", "tip"))
+        columns: dict[str, xr.DataArray] = {
+            "engine": data["engine"],
+            "time_s": data["time"],
+            "crank_angle_deg": (DEGREES * data["crank_angle"]).round(9),
+            **{f"{link}_mid_deflection_m": deflection.sel(link=link) for link in pinned},
+            **{f"{link}_tip_deflection_m": deflection.sel(link=link) for link in clamped},
+            **{f"{link}_mid_strain": strain.sel(link=link) for link in pinned},
+            "driving_torque_Nm": data["driving_torque"],
+            **{
+                f"pin_{joint}_{axis}_N": force.sel(joint=joint, component=axis)
+                for joint in self.pins
+                for axis in ("x", "y")
+            },
+        }
+        return {self.stem: table_over("engine", "time", **columns)}
 
     @property
     def pins(self) -> list[str]:
         """Joints between links, as against those that the ground or the shaft holds."""
-        joints = self.dataset["joint"]
-        return [
-            str(j)
-            for j, kind in zip(joints.values, self.dataset["joint_kind"].values, strict=True)
-            if kind == "pin"
-        ]
+        data = self.dataset
+        return [str(joint) for joint in data["joint"][data["joint_kind"] == "pin"].values]
 
     def figures(self) -> dict[str, Figure]:
         """Histories, forces and spectra; see :mod:`flexmech.plots`."""
@@ -134,7 +130,7 @@ class Response(Result):
     def plot(
         self,
         *,
-        ax: Axes | Sequence[Axes] | None = None,
+        ax: plots.AxesLike | None = None,
         links: str | Sequence[str] | None = None,
         engine: str | None = None,
     ) -> Figure:
@@ -176,30 +172,23 @@ class Response(Result):
         list of Path
         """
         names = ANIMATIONS if plots.mp4_available() else ANIMATIONS[:1]
+        report = progress or (lambda label, done, total: None)
         with moved_into(Path(folder)) as temporary:
             for name in names:
-                shown = None if progress is None else _labelled(progress, name)
+                shown = partial(report, name)
                 plots.write_animation(self.dataset, temporary / name, progress=shown)
         return [Path(folder) / name for name in names]
 
     def summary(self) -> Summary:
         """Peaks and how far they can be trusted; the last line compares the engines."""
-        data, unit = self.dataset, str(self.dataset.attrs.get("speed_unit", "rad/s"))
-        speed = f"{from_si(float(data.attrs['crank_speed']), unit):.6g} {unit}"
-        title = f"peaks at {speed}, {data.attrs.get('mechanism', '')}"
-        lines = (
+        data, peaks, unit = self.dataset, self.peaks(), self.dataset.attrs["speed_unit"]
+        speed = f"{from_si(data.attrs['crank_speed'], unit):.6g} {unit}"
+        title = f"peaks at {speed}, {data.attrs['mechanism']}"
+        parts = (
+            words.peak_table(peaks, float(data["crank_angle"][0]), title),
             *words.check_lines(data),
-            *words.load_lines(self.peaks(), data),
+            *words.load_lines(peaks, data),
             *words.spectrogram_lines(data),
-            *str(data.attrs.get("environment_lines", "")).splitlines(),
+            *data.attrs["environment_lines"].splitlines(),
         )
-        table = words.peak_table(self.peaks(), float(data["crank_angle"][0]), title)
-        return Summary((table, *lines), words.agreement_line(self.agreement(), data))
-
-
-def _place(data: xr.Dataset, link: str) -> str:
-    return str(data["probe"].sel(link=link).item())
-
-
-def _labelled(progress: LabelledProgress, name: str) -> StepProgress:
-    return lambda done, total: progress(name, done, total)
+        return Summary(parts, words.agreement_line(self.agreement(), data))

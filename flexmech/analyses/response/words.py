@@ -51,22 +51,18 @@ def peak_table(peaks: xr.Dataset, start: float, title: str) -> Table:
 
 def check_lines(dataset: xr.Dataset) -> list[str]:
     """Report how far the run may be trusted: energy, constraints, time step and mesh."""
-    energy = _of_engines(dataset["energy_error"], ".1e")
-    drift = _of_engines(dataset["constraint_drift"], ".1e", " m")
-    step = _of_engines(dataset["step"], ".4g", " s")
-    error = _of_engines(dataset["step_error"], ".1e")
+    energy, step_error = _listed(dataset["energy_error"]), _listed(dataset["step_error"])
     lines = [
         f"energy balance: off by at most {energy} of the peak kinetic energy",
-        f"constraint drift: at most {drift}",
-        f"time step: {step}",
-        f"error by the time step (estimated): at most {error} of the peak deflection",
+        f"constraint drift: at most {_listed(dataset['constraint_drift'], '{:.1e} m')}",
+        f"time step: {_listed(dataset['step'], '{:.4g} s')}",
+        f"error by the time step (estimated): at most {step_error} of the peak deflection",
     ]
     reduced = dataset["reduction_error"].where(dataset["reduction_error"] > 0, drop=True)
     if reduced.size:
-        error = _of_engines(reduced, ".1e")
-        lines.append(f"component modes: twice the detail changes deflections by {error}")
+        lines.append(f"component modes: twice the detail changes deflections by {_listed(reduced)}")
     if "mesh_error" in dataset:
-        mesh = _of_engines(dataset["mesh_error"], ".1e")
+        mesh = _listed(dataset["mesh_error"])
         lines.append(f"mesh: twice the elements change deflections by {mesh} of their peak")
     return lines
 
@@ -85,14 +81,19 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
     -------
     list of str
     """
-    torque = _of_engines(peaks["driving_torque"], ".4g", " N m")
+    torque = _listed(peaks["driving_torque"], "{:.4g} N m")
     rigid_torque = float(abs(data["rigid_driving_torque"]).max())
     rigid_force = np.hypot(*np.moveaxis(data["rigid_joint_force"].values, -1, 0)).max(axis=0)
-    forces = {str(e): peaks["joint_force"].sel(engine=e).values for e in peaks["engine"].values}
-    forces["rigid links"] = rigid_force
+
+    def line(forces: Iterable[float], name: str) -> str:
+        joints = zip(data["joint"].values, forces, strict=True)
+        shown = ", ".join(f"{joint} {force:.4g}" for joint, force in joints)
+        return f"peak joint forces: {shown} N ({name})"
+
     return [
         f"peak driving torque: {torque}, {rigid_torque:.4g} N m (rigid links)",
-        *(f"peak joint forces: {_of_joints(data, of)} N ({name})" for name, of in forces.items()),
+        *(line(peaks["joint_force"].sel(engine=e).values, e) for e in peaks["engine"].values),
+        line(rigid_force, "rigid links"),
     ]
 
 
@@ -108,13 +109,9 @@ def agreement_line(agreement: xr.DataArray | None, dataset: xr.Dataset) -> str:
     engines = dataset["engine"].values
     if agreement is None:
         return f"engines: no comparison was made, only the {engines[0]} engine ran"
-    differences = ", ".join(
-        f"{difference:.1e} ({link})"
-        for link, difference in zip(agreement["link"].values, agreement.values, strict=True)
-    )
     return (
-        f"engines: deflections of {engines[0]} and {engines[1]} differ by at most {differences} "
-        "of the link's peak"
+        f"engines: deflections of {engines[0]} and {engines[1]} differ by at most "
+        f"{_listed(agreement)} of the link's peak"
     )
 
 
@@ -125,14 +122,10 @@ def _crank(angle: float, start: float) -> tuple[float, int]:
     return degrees, int(turned + _WHOLE_TURN) + 1
 
 
-def _of_engines(values: xr.DataArray, form: str, unit: str = "") -> str:
+def _listed(values: xr.DataArray, form: str = "{:.1e}") -> str:
+    """Values along a dimension, each with its label behind it."""
+    labels = values[values.dims[0]].values
     return ", ".join(
-        f"{value:{form}}{unit} ({engine})"
-        for engine, value in zip(values["engine"].values, values.values, strict=True)
-    )
-
-
-def _of_joints(dataset: xr.Dataset, forces: Iterable[float]) -> str:
-    return ", ".join(
-        f"{joint} {force:.4g}" for joint, force in zip(dataset["joint"].values, forces, strict=True)
+        f"{form.format(value)} ({label})"
+        for label, value in zip(labels, values.values, strict=True)
     )

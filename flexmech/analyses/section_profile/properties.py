@@ -1,6 +1,6 @@
 """Properties of links and their cross-sections: how each is written, and one dataset of them all.
 
-Their names, units and words are in ``properties.toml``.
+Their names, units and words are in ``tables.toml``.
 """
 
 from __future__ import annotations
@@ -18,11 +18,10 @@ from flexmech.analyses.summary import Row
 from flexmech.sections import BeamSection
 from flexmech.units import from_si
 
-__all__ = ["COUPLINGS", "LINK_PROPERTIES", "PROPERTIES", "Property", "section_properties"]
+__all__ = ["COUPLINGS", "LINK_PROPERTIES", "PROPERTIES", "STORED", "Property", "section_properties"]
 
 COUPLINGS = ("with", "without")
 """A section with its axial-bending coupling, and with that left out."""
-ACTIONS = ("axial", "bending", "shear")
 
 
 class Property(NamedTuple):
@@ -59,11 +58,12 @@ class Property(NamedTuple):
         return (f"{self.words} ({unit})" if unit else self.words, *numbers)
 
 
-_FILE = resources.files("flexmech.analyses.section_profile") / "properties.toml"
-_TABLES = tomllib.loads(_FILE.read_text(encoding="utf-8"))
-LINK_PROPERTIES = tuple(Property(*row) for row in _TABLES["link"])
+_FILE = resources.files("flexmech.analyses.section_profile") / "tables.toml"
+STORED = tomllib.loads(_FILE.read_text(encoding="utf-8"))
+"""What tables of links and their sections say."""
+LINK_PROPERTIES = tuple(Property(*row) for row in STORED["link"])
 """What is known of a link beside its section."""
-PROPERTIES = tuple(Property(*row) for row in _TABLES["section"])
+PROPERTIES = tuple(Property(*row) for row in STORED["section"])
 """What is known of a section."""
 
 
@@ -82,35 +82,32 @@ def section_properties(sections: Mapping[str, BeamSection]) -> xr.Dataset:
     """
     pairs = [
         # The layers of the section without coupling are still known.
-        (_numbers(section), _numbers(replace(section.without_coupling(), layers=section.layers)))
+        (_known(section), _known(replace(section.without_coupling(), layers=section.layers)))
         for section in sections.values()
     ]
     dataset = xr.Dataset(coords={"link": list(sections), "coupling": list(COUPLINGS)})
     for one in PROPERTIES:
-        values = [[numbers[one.name] for numbers in pair] for pair in pairs]
+        values = [[known.get(one.name, np.nan) for known in pair] for pair in pairs]
         dataset[one.name] = (("link", "coupling"), values, one.attributes)
     return dataset
 
 
-def _numbers(section: BeamSection) -> dict[str, float]:
-    """All that is known of a section, the properties among it."""
-    layers, loss = section.layers, section.specific_damping
-    height, width = section.in_plane_thickness, np.nan if layers is None else layers.width
-    area = width * height
-    numbers = {
-        **vars(section),
-        "out_of_plane_width": width,
-        "coupling_stiffness": section.coupling_stiffness,
-        "shear_correction": np.nan,
-        "membrane_modulus": section.axial_stiffness / area,
-        "flexural_modulus": 12 * section.bending_stiffness / (area * height**2),
-        "density": section.mass_per_length / area,
-    }
-    if layers is not None:
+def _known(section: BeamSection) -> dict[str, float]:
+    """What is known of a section, its properties among it."""
+    known = vars(section) | {"coupling_stiffness": section.coupling_stiffness}
+    for action, time in vars(section.damping).items():
+        known[f"damping_time_{action}"] = time
+    if section.specific_damping is not None:
+        for action, loss in vars(section.specific_damping).items():
+            known[f"specific_damping_{action}"] = loss
+    if (layers := section.layers) is not None:
+        height = section.in_plane_thickness
+        area = layers.width * height
+        known["out_of_plane_width"] = layers.width
         # Of the section's own kGA, which need not be that of its layers (Cowper's).
-        ratio = layers.shear_correction * section.shear_stiffness / layers.shear_stiffness
-        numbers["shear_correction"] = ratio
-    for action in ACTIONS:
-        numbers[f"specific_damping_{action}"] = np.nan if loss is None else getattr(loss, action)
-        numbers[f"damping_time_{action}"] = getattr(section.damping, action)
-    return numbers
+        correction = layers.shear_correction * section.shear_stiffness / layers.shear_stiffness
+        known["shear_correction"] = correction
+        known["membrane_modulus"] = section.axial_stiffness / area
+        known["flexural_modulus"] = 12 * section.bending_stiffness / (area * height**2)
+        known["density"] = section.mass_per_length / area
+    return known

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import pandas as pd
 import xarray as xr
-from matplotlib.figure import Figure
 
 from flexmech import plots
 from flexmech.analyses.requests import link_of
 from flexmech.analyses.result import Result
-from flexmech.analyses.section_profile.properties import PROPERTIES
-from flexmech.analyses.section_profile.tables import LOADS_IN_WORDS, layer_tables, property_table
+from flexmech.analyses.section_profile.properties import PROPERTIES, STORED
+from flexmech.analyses.section_profile.tables import layer_tables, property_table
 from flexmech.analyses.summary import Summary, Table
 from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.errors import InputError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 __all__ = ["QUANTITIES", "SectionProfiles"]
 
@@ -121,7 +126,7 @@ class SectionProfiles(Result):
             parts.append(property_table(self.dataset.sel(link=link)))
             if link in self.links_with_layers:
                 parts += layer_tables(self.profile(link))
-        parts += LOADS_IN_WORDS if self.links_with_layers else ()
+        parts += STORED["unit_loads"] if self.links_with_layers else ()
         parts += [_nothing_known(link) for link in self.links if link not in self.links_with_layers]
         return Summary((*parts, *self.dataset.attrs["environment_lines"].splitlines()))
 

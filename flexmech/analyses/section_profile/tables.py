@@ -5,28 +5,13 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.section_profile.properties import COUPLINGS, PROPERTIES
+from flexmech.analyses.section_profile.properties import COUPLINGS, PROPERTIES, STORED
 from flexmech.analyses.summary import Table
 from flexmech.materials.stacking import stacking_text
 from flexmech.types import FloatArray
 
-__all__ = ["LOADS_IN_WORDS", "layer_tables", "property_table"]
+__all__ = ["layer_tables", "property_table"]
 
-LOADS_IN_WORDS = (
-    "unit loads: N = 1 N along the pins' axis (y = 0), M = 1 N m that stretches the side of "
-    "lower y, V = 1 N along y; y points to the left of a link when looking from its first "
-    "joint along it",
-    "what stands without coupling does not balance the loads: it shows what the coupling does, "
-    "kGA and damping are those of the section with it",
-)
-# Heading, quantity and load of a column.
-_COLUMNS = (
-    ("N: strain", "strain", "axial_force"),
-    ("N: stress (Pa)", "normal_stress", "axial_force"),
-    ("M: strain", "strain", "bending_moment"),
-    ("M: stress (Pa)", "normal_stress", "bending_moment"),
-    ("V: shear (Pa)", "shear_stress", "shear_force"),
-)
 # What rounding leaves of a zero, over the largest value of its column.
 _ZERO = 1e-9
 
@@ -73,7 +58,9 @@ def layer_tables(profile: xr.Dataset) -> list[Table]:
 
 def _layer_table(profile: xr.Dataset, title: str) -> Table:
     columns = [_without_noise(1e3 * profile["place"].values)]
-    columns += [_without_noise(profile[name].sel(load=load).values) for _, name, load in _COLUMNS]
+    columns += [
+        _without_noise(profile[name].sel(load=load).values) for _, name, load in STORED["inside"]
+    ]
     stack, runs = _stack(profile), profile["run"].values
     groups = []
     # The highest layer stands at the top, as in the link.
@@ -90,7 +77,7 @@ def _layer_table(profile: xr.Dataset, title: str) -> Table:
                 for word, row in zip(("", label, ""), cells, strict=True)
             )
         )
-    headings = ("layer", "y (mm)", *(heading for heading, *_ in _COLUMNS))
+    headings = ("layer", "y (mm)", *(heading for heading, *_ in STORED["inside"]))
     return Table(title, headings, tuple(groups))
 
 

@@ -16,6 +16,7 @@ from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.provenance import provenance, with_units
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.response import deflections_of, probes
+from flexmech.analyses.response.run import STEPS_PER_PERIOD
 from flexmech.analyses.speed_sweep.result import SpeedSweep
 from flexmech.analyses.turn import sampled_turn
 from flexmech.choices import Prestress
@@ -30,7 +31,6 @@ from flexmech.types import FloatArray, LabelledProgress
 __all__ = ["speed_sweep"]
 
 
-STEPS_PER_PERIOD = 40
 LEAST_STEPS = 720
 # A steady state shakes the lowest modes alone: fewer component modes than a start at speed.
 DETAIL = 2.0

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from flexmech import plots
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
+from flexmech.analyses.tables import table_over
 from flexmech.units import from_si
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 __all__ = ["SpeedSweep"]
 
@@ -33,21 +37,14 @@ class SpeedSweep(Result):
     def tables(self) -> dict[str, pd.DataFrame]:
         """Peaks, one row for each crank speed."""
         peaks = self.dataset["peak_deflection"]
-        columns = {
-            f"{link}_peak_deflection_m": peaks.sel(link=link).values
-            for link in peaks["link"].values
-        }
-        frame = pd.DataFrame({"crank_speed_rad_s": peaks["crank_speed"].values, **columns})
-        return {self.stem: frame}
-
-    def figures(self) -> dict[str, Figure]:
-        """Peaks against crank speed, over the critical speeds."""
-        return {self.stem: self.plot()}
+        speeds, links = peaks["crank_speed"], peaks["link"].values
+        columns = {f"{link}_peak_deflection_m": peaks.sel(link=link) for link in links}
+        return {self.stem: table_over("crank_speed", crank_speed_rad_s=speeds, **columns)}
 
     def plot(
         self,
         *,
-        ax: Axes | Sequence[Axes] | None = None,
+        ax: plots.AxesLike | None = None,
         links: str | Sequence[str] | None = None,
         modes: int | Sequence[int] | None = None,
     ) -> Figure:
@@ -75,12 +72,12 @@ class SpeedSweep(Result):
     def summary(self) -> Summary:
         """Greatest peak of each link, and the speed where it is."""
         peaks, unit = self.dataset["peak_deflection"], self.dataset.attrs["speed_unit"]
-        places = peaks["crank_speed"][peaks.argmax("crank_speed")]
+        speeds = peaks["crank_speed"][peaks.argmax("crank_speed")]
         rows = tuple(
             (
                 str(link),
                 f"{1e3 * float(peaks.sel(link=link).max()):.4g}",
-                f"{from_si(float(places.sel(link=link)), unit):.6g}",
+                f"{from_si(float(speeds.sel(link=link)), unit):.6g}",
             )
             for link in peaks["link"].values
         )

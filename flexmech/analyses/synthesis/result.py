@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
 
+from flexmech import plots
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.analyses.tables import DEGREES, table_over
-from flexmech.plots import AxesLike, plot_transmission_angle
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 __all__ = ["CrankRockerSynthesis"]
 
@@ -40,9 +45,9 @@ class CrankRockerSynthesis(Result):
         )
         return {"transmission_angle": table}
 
-    def plot(self, *, ax: AxesLike | None = None) -> Figure:
+    def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw the transmission angle over a turn, in axes of the user's if they are given."""
-        return plot_transmission_angle(self.dataset, ax=ax)
+        return plots.plot_transmission_angle(self.dataset, ax=ax)
 
     def summary(self) -> Summary:
         """Proportions, and what the linkage made of them has, computed back from its lengths."""

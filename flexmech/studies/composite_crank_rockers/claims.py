@@ -9,25 +9,20 @@ with the name of the method that tests it here and its arguments.
 from __future__ import annotations
 
 import re
-import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import resources
+from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
 from flexmech.linkages import synthesize_crank_rocker
-from flexmech.studies.claim import REPRODUCED_WITHIN, Claim, Verdict, verdict_on, within_a_tenth
-from flexmech.studies.composite_crank_rockers.linkages import CONVERGED, PAPERS_MESH, WITH_SHEAR
-from flexmech.studies.composite_crank_rockers.published import LAMINATES, published_case
-from flexmech.studies.composite_crank_rockers.structure import (
-    deviation_at_best_scale,
-    geometric_mean,
-    laminate_factors,
-    separable_error,
-)
+from flexmech.studies.claim import REPRODUCED_WITHIN, Claim, verdict_on, within_a_tenth
+from flexmech.studies.composite_crank_rockers import linkages, published, structure
+from flexmech.types import FloatArray
 
 __all__ = ["all_models", "composite_claims"]
 
@@ -54,15 +49,12 @@ def composite_claims(study: xr.Dataset) -> list[Claim]:
     list of Claim
         Ours are the converged frequencies with unidirectional plies.
     """
-    file = resources.files("flexmech.studies") / "composite_crank_rockers/data/claims.toml"
-    printed = tomllib.loads(file.read_text(encoding="utf-8"))
-    tests, claims = _Tests(study), []
-    for place, statement, said, test, reason in printed["claims"]:
-        name, *arguments = test.split()
-        found = getattr(tests, name)(said, *arguments)
-        why = printed["reasons"][reason].format(*found.numbers) if reason else ""
+    stored, tests, claims = published.stored_table("claims.toml"), _Tests(study), []
+    for place, statement, printed, (test, *arguments), reason in stored["claims"]:
+        found: _Finding = getattr(tests, test)(printed, *arguments)
+        why = stored["reasons"][reason].format(*found.numbers) if reason else ""
         texts = (found.from_tables, found.computed, found.other_models)
-        claims.append(Claim(place, statement, said, *texts, found.verdict, why))
+        claims.append(Claim(place, statement, printed, *texts, verdict_on(found.holds), why))
     return claims
 
 
@@ -81,51 +73,29 @@ def all_models(study: xr.Dataset) -> list[xr.DataArray]:
     """
     frequency = study["frequency"]
     other = frequency.where(frequency["position"] != "90", study["other_posture"])
-    models = [
-        {"plies": plies, "beams": beams}
-        for plies in study["plies"].values
-        for beams in study["beams"].values
+    return [
+        each.sel(plies=plies, beams=beams, drop=True)
+        for each in (frequency, other.transpose(*frequency.dims))
+        for plies, beams in product(linkages.PLY_MODELS, linkages.BEAMS)
     ]
-    models.sort(key=lambda model: model != {"plies": "unidirectional", "beams": CONVERGED})
-    postures = (frequency, other.transpose(*frequency.dims))
-    return [each.sel(model, drop=True) for each in postures for model in models]
 
 
-@dataclass(frozen=True)
-class _Finding:
-    """Texts of a claim and its verdict, and the numbers that its reason names."""
+class _Finding(NamedTuple):
+    """Texts of a claim, whether it holds if that can be checked, and numbers for its reason."""
 
     from_tables: str
     computed: str
     other_models: str = ""
-    verdict: Verdict = "not checkable"
-    numbers: tuple[float, ...] = ()
-
-
-@dataclass(frozen=True)
-class _Test:
-    """A number that is taken of values over position, laminate and case, and its words."""
-
-    number: Callable[[xr.DataArray], float]
-    holds: Callable[[float, float], bool] = within_a_tenth
-    form: str = "{} %"
-    decimals: int = 2
-
-    def words(self, *values: xr.DataArray) -> str:
-        """The number in words: of one set of values, or the least and greatest of several."""
-        numbers = [self.number(each) for each in values]
-        ends = (f"{end:.{self.decimals}f}" for end in (min(numbers), max(numbers)))
-        # The same end twice is one number.
-        return self.form.format(" to ".join(dict.fromkeys(ends))).replace("-0.00", "0.00")
-
-    def verdict(self, published: xr.DataArray, ours: xr.DataArray) -> Verdict:
-        """From the numbers of the printed tables and of ours."""
-        return verdict_on(self.holds(self.number(published), self.number(ours)))
+    holds: bool | None = None
+    numbers: Iterable[float] = ()
 
 
 @dataclass(frozen=True)
 class _Tests:
-    """Tests by the names that the claims have for them; the first argument is what is printed."""
+    """Tests by the names that the claims have for them; the first argument is what is printed.
+
+    A ``quantity`` is ``"frequency"`` or ``"damping"``.
+    """
 
     study: xr.Dataset
 
@@ -134,158 +104,156 @@ class _Tests:
         """Frequencies by all models, ours first."""
         return all_models(self.study)
 
-    def limits(self, printed: str, case: str) -> _Finding:
+    def limits(self, printed: str, case: int) -> _Finding:
         """Limits of the transmission angle."""
-        limits = np.degrees(published_case(int(case)).transmission_angle_limits())
+        limits = _limits(case)
         gap = np.abs(limits - [float(number) for number in re.findall(r"[\d.]+", printed)])
-        text = "{:.2f} to {:.2f} deg".format(*limits)
-        return _Finding(text, text, "", verdict_on(gap.max() <= LIMIT_TOLERANCE), tuple(gap))
+        text = f"{_span(limits)} deg"
+        return _Finding(text, text, holds=bool(gap.max() <= LIMIT_TOLERANCE), numbers=gap)
 
-    def ranges(self, printed: str, *cases: str) -> _Finding:
+    def ranges(self, printed: str, *cases: int) -> _Finding:
         """How far the transmission angle reaches."""
-        spans = [np.ptp(published_case(int(case)).transmission_angle_limits()) for case in cases]
-        degrees = np.degrees(spans)
-        text = ", ".join(f"case {c} {v:.1f} deg" for c, v in zip(cases, degrees, strict=True))
-        return _Finding(text, text, "", verdict_on(degrees.min() >= 60))
+        spans = {case: np.ptp(_limits(case)) for case in cases}
+        text = ", ".join(f"case {case} {span:.1f} deg" for case, span in spans.items())
+        return _Finding(text, text, holds=bool(min(spans.values()) >= 60))
 
-    def design(self, printed: str, deviation: str, rocker_angle: str) -> _Finding:
+    def design(self, printed: str, deviation: float, rocker_angle: float) -> _Finding:
         """Proportions by equations 11 to 17."""
-        found = synthesize_crank_rocker(*np.radians([float(deviation), float(rocker_angle)]))
-        lengths = [float(length) for length in (found.crank, found.coupler, found.rocker)]
-        text = ", ".join(f"{length:.4f}" for length in lengths)
-        rounded = ", ".join(f"{length:.2f}" for length in lengths)
-        return _Finding(text, text, "", verdict_on(rounded == printed))
+        found = synthesize_crank_rocker(*np.radians([deviation, rocker_angle]))
+        lengths = (found.crank, found.coupler, found.rocker)
+        text, rounded = (", ".join(f"{x:.{n}f}" for x in lengths) for n in (4, 2))
+        return _Finding(text, text, holds=rounded == printed)
 
-    def frequency(self, printed: str, *test: str) -> _Finding:
-        """What is said of frequencies."""
-        return self._of_models(_test(self.models[0], *test), self.study["finite_element"])
+    def fall(self, printed: str, quantity: str, dim: str, high: object, low: object) -> _Finding:
+        """Mean decrease along a dimension."""
+        return self._said_of(quantity, lambda values: _fall(values, dim, high, low))
 
-    def damping(self, printed: str, *test: str) -> _Finding:
-        """What is said of damping: what the materials lose is not printed, theories disagree."""
-        loss = self.study["strain_energy_damping"].sel(plies=["unidirectional", "woven"])
-        bent, sheared = (loss.sel(plies="unidirectional", beams=b) for b in (CONVERGED, WITH_SHEAR))
-        words = _test(bent, *test).words
-        texts = (words(self.study["damping"]), words(bent), f"{words(sheared)} with shear")
-        return _Finding(*texts, numbers=(100 * float(loss.min()), 100 * float(loss.max())))
+    def falling(self, printed: str, quantity: str, dim: str) -> _Finding:
+        """Where each value along a dimension is below the one before."""
+        return self._count_of(quantity, dim, lambda values: values.diff(dim) < 0)
+
+    def rising(self, printed: str, quantity: str, dim: str) -> _Finding:
+        """Where no value along a dimension is below the one before."""
+        return self._count_of(quantity, dim, lambda values: values.diff(dim) >= 0)
+
+    def lowest(self, printed: str, quantity: str, dim: str, which: object) -> _Finding:
+        """Where one place along a dimension has the lowest value."""
+        return self._count_of(quantity, dim, lambda v: _over_others(v, dim, which) < 1 - MARGIN)
+
+    def highest(self, printed: str, quantity: str, dim: str, which: object) -> _Finding:
+        """Where one place along a dimension has the highest value."""
+        return self._count_of(quantity, dim, lambda v: _over_others(v, dim, which) > 1 + MARGIN)
 
     def swapped(self, printed: str) -> _Finding:
         """Two numbers in the order of the abstract."""
-        published = self.study["finite_element"]
         by_tables, ours = (
             " and ".join(f"{_fall(f, 'position', high, '90'):.2f}" for high in ("max", "min"))
-            for f in (published, self.models[0])
+            for f in (self.study["finite_element"], self.models[0])
         )
-        return _Finding(f"{by_tables} %", f"{ours} %", "", "not reproduced")
+        return _Finding(f"{by_tables} %", f"{ours} %", holds=False)
 
     def separable(self, printed: str, position: str) -> _Finding:
         """Whether frequency is a factor of the laminate times one of the case."""
-        published = self.study["finite_element"].sel(position=position)
-        ratio = published / published.sel(laminate="C1") / self.study["published_laminate_factor"]
-        return self._of_models(
-            _Test(
-                lambda values: 100 * separable_error(values),
-                lambda from_tables, ours: from_tables < SEPARABLE_WITHIN,
-            ),
-            published,
-            tuple(100 * abs(ratio - 1).max("laminate").values),
-            position=position,
+        found = self._said_of(
+            "frequency",
+            lambda values: 100 * structure.separable_error(values.sel(position=position)),
+            lambda from_tables, ours: from_tables < SEPARABLE_WITHIN,
         )
+        tables = self.study["finite_element"].sel(position=position)
+        ratio = tables / tables.sel(laminate="C1") / self.study["published_laminate_factor"]
+        return found._replace(numbers=100 * abs(ratio - 1).max("laminate").values)
 
     def factors(self, printed: str) -> _Finding:
         """How far the frequency falls from C1 to C6."""
-        published = self.study["published_laminate_factor"].values
-        found = np.array([laminate_factors(frequency).values for frequency in self.models])
-        by_tables, ours = (", ".join(f"{v:.3f}" for v in row) for row in (published, found[0]))
-        others = f"C6 {found[:, -1].min():.2f} to {found[:, -1].max():.2f}"
-        near = np.allclose(found[0], published, rtol=REPRODUCED_WITHIN)
-        return _Finding(by_tables, ours, others, verdict_on(near))
+        tables = self.study["published_laminate_factor"].values
+        found = np.array([structure.laminate_factors(frequency) for frequency in self.models])
+        by_tables, ours = (", ".join(f"{v:.3f}" for v in row) for row in (tables, found[0]))
+        near = np.allclose(found[0], tables, rtol=REPRODUCED_WITHIN)
+        return _Finding(by_tables, ours, f"C6 {_span(found[:, -1])}", near)
 
     def moduli(self, printed: str) -> _Finding:
         """How far it would fall by Table 2."""
-        published = float(self.study["published_laminate_factor"][-1])
-        first, *_, last = (each.youngs_modulus / each.density for each in LAMINATES.values())
-        root = np.sqrt(last / first)
-        verdict = verdict_on(within_a_tenth(published, root))
-        return _Finding(f"{published:.3f}", f"{root:.3f}", "", verdict)
+        factor = float(self.study["published_laminate_factor"][-1])
+        ratios = [row["modulus"] / row["density"] for row in published.LAMINATES.values()]
+        root = np.sqrt(ratios[-1] / ratios[0])
+        return _Finding(f"{factor:.3f}", f"{root:.3f}", "", within_a_tenth(factor, root))
 
     def shape(self, printed: str) -> _Finding:
         """Cases and positions against each other, whatever the scale."""
-        published = geometric_mean(self.study["finite_element"], "laminate")
-        off = [
-            100 * deviation_at_best_scale(geometric_mean(frequency, "laminate"), published)
-            for frequency in self.models
-        ]
-        others = f"{min(off):.2f} to {max(off):.2f} %"
-        near = verdict_on(off[0] <= 100 * REPRODUCED_WITHIN)
-        return _Finding("0 %", f"{off[0]:.0f} %", others, near)
+        tables, *found = (
+            structure.geometric_mean(frequency, "laminate")
+            for frequency in (self.study["finite_element"], *self.models)
+        )
+        off = [100 * structure.deviation_at_best_scale(each, tables) for each in found]
+        near = off[0] <= 100 * REPRODUCED_WITHIN
+        return _Finding("0 %", f"{off[0]:.0f} %", f"{_span(off)} %", near)
 
     def mesh(self, printed: str) -> _Finding:
         """One element a link, as the paper has it, against the converged frequencies."""
-        one, many = (self.study["frequency"].sel(beams=b) for b in (PAPERS_MESH, CONVERGED))
-        error = 100 * (one / many - 1)
-        return _Finding("", f"{float(error.min()):.1f} to {float(error.max()):.1f} % high")
+        found = self.study["frequency"]
+        ratio = found.sel(beams=linkages.PAPERS_MESH) / found.sel(beams=linkages.CONVERGED)
+        return _Finding("", f"{_span(100 * (ratio - 1), 1)} % high")
 
     def measurement(self, printed: str) -> _Finding:
         """The paper's measured frequencies against those it computed."""
         gap = 100 * (self.study["measured"] / self.study["finite_element"] - 1)
-        least, greatest, mean = (float(each) for each in (gap.min(), gap.max(), gap.mean()))
-        return _Finding(f"{least:.1f} to {greatest:.1f} %, mean {mean:.1f} %", "")
+        return _Finding(f"{_span(gap, 1)} %, mean {float(gap.mean()):.1f} %", "")
 
-    def _of_models(
-        self,
-        test: _Test,
-        published: xr.DataArray,
-        numbers: tuple[float, ...] = (),
-        **place: str,
+    def _count_of(
+        self, quantity: str, dim: str, condition: Callable[[xr.DataArray], xr.DataArray]
     ) -> _Finding:
-        models = [frequency.sel(place) for frequency in self.models]
-        texts = (test.words(published), test.words(models[0]), test.words(*models))
-        return _Finding(*texts, test.verdict(published, models[0]), numbers)
+        """At how many places a condition holds all along a dimension; claimed is: at all."""
+        size = self.study["damping"].size // self.study.sizes[dim]
+        return self._said_of(
+            quantity,
+            lambda values: int(condition(values).all(dim).sum()),
+            lambda from_tables, ours: ours == size,
+            form=f"in {{}} of {size}",
+            decimals=0,
+        )
+
+    def _said_of(
+        self,
+        quantity: str,
+        number: Callable[[xr.DataArray], float],
+        holds: Callable[[float, float], bool] = within_a_tenth,
+        form: str = "{} %",
+        decimals: int = 2,
+    ) -> _Finding:
+        """A number that is taken of values over position, laminate and case."""
+
+        def words(*values: xr.DataArray) -> str:
+            return form.format(_span([number(each) for each in values], decimals))
+
+        if quantity == "frequency":
+            tables, ours = self.study["finite_element"], self.models[0]
+            right = holds(number(tables), number(ours))
+            return _Finding(words(tables), words(ours), words(*self.models), right)
+        # What the materials lose is not printed, and theories disagree.
+        loss = self.study["strain_energy_damping"].sel(plies=["unidirectional", "woven"])
+        straight = loss.sel(plies="unidirectional")
+        bent, sheared = (straight.sel(beams=b) for b in (linkages.CONVERGED, linkages.WITH_SHEAR))
+        texts = (words(self.study["damping"]), words(bent), f"{words(sheared)} with shear")
+        return _Finding(*texts, numbers=[100 * float(loss.min()), 100 * float(loss.max())])
 
 
-def _test(values: xr.DataArray, name: str, *words: str) -> _Test:
-    """Test by its name and what it says of a dimension and coordinates along it."""
-    dim = words[0] if words else "laminate"
-    places = [values[dim].dtype.type(word) for word in words[1:]]
-    if name == "fall":
-        return _Test(lambda v: _fall(v, dim, *places))
-    holds = CONDITIONS[name]
-    size = values.size // values.sizes[dim]
-    return _Test(
-        lambda v: int(holds(v, dim, *places).sum()),
-        lambda from_tables, ours: ours == size,
-        f"in {{}} of {size}",
-        0,
-    )
+def _limits(case: int) -> FloatArray:
+    """Least and greatest transmission angle of a linkage in degrees."""
+    return np.degrees(published.published_case(case).transmission_angle_limits())
+
+
+def _span(numbers: ArrayLike, decimals: int = 2) -> str:
+    """Least and greatest of numbers in words, or the one that both are."""
+    ends = (f"{end:z.{decimals}f}" for end in (np.min(numbers), np.max(numbers)))
+    return " to ".join(dict.fromkeys(ends))
+
+
+def _over_others(values: xr.DataArray, dim: str, which: object) -> xr.DataArray:
+    """Value at one place along a dimension over those at the others."""
+    return values.sel({dim: which}) / values.drop_sel({dim: which})
 
 
 def _fall(values: xr.DataArray, dim: str, high: object, low: object) -> float:
     """Mean decrease from one coordinate to another, in percent of the former."""
     ratio = values.sel({dim: low}).values / values.sel({dim: high}).values
     return float(100 * (1 - ratio.mean()))
-
-
-def _falling(values: xr.DataArray, dim: str) -> xr.DataArray:
-    return (values.diff(dim) < 0).all(dim)
-
-
-def _rising(values: xr.DataArray, dim: str) -> xr.DataArray:
-    return (values.diff(dim) >= 0).all(dim)
-
-
-def _lowest(values: xr.DataArray, dim: str, which: object) -> xr.DataArray:
-    one, others = values.sel({dim: which}), values.drop_sel({dim: which})
-    return one < (1 - MARGIN) * others.min(dim)
-
-
-def _highest(values: xr.DataArray, dim: str, which: object) -> xr.DataArray:
-    one, others = values.sel({dim: which}), values.drop_sel({dim: which})
-    return one > (1 + MARGIN) * others.max(dim)
-
-
-CONDITIONS: dict[str, Callable[..., xr.DataArray]] = {
-    "rising": _rising,
-    "falling": _falling,
-    "lowest": _lowest,
-    "highest": _highest,
-}

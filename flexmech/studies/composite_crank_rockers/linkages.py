@@ -7,15 +7,14 @@ open which one is meant: three of the plies, three of the beams.
 
 from __future__ import annotations
 
-from importlib import resources
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 
 from flexmech.linkages import FourBar
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import mechanism_from_toml
-from flexmech.studies.composite_crank_rockers.published import CASES, LAMINATES, published_case
+from flexmech.studies.composite_crank_rockers import published
 from flexmech.types import FloatArray
 
 __all__ = [
@@ -23,6 +22,7 @@ __all__ = [
     "CONVERGED",
     "PAPERS_MESH",
     "PLY_MODELS",
+    "SECOND",
     "WITH_SHEAR",
     "PlyModel",
     "composite_crank_rocker",
@@ -32,13 +32,16 @@ __all__ = [
 ]
 
 PlyModel = Literal["unidirectional", "woven", "table 2"]
-PLY_MODELS: tuple[PlyModel, ...] = get_args(PlyModel)
+PLY_MODELS: dict[PlyModel, str] = {"unidirectional": "", "woven": "_woven", "table 2": "_table_2"}
 """Plies by the rule of mixtures, straight or as balanced fabric (the paper's, in its words);
-one modulus and density a laminate, of its Table 2."""
+one modulus and density a laminate, of its Table 2. With each the end of its model files' names."""
 
 CONVERGED, PAPERS_MESH, WITH_SHEAR = "converged", "one element a link", "with shear"
 BEAMS = {CONVERGED: (8, "euler"), PAPERS_MESH: (1, "euler"), WITH_SHEAR: (8, "timoshenko")}
 """Elements a link and their kind: bending converged, as in the paper, and with shear."""
+
+SECOND = "90, second crank angle"
+"""The other position with a right transmission angle, beside those that the paper compares."""
 
 GROUND, PLY_THICKNESS = 0.4, 1e-3
 
@@ -66,35 +69,26 @@ def composite_model_file(
     str
         TOML.
     """
-    printed = LAMINATES[laminate]
-    linkage = published_case(case, 1e3 * GROUND)
+    lengths = published.published_case(case, GROUND).lengths
     name = "crank_rocker_table_2.toml" if plies == "table 2" else "crank_rocker.toml"
-    text = resources.files("flexmech.studies") / "composite_crank_rockers/data" / name
-    return text.read_text(encoding="utf-8").format(
+    return published.stored_text(name).format(
         case=case,
         laminate=laminate,
-        stack=printed.stack,
         weave=plies,
         ply_thickness=1e3 * ply_thickness,
         thickness=5e3 * ply_thickness,
-        modulus=1e-9 * printed.youngs_modulus,
-        density=printed.density,
-        poisson_ratio=printed.poisson_ratio,
-        crank=linkage.crank,
-        coupler=linkage.coupler,
-        rocker=linkage.rocker,
+        **published.LAMINATES[laminate],
+        **{link: 1e3 * length for link, length in lengths.items()},
     )
 
 
 def composite_model_files() -> dict[str, str]:
     """Text of the model file of every linkage, by names such as ``case_2_C3_woven.toml``."""
-    endings = {plies: f"_{plies.replace(' ', '_')}" for plies in PLY_MODELS}
-    endings["unidirectional"] = ""
     return {
         f"case_{case}_{laminate}{ending}.toml": composite_model_file(case, laminate, plies)
-        for plies, ending in endings.items()
-        for case in CASES
-        for laminate in LAMINATES
+        for plies, ending in PLY_MODELS.items()
+        for case in published.CASES
+        for laminate in published.LAMINATES
     }
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
+import io
+import tomllib
 from importlib import resources
+from typing import Any
 
 import pandas as pd
 import xarray as xr
@@ -15,48 +16,34 @@ __all__ = [
     "CASES",
     "LAMINATES",
     "POSITIONS",
-    "PublishedLaminate",
     "published_case",
     "published_tables",
+    "stored_table",
+    "stored_text",
 ]
 
 
-@dataclass(frozen=True)
-class PublishedLaminate:
-    """A row of Table 2, its two headers put right (they are swapped in print).
-
-    Parameters
-    ----------
-    stack : str
-        Carbon and glass plies.
-    youngs_modulus : float
-        In Pa.
-    poisson_ratio : float
-    density : float
-        In kg/m^3.
-    """
-
-    stack: str
-    youngs_modulus: float
-    poisson_ratio: float
-    density: float
+def stored_text(name: str) -> str:
+    """Text of a file that comes with the study."""
+    folder = resources.files("flexmech.studies.composite_crank_rockers") / "data"
+    return folder.joinpath(name).read_text(encoding="utf-8")
 
 
-LAMINATES = {
-    "C1": PublishedLaminate("[C/C/C/C/C]", 99.73e9, 0.27, 1538.0),
-    "C2": PublishedLaminate("[C/C/G/C/C]", 92.24e9, 0.27, 1640.0),
-    "C3": PublishedLaminate("[C/G/C/G/C]", 84.25e9, 0.26, 1742.0),
-    "C4": PublishedLaminate("[G/C/G/C/G]", 73.32e9, 0.26, 1844.0),
-    "C5": PublishedLaminate("[G/G/C/G/G]", 66.60e9, 0.25, 1946.0),
-    "C6": PublishedLaminate("[G/G/G/G/G]", 62.61e9, 0.25, 2048.0),
-}
-"""Table 2."""
+def stored_table(name: str) -> dict[str, Any]:
+    """What a TOML file says that comes with the study."""
+    return tomllib.loads(stored_text(name))
 
-CASES = {1: (0.27, 0.83, 0.67), 2: (0.42, 1.00, 0.79), 3: (0.14, 0.90, 0.46), 4: (0.21, 0.91, 0.46)}
+
+_PUBLISHED = stored_table("published.toml")
+
+LAMINATES: dict[str, dict[str, Any]] = _PUBLISHED["laminates"]
+"""Table 2: stack, modulus in GPa, Poisson's ratio and density in kg/m^3 of each laminate."""
+
+CASES: dict[int, list[float]] = {int(case): row for case, row in _PUBLISHED["cases"].items()}
 """Table 3: crank, coupler and rocker over the ground."""
 
-POSITIONS = ("min", "90", "max")
-"""Of the transmission angle: crank at 0 deg, a right angle, crank at 180 deg."""
+POSITIONS: dict[str, str] = _PUBLISHED["positions"]
+"""Of the transmission angle, each in words."""
 
 
 def published_case(case: int, ground: float = 1.0) -> FourBar:
@@ -65,7 +52,6 @@ def published_case(case: int, ground: float = 1.0) -> FourBar:
     return FourBar(ground, ground * crank, ground * coupler, ground * rocker)
 
 
-@lru_cache
 def published_tables() -> xr.Dataset:
     """Tables 4 to 6.
 
@@ -74,11 +60,14 @@ def published_tables() -> xr.Dataset:
     xarray.Dataset
         ``finite_element`` and ``measured`` fundamental frequency in Hz and ``damping``
         factor, over ``position``, ``laminate`` and ``case``.
+
+    Examples
+    --------
+    >>> tables = flexmech.studies.published_tables()
+    >>> tables["finite_element"].sel(position="90", case=2).values
+    array([99.34, 82.45, 70.08, 57.47, 47.7 , 38.34])
     """
-    table = resources.files("flexmech.studies") / "composite_crank_rockers/data/frequencies.csv"
-    dims = ["position", "laminate", "case"]
-    with table.open(encoding="utf-8") as stream:
-        rows = pd.read_csv(stream, comment="#", dtype={"position": str})
-    tables: xr.Dataset = rows.set_index(dims).to_xarray()
+    rows = pd.read_csv(io.StringIO(stored_text("frequencies.csv")), comment="#")
     order = {"position": list(POSITIONS), "laminate": list(LAMINATES), "case": list(CASES)}
+    tables: xr.Dataset = rows.set_index(list(order)).to_xarray()
     return tables.sel(order).assign_coords(order)

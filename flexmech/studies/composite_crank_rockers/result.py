@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import dataclasses
-from typing import ClassVar
+from typing import TYPE_CHECKING
 
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from flexmech import plots
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
-from flexmech.plots import (
-    plot_composite_damping,
-    plot_composite_frequencies,
-    plot_laminate_factors,
-    plot_transmission_angle,
-)
 from flexmech.studies.claim import REPRODUCED_WITHIN, Claim, claim_lines, count_of_verdicts
 from flexmech.studies.composite_crank_rockers.claims import composite_claims
 from flexmech.studies.composite_crank_rockers.linkages import composite_model_files
 from flexmech.studies.composite_crank_rockers.tables import frequency_table, ratio_tables
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 
 __all__ = ["CompositeStudy"]
 
@@ -40,9 +36,9 @@ class CompositeStudy(Result):
         and ``case``.
     """
 
-    stem: ClassVar[str] = "composites"
-    hallmark: ClassVar[str] = "other_posture"
-    files: ClassVar[tuple[str, ...]] = (
+    stem = "composites"
+    hallmark = "other_posture"
+    files = (
         "composites.csv",
         "composite_claims.csv",
         "composites.nc",
@@ -52,7 +48,7 @@ class CompositeStudy(Result):
         "laminate_factors.png",
         "models/*.toml",
     )
-    significant_digits: ClassVar[int] = 6
+    significant_digits = 6
 
     def claims(self) -> list[Claim]:
         """What the paper claims, each with what was found and a verdict."""
@@ -60,7 +56,7 @@ class CompositeStudy(Result):
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """Frequencies of all models, and the claims."""
-        claims = pd.DataFrame([dataclasses.asdict(claim) for claim in self.claims()])
+        claims = pd.DataFrame(self.claims())
         return {"composites": frequency_table(self.dataset), "composite_claims": claims}
 
     def texts(self) -> dict[str, str]:
@@ -69,13 +65,14 @@ class CompositeStudy(Result):
 
     def figures(self) -> dict[str, Figure]:
         """Transmission angles, frequencies, damping, and how frequencies fall by the laminate."""
+        names = [f"case {case}" for case in self.dataset["case"].values]
         angles = self.dataset[["transmission_angle"]].rename(case="linkage")
-        names = [f"case {case}" for case in angles["linkage"].values]
+        angles = angles.assign_coords(linkage=names)
         return {
-            "transmission_angle": plot_transmission_angle(angles.assign_coords(linkage=names)),
-            "frequencies_by_laminate": plot_composite_frequencies(self.dataset),
-            "damping_by_laminate": plot_composite_damping(self.dataset),
-            "laminate_factors": plot_laminate_factors(self.dataset),
+            "transmission_angle": plots.plot_transmission_angle(angles),
+            "frequencies_by_laminate": plots.plot_composite_frequencies(self.dataset),
+            "damping_by_laminate": plots.plot_composite_damping(self.dataset),
+            "laminate_factors": plots.plot_laminate_factors(self.dataset),
         }
 
     def summary(self) -> Summary:
@@ -89,6 +86,6 @@ class CompositeStudy(Result):
         )
         return Summary((*ratio_tables(self.dataset), *lines), count_of_verdicts(claims))
 
-    def plot(self, *, ax: Axes | None = None) -> Figure:
+    def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
         """Draw the frequency of each laminate over that of C1, by model and as published."""
-        return plot_laminate_factors(self.dataset, ax=ax)
+        return plots.plot_laminate_factors(self.dataset, ax=ax)

@@ -7,21 +7,16 @@ import pandas as pd
 import xarray as xr
 
 from flexmech.analyses.summary import Row, Table
+from flexmech.analyses.tables import table_over
 from flexmech.studies.composite_crank_rockers.claims import all_models
-from flexmech.studies.composite_crank_rockers.linkages import position_angles
-from flexmech.studies.composite_crank_rockers.published import published_case
+from flexmech.studies.composite_crank_rockers.linkages import SECOND, position_angles
+from flexmech.studies.composite_crank_rockers.published import POSITIONS, published_case
 
-__all__ = ["SECOND", "frequency_table", "ratio_tables"]
+__all__ = ["frequency_table", "ratio_tables"]
 
 # What every column of frequencies is divided by.
 ONE = {"laminate": "C1", "case": 1, "position": "min"}
-SECOND = "90, second crank angle"
 DIMS = ("plies", "beams", "position", "laminate", "case")
-POSITIONS = {
-    "min": "least transmission angle, crank at 0 deg",
-    "90": "transmission angle 90 deg, first of two crank angles",
-    "max": "greatest transmission angle, crank at 180 deg",
-}
 
 
 def frequency_table(study: xr.Dataset) -> pd.DataFrame:
@@ -40,33 +35,33 @@ def frequency_table(study: xr.Dataset) -> pd.DataFrame:
     -------
     pandas.DataFrame
     """
+    angles = np.degrees([position_angles(published_case(case)) for case in study["case"].values])
+    study = study.assign(crank_angle_deg=(("case", "position"), angles[:, :-1]))
     second = study.sel(position=["90"])
     second = second.assign(
-        frequency=second["other_posture"].expand_dims("position"),
+        frequency=study["other_posture"],
+        crank_angle_deg=("case", angles[:, -1]),
         strain_energy_damping=np.nan * second["strain_energy_damping"],
     ).assign_coords(position=[SECOND])
-    angles = np.degrees([position_angles(published_case(case)) for case in study["case"].values])
-    places = {"case": study["case"].values, "position": [*study["position"].values, SECOND]}
-    crank_angle = xr.DataArray(angles, places, dims=("case", "position"))
-    one = study.sel(ONE, drop=True)
-    return pd.concat([_rows(part, crank_angle, one) for part in (study, second)])
+    return pd.concat([_rows(part, study.sel(ONE)) for part in (study, second)])
 
 
-def _rows(part: xr.Dataset, crank_angle: xr.DataArray, one: xr.Dataset) -> pd.DataFrame:
+def _rows(part: xr.Dataset, one: xr.Dataset) -> pd.DataFrame:
     """Rows of the table; ratios are to the values of one linkage."""
-    columns = {
-        "crank_angle_deg": crank_angle.sel(position=part["position"]),
-        "frequency_Hz": part["frequency"],
-        "ratio": part["frequency"] / one["frequency"],
-    }
-    for name in ("finite_element", "measured"):
-        columns[f"published_{name}_Hz"] = part[name]
-        columns[f"published_{name}_ratio"] = part[name] / one[name]
-    columns["strain_energy_damping"] = part["strain_energy_damping"]
-    columns["published_damping"] = part["damping"]
-    rows = xr.Dataset(columns).to_dataframe(dim_order=list(DIMS)).reset_index()
-    order = ("position", "crank_angle_deg", "laminate", "case", "plies", "beams")
-    return rows[list(dict.fromkeys((*order, *columns)))]
+    return table_over(
+        *DIMS,
+        position=part["position"],
+        crank_angle_deg=part["crank_angle_deg"],
+        **{name: part[name] for name in ("laminate", "case", "plies", "beams")},
+        frequency_Hz=part["frequency"],
+        ratio=part["frequency"] / one["frequency"],
+        published_finite_element_Hz=part["finite_element"],
+        published_finite_element_ratio=part["finite_element"] / one["finite_element"],
+        published_measured_Hz=part["measured"],
+        published_measured_ratio=part["measured"] / one["measured"],
+        strain_energy_damping=part["strain_energy_damping"],
+        published_damping=part["damping"],
+    )
 
 
 def ratio_tables(study: xr.Dataset) -> list[Table]:

@@ -21,9 +21,6 @@ __all__ = [
     "Layout",
     "Sheet",
     "grid",
-    "header_height",
-    "header_legend",
-    "label_x",
     "legend_columns",
     "sheet",
 ]
@@ -64,9 +61,7 @@ def grid(
     number = rows * columns if count is None else count
 
     def make(figure: Figure) -> list[Axes]:
-        panels: list[Axes] = (
-            figure.subplots(rows, columns, squeeze=False, **options).ravel().tolist()
-        )
+        panels = list(figure.subplots(rows, columns, squeeze=False, **options).flat)
         for axes in panels[number:]:
             axes.remove()
         return panels[:number]
@@ -91,17 +86,36 @@ class Sheet:
     is_new: bool = True
 
     def header(self, handles: Sequence[Artist], title: str = "") -> None:
-        """Put legend and title above the panels; the legend alone on the first of the user's."""
-        if self.is_new:
-            self.figure.set_figheight(self.figure.get_figheight() + header_height(handles, title))
-            header_legend(self.figure, handles, title)
-        else:
-            self.panels[0].legend(handles=handles)
+        """Put legend and title above the panels; the legend alone on the first of the user's.
 
-    def label_x(self, label: str) -> None:
-        """Label the x axis of each panel that has numbers along it."""
-        for axes in self.panels:
-            label_x(axes, label)
+        Entries run along the rows, as many a row as the figure's width holds.
+
+        Parameters
+        ----------
+        handles : sequence of matplotlib.artist.Artist
+            With their labels.
+        title : str
+            Heading line; none by default.
+        """
+        if not self.is_new:
+            self.panels[0].legend(handles=handles)
+            return
+        columns = legend_columns([str(handle.get_label()) for handle in handles])
+        rows = -(-len(handles) // columns) + bool(title)
+        self.figure.set_figheight(self.figure.get_figheight() + 0.12 + 0.165 * rows)
+        self.figure.legend(
+            # Matplotlib fills a legend column by column; every column but the last ones is full.
+            handles=[handle for start in range(columns) for handle in handles[start::columns]],
+            loc="outside upper center",
+            ncols=columns,
+            title=title or None,
+        )
+
+    def label_x(self, label: str, which: slice = slice(None)) -> None:
+        """Label the x axes, of all panels or some of them, where there are numbers along them."""
+        for axes in self.panels[which]:
+            if axes.xaxis.get_tick_params().get("labelbottom", True):
+                axes.set_xlabel(label)
 
     def label_y(self, label: str) -> None:
         """Label the y axes with numbers, or all of several panels of a new figure at once."""
@@ -111,12 +125,6 @@ class Sheet:
             for axes in self.panels:
                 if axes.yaxis.get_tick_params().get("labelleft", True):
                     axes.set_ylabel(label)
-
-
-def label_x(axes: Axes, label: str) -> None:
-    """Label the x axis of a panel if it has numbers along it."""
-    if axes.xaxis.get_tick_params().get("labelbottom", True):
-        axes.set_xlabel(label)
 
 
 @contextmanager
@@ -165,36 +173,6 @@ def _given(ax: AxesLike, count: int, fewer: str) -> list[Axes]:
             + remedy
         )
     return given
-
-
-def header_legend(figure: Figure, handles: Sequence[Artist], title: str = "") -> None:
-    """Put one legend for all panels above them, under an optional heading line.
-
-    Entries run along the rows, as many a row as the figure's width holds.
-
-    Parameters
-    ----------
-    figure : matplotlib.figure.Figure
-    handles : sequence of matplotlib.artist.Artist
-        With their labels.
-    title : str
-        Heading line; none by default.
-    """
-    columns = legend_columns([str(handle.get_label()) for handle in handles])
-    figure.legend(
-        # Matplotlib fills a legend column by column; every column but the last ones is full.
-        handles=[handle for start in range(columns) for handle in handles[start::columns]],
-        loc="outside upper center",
-        ncols=columns,
-        title=title or None,
-    )
-
-
-def header_height(handles: Sequence[Artist], title: str = "") -> float:
-    """Height in inches that the legend above the panels takes."""
-    columns = legend_columns([str(handle.get_label()) for handle in handles])
-    rows = -(-len(handles) // columns) + bool(title)
-    return 0.12 + 0.165 * rows
 
 
 def legend_columns(labels: list[str]) -> int:
