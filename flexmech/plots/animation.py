@@ -9,21 +9,18 @@ import numpy as np
 import xarray as xr
 from matplotlib.animation import FFMpegWriter
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 from PIL import Image
 
 from flexmech.errors import InputError
-from flexmech.plots.animation_scene import (
-    DOTS_AN_INCH,
-    FRAMES_A_SECOND,
-    EnlargedMotion,
-    Picture,
-    Scene,
-)
+from flexmech.plots.animation_scene import DOTS_AN_INCH, FRAMES_A_SECOND, EnlargedMotion, Scene
 from flexmech.plots.choose import chosen
 from flexmech.plots.style import publication_style
 from flexmech.types import StepProgress
 
 __all__ = ["mp4_available", "write_animation"]
+
+Pictures = Iterator[NDArray[np.uint8]]
 
 # Of a GIF's palette: a few hues with their blends into white.
 COLOURS = 128
@@ -80,7 +77,7 @@ def mp4_available() -> bool:
     return bool(FFMpegWriter.isAvailable())
 
 
-def _writer(path: Path) -> Callable[[Path, Iterator[Picture]], None]:
+def _writer(path: Path) -> Callable[[Path, Pictures], None]:
     suffix = path.suffix.lower()
     if suffix == ".gif":
         return _write_gif
@@ -91,7 +88,7 @@ def _writer(path: Path) -> Callable[[Path, Iterator[Picture]], None]:
     return _write_mp4
 
 
-def _write_gif(path: Path, pictures: Iterator[Picture]) -> None:
+def _write_gif(path: Path, pictures: Pictures) -> None:
     images = [Image.fromarray(picture) for picture in pictures]
     # One palette for all frames, from the one with the whole path: a palette a frame takes
     # most of the time, and colours flicker.
@@ -108,7 +105,7 @@ def _write_gif(path: Path, pictures: Iterator[Picture]) -> None:
     frames[0].save(path, "GIF", save_all=True, append_images=frames[1:], duration=pause, loop=0)
 
 
-def _write_mp4(path: Path, pictures: Iterator[Picture]) -> None:
+def _write_mp4(path: Path, pictures: Pictures) -> None:
     """Hand the pictures to matplotlib's writer, each as the only content of a figure."""
     first = next(pictures)
     height, width = first.shape[:2]
@@ -122,7 +119,7 @@ def _write_mp4(path: Path, pictures: Iterator[Picture]) -> None:
             writer.grab_frame()
 
 
-def _pictures(motion: EnlargedMotion, progress: StepProgress) -> Iterator[Picture]:
+def _pictures(motion: EnlargedMotion, progress: StepProgress) -> Pictures:
     scene = Scene(motion)
     for done, sample in enumerate(motion.frames, start=1):
         yield scene.picture(int(sample))

@@ -18,9 +18,7 @@ from flexmech.plots.reading import names_of, values_of
 from flexmech.plots.series import series_style
 from flexmech.types import FloatArray
 
-__all__ = ["DOTS_AN_INCH", "FRAMES_A_SECOND", "EnlargedMotion", "Picture", "Scene"]
-
-Picture = NDArray[np.uint8]
+__all__ = ["DOTS_AN_INCH", "FRAMES_A_SECOND", "EnlargedMotion", "Scene"]
 
 MOST_FRAMES = 120
 FRAMES_A_SECOND = 20
@@ -190,7 +188,7 @@ class Scene:
         self._canvas.draw()
         self._ground = self._canvas.copy_from_bbox(figure.bbox)
 
-    def picture(self, sample: int) -> Picture:
+    def picture(self, sample: int) -> NDArray[np.uint8]:
         """Pixels with everything moved to a sample; shape (height, width, 3)."""
         motion = self._motion
         rigid, deflected = motion.rigid[sample], motion.deflected[sample]

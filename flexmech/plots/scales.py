@@ -5,14 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from matplotlib import ticker
 from matplotlib.axes import Axes
-from matplotlib.ticker import (
-    LogLocator,
-    MaxNLocator,
-    MultipleLocator,
-    NullFormatter,
-    ScalarFormatter,
-)
 from numpy.typing import ArrayLike
 
 from flexmech.plots.series import few_points
@@ -63,8 +57,10 @@ def crank_angle_axis(axes: Axes, angles: FloatArray, *, narrow: bool = False) ->
         if angles.size <= most + 1 and np.diff(angles).min() >= span / (most + 1):
             axes.set_xticks(angles)
         else:
-            axes.xaxis.set_major_locator(MultipleLocator(round_step(span, most, DEGREE_STEPS)))
-    axes.xaxis.set_major_formatter(ScalarFormatter(useOffset=False))
+            axes.xaxis.set_major_locator(
+                ticker.MultipleLocator(round_step(span, most, DEGREE_STEPS))
+            )
+    axes.xaxis.set_major_formatter(ticker.ScalarFormatter(useOffset=False))
 
 
 def round_step(span: float, most: int, steps: Sequence[float]) -> float:
@@ -76,10 +72,12 @@ def round_step(span: float, most: int, steps: Sequence[float]) -> float:
 
 def plain_numbers(axes: Axes) -> None:
     """Write the y ticks in full: no offset and no power of ten apart from the axis."""
-    formatter = ScalarFormatter(useOffset=False)
+    formatter = ticker.ScalarFormatter(useOffset=False)
     formatter.set_scientific(False)
     axes.yaxis.set_major_formatter(formatter)
-    axes.yaxis.set_major_locator(MaxNLocator(nbins=5, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3))
+    axes.yaxis.set_major_locator(
+        ticker.MaxNLocator(nbins=5, steps=[1, 2, 2.5, 5, 10], min_n_ticks=3)
+    )
 
 
 def scale_y(axes: Axes, values: ArrayLike, *, least: float = 1e-9, least_part: float = 0.0) -> None:
@@ -113,5 +111,5 @@ def log_scale(axes: Axes, low: float, high: float) -> None:
     """
     axes.set_yscale("log")
     axes.set_ylim(low, high)
-    axes.yaxis.set_major_locator(LogLocator(base=10, numticks=7))
-    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.yaxis.set_major_locator(ticker.LogLocator(base=10, numticks=7))
+    axes.yaxis.set_minor_formatter(ticker.NullFormatter())

@@ -88,31 +88,14 @@ def line_handle(label: str, **properties: Any) -> Artist:
     return Line2D([], [], label=label, **properties)
 
 
-def series_handle(
-    number: int, label: str, points: FloatArray | None = None, **properties: Any
-) -> Artist:
-    """Legend entry of a series.
-
-    Parameters
-    ----------
-    number : int
-        Of the series, from 0.
-    label : str
-    points : ndarray, optional
-        Abscissas of the computed points. Without them the entry shows no mark.
-    **properties
-        Of ``Line2D``, other than the series'.
-
-    Returns
-    -------
-    Artist
-    """
-    return line_handle(label, **(series_line(number, points) | properties))
+def series_handle(number: int, label: str, **properties: Any) -> Artist:
+    """Legend entry in the style of a series; properties are those of ``Line2D``."""
+    return line_handle(label, **(series_line(number) | properties))
 
 
 def series_handles(labels: Iterable[str], points: FloatArray | None = None) -> list[Artist]:
     """Legend entries of series in order; each of the points is marked where they are few."""
-    return [series_handle(number, label, points) for number, label in enumerate(labels)]
+    return [line_handle(label, **series_line(n, points)) for n, label in enumerate(labels)]
 
 
 def told_apart(names: list[str]) -> list[str]:

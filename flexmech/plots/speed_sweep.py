@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from flexmech.plots import scales, style
 from flexmech.plots.labels import link_label, speed_unit
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
-from flexmech.plots.reading import names_of
+from flexmech.plots.reading import names_of, values_of
 from flexmech.plots.series import Look, line_handle, series_line, series_style
 from flexmech.plots.spectra import ONE_LINK
 from flexmech.types import FloatArray
@@ -35,7 +35,7 @@ MEAN_LETTER = 0.5
 PANEL_WIDTH = style.FIGURE_WIDTH - 0.85
 BAND_OPACITY = 0.18
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-ENDS = ("critical_speed_low", "critical_speed_high")
+ENDS = ["critical_speed_low", "critical_speed_high"]
 # Up to this many decades the ticks stand at 1, 2 and 5, beyond it at powers of ten.
 FEW_DECADES = 2.3
 SETTLED: Look = {"ls": "", "marker": "s", "ms": 4.2, "mfc": "white", "mec": series_style(1).color}
@@ -111,11 +111,11 @@ def _limits(speeds: FloatArray, settled: bool) -> tuple[float, float]:
 
 def _bands(dataset: xr.Dataset, factor: float, limits: tuple[float, float]) -> Bands:
     """Bands within the limits; one that only reaches into the range is cut off at the edge."""
-    bands: Bands = {}
-    for mode in dataset["mode"].values.tolist():
-        for order in np.sort(dataset["order"].values).tolist():
-            of_both = dataset.sel(mode=mode, order=order)
-            low, high = (factor * float(of_both[name]) for name in ENDS)
+    ordered, bands = dataset[ENDS].sortby("order"), Bands()
+    lows, highs = (factor * values_of(ordered[end], "mode", "order") for end in ENDS)
+    for row, mode in enumerate(ordered["mode"].values.tolist()):
+        for column, order in enumerate(ordered["order"].values.tolist()):
+            low, high = float(lows[row, column]), float(highs[row, column])
             if high > limits[0] and low < limits[1]:
                 cut = f"{_symbol(mode)}/{order}", max(low, limits[0]), min(high, limits[1])
                 bands.setdefault(mode, []).append(cut)

@@ -96,11 +96,10 @@ def _draw_difference(axes: Axes, angles: FloatArray, percent: FloatArray) -> Non
     """Relative differences in percent; shape (mode, engine, crank_angle)."""
     axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=0)
     for mode, engines in enumerate(percent):
+        look = RUNNING | _mode_mark(mode)
+        look["markevery"] = angle_panels.staggered(angles, mode, len(percent))
         for number, values in enumerate(engines):
-            look = {"ls": "-" if number == 0 else ":", **RUNNING, **_mode_mark(mode)}
-            axes.plot(
-                angles, values, **look, markevery=angle_panels.staggered(angles, mode, len(percent))
-            )
+            axes.plot(angles, values, ls="-" if number == 0 else ":", **look)
     scales.scale_y(axes, np.append(percent, 0.0), least=LEAST_DIFFERENCE)
     axes.set(title="Running against quasi-static", ylabel="Difference\n(%)")
 
