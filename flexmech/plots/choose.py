@@ -51,11 +51,11 @@ def chosen(
         If the dataset has no such engine, mode, speed or link.
     """
     asked = {"engine": engine, "modes": modes, "speeds": speeds, "links": links}
+    places = {}
     for argument, wanted in asked.items():
         if wanted is not None:
-            places = _places(dataset, argument, wanted)
-            dataset = dataset.isel({DIMENSIONS[argument]: places})
-    return dataset
+            places[DIMENSIONS[argument]] = _places(dataset, argument, wanted)
+    return dataset.isel(places)
 
 
 def _places(dataset: xr.Dataset, argument: str, wanted: ArrayLike) -> list[int]:

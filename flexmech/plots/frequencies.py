@@ -132,6 +132,7 @@ def _number_branches(axes: Axes, lines: dict[int, FloatArray]) -> None:
     there = [(end, number) for end, number in ends if np.isfinite(end)]
     least = 0.07 * float(np.ptp(axes.get_ylim()))
     heights = spread(np.array([end for end, _ in there]), least)
-    look: Look = {"va": "center", "fontsize": 7, "color": style.MID_GREY}
+    look: Look = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
+    look |= {"va": "center", "fontsize": 7, "color": style.MID_GREY}
     for height, (_, number) in zip(heights, there, strict=True):
-        axes.text(1.015, height, f"branch {number}", **look, transform=axes.get_yaxis_transform())
+        axes.annotate(f"branch {number}", (1.0, height), xytext=(6, 0), **look)

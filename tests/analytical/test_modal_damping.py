@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from flexmech.analyses import natural_frequencies, solve_modes
-from flexmech.analyses.frequencies.modal_damping import strain_energy_damping
+from flexmech.analyses import natural_frequencies, solve_modes, strain_energy_damping
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive, RotatingArm
 from flexmech.materials import Material
