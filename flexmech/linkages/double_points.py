@@ -89,7 +89,7 @@ class DoublePoint:
 
 
 class Attitude(NamedTuple):
-    """Posture of the linkage at a double point."""
+    """Configuration of the linkage at a double point."""
 
     crank_angle: float
     coupler_angle: float
@@ -262,7 +262,7 @@ def _attitude(
     position: tuple[float, float],
     to_pin: float,
 ) -> Attitude:
-    """Posture in which E-A has a given direction."""
+    """Configuration in which E-A has a given direction."""
     a_x = position[0] + point.distance * math.cos(to_pin)
     a_y = position[1] + point.distance * math.sin(to_pin)
     coupler_angle = full_turn(to_pin + math.pi - point.angle)

@@ -88,7 +88,7 @@ def joint_ends(positions: FloatArray, held: NDArray[np.bool_]) -> tuple[Ends, En
 
     Parameters
     ----------
-    positions : ndarray, shape (posture, link, station, 2)
+    positions : ndarray, shape (configuration, link, station, 2)
         Of the rigid linkage in m.
     held : ndarray of bool, shape (link, 2)
         Whether the start and the end of each link are held by the ground.
@@ -113,7 +113,7 @@ def joint_ends(positions: FloatArray, held: NDArray[np.bool_]) -> tuple[Ends, En
 
 @dataclass(frozen=True)
 class LinkageSketch:
-    """A linkage in one posture.
+    """A linkage in one configuration.
 
     Parameters
     ----------

@@ -64,7 +64,21 @@ def crank_angle_axis(axes: Axes, angles: FloatArray, *, narrow: bool = False) ->
 
 
 def round_step(span: float, most: int, steps: Sequence[float]) -> float:
-    """Smallest round step, or multiple of the last one, that cuts a span into so many parts."""
+    """Smallest round step, or multiple of the last one, that cuts a span into so many parts.
+
+    Parameters
+    ----------
+    span : float
+        In the unit of the steps.
+    most : int
+        Greatest number of parts.
+    steps : sequence of float
+        Round steps, increasing.
+
+    Returns
+    -------
+    float
+    """
     parts = most * (1 + 1e-6)
     fitting = (step for step in steps if span <= step * parts)
     return next(fitting, steps[-1] * float(np.ceil(span / (steps[-1] * parts))))

@@ -22,7 +22,7 @@ def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     """Draw the change of each frequency with crank speed, split by term, at the top speed.
 
     The terms are those of the linkage's equation of motion in link frames: geometric
-    stiffness of the axial forces, shift of posture to the equilibrium, Coriolis,
+    stiffness of the axial forces, shift of configuration to the equilibrium, Coriolis,
     centripetal and tangential terms, switched on one after another; black is their sum, the
     frequency at speed minus that at rest.
 

@@ -19,7 +19,7 @@ DIMS = ("engine", "crank_speed", "crank_angle", "mode")
 CHECK_DIMS = ("engine", "crank_speed", "check_angle", "mode")
 
 FOURBAR = FourBar(ground=0.254, crank=0.102, coupler=0.2794, rocker=0.2667)
-TERMS = ("geometric", "posture", "coriolis", "centripetal", "tangential")
+TERMS = ("geometric", "configuration", "coriolis", "centripetal", "tangential")
 TURN = np.linspace(0.0, 2 * np.pi, 61)
 FULL_TURN = tuple(np.radians(np.arange(0.0, 360.5, 5.0)))
 MEANS = (44.0, 48.0, 115.0, 190.0, 402.0, 515.0, 760.0, 1120.0)

@@ -157,7 +157,7 @@ def test_speed_effects_add_up_to_the_whole_effect(result: MovingFrequencies) -> 
     frequency = result.dataset["frequency"].sel(engine="reference")
     total = result.dataset["speed_effect"].sum("term")
     assert list(result.dataset["term"].values) == [
-        "geometric", "posture", "coriolis", "centripetal", "tangential",
+        "geometric", "configuration", "coriolis", "centripetal", "tangential",
     ]  # fmt: skip
     change = (frequency - frequency.sel(crank_speed=0.0)).values
     assert total.values == pytest.approx(change, abs=1e-5 * float(frequency.max()))

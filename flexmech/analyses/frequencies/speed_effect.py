@@ -16,7 +16,7 @@ __all__ = ["TERMS", "speed_effect_terms"]
 # In the order in which the terms are switched on, and what is on by then.
 TERMS: dict[str, tuple[Prestress, RotationTerms]] = {
     "geometric": ("axial", RotationTerms(False, False, False)),
-    "posture": ("equilibrium", RotationTerms(False, False, False)),
+    "configuration": ("equilibrium", RotationTerms(False, False, False)),
     "coriolis": ("equilibrium", RotationTerms(True, False, False)),
     "centripetal": ("equilibrium", RotationTerms(True, True, False)),
     "tangential": ("equilibrium", RotationTerms(True, True, True)),
@@ -29,7 +29,7 @@ def speed_effect_terms(
     """Change of the frequencies that each term adds.
 
     The terms are switched on one after another - tension (geometric), shift of the equilibrium
-    (posture), Coriolis, centripetal, tangential - so that they add up to the whole effect of
+    (configuration), Coriolis, centripetal, tangential - so that they add up to the whole effect of
     speed. To first order in the square of the speed the order does not matter.
 
     Parameters
@@ -58,7 +58,7 @@ def speed_effect_terms(
         level = whole.prestress if prestress == "equilibrium" else prestress
         wanted = {
             "geometric": whole.prestress != "none",
-            "posture": whole.prestress == "equilibrium",
+            "configuration": whole.prestress == "equilibrium",
         }.get(term, bool(whole.rotation_terms))
         if wanted:
             after = frequencies(replace(whole, prestress=level, rotation_terms=rotation))
