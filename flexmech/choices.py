@@ -24,7 +24,6 @@ __all__ = [
     "ReferenceElement",
     "Start",
     "TemplateKind",
-    "element_of",
     "engine_of",
 ]
 
@@ -39,14 +38,6 @@ ELEMENTS: dict[EngineName, tuple[ElementName, ...]] = {
     "exudyn": get_args(ExudynElement),
 }
 """Of each engine: first the slender beam, then the one that shears as well."""
-# The other engine's element of the same beam theory, or of the nearest that it has.
-_COUNTERPARTS: dict[ElementName, ElementName] = {
-    "euler": "ancf",
-    "timoshenko": "geometrically-exact",
-    "reddy": "geometrically-exact",
-    "ancf": "euler",
-    "geometrically-exact": "timoshenko",
-}
 
 Prestress = Literal["none", "axial", "equilibrium"]
 """Quasi-static stress at which links are linearized."""
@@ -71,8 +62,3 @@ MODES = 4
 def engine_of(element: ElementName) -> EngineName:
     """Name the engine that has an element."""
     return next(engine for engine, elements in ELEMENTS.items() if element in elements)
-
-
-def element_of(engine: EngineName, element: ElementName) -> ElementName:
-    """Name an engine's element of the beam theory of an element, its own or the other engine's."""
-    return element if element in ELEMENTS[engine] else _COUNTERPARTS[element]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexmech.choices import ELEMENTS, ElementName, EngineChoice, EngineName, element_of, engine_of
+from flexmech.choices import ELEMENTS, ElementName, EngineChoice, EngineName, engine_of
 from flexmech.errors import InputError
 
 if TYPE_CHECKING:
@@ -45,13 +45,18 @@ def make_engines(
         )
     engines: list[Engine] = []
     for name in chosen:
-        its_element = None if element is None else element_of(name, element)
-        if name == "reference":
-            from flexmech.reference import ReferenceEngine
-
-            engines.append(ReferenceEngine(mechanism, elements, its_element))
-        else:
-            from flexmech.multibody import ExudynEngine
-
-            engines.append(ExudynEngine(mechanism, elements, its_element))
+        kind = _engine_kind(name)
+        its_element = None if element is None else kind.element_like(element)
+        engines.append(kind(mechanism, elements, its_element))
     return engines
+
+
+def _engine_kind(name: EngineName) -> type[Engine]:
+    """Class of an engine; Exudyn is loaded only if it is chosen."""
+    if name == "reference":
+        from flexmech.reference import ReferenceEngine
+
+        return ReferenceEngine
+    from flexmech.multibody import ExudynEngine
+
+    return ExudynEngine

@@ -64,6 +64,8 @@ class Engine(ABC):
 
     name: ClassVar[str]
     element_kinds: ClassVar[tuple[str, ...]]
+    counterparts: ClassVar[dict[str, str]]
+    """Of each element of another engine, this one's of the same beam theory or the nearest."""
     simulates: ClassVar[bool] = False
 
     def __init__(
@@ -157,6 +159,25 @@ class Engine(ABC):
         centre of mass of a link is off the pins' axis.
         """
         return cls.element_kinds[int(mechanism.is_eccentric)]
+
+    @classmethod
+    def element_like(cls, element: str) -> str:
+        """Kind of element of the beam theory of an element, its own or another engine's.
+
+        Parameters
+        ----------
+        element : str
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        KeyError
+            If no engine has the element.
+        """
+        return element if element in cls.element_kinds else cls.counterparts[element]
 
     @property
     @abstractmethod

@@ -58,6 +58,11 @@ class ExudynEngine(Engine):
 
     name: ClassVar[str] = "exudyn"
     element_kinds: ClassVar[tuple[str, ...]] = ELEMENTS["exudyn"]
+    counterparts: ClassVar[dict[str, str]] = {
+        "euler": "ancf",
+        "timoshenko": "geometrically-exact",
+        "reddy": "geometrically-exact",
+    }
     simulates: ClassVar[bool] = True
 
     def __init__(

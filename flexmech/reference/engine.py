@@ -47,6 +47,10 @@ class ReferenceEngine(Engine):
 
     name: ClassVar[str] = "reference"
     element_kinds: ClassVar[tuple[str, ...]] = ELEMENTS["reference"]
+    counterparts: ClassVar[dict[str, str]] = {
+        "ancf": "euler",
+        "geometrically-exact": "timoshenko",
+    }
 
     def convergence(self, prestress: Prestress) -> ConvergenceOrders:
         """Cubic elements: fourth order; second for links bent without load.

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexmech.choices import element_of, engine_of
+from flexmech.choices import engine_of
 from flexmech.errors import InputError
 from flexmech.linkages import FourBar
 from flexmech.mechanism import Provenance
@@ -115,11 +115,17 @@ def test_each_element_has_one_of_its_theory_in_the_other_engine() -> None:
     pairs = {"euler": "ancf", "timoshenko": "geometrically-exact"}
     for element, other in [*pairs.items(), ("reddy", "geometrically-exact")]:
         assert engine_of(element) == "reference"
-        assert element_of("exudyn", element) == other
-        assert element_of("reference", element) == element
+        assert ExudynEngine.element_like(element) == other
+        assert ReferenceEngine.element_like(element) == element
     for element, other in pairs.items():
         assert engine_of(other) == "exudyn"
-        assert element_of("reference", other) == element
+        assert ReferenceEngine.element_like(other) == element
+    for kind, other_kind in (
+        (ReferenceEngine, ExudynEngine),
+        (ExudynEngine, ReferenceEngine),
+    ):
+        assert set(kind.counterparts) == set(other_kind.element_kinds)
+        assert set(kind.counterparts.values()) <= set(kind.element_kinds)
 
 
 def test_only_an_engine_that_simulates_is_taken_as_a_simulator() -> None:
