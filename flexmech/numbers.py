@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ __all__ = [
     "POSITIVE",
     "Bounds",
     "check_angle",
+    "check_choice",
     "check_fields",
     "check_instance",
     "check_number",
@@ -193,6 +194,25 @@ def check_pair(values: object, name: str, unit: str = "") -> None:
         raise InputError(f"{name} must be two numbers, got {_shown(values)}")
     for value in values:
         check_number(value, name, unit)
+
+
+def check_choice(value: str, known: Collection[str], name: str) -> None:
+    """Refuse a word that is none of those known.
+
+    Parameters
+    ----------
+    value : str
+    known : collection of str
+    name : str
+        Of the argument.
+
+    Raises
+    ------
+    InputError
+        Names the argument and lists the words.
+    """
+    if value not in known:
+        raise InputError(f"{name} must be one of {', '.join(known)}, got {value!r}")
 
 
 def check_angle(value: object, name: str) -> None:

@@ -15,7 +15,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     import pint
 
-__all__ = ["BaseUnits", "base_units", "from_si", "zero_of_scale"]
+__all__ = ["ZERO_CELSIUS", "BaseUnits", "base_units", "from_si", "zero_of_scale"]
+
+ZERO_CELSIUS = 273.15
+"""Zero of the Celsius scale in K."""
 
 # Pint skips characters that it does not know ("m$" is read as "m"), so only these may pass.
 _UNIT_CHARACTERS = re.compile(r"[A-Za-zµμÅ°%_0-9\s*/^()·⋅²³⁴⁻¹-]*")

@@ -16,7 +16,7 @@ from decimal import Decimal
 
 from flexmech import unit_registry
 from flexmech.errors import InputError
-from flexmech.unit_registry import base_units, zero_of_scale
+from flexmech.unit_registry import ZERO_CELSIUS, base_units, zero_of_scale
 
 __all__ = [
     "ACCELERATION",
@@ -41,6 +41,7 @@ __all__ = [
     "TEMPERATURE",
     "TEMPERATURE_DIFFERENCE",
     "TIME",
+    "ZERO_CELSIUS",
     "Dimension",
     "Quantities",
     "from_si",

@@ -22,6 +22,7 @@ from flexmech.linear_system.system import LinearSystem
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import checked_drive
 from flexmech.mechanism import Mechanism
+from flexmech.numbers import check_choice
 from flexmech.types import FloatArray
 
 __all__ = ["Engine"]
@@ -300,10 +301,7 @@ class Engine(ABC):
         ComputationError
             If the equilibrium does not converge.
         """
-        if prestress not in PRESTRESS_LEVELS:
-            raise InputError(
-                f"prestress must be one of {', '.join(PRESTRESS_LEVELS)}, got {prestress!r}"
-            )
+        check_choice(prestress, PRESTRESS_LEVELS, "prestress")
         angle, speed, _ = checked_drive(crank_angle, crank_speed, 0.0)
         motion = self.mechanism.linkage.motion(angle.ravel(), speed.ravel())
         terms = (

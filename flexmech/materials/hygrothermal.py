@@ -23,6 +23,7 @@ from flexmech.units import (
     MOISTURE_EXPANSION,
     RATIO,
     TEMPERATURE,
+    ZERO_CELSIUS,
 )
 
 __all__ = ["REFERENCE_TEMPERATURE", "Hygrothermal", "ResinContent"]
@@ -32,7 +33,6 @@ REFERENCE_TEMPERATURE = 293.15
 
 # Chamis' parabola of the wet glass transition turns upward from here on.
 GREATEST_MOISTURE = 0.10
-ZERO_CELSIUS = 273.15
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from flexmech.errors import InputError
 from flexmech.materials.composition import RULES, PlyComposition, Rule
 from flexmech.materials.constituents import Fibre, Matrix
 from flexmech.materials.ply import Ply, PlyDamping
-from flexmech.numbers import check_instance, check_number
+from flexmech.numbers import check_choice, check_instance, check_number
 
 __all__ = ["PACKING_LIMIT", "ply_from_constituents", "ply_of", "woven_ply"]
 
@@ -88,8 +88,7 @@ def ply_from_constituents(
     check_instance(fibre, Fibre, "fibre", remedy)
     check_instance(matrix, Matrix, "matrix", remedy)
     share = _checked_fraction(fibre_volume_fraction)
-    if rule not in RULES:
-        raise InputError(f"rule must be one of {', '.join(RULES)}, got {rule!r}")
+    check_choice(rule, RULES, "rule")
     across, shear, shear_across = _mixings(rule, matrix.poisson_ratio)
     young = (fibre.youngs_modulus, matrix.youngs_modulus)
     young_across = (fibre.modulus_across, matrix.youngs_modulus)

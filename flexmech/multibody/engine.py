@@ -28,7 +28,7 @@ from flexmech.multibody.running_model import RunningModel
 from flexmech.multibody.simulation import Simulation
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
-from flexmech.numbers import POSITIVE, check_number, checked_array
+from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array
 from flexmech.time_domain import LinkState, Recorder, Trajectory
 from flexmech.types import FloatArray, StepProgress
 
@@ -165,10 +165,7 @@ class ExudynEngine(Engine):
         """
         check_number(step, "step", "s", POSITIVE)
         sample_time = checked_array(sample_time, "sample_time", "s")
-        if integrator not in INTEGRATORS:
-            raise InputError(
-                f"integrator must be one of {', '.join(INTEGRATORS)}, got {integrator!r}"
-            )
+        check_choice(integrator, INTEGRATORS, "integrator")
         if len(sample_time) == 0 or sample_time[0] < 0 or np.any(np.diff(sample_time) <= 0):
             raise InputError("sample times must be zero or later and increase")
         steps = max(1, int(np.ceil(sample_time[-1] / step - 1e-9)))

@@ -13,11 +13,11 @@ from flexmech.plots import style
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import names_of
 from flexmech.plots.series import line_handle, series_handle, series_line
+from flexmech.units import ZERO_CELSIUS
 
 __all__ = ["plot_moisture"]
 
 ROW_HEIGHT = 2.1
-CELSIUS = 273.15
 # Formulas beside the finite volumes, by the numbers of their styles.
 LAWS = {1: ("short_time_uptake", "root of time"), 3: ("shen_springer_uptake", "Shen & Springer")}
 TIME_UNITS = {"day": 86400.0, "hour": 3600.0, "second": 1.0}
@@ -46,7 +46,7 @@ def plot_moisture(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     attrs = dataset.attrs
     title = (
         f"{attrs['mechanism']}: {100 * attrs['relative_humidity']:.4g} % relative humidity, "
-        f"{attrs['temperature'] - CELSIUS:.4g} °C"
+        f"{attrs['temperature'] - ZERO_CELSIUS:.4g} °C"
     )
     layout = grid(len(links), 2, ROW_HEIGHT * len(links) + 0.5, sharex="col")
     with sheet(layout, ax=ax) as drawn:

@@ -16,7 +16,7 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.materials import Laminate
 from flexmech.model_text import SharedTables, TomlTable, quantity
-from flexmech.numbers import POSITIVE, check_instance, check_number
+from flexmech.numbers import POSITIVE, check_choice, check_instance, check_number
 from flexmech.sections.beam_reduction import (
     REDUCTIONS,
     Reduction,
@@ -96,10 +96,7 @@ class LaminateSection:
     def __post_init__(self) -> None:
         check_instance(self.laminate, Laminate, "laminate", "give Laminate(layers)")
         check_number(self.width, "width of a laminate section", "m", POSITIVE)
-        if self.reduction not in REDUCTIONS:
-            raise InputError(
-                f"reduction must be one of {', '.join(REDUCTIONS)}, got {self.reduction!r}"
-            )
+        check_choice(self.reduction, REDUCTIONS, "reduction")
 
     def __repr__(self) -> str:
         width = f"{self.width * 1e3:.6g} mm wide"
@@ -254,8 +251,7 @@ class LaminateSection:
         loads = np.array([axial_force, bending_moment, shear_force], dtype=float)
         if not np.all(np.isfinite(loads)):
             raise InputError(f"loads on a section must be finite, got {loads.tolist()}")
-        if theory not in SHEAR_THEORIES:
-            raise InputError(f"theory must be one of {', '.join(SHEAR_THEORIES)}, got {theory!r}")
+        check_choice(theory, SHEAR_THEORIES, "theory")
         place = np.asarray(place, dtype=float)
         layer = layer_of(self.laminate, place)
         strains = self._strains(axial_force, bending_moment, coupled)

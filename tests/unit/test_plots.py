@@ -164,8 +164,9 @@ class TestSpeedEffect:
         figure = plot_speed_effect(dataset)
         assert y_label(figure) == "Change of frequency (Hz)"
         assert figure.axes[1].get_xlabel() == "Crank angle (deg)"
+        # In two rows, of which matplotlib lists one column after another.
         texts = ", ".join(legend_texts(figure))
-        assert texts == "total, geometric, posture, Coriolis, centripetal, tangential"
+        assert texts == "total, Coriolis, geometric, centripetal, configuration, tangential"
 
     def test_zero_is_in_view(self, dataset: xr.Dataset) -> None:
         for axes in plot_speed_effect(dataset).axes:

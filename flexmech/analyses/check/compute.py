@@ -14,10 +14,9 @@ from flexmech.hygrothermal import absorbing_links, inert_links
 from flexmech.linear_system import Engine
 from flexmech.linkages import linkage_positions
 from flexmech.mechanism import Mechanism
+from flexmech.units import ZERO_CELSIUS
 
 __all__ = ["check_mechanism"]
-
-ZERO_CELSIUS = 273.15
 
 
 def check_mechanism(engine: Engine) -> ModelCheck:

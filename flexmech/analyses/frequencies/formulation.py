@@ -11,6 +11,7 @@ from flexmech.analyses.frequencies.running_states import RunningStates
 from flexmech.choices import MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinearSystem, RotationTerms
+from flexmech.numbers import check_choice
 from flexmech.types import FloatArray
 
 __all__ = ["Formulation", "Systems"]
@@ -45,11 +46,7 @@ class Formulation:
     modes: int = MODES
 
     def __post_init__(self) -> None:
-        levels = (*PRESTRESS_LEVELS, "trajectory")
-        if self.prestress not in levels:
-            raise InputError(
-                f"prestress must be one of {', '.join(levels)}, got {self.prestress!r}"
-            )
+        check_choice(self.prestress, (*PRESTRESS_LEVELS, "trajectory"), "prestress")
         if not isinstance(self.modes, int | np.integer) or self.modes < 1:
             raise InputError(f"modes must be 1 or more, got {self.modes!r}")
 

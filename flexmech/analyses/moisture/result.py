@@ -11,6 +11,7 @@ from flexmech import plots
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.analyses.tables import table_over
+from flexmech.units import ZERO_CELSIUS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -80,7 +81,7 @@ class MoistureUptake(Result):
         table = Table(
             f"{attrs['mechanism']}: {_duration(data['time'][-1])} at "
             f"{100 * attrs['relative_humidity']:.4g} % relative humidity and "
-            f"{attrs['temperature'] - 273.15:.4g} °C",
+            f"{attrs['temperature'] - ZERO_CELSIUS:.4g} °C",
             (
                 *("link", "water of resin (%)", "water of link (%)", "of equilibrium (%)"),
                 *(f"{100 * share:g} % after" for share in times["share"].values),

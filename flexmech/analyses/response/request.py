@@ -9,7 +9,7 @@ import numpy as np
 from flexmech import choices
 from flexmech.errors import InputError
 from flexmech.linkages import CrankDrive
-from flexmech.numbers import POSITIVE, check_instance, check_number
+from flexmech.numbers import POSITIVE, check_choice, check_instance, check_number
 from flexmech.types import FloatArray
 
 __all__ = ["ResponseRequest"]
@@ -78,13 +78,9 @@ class ResponseRequest:
             raise InputError(f"samples must be 8 or more a revolution, got {self.samples}")
         if self.modes < 1:
             raise InputError(f"modes must be 1 or more, got {self.modes}")
-        for name, value, known in (
-            ("start", self.start, choices.STARTS),
-            ("integrator", self.integrator, choices.INTEGRATORS),
-            ("prestress", self.prestress, choices.PRESTRESS_LEVELS),
-        ):
-            if value not in known:
-                raise InputError(f"{name} must be one of {', '.join(known)}, got {value!r}")
+        check_choice(self.start, choices.STARTS, "start")
+        check_choice(self.integrator, choices.INTEGRATORS, "integrator")
+        check_choice(self.prestress, choices.PRESTRESS_LEVELS, "prestress")
         if self.start == "periodic" and not self.drive.is_constant:
             raise InputError("a periodic start needs a constant crank speed: leave out the run-up")
         samples = self.duration / self.sample_interval

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
+from flexmech.numbers import check_choice
 from flexmech.types import FloatArray
 
 __all__ = [
@@ -24,8 +25,7 @@ Faces = Literal["both", "lower", "upper"]
 
 def checked_faces(faces: str) -> None:
     """Refuse a word that does not say which faces are exposed."""
-    if faces not in get_args(Faces):
-        raise InputError(f"faces must be one of {', '.join(get_args(Faces))}; got {faces!r}")
+    check_choice(faces, get_args(Faces), "faces")
 
 
 def diffusion_length(thickness: float, diffusivity: float, faces: Faces) -> float:
