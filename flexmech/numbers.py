@@ -20,6 +20,7 @@ __all__ = [
     "Bounds",
     "check_angle",
     "check_choice",
+    "check_count",
     "check_fields",
     "check_instance",
     "check_number",
@@ -213,6 +214,29 @@ def check_choice(value: str, known: Collection[str], name: str) -> None:
     """
     if value not in known:
         raise InputError(f"{name} must be one of {', '.join(known)}, got {value!r}")
+
+
+def check_count(value: object, name: str, least: int = 1, unit: str = "") -> None:
+    """Refuse what is no whole number, or too few.
+
+    Parameters
+    ----------
+    value : object
+    name : str
+        Of the argument.
+    least : int
+    unit : str
+        What the count is taken over, such as ``"a revolution"``.
+
+    Raises
+    ------
+    InputError
+        Names the argument and its least number.
+    """
+    if isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= least:
+        return
+    wanted = f"{name} must be {least} or more {unit}".rstrip()
+    raise InputError(f"{wanted}, got {value!r}")
 
 
 def check_angle(value: object, name: str) -> None:

@@ -14,9 +14,12 @@ from flexmech.analyses import (
     EngineAgreement,
     FrequencyRequest,
     MovingFrequencies,
+    ResponseRequest,
     moving_frequencies,
 )
+from flexmech.analyses.speed_sweep import speed_sweep
 from flexmech.errors import InputError
+from flexmech.linkages import CrankDrive
 from flexmech.reference import ReferenceEngine
 from tests.strategies import fourbar
 from tests.unit.plot_data import frequency_dataset
@@ -215,6 +218,26 @@ def test_a_senseless_request_is_refused(wrong: dict[str, object], message: str) 
     request = {"crank_angles": [0.0, 1.0], "crank_speeds": [0.0], **wrong}
     with pytest.raises(InputError, match=message):
         moving_frequencies(ReferenceEngine(fourbar(), 2), **request)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"samples": "720"}, "samples must be 8 or more a revolution, got '720'"),
+        ({"samples": 7}, "samples must be 8 or more a revolution, got 7"),
+        ({"modes": "4"}, "modes must be 1 or more, got '4'"),
+        ({"modes": 0}, "modes must be 1 or more, got 0"),
+    ],
+)
+def test_a_senseless_count_of_a_run_is_refused(wrong: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        ResponseRequest(CrankDrive(20.0), **wrong)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("orders", [0, "24", 2.5, True])
+def test_a_sweep_is_refused_before_it_computes(orders: object) -> None:
+    with pytest.raises(InputError, match=f"orders must be 1 or more, got {orders!r}"):
+        speed_sweep(ReferenceEngine(fourbar(), 2), [10.0], orders=orders)  # type: ignore[arg-type]
 
 
 def test_a_map_needs_an_engine() -> None:

@@ -9,9 +9,8 @@ import numpy as np
 
 from flexmech.analyses.frequencies.running_states import RunningStates
 from flexmech.choices import MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
-from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinearSystem, RotationTerms
-from flexmech.numbers import check_choice
+from flexmech.numbers import check_choice, check_count
 from flexmech.types import FloatArray
 
 __all__ = ["Formulation", "Systems"]
@@ -47,8 +46,7 @@ class Formulation:
 
     def __post_init__(self) -> None:
         check_choice(self.prestress, (*PRESTRESS_LEVELS, "trajectory"), "prestress")
-        if not isinstance(self.modes, int | np.integer) or self.modes < 1:
-            raise InputError(f"modes must be 1 or more, got {self.modes!r}")
+        check_count(self.modes, "modes")
 
     @property
     def quasi_static_prestress(self) -> Prestress:

@@ -9,7 +9,7 @@ import numpy as np
 from flexmech import choices
 from flexmech.errors import InputError
 from flexmech.linkages import CrankDrive
-from flexmech.numbers import POSITIVE, check_choice, check_instance, check_number
+from flexmech.numbers import POSITIVE, check_choice, check_count, check_instance, check_number
 from flexmech.types import FloatArray
 
 __all__ = ["ResponseRequest"]
@@ -74,10 +74,8 @@ class ResponseRequest:
             self.drive, CrankDrive, "drive", "write flexmech.CrankDrive(20.0) for 20 rad/s"
         )
         check_number(self.revolutions, "revolutions", "", POSITIVE)
-        if self.samples < 8:
-            raise InputError(f"samples must be 8 or more a revolution, got {self.samples}")
-        if self.modes < 1:
-            raise InputError(f"modes must be 1 or more, got {self.modes}")
+        check_count(self.samples, "samples", 8, "a revolution")
+        check_count(self.modes, "modes")
         check_choice(self.start, choices.STARTS, "start")
         check_choice(self.integrator, choices.INTEGRATORS, "integrator")
         check_choice(self.prestress, choices.PRESTRESS_LEVELS, "prestress")

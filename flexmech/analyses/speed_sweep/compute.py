@@ -23,7 +23,7 @@ from flexmech.choices import Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
-from flexmech.numbers import checked_array
+from flexmech.numbers import check_count, checked_array
 from flexmech.threads import one_thread
 from flexmech.time_domain import DrivenLinkage, periodic_turn
 from flexmech.types import FloatArray, LabelledProgress
@@ -87,6 +87,7 @@ def speed_sweep(
         raise InputError("crank_speeds must be a list of positive speeds in rad/s")
     if np.any(np.diff(speeds) <= 0):
         raise InputError("crank_speeds must increase; sort them and leave out repetitions")
+    check_count(orders, "orders")
     peaks = []
     with one_thread():
         frequency = natural_frequencies(
