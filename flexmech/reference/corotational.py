@@ -17,7 +17,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flexmech.reference.elements import BeamElements
+from flexmech.beams.elements import BeamElements
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["CorotationalElements"]

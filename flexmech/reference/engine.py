@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import cached_property
 from typing import ClassVar
 
+from flexmech.beams.beam_shapes import BEAM_SHAPES
+from flexmech.beams.link_matrices import Chain, assemble_chain, build_chain
 from flexmech.choices import ELEMENTS
 from flexmech.linear_system import (
     ConvergenceOrders,
@@ -18,9 +20,7 @@ from flexmech.linear_system import (
     refuse_large_displacements,
 )
 from flexmech.linkages import RigidMotion
-from flexmech.reference.beam_shapes import BEAM_SHAPES
 from flexmech.reference.equilibrium import Equilibrium
-from flexmech.reference.link_matrices import Chain, assemble_chain, build_chain
 from flexmech.types import FloatArray
 
 __all__ = ["ReferenceEngine"]

@@ -14,6 +14,7 @@ import numpy as np
 import scipy.sparse
 from numpy.typing import NDArray
 
+from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import (
     LOAD_STEPS,
     MAX_ITERATIONS,
@@ -26,7 +27,6 @@ from flexmech.linear_system import (
 from flexmech.linkages import RigidMotion
 from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements
-from flexmech.reference.elements import BeamElements
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["Equilibrium"]

@@ -13,16 +13,16 @@ from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
+from flexmech.beams.beam_shapes import BEAM_SHAPES
+from flexmech.beams.elements import BeamElements
+from flexmech.beams.link_matrices import assemble_chain, build_chain
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import LinkFrames
 from flexmech.linkages import LinkMass
 from flexmech.mesh import STATIONS, node_positions, pieces
 from flexmech.reference import banded
-from flexmech.reference.beam_shapes import BEAM_SHAPES
 from flexmech.reference.corotational import CorotationalElements
-from flexmech.reference.elements import BeamElements
 from flexmech.reference.equilibrium import Equilibrium
-from flexmech.reference.link_matrices import assemble_chain, build_chain
 from flexmech.sections import BeamSection
 from tests.strategies import arm, numbers
 

@@ -12,14 +12,14 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from flexmech.analyses import natural_frequencies
+from flexmech.beams.beam_shapes import BEAM_SHAPES
+from flexmech.beams.elements import BeamElements
+from flexmech.beams.link_matrices import build_chain
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import LinkMass
 from flexmech.materials import Material
 from flexmech.reference import ReferenceEngine
-from flexmech.reference.beam_shapes import BEAM_SHAPES
 from flexmech.reference.corotational import CorotationalElements
-from flexmech.reference.elements import BeamElements
-from flexmech.reference.link_matrices import build_chain
 from flexmech.sections import BeamSection
 from tests.strategies import arm, numbers
 

@@ -27,11 +27,11 @@ from flexmech import (
 )
 from flexmech.analyses import solve_frequencies, solve_modes
 from flexmech.analyses.response.measurements import deflections
+from flexmech.beams.beam_shapes import Timoshenko
 from flexmech.linear_system import inertia_loads
 from flexmech.linkages import CrankDrive, inverse_dynamics
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.linearize import static_equilibrium
-from flexmech.reference.beam_shapes import Timoshenko
 from flexmech.sections import DampingTimes
 from flexmech.threads import one_thread
 from flexmech.time_domain import DrivenLinkage, LinkState, linear_run

@@ -11,10 +11,10 @@ import pytest
 import scipy.linalg
 from numpy.typing import NDArray
 
+from flexmech.beams.beam_shapes import BEAM_SHAPES
+from flexmech.beams.link_matrices import build_chain
 from flexmech.linkages import LinkMass
 from flexmech.materials import Laminate, Ply
-from flexmech.reference.beam_shapes import BEAM_SHAPES
-from flexmech.reference.link_matrices import build_chain
 from flexmech.sections import BeamSection, LaminateSection
 
 PLY = Ply(40e9, 1e9, 0.6e9, 0.6e9, 0.5e9, 0.25, 1000.0)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from flexmech.beams.beam_shapes import BEAM_SHAPES
 from flexmech.choices import engine_of
 from flexmech.errors import InputError
 from flexmech.linkages import FourBar
@@ -16,7 +17,6 @@ from flexmech.mechanism import Provenance
 from flexmech.multibody import ExudynEngine
 from flexmech.multibody.beams import BEAM_KINDS
 from flexmech.reference import ReferenceEngine
-from flexmech.reference.beam_shapes import BEAM_SHAPES
 from flexmech.time_domain import simulator
 from tests.strategies import fourbar
 

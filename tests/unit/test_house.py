@@ -39,6 +39,7 @@ ORDER = [
     "hygrothermal",
     "mesh",
     "linear_system",
+    "beams",
     "time_domain",
     "reference",
     "multibody",

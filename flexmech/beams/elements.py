@@ -2,7 +2,7 @@
 
 Coordinates of an element are those of its two nodes, one node after the other: displacement
 of the pins' axis along and across, rotation of the section, and what else the element has
-(:mod:`flexmech.reference.beam_shapes`). Gauss points integrate every product exactly.
+(:mod:`flexmech.beams.beam_shapes`). Gauss points integrate every product exactly.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flexmech.reference.beam_shapes import BeamFields, BeamShapes
+from flexmech.beams.beam_shapes import BeamFields, BeamShapes
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 

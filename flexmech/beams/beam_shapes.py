@@ -355,4 +355,4 @@ BEAM_SHAPES: dict[str, BeamShapes] = {
     "timoshenko": Timoshenko(),
     "reddy": Reddy(),
 }
-"""Elements of the reference engine by name."""
+"""Beam theories by the names of the reference engine's elements."""

@@ -1,4 +1,4 @@
-"""A link of the reference engine: beam elements put together along one line."""
+"""A link of beam elements, put together along one line."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.beams.beam_shapes import BeamShapes
+from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import LinkModel, RigidFields
 from flexmech.linkages import LinkMass
 from flexmech.mesh import middle_curvature, node_positions, station_shapes
-from flexmech.reference.beam_shapes import BeamShapes
-from flexmech.reference.elements import BeamElements
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
@@ -43,7 +43,7 @@ def assemble_chain(elements: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True)
 class Chain:
-    """One link of the reference engine.
+    """One link of beam elements.
 
     Parameters
     ----------
