@@ -1,0 +1,82 @@
+"""What holds of the shipped mechanisms holds of random crank-rockers too."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from flexmech import ExudynEngine, ReferenceEngine, moving_frequencies, natural_frequencies
+from tests.random_mechanisms import random_case
+
+ELEMENTS = 16
+COARSE = 8
+SEEDS = [
+    *range(3),
+    *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(3, 100)),
+]
+
+
+@cache
+def frequency_map(seed: int) -> xr.Dataset:
+    """At speed, at equilibrium, with all rotation terms, by both engines; without the speed."""
+    case = random_case(seed)
+    engines = [
+        ReferenceEngine(case.mechanism, ELEMENTS, "euler"),
+        ExudynEngine(case.mechanism, ELEMENTS, "ancf"),
+    ]
+    found = moving_frequencies(engines, case.crank_angles, [case.crank_speed])
+    return found.dataset.isel(crank_speed=0)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_engines_agree(seed):
+    """Better than 1e-4: their meshes are the same, their interpolation nearly."""
+    frequency = frequency_map(seed)["frequency"]
+    np.testing.assert_allclose(frequency[1], frequency[0], rtol=1e-4)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_reduction_error_is_small_and_true(seed):
+    case = random_case(seed)
+    dataset = frequency_map(seed).isel(engine=0)
+    whole = ReferenceEngine(case.mechanism, ELEMENTS, "euler").unreduced()
+    exact = natural_frequencies(whole, case.crank_angles, case.crank_speed)
+    true = np.abs(np.sort(dataset["frequency"].values, axis=-1) / exact - 1).max()
+    assert true < 2e-5
+    assert dataset["reduction_error"].max() == pytest.approx(true, rel=0.3, abs=1e-9)
+
+
+def estimates_and_truth(seed: int) -> np.ndarray:
+    """Reported discretisation error of each frequency, and its distance to a fine mesh.
+
+    Few elements and all coordinates: the mesh makes the whole error.
+    """
+    case = random_case(seed)
+    coarse = ReferenceEngine(case.mechanism, COARSE, "euler", component_modes=False)
+    dataset = moving_frequencies(coarse, case.crank_angles, [case.crank_speed]).dataset
+    dataset = dataset.isel(engine=0, crank_speed=0)
+    exact = natural_frequencies(
+        coarse.with_(elements=4 * COARSE, component_modes=True), case.crank_angles, case.crank_speed
+    )
+    order = np.argsort(dataset["frequency"].values, axis=-1)
+    found, estimate = (
+        np.take_along_axis(dataset[name].values, order, axis=-1).ravel()
+        for name in ("frequency", "discretisation_error")
+    )
+    return np.stack([estimate, np.abs(found / exact.ravel() - 1)])
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_the_discretisation_error_is_true(seed):
+    estimate, true = estimates_and_truth(seed)
+    assert np.all((estimate > true / 2) & (estimate < 3 * true))
+
+
+@pytest.mark.thorough
+def test_discretisation_errors_are_true_of_nearly_all_frequencies():
+    """Nine in ten within a factor of two; none that matters is a fifth of the truth or less."""
+    pairs = [estimates_and_truth(seed) for seed in range(100)]
+    estimate, true = np.concatenate(pairs, axis=1)
+    assert np.mean((estimate > true / 2) & (estimate < 2 * true)) > 0.9
+    assert np.all(estimate > np.where(true > 2e-5, true, 0.0) / 5)
