@@ -31,7 +31,7 @@ MAX_ITERATIONS = 40
 LOAD_STEPS = (1, 5, 25)
 """Where all load at once leads nowhere, it is brought on in steps, swelling along with it."""
 RELATIVE_RESIDUAL = 1e-10
-"""Part of the load that may be out of balance when Newton's method stops.
+"""Part of the load that may be out of balance when Exudyn's static solver stops.
 
 Convergence is quadratic: the last iteration brings far more than that.
 """

@@ -18,10 +18,7 @@ from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import (
     LOAD_STEPS,
     MAX_ITERATIONS,
-    RELATIVE_RESIDUAL,
-    ROUND_OFF,
     LinkFrames,
-    free_load,
     refuse_positions,
 )
 from flexmech.linkages import RigidMotion
@@ -36,6 +33,11 @@ logger = logging.getLogger(__name__)
 
 # Least length of a Newton step when the full one makes the out-of-balance forces worse.
 SHORTEST_STEP = 1 / 16
+# Newton's method takes its last step where that turns no section, and moves no node by a part
+# of the linkage's size, by more than this. The error that is left goes with the square of the
+# step over a link's thickness to length. Forces out of balance are no measure: one that is
+# lost in the round-off of a stiff link may bend a soft one that is pinned to it.
+LAST_STEP = 1e-9
 
 
 @dataclass(frozen=True)
@@ -84,11 +86,7 @@ class Equilibrium:
         self._force_scale = min(
             e.section.bending_stiffness / float(e.length.sum()) ** 2 for e in links
         )
-        self._nodal_stiffness = max(
-            float(np.abs(e.neutral_stiffness[:, [0, 1], [0, 1]]).max()) for e in links
-        )
-        self._moves = _translations(frames, self._per_node)
-        self._free_load = max(free_load(e.section, float(e.length.min())) for e in links)
+        self._turned_by = _turns(frames, links)
 
     def solve(
         self, motion: RigidMotion, loads: Sequence[FloatArray], extra: Sequence[FloatArray]
@@ -131,23 +129,22 @@ class Equilibrium:
 
     def _newton(self, motion: RigidMotion, z: FloatArray, loads: _Loads) -> _State:
         """Newton's method from displacements z; positions that have converged rest."""
-        loaded = np.abs(loads.outer).sum(axis=1) + loads.swelling * self._free_load
+        converged = np.zeros(len(z), dtype=bool)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             residual, band = self._out_of_balance(motion, z, loads)
             error = np.abs(residual).max(axis=1, initial=0.0)
             for _ in range(MAX_ITERATIONS):
-                # Forces of displaced nodes cancel in the balance down to their round-off.
-                moved = np.abs(z[:, self._moves]).max(axis=1)
-                target = np.maximum(
-                    RELATIVE_RESIDUAL * loaded, ROUND_OFF * self._nodal_stiffness * moved
-                )
                 factors = banded.factorize(band)
-                converged = error <= target
-                if converged.all():
-                    break
                 change = np.empty_like(z)
                 change[:, self._order] = banded.solve(factors, residual.T[self._order]).T
                 change[converged] = 0.0
+                turned = np.abs(change * self._turned_by).max(axis=1, initial=0.0)
+                last = turned <= LAST_STEP
+                z = z + np.where(last[:, None], change, 0.0)
+                converged |= last
+                if converged.all():
+                    break
+                change[last] = 0.0
                 z, residual, band, error = self._advance(motion, z, change, loads, error)
         return _State(z, error, factors, converged)
 
@@ -276,11 +273,21 @@ def element_ends(q: FloatArray, per_node: int) -> FloatArray:
     return np.concatenate([nodal[:, :-1], nodal[:, 1:]], axis=2)
 
 
-def _translations(frames: LinkFrames, per_node: int) -> IntArray:
-    """Coordinates of z that are displacements rather than rotations."""
-    moves = [t[np.arange(len(t)) % per_node < 2] for t in frames.targets]
-    every = np.unique(np.concatenate(moves))
-    return every[every >= 0]
+def _turns(frames: LinkFrames, links: Sequence[BeamElements]) -> FloatArray:
+    """Angle in rad that a unit of each coordinate of z stands for, shape (size,).
+
+    A displacement stands for its part of the shortest link, a curvature for the turn over its
+    link.
+    """
+    lengths = [float(elements.length.sum()) for elements in links]
+    shapes = links[0].shapes
+    scale = np.zeros(frames.size)
+    for target, length in zip(frames.targets, lengths, strict=True):
+        own = np.arange(len(target)) % shapes.per_node
+        angle = np.where(np.isin(own, shapes.angles), 1.0, length)
+        angle[own < 2] = 1.0 / min(lengths)
+        scale[target[target >= 0]] = angle[target >= 0]
+    return scale
 
 
 def _entries(frames: LinkFrames, counts: Sequence[int], per_node: int) -> tuple[IntArray, IntArray]:

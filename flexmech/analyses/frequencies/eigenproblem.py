@@ -15,6 +15,8 @@ from flexmech.types import FloatArray
 __all__ = ["Modes", "solve_frequencies", "solve_modes"]
 
 
+# Round-off that is allowed in a squared frequency, relatively.
+BLUR = 1e-10
 # A mode whose frequency is this many times the undamped one is the next mode.
 LEFT_OUT = 1.2
 
@@ -87,7 +89,9 @@ def solve_frequencies(system: LinearSystem, count: int) -> FloatArray:
     _require(system, count)
     if not system.is_conservative:
         return _general(system, count).frequency
-    values = np.asarray(np.linalg.eigvalsh(_standard_form(system)[0])[:, :count], dtype=float)
+    every = np.asarray(np.linalg.eigvalsh(_standard_form(system)[0]), dtype=float)
+    values = every[:, :count].copy()
+    _sharpen(system, every, values)
     _refuse_unstable(system, values)
     return np.asarray(np.sqrt(values) / (2 * np.pi), dtype=float)
 
@@ -102,12 +106,13 @@ def _require(system: LinearSystem, count: int) -> None:
 
 def _conservative(system: LinearSystem, count: int) -> Modes:
     stiffness, unit_mass = _standard_form(system)
-    values, vectors = np.linalg.eigh(stiffness)
-    values, vectors = values[:, :count], vectors[:, :, :count]
-    _refuse_unstable(system, values)
+    every, vectors = np.linalg.eigh(stiffness)
+    values, vectors = every[:, :count].copy(), vectors[:, :, :count]
     ends = unit_mass.shape[2]
     shapes = unit_mass @ vectors[:, :ends]
     shapes[:, ends:] += vectors[:, ends:]
+    _sharpen(system, every, values, shapes)
+    _refuse_unstable(system, values)
     return Modes(1j * np.sqrt(values), shapes)
 
 
@@ -132,6 +137,42 @@ def _standard_form(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
     stiffness[:, :, :ends] = stiffness @ columns
     stiffness[:, :ends] = np.swapaxes(columns, 1, 2) @ stiffness
     return stiffness, columns
+
+
+def _sharpen(
+    system: LinearSystem, every: FloatArray, squares: FloatArray, shapes: FloatArray | None = None
+) -> None:
+    """Compute the lowest modes anew where round-off of the highest blurs them, in place.
+
+    The lowest frequencies are the greatest eigenvalues of the flexibility, whose round-off is
+    relative to them. Scaling by the diagonal keeps a soft link apart from a stiff one. Where
+    the stiffness is not positive, nothing is changed.
+
+    Parameters
+    ----------
+    system : LinearSystem
+    every : ndarray, shape (B, n)
+        Squared frequencies, ascending.
+    squares : ndarray, shape (B, count)
+        The lowest of them.
+    shapes : ndarray, shape (B, n, count), optional
+        Their modes.
+    """
+    count = squares.shape[1]
+    blur = np.finfo(float).eps * every[:, -1]
+    for number in np.flatnonzero(blur > BLUR * np.abs(every[:, 0])):
+        stiffness, mass = system.stiffness[number], system.mass[number]
+        scale = 1 / np.sqrt(np.abs(np.diagonal(stiffness)))
+        try:
+            lower = np.linalg.cholesky(scale[:, None] * stiffness * scale)
+        except np.linalg.LinAlgError:
+            continue
+        half = np.linalg.inv(lower) * scale
+        flexible, vectors = np.linalg.eigh(half @ mass @ half.T)
+        lowest = flexible[: -count - 1 : -1]
+        squares[number] = 1 / lowest
+        if shapes is not None:
+            shapes[number] = half.T @ vectors[:, : -count - 1 : -1] / np.sqrt(lowest)
 
 
 def _refuse_unstable(system: LinearSystem, squares: FloatArray) -> None:

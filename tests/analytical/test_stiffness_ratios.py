@@ -1,0 +1,74 @@
+"""A soft link beside stiff ones: neither equilibrium nor frequencies drown in round-off.
+
+The same configuration one turn later differs by the round-off of its coordinates alone, and so
+must everything that is computed from it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexmech import ReferenceEngine, moving_frequencies
+from flexmech.linkages import FourBar
+from flexmech.materials import Material
+from flexmech.mechanism import Mechanism
+from flexmech.sections import BeamSection
+
+LINKS = ("crank", "coupler", "rocker")
+LINKAGE = FourBar(ground=0.06257, crank=0.01487, coupler=0.07313, rocker=0.07385)
+MATERIAL = Material(145e9, 1433.0)
+TURNS = np.arange(3) * 2 * np.pi
+
+
+def fourbar(thicknesses, widths):
+    """Links of one material; thicknesses in the plane, in m."""
+    sections = {
+        name: BeamSection.rectangle(MATERIAL, in_plane_thickness=t, out_of_plane_width=b)
+        for name, t, b in zip(LINKS, thicknesses, widths, strict=True)
+    }
+    return Mechanism(LINKAGE, sections)
+
+
+def scatter(mechanism, angle, speed, *, rotation_terms, element="timoshenko"):
+    """Greatest relative change of the first two frequencies from turn to turn."""
+    result = moving_frequencies(
+        ReferenceEngine(mechanism, element=element),
+        np.radians(angle) + TURNS,
+        [speed],
+        modes=2,
+        rotation_terms=rotation_terms,
+    )
+    frequency = result.dataset["frequency"].values[0, 0]
+    return np.abs(frequency / frequency[0] - 1).max()
+
+
+@pytest.mark.parametrize("rotation_terms", [False, True])
+def test_a_crank_like_a_hair_beside_stout_links(rotation_terms):
+    """The highest frequency of the mesh is ten million times the lowest of the linkage."""
+    mechanism = fourbar((0.0634e-3, 0.794e-3, 2.6e-3), (0.341e-3, 6.93e-3, 2.19e-3))
+    assert scatter(mechanism, 312.9405, 4.0, rotation_terms=rotation_terms) < 1e-7
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_ratios_of_stiffness(seed):
+    """Crank the softest, by bending stiffness up to a million times."""
+    draw = np.random.default_rng(seed)
+    thickness = 1e-3 * np.array([draw.uniform(0.05, 0.1), *10 ** draw.uniform(-0.5, 0.7, 2)])
+    mechanism = fourbar(thickness, 1e-3 * 10 ** draw.uniform(-0.5, 1.0, 3))
+    for element in ("euler", "timoshenko"):
+        angle, speed = draw.uniform(0, 360), 10 ** draw.uniform(0, 1)
+        found = scatter(mechanism, angle, speed, rotation_terms=False, element=element)
+        assert found < 1e-7
+
+
+def test_the_equilibrium_of_a_soft_crank_does_not_stop_at_the_round_off_of_stiff_links():
+    mechanism = fourbar((0.03e-3, 8e-3, 8e-3), (3e-3, 3e-3, 3e-3))
+    angles = np.linspace(0, 2 * np.pi, 12, endpoint=False) + 1e-3
+    engine = ReferenceEngine(mechanism)
+    here, later = (
+        engine.stressed_links(mechanism.linkage.motion(a, np.ones(12)), "equilibrium").displacement
+        for a in (angles, angles + 2 * np.pi)
+    )
+    for first, second in zip(here, later, strict=True):
+        assert np.abs(second - first).max() < 2e-12 * np.abs(first).max()
