@@ -3,15 +3,28 @@
 from __future__ import annotations
 
 import difflib
+import unicodedata
 from collections.abc import Sequence
 from typing import Self
 
 from flexmech.unit_registry import from_si
 
-__all__ = ["CRANK_SPEED", "ComputationError", "FlexmechError", "InputError", "suggestion"]
+__all__ = [
+    "CRANK_SPEED",
+    "ComputationError",
+    "FlexmechError",
+    "InputError",
+    "one_line",
+    "suggestion",
+]
 
 CRANK_SPEED = "{crank_speed}"
 """Where a message names the crank speed of its error, in the unit that the user prefers."""
+
+MOST_CHARACTERS = 1500
+"""Of a message: what a file or an option holds may be longer than anybody reads."""
+# Of characters that move a terminal's cursor, break a line, or turn the direction of writing.
+_UNSEEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
 
 
 class FlexmechError(Exception):
@@ -21,7 +34,8 @@ class FlexmechError(Exception):
     ----------
     message : str
         What is wrong (file, key or crank angle) and the remedy. The literal ``{crank_speed}`` in
-        it stands for the crank speed, where one is given.
+        it stands for the crank speed, where one is given. It is told in one line, see
+        :func:`one_line`.
     crank_speed : float, optional
         In rad/s.
 
@@ -46,10 +60,11 @@ class FlexmechError(Exception):
 
     def told(self, unit: str) -> str:
         """Write the message with its crank speed in a unit, such as ``"rpm"``."""
+        message = one_line(self.message)
         if self.crank_speed is None:
-            return self.message
+            return message
         speed = f"{from_si(self.crank_speed, unit):.6g} {unit}"
-        return self.message.replace(CRANK_SPEED, speed)
+        return message.replace(CRANK_SPEED, speed)
 
     def within(self, place: str) -> Self:
         """The same failure with the place where it happened in front: a file, key or option."""
@@ -68,8 +83,37 @@ class ComputationError(FlexmechError, RuntimeError):
     exit_code = 1
 
 
+def one_line(text: str, most: int = MOST_CHARACTERS) -> str:
+    r"""Write a text so that a terminal shows it in one line, whatever a user's file has in it.
+
+    Parameters
+    ----------
+    text : str
+    most : int
+        Characters: of a longer text the middle is left out.
+
+    Returns
+    -------
+    str
+        Control characters as Python writes them.
+
+    Examples
+    --------
+    >>> one_line("a red\x1b[31m name")
+    'a red\\x1b[31m name'
+    """
+    if len(text) > most:
+        text = f"{text[: 2 * most // 3]} [...] {text[-most // 3 :]}"
+    if text.isascii() and text.isprintable():
+        return text
+    return "".join(
+        ascii(character)[1:-1] if unicodedata.category(character) in _UNSEEN else character
+        for character in text
+    )
+
+
 def suggestion(got: str, known: Sequence[str]) -> str:
     """Word the remedy for a wrong name: the nearest known one, and all of them."""
-    close = difflib.get_close_matches(got, known, n=1)
+    close = difflib.get_close_matches(got[:MOST_CHARACTERS], known, n=1)
     choices = ", ".join(known)
     return f"did you mean {close[0]!r}? Known here: {choices}" if close else f"use one of {choices}"

@@ -1,21 +1,61 @@
-"""Files that appear whole or not at all."""
+"""Files that appear whole or not at all, and sets of files that appear together."""
 
 from __future__ import annotations
 
+import os
+import shutil
+import sys
 import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from flexmech.errors import InputError
+from flexmech.interruption import tidying, uninterrupted
 
-__all__ = ["check_writable", "matching", "moved_into", "write_whole"]
+if sys.platform != "win32":
+    import fcntl
+
+__all__ = ["check_writable", "given_path", "matching", "moved_into", "write_whole"]
+
+PREFIX = ".flexmech-"
+"""Of the names of folders in which sets of files are made."""
+
+
+def given_path(path: str | os.PathLike[str]) -> Path:
+    """Path that a user gave; ``~`` at its start is the home folder.
+
+    Parameters
+    ----------
+    path : path-like
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    InputError
+        If there is no such home folder.
+
+    Examples
+    --------
+    >>> given_path("results/steel").parts
+    ('results', 'steel')
+    """
+    try:
+        return Path(path).expanduser()
+    except RuntimeError as error:
+        raise InputError(
+            f"{os.fspath(path)}: there is no such home folder; write the whole path, or ./~ for "
+            "a folder of that name"
+        ) from error
 
 
 def check_writable(folder: Path, patterns: Iterable[str]) -> None:
     """Refuse a result folder that cannot be written, before the long work.
 
-    Nothing is left behind: not even the folder is made yet.
+    Nothing is left behind: the folder itself is not made yet.
 
     Parameters
     ----------
@@ -32,25 +72,25 @@ def check_writable(folder: Path, patterns: Iterable[str]) -> None:
     """
     patterns = tuple(patterns)
     for place in dict.fromkeys([folder, *((folder / pattern).parent for pattern in patterns)]):
-        _check_folder(place)
+        _check_folder(folder, place)
     for path in matching(folder, patterns):
         if path.is_dir():
             name = path.relative_to(folder)
             raise InputError(f"{folder}: {name} is a folder there; remove it or choose another one")
 
 
-def _check_folder(folder: Path) -> None:
-    missing = [place for place in (folder, *folder.absolute().parents) if not _exists(place)]
+def _check_folder(folder: Path, place: Path) -> None:
+    """Make a file without a name where the folder is, or in the one that it would be made in."""
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
+        while not place.exists():
+            # The working folder itself may be gone: its parent is itself then.
+            if place == place.parent:
+                break
+            place = place.parent
+        with tempfile.TemporaryFile(dir=place):
             pass
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise InputError(_not_writable(folder, error)) from error
-    finally:
-        for place in missing:
-            with suppress(OSError):
-                place.rmdir()
 
 
 def matching(folder: Path, patterns: Iterable[str]) -> list[Path]:
@@ -61,6 +101,12 @@ def matching(folder: Path, patterns: Iterable[str]) -> list[Path]:
 @contextmanager
 def moved_into(folder: Path) -> Iterator[Path]:
     """Give a temporary folder whose files and folders move into ``folder`` if all ends well.
+
+    The set takes the place of an earlier one as a whole: the files that it replaces are removed
+    before the first one is moved, so that even a program that is killed at that moment leaves no
+    new file beside an old one of the same set. Signals that ask to end wait for the move, and
+    another program that moves a set into the same folder does so before or after it. Temporary
+    folders that a killed program left there are removed.
 
     Parameters
     ----------
@@ -78,17 +124,93 @@ def moved_into(folder: Path) -> Iterator[Path]:
         If writing fails.
     """
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder, prefix=".flexmech-") as temporary:
-            yield Path(temporary)
-            for file in sorted(Path(temporary).rglob("*")):
-                target = folder / file.relative_to(temporary)
-                if file.is_dir():
-                    target.mkdir(exist_ok=True)
-                else:
-                    file.replace(target)
+        with tidying():
+            missing = [place for place in (folder, *folder.parents) if not place.exists()]
+            try:
+                folder.mkdir(parents=True, exist_ok=True)
+                with _workplace(folder) as temporary:
+                    yield temporary
+                    with uninterrupted(), _locked(folder):
+                        _move(temporary, folder)
+            finally:
+                # Folders that were made for nothing; those with something in them stay.
+                for place in missing:
+                    with suppress(OSError):
+                        place.rmdir()
     except OSError as error:
         raise InputError(_not_writable(folder, error)) from error
+
+
+@contextmanager
+def _workplace(folder: Path) -> Iterator[Path]:
+    """A temporary folder, locked as long as this program lives, so that others let it stand."""
+    with uninterrupted(), _locked(folder):
+        _remove_left(folder)
+        temporary = Path(tempfile.mkdtemp(dir=folder, prefix=PREFIX))
+        lock = _lock(temporary, wait=True)
+    try:
+        yield temporary
+    finally:
+        with uninterrupted():
+            shutil.rmtree(temporary, ignore_errors=True)
+            if lock is not None:
+                os.close(lock)
+
+
+def _remove_left(folder: Path) -> None:
+    """Remove temporary folders of programs that were killed: nobody holds their lock."""
+    for left in folder.glob(f"{PREFIX}*"):
+        lock = _lock(left, wait=False)
+        if lock is not None:
+            shutil.rmtree(left, ignore_errors=True)
+            os.close(lock)
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[None]:
+    """Wait until no other program moves files into the folder, and keep others waiting."""
+    # Within a temporary folder, which is locked already, nobody else writes.
+    lock = None if folder.name.startswith(PREFIX) else _lock(folder, wait=True)
+    try:
+        yield
+    finally:
+        if lock is not None:
+            os.close(lock)
+
+
+def _lock(folder: Path, *, wait: bool) -> int | None:
+    """Descriptor that holds the lock of a folder until it is closed; None if there is none.
+
+    Some file systems, and Windows, know no locks of folders: there two programs that write into
+    one folder at the same moment are not kept apart.
+    """
+    if sys.platform == "win32":
+        return None
+    descriptor = None
+    try:
+        descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+        fcntl.flock(descriptor, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+    except OSError:
+        if descriptor is not None:
+            os.close(descriptor)
+        return None
+    return descriptor
+
+
+def _move(temporary: Path, folder: Path) -> None:
+    paths = sorted(temporary.rglob("*"))
+    targets = {path: folder / path.relative_to(temporary) for path in paths}
+    for path, target in targets.items():
+        if path.is_dir():
+            target.mkdir(exist_ok=True)
+        elif target.is_dir():
+            raise IsADirectoryError(0, f"{target.relative_to(folder)} is a folder there")
+    for path, target in targets.items():
+        if not path.is_dir():
+            target.unlink(missing_ok=True)
+    for path, target in targets.items():
+        if not path.is_dir():
+            path.replace(target)
 
 
 def write_whole(path: Path, text: str) -> None:
@@ -113,16 +235,6 @@ def write_whole(path: Path, text: str) -> None:
         (temporary / path.name).write_text(text, encoding="utf-8", newline="\n")
 
 
-def _exists(place: Path) -> bool:
-    try:
-        return place.exists()
-    except OSError:
-        # A folder that may not be entered or a name that is too long. It is taken for
-        # existing, so that it is never removed; making it then tells what is wrong.
-        return True
-
-
-def _not_writable(folder: Path, error: OSError) -> str:
-    return (
-        f"cannot write to {folder} ({error.strerror or error}); choose a folder that can be written"
-    )
+def _not_writable(folder: Path, error: Exception) -> str:
+    reason = getattr(error, "strerror", None) or error
+    return f"cannot write to {folder} ({reason}); choose a folder that can be written"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.summary import Summary
 from flexmech.errors import InputError
-from flexmech.files import moved_into
+from flexmech.files import given_path, moved_into
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,7 +95,7 @@ class Result(ABC):
         InputError
             If the folder cannot be written to.
         """
-        folder, names = Path(folder), []
+        folder, names = given_path(folder), []
         form = f"%.{self.significant_digits}g"
 
         def path(name: str) -> Path:
@@ -106,11 +107,16 @@ class Result(ABC):
         with moved_into(folder) as temporary:
             for name, table in self.tables().items():
                 written = self._written(name, table)
-                written.to_csv(path(f"{name}.csv"), index=False, float_format=form)
+                text = written.to_csv(index=False, float_format=form, lineterminator="\n")
+                path(f"{name}.csv").write_text(text, encoding="utf-8", newline="\n")
             for name, dataset in self.datasets().items():
-                dataset.to_netcdf(path(f"{name}.nc"), engine="h5netcdf")
-            for name, figure in self.figures().items() if figures else ():
-                figure.savefig(path(f"{name}.png"), dpi=DOTS_PER_INCH)
+                # In memory first: HDF5 brings the whole program down where a disk is full.
+                path(f"{name}.nc").write_bytes(dataset.to_netcdf(engine="h5netcdf"))
+            with warnings.catch_warnings():
+                # Letters of a name that the typeface lacks are shown as boxes.
+                warnings.filterwarnings("ignore", "Glyph .* missing", UserWarning)
+                for name, figure in self.figures().items() if figures else ():
+                    figure.savefig(path(f"{name}.png"), dpi=DOTS_PER_INCH)
             for name, text in self.texts().items():
                 path(name).write_text(text, encoding="utf-8", newline="\n")
         return [folder / name for name in names]
@@ -142,7 +148,7 @@ class Result(ABC):
         InputError
             If the file is not there or is no such result of flexmech.
         """
-        path = Path(path)
+        path = given_path(path)
         if not path.is_file():
             raise InputError(f"{path}: no such result file")
         try:

@@ -1,8 +1,33 @@
 """Command line: the only place that prints, shows progress or exits.
 
-Heavy modules are imported inside the commands, so that ``flexmech --help`` answers at once.
+Heavy modules are imported inside the commands, so that ``flexmech --help`` answers at once, and
+after the handlers of signals stand, so that Ctrl-C ends an import in one line as well.
 """
 
-from flexmech.cli.app import app, main
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from flexmech.cli.stopping import answer_signals
+
+if TYPE_CHECKING:
+    from typer import Typer
 
 __all__ = ["app", "main"]
+
+
+def __getattr__(name: str) -> Typer:
+    """The application, imported when it is first asked for."""
+    if name != "app":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from flexmech.cli.application import app
+
+    return app
+
+
+def main() -> None:
+    """Entry point of the console script ``flexmech``; exits with 0, 1, 2, 130 or 143."""
+    answer_signals()
+    from flexmech.cli.application import run
+
+    run()

@@ -17,5 +17,11 @@ def check(
     from flexmech.modelfile import load_mechanism
     from flexmech.reference import ReferenceEngine
 
-    engine = ReferenceEngine(load_mechanism(model))
-    deliver(ModelCheck, lambda _: check_mechanism(engine), out, draw=not no_plots)
+    mechanism = load_mechanism(model)
+    deliver(
+        ModelCheck,
+        lambda _: check_mechanism(ReferenceEngine(mechanism)),
+        out,
+        model=model,
+        draw=not no_plots,
+    )

@@ -32,4 +32,4 @@ def coupler_curve(
     from flexmech.modelfile import load_mechanism
 
     request = load_mechanism(model), np.radians(degrees), given, environment
-    deliver(CouplerPaths, lambda _: coupler_paths(*request), out, draw=not no_plots)
+    deliver(CouplerPaths, lambda _: coupler_paths(*request), out, model=model, draw=not no_plots)

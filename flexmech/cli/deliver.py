@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, TypeVar
 
 import typer
 
-from flexmech.cli.failures import naming
+from flexmech.cli.failures import naming, telling
 from flexmech.cli.progress import progress_bar
-from flexmech.errors import FlexmechError
-from flexmech.files import check_writable, matching
+from flexmech.errors import one_line
+from flexmech.files import check_writable, given_path, matching, moved_into
 
 if TYPE_CHECKING:
     from flexmech.analyses import Result, Table
@@ -30,9 +30,11 @@ def deliver(
     compute: Callable[[LabelledProgress | None], Found],
     out: Path | None,
     *,
+    model: Path | None = None,
     draw: bool = True,
     speed_unit: str = "rad/s",
-    further: Callable[[Found, LabelledProgress | None], list[Path]] | None = None,
+    further: Callable[[Found, Path, LabelledProgress | None], list[Path]] | None = None,
+    remark: str = "",
 ) -> None:
     """Compute a result, write its files and print its summary.
 
@@ -44,12 +46,17 @@ def deliver(
         Takes what shows the progress, or None.
     out : Path or None
         Folder for the files; None for no files.
+    model : Path, optional
+        Model file, which messages name.
     draw : bool
         Whether to write pictures.
     speed_unit : str
         In which messages speak of crank speeds.
     further : callable, optional
-        Writes further files of the result and gives their paths; takes the progress too.
+        Writes further files of the result into a folder and gives their paths; takes the
+        progress too.
+    remark : str
+        Line before all others.
 
     Raises
     ------
@@ -58,26 +65,38 @@ def deliver(
     """
     if out is not None:
         with naming("--out"):
+            out = given_path(out)
             check_writable(out, (name for name in kind.files if draw or not name.endswith(".png")))
     with progress_bar() as progress:
-        try:
+        with telling(model, speed_unit):
             result = compute(progress)
-        except FlexmechError as error:
-            raise type(error)(error.told(speed_unit)) from error
+            # Nothing is written before everything is computed.
+            summary = result.summary()
         # Files first: what is printed has been kept.
-        files = [] if out is None else result.save(out, figures=draw)
-        if further is not None:
-            files += further(result, progress)
-    summary = result.summary()
+        files = []
+        if out is not None:
+            with naming("--out"), moved_into(out) as whole:
+                files = result.save(whole, figures=draw)
+                if further is not None:
+                    files += further(result, whole, progress)
+            files = [out / file.relative_to(whole) for file in files]
+    if remark:
+        typer.echo(remark)
     for part in summary.parts:
         if isinstance(part, str):
-            typer.echo(part)
+            _print_lines(part)
         else:
             _print_table(part)
     if out is not None:
         _name_files(out, files, kind.files)
     if summary.verdict:
-        typer.echo(summary.verdict)
+        _print_lines(summary.verdict)
+
+
+def _print_lines(text: str) -> None:
+    """Print lines in which names cannot move the cursor."""
+    for line in text.split("\n"):
+        typer.echo(one_line(line, most=len(line)))
 
 
 def _name_files(out: Path, files: list[Path], patterns: Iterable[str]) -> None:
@@ -98,10 +117,10 @@ def _name_files(out: Path, files: list[Path], patterns: Iterable[str]) -> None:
         else str(file)
         for file in files
     )
-    typer.echo("files: " + ", ".join(dict.fromkeys(names)))
+    _print_lines("files: " + ", ".join(dict.fromkeys(map(one_line, names))))
     stale = [str(path.relative_to(out)) for path in matching(out, patterns) if path not in files]
     if stale:
-        typer.echo(f"from an earlier run, not of this one: {', '.join(stale)}")
+        _print_lines(f"from an earlier run, not of this one: {', '.join(map(one_line, stale))}")
 
 
 def _print_table(table: Table) -> None:
@@ -110,13 +129,13 @@ def _print_table(table: Table) -> None:
     from rich.markup import escape
     from rich.table import Table as RichTable
 
-    drawn = RichTable(title=escape(table.title), caption=escape(table.caption) or None)
+    drawn = RichTable(title=escape(one_line(table.title)), caption=escape(table.caption) or None)
     for number, heading in enumerate(table.headings):
         words = number < table.text_columns
         # A cut name would lose what stands behind it.
         drawn.add_column(heading, justify="left" if words else "right", overflow="fold")
     for group in table.groups:
         for row in group:
-            drawn.add_row(*map(escape, row))
+            drawn.add_row(*(escape(one_line(cell)) for cell in row))
         drawn.add_section()
     Console(width=None if sys.stdout.isatty() else WIDTH_OF_PIPES).print(drawn)

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import functools
+import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import ParamSpec
 
 import typer
 
-from flexmech.errors import FlexmechError, InputError
+from flexmech.cli.stopping import Stopped, interrupted_line
+from flexmech.errors import FlexmechError, InputError, one_line
 
-INTERRUPTED = 130
-"""Exit code after Ctrl-C, as shells have it: 128 + SIGINT."""
+__all__ = ["naming", "reports_failures", "telling"]
 
 Parameters = ParamSpec("Parameters")
 
@@ -28,8 +29,8 @@ def reports_failures(command: Callable[Parameters, None]) -> Callable[Parameters
     Returns
     -------
     callable
-        The same command; it exits with 2 after an InputError, 1 after a ComputationError
-        and 130 after an interrupt.
+        The same command; it exits with 2 after an InputError, 1 after a ComputationError,
+        130 after an interrupt and 143 after SIGTERM.
     """
 
     @functools.wraps(command)
@@ -39,11 +40,22 @@ def reports_failures(command: Callable[Parameters, None]) -> Callable[Parameters
         except FlexmechError as error:
             typer.echo(f"error: {error}", err=True)
             raise typer.Exit(error.exit_code) from error
+        except MemoryError as error:
+            typer.echo(f"error: {_out_of_memory(error)}", err=True)
+            raise typer.Exit(FlexmechError.exit_code) from error
         except KeyboardInterrupt as error:
-            typer.echo("interrupted: files that were not complete were not written", err=True)
-            raise typer.Exit(INTERRUPTED) from error
+            stopped = error if isinstance(error, Stopped) else Stopped(signal.SIGINT)
+            typer.echo(interrupted_line(stopped.number), err=True)
+            raise typer.Exit(stopped.exit_code) from error
 
     return wrapped
+
+
+def _out_of_memory(error: MemoryError) -> str:
+    return (
+        f"the memory does not suffice ({one_line(str(error)) or 'none is left'}); lower "
+        "--elements, or ask for fewer --angles, --speeds or --samples"
+    )
 
 
 @contextmanager
@@ -53,3 +65,22 @@ def naming(option: str) -> Iterator[None]:
         yield
     except InputError as error:
         raise error.within(option) from error
+
+
+@contextmanager
+def telling(model: object, speed_unit: str) -> Iterator[None]:
+    """Put the model file in front of a message that names neither it nor an option.
+
+    Parameters
+    ----------
+    model : path-like or None
+        As the user gave it; None where there is none.
+    speed_unit : str
+        In which messages speak of crank speeds.
+    """
+    try:
+        yield
+    except FlexmechError as error:
+        told = type(error)(error.told(speed_unit))
+        named = model is None or str(model) in told.message or told.message.startswith("--")
+        raise (told if named else told.within(str(model))) from error

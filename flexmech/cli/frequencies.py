@@ -60,6 +60,7 @@ def frequencies(
             progress=progress,
         ),
         out,
+        model=model,
         draw=not no_plots,
         speed_unit=unit,
     )

@@ -27,4 +27,6 @@ def moisture(
     from flexmech.modelfile import load_mechanism
 
     request = load_mechanism(model), humidity, seconds, kelvin, link
-    deliver(MoistureUptake, lambda _: moisture_uptake(*request), out, draw=not no_plots)
+    deliver(
+        MoistureUptake, lambda _: moisture_uptake(*request), out, model=model, draw=not no_plots
+    )

@@ -6,8 +6,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import typer
-
 from flexmech.choices import MODES
 from flexmech.cli import arguments, options
 from flexmech.cli.deliver import deliver
@@ -62,6 +60,7 @@ def response(
     from flexmech.analyses import response as analysis
     from flexmech.linkages import CrankDrive
     from flexmech.modelfile import load_mechanism
+    from flexmech.plots import mp4_available
 
     mechanism = load_mechanism(model)
     with naming("--revolutions, --samples, --run-up"):
@@ -78,12 +77,10 @@ def response(
     with naming("--step"):
         request = replace(request, step=time_step)
 
-    def animations(result: Response, progress: LabelledProgress | None) -> list[Path]:
-        files = result.save_animations(out, progress) if animate else []
-        if len(files) == 1:
-            typer.echo("animation: a GIF alone, for MP4 needs ffmpeg; install it and run again")
-        return files
+    def animations(result: Response, folder: Path, progress: LabelledProgress | None) -> list[Path]:
+        return result.save_animations(folder, progress) if animate else []
 
+    alone = animate and not mp4_available()
     deliver(
         analysis.Response,
         lambda progress: analysis.response(
@@ -94,7 +91,9 @@ def response(
             progress=progress,
         ),
         out,
+        model=model,
         draw=not no_plots,
         speed_unit=unit,
         further=animations,
+        remark="animation: a GIF alone, for MP4 needs ffmpeg; install it and run again" * alone,
     )

@@ -14,12 +14,13 @@ def schema(out: options.SchemaFile = None) -> None:
     """
     import json
 
-    from flexmech.files import write_whole
+    from flexmech.errors import one_line
+    from flexmech.files import given_path, write_whole
     from flexmech.modelfile import json_schema
 
     text = json.dumps(json_schema(), indent=2, ensure_ascii=False) + "\n"
     if out is None:
         typer.echo(text, nl=False)
     else:
-        write_whole(out, text)
-        typer.echo(f"wrote {out}")
+        write_whole(given_path(out), text)
+        typer.echo(one_line(f"wrote {given_path(out)}"))

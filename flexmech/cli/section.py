@@ -32,5 +32,6 @@ def section(
         SectionProfiles,
         lambda _: section_profiles(mechanism, link, environment=environment),
         out,
+        model=model,
         draw=not no_plots,
     )

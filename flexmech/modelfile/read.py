@@ -5,12 +5,12 @@ from __future__ import annotations
 import hashlib
 import os
 import tomllib
-from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
 from flexmech.errors import InputError
+from flexmech.files import given_path
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile.build import build_mechanism
 from flexmech.modelfile.document import ModelFile
@@ -46,7 +46,7 @@ def load_mechanism(path: str | os.PathLike[str]) -> Mechanism:
     >>> print(mechanism.to_toml().splitlines()[0])
     name = "aluminium four-bar"
     """
-    file = Path(path)
+    file = given_path(path)
     shown = os.fspath(path)
     if file.is_dir():
         raise InputError(f"{shown}: is a folder; name a model file, such as model.toml, in it")
@@ -69,7 +69,9 @@ def load_mechanism(path: str | os.PathLike[str]) -> Mechanism:
         raise InputError(
             f"{shown}: line {line} is not UTF-8 text; save the file with UTF-8 encoding"
         ) from error
-    return _mechanism(text, shown, file.name, hashlib.sha256(content).hexdigest())
+    # A name that is no text in the file system's encoding keeps what can be read of it.
+    name = os.fsencode(file.name).decode(errors="replace")
+    return _mechanism(text, shown, name, hashlib.sha256(content).hexdigest())
 
 
 def mechanism_from_toml(text: str, name: str = "model.toml") -> Mechanism:

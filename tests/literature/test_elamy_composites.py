@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from flexmech import studies
 from flexmech.analyses import natural_frequencies, strain_energy_damping
-from flexmech.cli.app import app
+from flexmech.cli.application import app
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import load_mechanism, mechanism_from_toml
 from flexmech.plots import plot_composite_frequencies

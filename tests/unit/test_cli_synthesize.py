@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from flexmech import CrankRockerSynthesis, InputError, crank_rocker_synthesis
-from flexmech.cli.app import app
+from flexmech.cli.application import app
 from flexmech.modelfile import mechanism_from_toml, template
 
 WANTED = ["--deviation", "20", "--rocker-angle", "100"]

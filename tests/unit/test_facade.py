@@ -34,7 +34,7 @@ def test_names_are_listed_and_loaded_when_first_used() -> None:
     with pytest.raises(AttributeError, match="attribute Linkag"):
         flexmech.Linkag  # noqa: B018
     heavy = "print([m for m in ('numpy', 'xarray', 'exudyn', 'pint') if m in sys.modules])"
-    script = f"import sys, flexmech, flexmech.cli.app; dir(flexmech); {heavy}"
+    script = f"import sys, flexmech, flexmech.cli.application; dir(flexmech); {heavy}"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert done.stdout.strip() == "[]", done.stderr
 

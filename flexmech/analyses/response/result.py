@@ -15,7 +15,7 @@ from flexmech.analyses.response import words
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.analyses.tables import DEGREES, table_over
-from flexmech.files import moved_into
+from flexmech.files import given_path, moved_into
 from flexmech.types import LabelledProgress
 from flexmech.units import from_si
 
@@ -173,11 +173,11 @@ class Response(Result):
         """
         names = ANIMATIONS if plots.mp4_available() else ANIMATIONS[:1]
         report = progress or (lambda label, done, total: None)
-        with moved_into(Path(folder)) as temporary:
+        with moved_into(given_path(folder)) as temporary:
             for name in names:
                 shown = partial(report, name)
                 plots.write_animation(self.dataset, temporary / name, progress=shown)
-        return [Path(folder) / name for name in names]
+        return [given_path(folder) / name for name in names]
 
     def summary(self) -> Summary:
         """Peaks and how far they can be trusted; the last line compares the engines."""

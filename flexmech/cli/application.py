@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import signal
 import sys
+import warnings
 from collections.abc import Callable
-from io import TextIOWrapper
-from typing import Annotated
+from typing import Annotated, Any, NoReturn
 
 import typer
+from typer.core import TyperGroup
 
 from flexmech.cli.check import check
 from flexmech.cli.coupler_curve import coupler_curve
@@ -18,8 +20,11 @@ from flexmech.cli.new import new
 from flexmech.cli.response import response
 from flexmech.cli.schema import schema
 from flexmech.cli.section import section
+from flexmech.cli.stopping import Stopped, interrupted_line
+from flexmech.cli.streams import check_streams
 from flexmech.cli.study import study_app
 from flexmech.cli.synthesize import synthesize
+from flexmech.errors import FlexmechError, InputError, one_line
 
 # In the order of the help. The docstring of a command is what its help says.
 COMMANDS: tuple[Callable[..., None], ...] = (
@@ -34,8 +39,43 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     schema,
 )
 
+# What typer raises on wrong command lines; it has no public name for their common base.
+_UsageError: type[Exception] = typer.BadParameter.__mro__[1]
+
+
+class _Commands(TyperGroup):
+    """Commands whose usage errors are one line on stderr, as all other errors are."""
+
+    def main(self, *args: Any, **settings: Any) -> NoReturn:
+        """Run the command of a command line, and exit."""
+        settings["standalone_mode"] = False
+        try:
+            code = super().main(*args, **settings)
+        except _UsageError as error:
+            code = InputError.exit_code
+            typer.echo(_usage_line(error), err=True)
+        except FlexmechError as error:
+            # Help that cannot be printed.
+            code = error.exit_code
+            typer.echo(f"error: {error}", err=True)
+        except typer.Abort:
+            code = Stopped().exit_code
+            typer.echo(interrupted_line(signal.SIGINT), err=True)
+        sys.exit(code if isinstance(code, int) else 0)
+
+
+def _usage_line(error: Any) -> str:
+    """What is wrong with a command line, or the help where nothing was asked for."""
+    message = error.format_message()
+    if message.startswith("Usage:"):
+        return str(message)
+    command = error.ctx.command_path if error.ctx is not None else "flexmech"
+    return f"error: {one_line(message).rstrip('.')}; see {command} --help"
+
+
 app = typer.Typer(
     name="flexmech",
+    cls=_Commands,
     help="Moving natural frequencies and running response of flexible linkages, by two "
     "independent engines.",
     no_args_is_help=True,
@@ -76,10 +116,10 @@ for command in COMMANDS:
 app.add_typer(study_app, name="study")
 
 
-def main() -> None:
-    """Entry point of the console script ``flexmech``; exits with 0, 1, 2 or 130."""
-    for stream in (sys.stdout, sys.stderr):
-        # A name or source that the terminal's encoding lacks is shown with "?" instead.
-        if isinstance(stream, TextIOWrapper):
-            stream.reconfigure(errors="replace")
+def run() -> None:
+    """Run the command line of this process, and exit."""
+    check_streams()
+    # Warnings of libraries are for developers, who turn them on by -W or PYTHONWARNINGS.
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")
     app(prog_name="flexmech")

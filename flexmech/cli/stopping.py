@@ -1,0 +1,55 @@
+"""What happens on Ctrl-C and SIGTERM: one line on stderr, and the exit code that shells expect."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from types import FrameType
+
+from flexmech.interruption import STOPPING, work_to_tidy
+
+__all__ = ["Stopped", "answer_signals", "interrupted_line"]
+
+_WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
+# A progress bar hides the cursor; the line of the bar is cleared.
+_BARE_LINE = "\x1b[?25h\r\x1b[K"
+
+
+class Stopped(KeyboardInterrupt):
+    """A signal that asked to end while there were files to tidy up."""
+
+    def __init__(self, number: int = signal.SIGINT) -> None:
+        super().__init__(number)
+        self.number = number
+
+    @property
+    def exit_code(self) -> int:
+        """As shells have it: 130 after Ctrl-C, 143 after SIGTERM."""
+        return 128 + self.number
+
+
+def interrupted_line(number: int) -> str:
+    """Say that a signal ended the program."""
+    return f"{_WORDS[signal.Signals(number)]}: files that were not complete were not written"
+
+
+def answer_signals() -> None:
+    """Answer signals that ask to end; those that the caller has the program ignore stay ignored."""
+    for number in STOPPING:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _stop)
+
+
+def _stop(number: int, frame: FrameType | None) -> None:
+    """End at once, or by an exception where there is something to tidy up.
+
+    Imports and compiled code may swallow an exception, or turn it into another one.
+    """
+    if work_to_tidy():
+        raise Stopped(number)
+    bare = _BARE_LINE if sys.stderr is not None and sys.stderr.isatty() else ""
+    try:
+        os.write(2, f"{bare}{interrupted_line(number)}\n".encode())
+    finally:
+        os._exit(128 + number)
