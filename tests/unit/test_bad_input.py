@@ -381,7 +381,7 @@ def test_result_folders_that_cannot_be_written_are_refused_at_once(tmp_path: Pat
     taken = tmp_path / "taken"
     (taken / "frequencies.csv").mkdir(parents=True)
     for out, message in (
-        (model, r"cannot write to .*model\.toml \(File exists\); choose a folder"),
+        (model, r"cannot write to .*model\.toml \(Not a directory\); choose a folder"),
         (model / "below", r"cannot write to .*below \(Not a directory\); choose a folder"),
         (tmp_path / ("x" * 300), r"File name too long"),
         (taken, r"frequencies\.csv is a folder there; remove it or choose another one"),
