@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import permutations
+from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.analyses import moving_frequencies, natural_frequencies
-from flexmech.analyses.frequencies.tracking import (
-    Branches,
-    Tracker,
-    assign,
-    cross_amplitude,
-    same_shapes,
-)
+from flexmech.analyses.frequencies.assignment import assign, cross_amplitude, same_shapes
+from flexmech.analyses.frequencies.refinement import Between, Positions
+from flexmech.analyses.frequencies.tracking import Branches, Tracker
+from flexmech.errors import ComputationError
+from flexmech.linear_system import Engine
+from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
+from tests.random_mechanisms import random_case
 from tests.strategies import fourbar
 
 FloatArray = NDArray[np.float64]
@@ -46,7 +48,8 @@ def track(
     tracker = Tracker(numbering)
     for start in range(0, len(vectors), batch):
         tracker.add(vectors[start : start + batch])
-    return tracker.finish(frequency, full_turn)
+    step = 2 * np.pi / len(vectors) if full_turn else np.radians(1.0)
+    return tracker.finish(frequency, step * np.arange(len(vectors)), full_turn=full_turn)
 
 
 def test_uncoupled_branches_cross_without_veering() -> None:
@@ -68,6 +71,98 @@ def test_coupled_branches_veer_and_keep_their_order(coupling: float) -> None:
     # The gap is 1.25 times its least where 0.2 |x| = 0.75 times the coupling.
     assert np.abs(PLACE[flagged]).max() == pytest.approx(3.75 * coupling, abs=0.03)
     assert found.whole.all()
+
+
+# Of these the steps of five degrees alone have another answer than those of one degree.
+SEEDS = (0, 6)
+CENTRE = np.radians(47.3)
+
+
+def between(width: float, centre: float = CENTRE) -> Between:
+    """Two modes that exchange over a width of the crank angle (both in rad)."""
+
+    def solve(crank_angles: FloatArray) -> Positions:
+        apart = 0.2 * np.sin(crank_angles - centre)
+        stiffness = np.empty((len(crank_angles), 2, 2))
+        stiffness[:, 0, 0], stiffness[:, 1, 1] = 1 + apart, 1 - apart
+        stiffness[:, 0, 1] = stiffness[:, 1, 0] = 0.2 * width
+        values, vectors = np.linalg.eigh(stiffness)
+        return Positions(crank_angles, np.sqrt(values), vectors)
+
+    return solve
+
+
+def followed(solve: Between, degrees: NDArray[Any], *, full_turn: bool = False) -> Branches:
+    """Branches over crank angles in degrees, with more solved for between them."""
+    asked = solve(np.radians(degrees))
+    tracker = Tracker()
+    tracker.add(asked.shapes)
+    return tracker.finish(asked.frequency, asked.crank_angle, full_turn=full_turn, between=solve)
+
+
+@pytest.mark.parametrize("step", [1, 5, 10, 15, 30])
+@pytest.mark.parametrize(
+    ("width", "crosses"), [(0.0, True), (0.02, True), (0.15, True), (0.4, False), (3.0, False)]
+)
+def test_what_happens_between_coarse_angles_is_seen(step: int, width: float, crosses: bool) -> None:
+    """Crossing and veering by the width of the exchange, whatever the step."""
+    found = followed(between(np.radians(width)), np.arange(0, 91, step))
+    assert found.branch[-1].tolist() == ([1, 0] if crosses else [0, 1])
+    assert found.veering.any() == (not crosses)
+    assert not found.unclear.any()
+    assert found.whole.all()
+    assert found.mac.min() >= 0.8
+    flagged = np.arange(0, 91, step)[found.veering.all(axis=1)]
+    assert crosses or np.abs(flagged - 47.3).min() <= step / 2
+
+
+@pytest.mark.parametrize("step", [1, 5, 10])
+@pytest.mark.parametrize("off", [0.0, 0.01, 0.04])
+def test_an_angle_in_the_middle_of_a_crossing_is_passed_over(step: int, off: float) -> None:
+    """Whether an angle asked for happens to lie in a narrow exchange decides nothing."""
+    found = followed(between(np.radians(0.05), np.radians(40.0 + off)), np.arange(0, 91, step))
+    assert found.branch[-1].tolist() == [1, 0]
+    assert found.whole.all()
+
+
+def test_steps_are_divided_at_whole_degrees_and_only_where_it_is_not_clear() -> None:
+    solved: list[float] = []
+    solve = between(np.radians(0.2))
+
+    def noted(crank_angles: FloatArray) -> Positions:
+        solved.extend(np.degrees(crank_angles).round(9))
+        return solve(crank_angles)
+
+    asked = np.arange(0, 91, 15)
+    found = followed(noted, asked)
+    between_them = solved[len(asked) :]
+    assert found.branch[-1].tolist() == [1, 0]
+    assert 0 < len(between_them) <= 5
+    assert all(45 < angle < 60 and angle == round(angle) for angle in between_them)
+
+
+def test_what_cannot_be_told_is_flagged() -> None:
+    """The step from 190 to 210 degrees cannot be divided; over 20 degrees shapes exchange."""
+    exchange = between(np.radians(8.0), np.radians(200.0))
+
+    def not_everywhere(crank_angles: FloatArray) -> Positions:
+        if np.any(np.abs(crank_angles - np.radians(200.0)) < 1e-9):
+            raise ComputationError("no equilibrium there")
+        return exchange(crank_angles)
+
+    found = followed(not_everywhere, np.arange(150, 251, 20))
+    assert np.flatnonzero(found.unclear.any(axis=1)).tolist() == [3]
+    assert not found.whole.any()
+    # What the map delivers is a flag, and no error of an angle that nobody asked for.
+    assert np.isfinite(found.mac).all()
+
+
+@pytest.mark.parametrize("degrees", [np.arange(0, 360, 40), np.arange(0, 361, 40)])
+def test_the_step_home_is_divided_too(degrees: NDArray[Any]) -> None:
+    """The two modes meet at 5 and at 185 degrees and cross twice."""
+    found = followed(between(0.0, np.radians(340.0)), degrees, full_turn=True)
+    assert found.whole.all()
+    assert found.branch[0].tolist() == [0, 1]
 
 
 def test_parallel_branches_do_not_veer() -> None:
@@ -118,6 +213,40 @@ def test_branches_of_unsymmetric_links_do_not_swap() -> None:
     found = moving_frequencies(engine, np.radians(np.arange(0, 361, 10)), [0.0], modes=2)
     assert found.dataset["mac"].max() < 1 + 1e-9
     assert (found.dataset["branch_of_mode"][0, 0, :, 0] == 1).all()
+
+
+def numbers_by_step(engine: Engine, speed: float, steps: list[int]) -> dict[int, xr.DataArray]:
+    """Branch of each mode over the crank angle in degrees, from maps of several steps."""
+    found = {}
+    for step in steps:
+        degrees = np.arange(0, 361, step)
+        data = moving_frequencies(engine, np.radians(degrees), [speed]).dataset
+        found[step] = data["branch_of_mode"][0, 0].assign_coords(crank_angle=degrees)
+        assert not data["branch_unclear"].any()
+    return found
+
+
+def check_steps(engine: Engine, speed: float, steps: list[int]) -> None:
+    fine, *coarse = numbers_by_step(engine, speed, [1, *steps]).values()
+    for branch in coarse:
+        assert branch.equals(fine.sel(crank_angle=branch["crank_angle"]))
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("runs", [False, True])
+def test_coarse_maps_number_their_branches_as_the_map_of_one_degree(seed: int, runs: bool) -> None:
+    case = random_case(seed)
+    check_steps(ReferenceEngine(case.mechanism, 4), runs * case.crank_speed, [5, 15, 30])
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(100, 140))
+@pytest.mark.parametrize("kind", [ReferenceEngine, ExudynEngine])
+@pytest.mark.parametrize("runs", [False, True])
+def test_coarse_maps_of_many_mechanisms(seed: int, kind: type[Engine], runs: bool) -> None:
+    case = random_case(seed, damped=seed % 2 == 0)
+    engine = kind(case.mechanism, 4)
+    check_steps(engine, runs * case.crank_speed, [5, 10, 15, 30])
 
 
 def broken() -> tuple[FloatArray, FloatArray]:

@@ -11,14 +11,16 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
+from flexmech.analyses.frequencies.assignment import same_shapes
 from flexmech.analyses.frequencies.discretisation import check_angle_indices, discretisation_error
 from flexmech.analyses.frequencies.eigenproblem import solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequency_map, systems_at
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.reduction import CheckedModes, settled
+from flexmech.analyses.frequencies.refinement import Positions
 from flexmech.analyses.frequencies.request import FrequencyRequest
-from flexmech.analyses.frequencies.tracking import Tracker, same_shapes
+from flexmech.analyses.frequencies.tracking import Tracker
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray, IntArray, LabelledProgress
 
@@ -116,6 +118,15 @@ def _along_angles(
 ) -> xr.Dataset:
     """Modes along the crank angles, batch by batch: tracked, spare ones among them."""
     systems, count, parts = checked.systems, checked.modes.count, []
+
+    def between(crank_angles: FloatArray) -> Positions:
+        frequency, shapes = [], []
+        for system in systems.batches(crank_angles, crank_speed):
+            modes = solve_modes(system, count)
+            frequency.append(modes.frequency)
+            shapes.append(system.inertial_shapes(modes.vectors))
+        return Positions(crank_angles, np.concatenate(frequency), np.concatenate(shapes))
+
     for system in systems.batches(request.crank_angles, crank_speed):
         modes = solve_modes(system, count)
         tracker.add(system.inertial_shapes(modes.vectors))
@@ -127,11 +138,14 @@ def _along_angles(
         parts.append(found)
         advance(len(modes.frequency))
     every = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    branches = tracker.finish(every["frequency"], request.full_turn)
+    branches = tracker.finish(
+        every["frequency"], request.crank_angles, full_turn=request.full_turn, between=between
+    )
     every |= {
         "branch_of_mode": branches.branch.astype(np.int64) + 1,
         "mac": branches.mac,
         "veering": branches.veering,
+        "branch_unclear": branches.unclear,
     }
     return xr.Dataset(
         {name: (("crank_angle", "mode"), values) for name, values in every.items()}

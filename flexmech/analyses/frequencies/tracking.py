@@ -2,90 +2,32 @@
 
 Modes are compared by the mass-weighted modal assurance criterion and assigned one to one;
 nothing is re-sorted in silence: the score is kept, veering is flagged, and a branch that
-is lost or does not return to itself after a full turn says so.
+is lost or does not return to itself after a full turn says so. Where the score is not clear the
+step is divided; see :mod:`flexmech.analyses.frequencies.refinement`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linear_sum_assignment
 
+from flexmech.analyses.frequencies.assignment import assign
+from flexmech.analyses.frequencies.refinement import (
+    Between,
+    Chain,
+    Positions,
+    refined,
+    unclear_modes,
+)
+from flexmech.analyses.frequencies.veering import find_veering
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Branches", "Tracker", "assign", "cross_amplitude", "find_veering", "same_shapes"]
+__all__ = ["Branches", "Tracker"]
 
-
-# Two shapes with a lower score share less than half of their kinetic energy.
-BROKEN_MAC = 0.5
-# Branches veer when they come this close (relative to their mean frequency) ...
-VEERING_GAP = 0.25
-# ... and their shapes turn into one another by an angle (rad) between these bounds on the
-# way through. Two shapes that exchange turn by a quarter; more is a slow drift of both.
-VEERING_ROTATION = (0.35, 1.6)
-
-
-def cross_amplitude(first: NDArray[Any], second: NDArray[Any]) -> FloatArray:
-    """``|x_i^H M x_j|`` between the modes of paired positions.
-
-    Parameters
-    ----------
-    first, second : ndarray, shape (B, n, m)
-        Mode shapes of unit mass, in coordinates of unit mass
-        (:meth:`flexmech.linear_system.LinearSystem.inertial_shapes`).
-
-    Returns
-    -------
-    ndarray, shape (B, m, m)
-        Square root of the modal assurance criterion.
-    """
-    amplitude: FloatArray = np.abs(np.swapaxes(first.conj(), 1, 2) @ second)
-    return amplitude
-
-
-def assign(amplitude: FloatArray) -> IntArray:
-    """One-to-one assignment of the greatest total MAC.
-
-    Parameters
-    ----------
-    amplitude : ndarray, shape (B, m, m)
-
-    Returns
-    -------
-    ndarray of int, shape (B, m)
-        For each mode (column) of the second position its mode of the first.
-    """
-    best: IntArray = amplitude.argmax(axis=1)
-    unclear = np.flatnonzero(np.any(np.sort(best, axis=1) != np.arange(best.shape[1]), axis=1))
-    for number in unclear:
-        rows, columns = linear_sum_assignment(amplitude[number] ** 2, maximize=True)
-        best[number, columns] = rows
-    return best
-
-
-def same_shapes(known: NDArray[Any], shapes: NDArray[Any], numbering: IntArray | None) -> IntArray:
-    """Branch numbers of modes by their likeness to modes with known numbers.
-
-    For modes of different crank speeds, whose coordinates may differ: compared as
-    displacements along the links.
-
-    Parameters
-    ----------
-    known, shapes : ndarray, shape (m, n_links, n_stations, 2)
-    numbering : ndarray of int, shape (m,), or None
-        Branch of each known mode; in order by default.
-
-    Returns
-    -------
-    ndarray of int, shape (m,)
-    """
-    a, b = (np.reshape(s, (len(s), -1)) for s in (known, shapes))
-    a, b = (s / np.linalg.norm(s, axis=1, keepdims=True) for s in (a, b))
-    source: IntArray = assign(np.abs(a.conj() @ b.T)[None])[0]
-    return source if numbering is None else numbering[source]
+FULL_TURN = 2 * np.pi
 
 
 @dataclass(frozen=True)
@@ -97,8 +39,10 @@ class Branches:
     branch : ndarray of int, shape (A, m)
         Branch of each mode, counted from 0.
     mac : ndarray, shape (A, m)
-        Score against the same branch at the previous angle; 1 at the first.
+        Least score along the same branch since the previous angle; 1 at the first.
     veering : ndarray of bool, shape (A, m)
+    unclear : ndarray of bool, shape (A, m)
+        Whether the least step since the previous angle leaves open which mode it is.
     whole : ndarray of bool, shape (m,)
         By branch: tracked without a break and, after a full turn, back to itself.
     """
@@ -106,11 +50,12 @@ class Branches:
     branch: IntArray
     mac: FloatArray
     veering: NDArray[np.bool_]
+    unclear: NDArray[np.bool_]
     whole: NDArray[np.bool_]
 
 
 class Tracker:
-    """Follows the modes of one crank speed as positions come in, batch by batch.
+    """Follows the modes of one crank speed.
 
     Parameters
     ----------
@@ -120,113 +65,109 @@ class Tracker:
 
     def __init__(self, numbering: IntArray | None = None) -> None:
         self._numbering = numbering
-        self._last: NDArray[Any] | None = None
-        self._first: NDArray[Any] | None = None
-        self._amplitude: list[FloatArray] = []
+        self._shapes: list[NDArray[Any]] = []
 
     def add(self, shapes: NDArray[Any]) -> None:
         """Take the next positions: mode shapes (B, n, m) in coordinates of unit mass."""
-        if self._last is None:
-            self._first = shapes[:1]
-        else:
-            shapes = np.concatenate([self._last, shapes])
-        self._amplitude.append(cross_amplitude(shapes[:-1], shapes[1:]))
-        self._last = shapes[-1:]
+        self._shapes.append(shapes)
 
-    def finish(self, frequency: FloatArray, full_turn: bool) -> Branches:
+    def finish(
+        self,
+        frequency: FloatArray,
+        crank_angles: FloatArray,
+        *,
+        full_turn: bool = False,
+        between: Between | None = None,
+    ) -> Branches:
         """Number the branches.
 
         Parameters
         ----------
         frequency : ndarray, shape (A, m)
+        crank_angles : ndarray, shape (A,)
+            Increasing, rad.
         full_turn : bool
             Whether the last angle leads back to the first.
+        between : callable, optional
+            Solves for the modes at other angles, where the modes asked for are too far apart to
+            be followed.
 
         Returns
         -------
         Branches
         """
-        assert self._first is not None
-        assert self._last is not None
-        amplitude = np.concatenate(self._amplitude)
-        count = frequency.shape[1]
-        origin = assign(amplitude)
-        branch = np.empty((len(frequency), count), dtype=np.intp)
-        branch[0] = np.arange(count) if self._numbering is None else self._numbering
-        for step, source in enumerate(origin):
-            branch[step + 1] = branch[step][source]
-        mac = np.ones((len(frequency), count))
-        mac[1:] = np.take_along_axis(amplitude, origin[:, None, :], axis=1)[:, 0] ** 2
-
-        by_branch = np.argsort(branch, axis=1)
-        whole = np.take_along_axis(mac, by_branch, axis=1).min(axis=0) >= BROKEN_MAC
+        asked = np.ones(len(crank_angles) + full_turn, dtype=bool)
+        positions = Positions(crank_angles, frequency, np.concatenate(self._shapes))
         if full_turn:
-            closing = cross_amplitude(self._last, self._first)[0]
-            home = closing[by_branch[-1], by_branch[0]] ** 2
-            whole &= home >= BROKEN_MAC
-        steps = amplitude[
-            np.arange(len(amplitude))[:, None, None],
-            by_branch[:-1, :, None],
-            by_branch[1:, None, :],
-        ]
-        veering = find_veering(np.take_along_axis(frequency, by_branch, axis=1), steps)
-        return Branches(branch, mac, np.take_along_axis(veering, branch, axis=1), whole)
+            # The first angle again; not a step where the last one is the same position.
+            first = positions.crank_angle[0] + FULL_TURN
+            last = max(first, positions.crank_angle[-1])
+            asked[-1] = False
+            positions = Positions(
+                np.append(positions.crank_angle, last),
+                *(np.concatenate([part, part[:1]]) for part in positions[1:]),
+            )
+        chain = Chain(positions, asked, np.empty(0))
+        if between is not None:
+            chain = refined(chain, between)
+        return _branches(chain, self._numbering, full_turn)
 
 
-def find_veering(frequency: FloatArray, amplitude: FloatArray) -> NDArray[np.bool_]:
-    """Where branches come close and exchange their shapes.
+class _Followed(NamedTuple):
+    """Modes along a chain of P positions: numbers (P, m), scores and doubts about them."""
 
-    Parameters
-    ----------
-    frequency : ndarray, shape (A, m)
-        By branch.
-    amplitude : ndarray, shape (A - 1, m, m)
-        Cross amplitudes between neighbouring angles, by branch.
-
-    Returns
-    -------
-    ndarray of bool, shape (A, m)
-        True through the closest approach of two branches that veer: neighbours that come
-        close, part again on both sides, and exchange their shapes in between.
-    """
-    veering = np.zeros(frequency.shape, dtype=bool)
-    count = frequency.shape[1]
-    for a in range(count):
-        for b in range(a + 1, count):
-            gap = np.abs(frequency[:, a] - frequency[:, b])
-            gap = gap / ((frequency[:, a] + frequency[:, b]) / 2)
-            if gap.min() > VEERING_GAP:
-                continue
-            turned = np.arcsin(np.minimum(np.maximum(amplitude[:, a, b], amplitude[:, b, a]), 1))
-            for least in _minima(gap):
-                near = _window(gap, least, 2.0)
-                apart_on_both_sides = near.start > 0 and near.stop < len(gap)
-                rotation = turned[near.start : near.stop - 1].sum()
-                exchange = VEERING_ROTATION[0] <= rotation <= VEERING_ROTATION[1]
-                if apart_on_both_sides and exchange and _neighbours(frequency[least], a, b):
-                    close = _window(gap, least, 1.25)
-                    veering[close, a] = True
-                    veering[close, b] = True
-    return veering
+    branch: IntArray
+    score: FloatArray
+    unclear: NDArray[np.bool_]
+    passed_over: list[int]
 
 
-def _neighbours(frequency: FloatArray, a: int, b: int) -> bool:
-    """Whether no other branch lies between two."""
-    low, high = sorted((frequency[a], frequency[b]))
-    return not np.any((frequency > low) & (frequency < high))
+def _followed(chain: Chain, amplitude: FloatArray, numbering: IntArray | None) -> _Followed:
+    """Number the modes, each position by the one before, or by that before a mixed one."""
+    places, count = chain.positions.frequency.shape
+    branch, score = np.empty((places, count), dtype=np.intp), np.ones((places, count))
+    unclear = np.zeros((places, count), dtype=bool)
+    unclear[1:] = unclear_modes(amplitude, chain.step)[0]
+    passed = chain.passed_over(unclear[1:])
+    before, likeness = np.arange(places) - 1, amplitude.copy()
+    for place, across in passed.items():
+        before[place + 1], likeness[place] = place - 1, across
+        unclear[place : place + 2] = False
+    origin = assign(likeness)
+    branch[0] = np.arange(count) if numbering is None else numbering
+    for place, source in enumerate(origin, start=1):
+        branch[place] = branch[before[place]][source]
+    score[1:] = np.take_along_axis(likeness, origin[:, None, :], axis=1)[:, 0] ** 2
+    return _Followed(branch, score, unclear, list(passed))
 
 
-def _minima(gap: FloatArray) -> IntArray:
-    """Local minima inside the range that are close enough to be veering."""
-    inner = (gap[1:-1] <= gap[:-2]) & (gap[1:-1] < gap[2:]) & (gap[1:-1] <= VEERING_GAP)
-    return np.flatnonzero(inner) + 1
+def _branches(chain: Chain, numbering: IntArray | None, full_turn: bool) -> Branches:
+    """Branches at the angles asked for, from what was followed along all of a chain."""
+    amplitude, asked = chain.amplitude(), chain.asked
+    found = _followed(chain, amplitude, numbering)
+    order = np.argsort(found.branch, axis=1)
+    frequency = np.take_along_axis(chain.positions.frequency, order, axis=1)
+    score = np.take_along_axis(found.score, order, axis=1)
+    torn = np.take_along_axis(found.unclear, order, axis=1)
+    # A mixture that nothing was followed by is no low score, unless it was asked for.
+    score[[place for place in found.passed_over if not asked[place]]] = 1.0
+    steps = np.arange(len(amplitude))[:, None, None]
+    turned = amplitude[steps, order[:-1, :, None], order[1:, None, :]]
+    veering = find_veering(frequency, turned, chain.positions.crank_angle, asked)
+    # From behind one angle asked for to the next one.
+    places = np.flatnonzero(asked)
+    since, last = np.append(0, places[:-1] + 1), places[-1] + 1
+    whole = np.all(~torn, axis=0)
+    if full_turn:
+        whole &= order[-1] == order[0]
 
+    def by_mode(values: NDArray[Any]) -> NDArray[Any]:
+        return np.take_along_axis(values, found.branch[asked], axis=1)
 
-def _window(gap: FloatArray, centre: int, ratio: float) -> slice:
-    """Contiguous angles around a minimum where the gap is below ``ratio`` times its least."""
-    outside = np.flatnonzero(gap > ratio * gap[centre])
-    before = outside[outside < centre]
-    after = outside[outside > centre]
-    start = int(before[-1]) + 1 if len(before) else 0
-    stop = int(after[0]) if len(after) else len(gap)
-    return slice(start, stop)
+    return Branches(
+        branch=found.branch[asked],
+        mac=by_mode(np.minimum.reduceat(score[:last], since)),
+        veering=by_mode(veering),
+        unclear=by_mode(np.logical_or.reduceat(torn[:last], since)),
+        whole=whole,
+    )

@@ -67,15 +67,22 @@ def error_lines(dataset: xr.Dataset) -> list[str]:
 
 
 def tracking_lines(dataset: xr.Dataset) -> list[str]:
-    """Report veering, and branches that are not whole, where there are any."""
-    veering, torn = [], []
+    """Report veering, and branches that are unclear or not whole, where there are any."""
+    veering, unclear, torn = [], [], []
     for engine in dataset["engine"].values:
         veering += _veering(dataset["veering"].sel(engine=engine).astype(bool), engine, dataset)
         for speed in dataset["crank_speed"].values:
-            torn += _torn_branches(dataset.sel(engine=engine, crank_speed=speed))
+            place = dataset.sel(engine=engine, crank_speed=speed)
+            unclear += _unclear(place)
+            torn += _torn_branches(place)
     lines = []
     if veering:
         lines.append(f"veering, where close modes swap their shapes: {'; '.join(veering)}")
+    if unclear:
+        lines.append(
+            "branches that are not clear, even in the shortest steps between the angles: "
+            + "; ".join(unclear)
+        )
     if torn:
         lines.append(f"branches that are not whole over these angles: {'; '.join(torn)}")
     return lines
@@ -168,6 +175,20 @@ def _veering(flags: xr.DataArray, engine: str, dataset: xr.Dataset) -> list[str]
     return [
         f"{engine} at {int(positions.sum())} of {positions.size} positions "
         f"(modes {', '.join(map(str, modes))}; {', '.join(_speed(s, unit) for s in speeds)} {unit})"
+    ]
+
+
+def _unclear(place: xr.Dataset) -> list[str]:
+    """Where modes of one engine and speed could not be told from each other."""
+    # Results of before this was looked at do not have it.
+    if "branch_unclear" not in place or not place["branch_unclear"].any():
+        return []
+    flags, unit = place["branch_unclear"].astype(bool), _unit(place)
+    modes = place["mode"].values[flags.any("crank_angle").values]
+    angles = place["crank_angle"].values[flags.any("mode").values]
+    return [
+        f"{place['engine'].item()} at {_speed(float(place['crank_speed']), unit)} {unit}, modes "
+        f"{', '.join(map(str, modes))}, before {', '.join(map(_degrees, angles))} deg"
     ]
 
 
