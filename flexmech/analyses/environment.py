@@ -15,7 +15,9 @@ def state_name(environment: Environment) -> str:
     return "wet" if environment.label == "dry" else environment.label
 
 
-def environment_lines(mechanism: Mechanism, environment: Environment | None) -> list[str]:
+def environment_lines(
+    mechanism: Mechanism, environment: Environment | None, *, lengths_alone: bool = False
+) -> list[str]:
     """What heat and moisture make of each link.
 
     Parameters
@@ -24,6 +26,8 @@ def environment_lines(mechanism: Mechanism, environment: Environment | None) -> 
         Dry, at its reference temperature.
     environment : HygrothermalState or Exposure, optional
         None where none was asked for: then there is nothing to say.
+    lengths_alone : bool
+        Whether to leave out how stiff and heavy the links are then.
 
     Returns
     -------
@@ -40,6 +44,11 @@ def environment_lines(mechanism: Mechanism, environment: Environment | None) -> 
         return []
     lines = [f"state: {environment_of(environment).label}"]
     for name, link in swollen_links(mechanism, environment).items():
+        if lengths_alone:
+            lines.append(
+                f"{name}: {100 * link.elongation:+.4f} % longer, {100 * link.water:.3g} % water"
+            )
+            continue
         dry, kept = mechanism.sections[name], resin_retention(mechanism, name, environment)
         stiffness = link.section.bending_stiffness / dry.bending_stiffness
         mass = link.section.mass_per_length / dry.mass_per_length
@@ -50,7 +59,7 @@ def environment_lines(mechanism: Mechanism, environment: Environment | None) -> 
         if kept is not None:
             # Least and most of it, where the link is not equally moist.
             share = " to ".join(dict.fromkeys(f"{100 * part:.4g}" for part in kept))
-            line += f", resin keeps {share} % of its stiffness and strength"
+            line += f", resin keeps {share} % of its stiffness"
         if link.section.free_curvature:
             sagitta = abs(link.section.free_curvature) * link.length**2 / 8
             line += f", bent by itself {1e3 * sagitta:.4g} mm at its middle"

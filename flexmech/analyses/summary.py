@@ -71,17 +71,24 @@ class Summary:
         Tables and lines, from the first to the last.
     verdict : str
         The line that says how far the result can be trusted, after all others; may be empty.
+    warnings : tuple of str
+        What limits the result though it could be computed; commands write them to stderr.
     """
 
     parts: tuple[Table | str, ...]
     verdict: str = ""
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def _warned(self) -> tuple[str, ...]:
+        return tuple(f"warning: {text}" for text in self.warnings)
 
     def __str__(self) -> str:
-        return "\n".join(str(part) for part in (*self.parts, self.verdict) if part)
+        return "\n".join(str(part) for part in (*self.parts, *self._warned, self.verdict) if part)
 
     def _repr_html_(self) -> str:
         return "".join(
             f"<p>{escape(part)}</p>" if isinstance(part, str) else part._repr_html_()
-            for part in (*self.parts, self.verdict)
+            for part in (*self.parts, *self._warned, self.verdict)
             if part
         )

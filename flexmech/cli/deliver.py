@@ -89,6 +89,8 @@ def deliver(
             _print_table(part)
     if out is not None:
         _name_files(out, files, kind.files)
+    for warning in summary.warnings:
+        typer.echo(f"warning: {warning}", err=True)
     if summary.verdict:
         _print_lines(summary.verdict)
 

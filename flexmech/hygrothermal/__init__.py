@@ -15,6 +15,7 @@ from flexmech.hygrothermal.link_moisture import (
     link_profile,
     resin_retention,
 )
+from flexmech.hygrothermal.unsoftened import links_of_unknown_stiffness, without_softening
 
 __all__ = [
     "Environment",
@@ -28,7 +29,9 @@ __all__ = [
     "link_diffusion",
     "link_profile",
     "linkage_in_state",
+    "links_of_unknown_stiffness",
     "mechanism_in_state",
     "resin_retention",
     "swollen_links",
+    "without_softening",
 ]

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from flexmech.numbers import NOT_NEGATIVE, Bounds, check_fields
+from flexmech.units import from_si
 
 __all__ = ["Environment", "Exposure", "HygrothermalState"]
-
-DAY = 86400.0
 
 
 @dataclass(frozen=True)
@@ -88,7 +87,7 @@ class Exposure:
         """Short name for titles and legends."""
         return (
             f"{self.temperature_rise:+.4g} K, {100 * self.relative_humidity:.4g} % humidity for "
-            f"{self.time / DAY:.4g} d"
+            f"{from_si(self.time, 'day'):.4g} d"
         )
 
 

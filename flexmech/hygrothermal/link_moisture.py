@@ -60,7 +60,7 @@ def _exposed(
 def resin_retention(
     mechanism: Mechanism, link: str, environment: Environment
 ) -> tuple[float, float] | None:
-    """Parts of their stiffness and strength that a link's resins keep, where least and most.
+    """Parts of their stiffness that a link's resins keep, where least and most.
 
     Parameters
     ----------

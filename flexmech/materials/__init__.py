@@ -2,7 +2,12 @@
 
 from flexmech.materials.composition import RULES, PlyComposition, Rule
 from flexmech.materials.constituents import Fibre, Matrix, published_constituents
-from flexmech.materials.hygrothermal import REFERENCE_TEMPERATURE, Hygrothermal, ResinContent
+from flexmech.materials.hygrothermal import (
+    REFERENCE_TEMPERATURE,
+    Hygrothermal,
+    ResinContent,
+    UnknownStiffnessError,
+)
 from flexmech.materials.laminate import Laminate, Layer
 from flexmech.materials.material import Material
 from flexmech.materials.micromechanics import PACKING_LIMIT, ply_from_constituents, woven_ply
@@ -30,6 +35,7 @@ __all__ = [
     "PlyDamping",
     "ResinContent",
     "Rule",
+    "UnknownStiffnessError",
     "moisture_of",
     "ply_diluted",
     "ply_from_constituents",

@@ -26,13 +26,17 @@ from flexmech.units import (
     ZERO_CELSIUS,
 )
 
-__all__ = ["REFERENCE_TEMPERATURE", "Hygrothermal", "ResinContent"]
+__all__ = ["REFERENCE_TEMPERATURE", "Hygrothermal", "ResinContent", "UnknownStiffnessError"]
 
 REFERENCE_TEMPERATURE = 293.15
 """Temperature in K at which dimensions and moduli are stated unless a model says otherwise."""
 
 # Chamis' parabola of the wet glass transition turns upward from here on.
 GREATEST_MOISTURE = 0.10
+
+
+class UnknownStiffnessError(InputError):
+    """A resin in a state whose stiffness cannot be told from that at the reference."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +148,7 @@ class Hygrothermal:
         if not self.takes_water:
             return 0.0
         if self.equilibrium is not None and moisture > self.equilibrium.saturation * (1 + 1e-9):
-            raise InputError(
+            raise UnknownStiffnessError(
                 f"a moisture of {100 * moisture:g} % is more than the resin takes up: "
                 f"{100 * self.equilibrium.saturation:g} % at 100 % relative humidity; give less, "
                 "or another equilibrium_moisture"
@@ -193,14 +197,16 @@ class Hygrothermal:
         Raises
         ------
         InputError
-            If no dry glass transition is known or the moisture is beyond the rule's range.
+            If no dry glass transition is known.
+        UnknownStiffnessError
+            If the moisture is beyond the rule's range.
         """
         if self.glass_transition is None:
             raise InputError(
                 "the wet glass transition needs the dry one; give glass_transition of the resin"
             )
         if moisture > GREATEST_MOISTURE:
-            raise InputError(
+            raise UnknownStiffnessError(
                 f"a moisture of {100 * moisture:g} % is beyond Chamis' rule of the wet glass "
                 f"transition, which holds to {100 * GREATEST_MOISTURE:g} %; give less moisture, or "
                 "leave glass_transition out to go without softening"
@@ -231,8 +237,9 @@ class Hygrothermal:
         Raises
         ------
         InputError
-            If the resin is at its wet glass transition or above it, or its dry one is not
-            above the reference temperature.
+            If the dry glass transition is not above the reference temperature.
+        UnknownStiffnessError
+            If the resin is at its wet glass transition or above it.
         """
         if self.glass_transition is None:
             return 1.0
@@ -243,7 +250,7 @@ class Hygrothermal:
             )
         wet = self.wet_glass_transition(moisture) if moisture else self.glass_transition
         if temperature >= wet:
-            raise InputError(
+            raise UnknownStiffnessError(
                 f"at {_celsius(temperature)} the resin is above its wet glass transition of "
                 f"{_celsius(wet)} ({100 * moisture:.3g} % moisture, dry "
                 f"{_celsius(self.glass_transition)}): rubber, for which the elastic moduli say "

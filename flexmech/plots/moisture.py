@@ -13,14 +13,14 @@ from flexmech.plots import style
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import names_of
 from flexmech.plots.series import line_handle, series_handle, series_line
-from flexmech.units import ZERO_CELSIUS
+from flexmech.units import ZERO_CELSIUS, from_si
 
 __all__ = ["plot_moisture"]
 
 ROW_HEIGHT = 2.1
 # Formulas beside the finite volumes, by the numbers of their styles.
 LAWS = {1: ("short_time_uptake", "root of time"), 3: ("shen_springer_uptake", "Shen & Springer")}
-TIME_UNITS = {"day": 86400.0, "hour": 3600.0, "second": 1.0}
+TIME_UNITS = ("day", "hour", "second")
 
 
 def plot_moisture(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -42,7 +42,7 @@ def plot_moisture(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         One row a link: profiles on the left, uptake on the right.
     """
     links, end = names_of(dataset, "link"), float(dataset["time"].max())
-    unit = next((name for name, seconds in TIME_UNITS.items() if end >= seconds), "second")
+    unit = next((name for name in TIME_UNITS if from_si(end, name) >= 1), "second")
     attrs = dataset.attrs
     title = (
         f"{attrs['mechanism']}: {100 * attrs['relative_humidity']:.4g} % relative humidity, "
@@ -56,7 +56,7 @@ def plot_moisture(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         for link, profile, uptake in zip(links, drawn.panels[::2], drawn.panels[1::2], strict=True):
             of_link = dataset.sel(link=link)
             _draw_profiles(profile, of_link)
-            _draw_uptake(uptake, of_link, TIME_UNITS[unit])
+            _draw_uptake(uptake, of_link, unit)
             what = "mean over the width" if of_link["over_width"] else "through the thickness"
             profile.set_title(f"{link.capitalize()}: {what}")
             uptake.set_title(f"{link.capitalize()}: uptake")
@@ -71,7 +71,7 @@ def _colours(dataset: xr.Dataset) -> list[tuple[float, float, float, float]]:
 
 def _handles(dataset: xr.Dataset, unit: str) -> list[Artist]:
     handles = []
-    times = dataset["profile_time"].values / TIME_UNITS[unit]
+    times = dataset["profile_time"].values * from_si(1.0, unit)
     for time, colour in zip(times, _colours(dataset), strict=True):
         number = f"{time:.0f}" if time >= 1000 else f"{time:.3g}"
         handles.append(line_handle(f"{number} {unit[0]}", color=colour))
@@ -88,8 +88,8 @@ def _draw_profiles(axes: Axes, link: xr.Dataset) -> None:
     axes.set_ylim(bottom=0.0)
 
 
-def _draw_uptake(axes: Axes, link: xr.Dataset, unit: float) -> None:
-    root = np.sqrt(link["time"].values / unit)
+def _draw_uptake(axes: Axes, link: xr.Dataset, unit: str) -> None:
+    root = np.sqrt(link["time"].values * from_si(1.0, unit))
     axes.axhline(1.0, color=style.MID_GREY, lw=0.6, zorder=1)
     axes.plot(root, link["uptake"].values, color="black")
     for number, (name, _) in LAWS.items():

@@ -147,6 +147,44 @@ def test_the_environment_makes_the_sections() -> None:
         assert wet.dataset[name].identical(same.dataset[name])
     lines = environment_lines(mechanism, state)
     assert lines[0] == "state: +60 K, 4 % moisture"
-    assert lines[1].endswith("resin keeps 52.87 % of its stiffness and strength")
+    assert lines[1].endswith("resin keeps 52.87 % of its stiffness")
     assert wet.summary().parts[-len(lines) :] == tuple(lines)
     assert environment_lines(mechanism, None) == []
+
+
+def test_what_plies_swell_by_is_that_of_the_paper_s_equations() -> None:
+    """Singh & Sanyal 2022, eq. 7, and eq. 8 with the resin's Poisson ratio in place of V_m."""
+    mechanism = load_mechanism(MODELS / "moist_composite_fourbar.toml")
+    found = section_profiles(mechanism)
+    rows = found.tables()["plies"]
+    assert list(rows.columns) == [
+        "link",
+        "ply",
+        "thermal_expansion_along_per_K",
+        "thermal_expansion_across_per_K",
+        "moisture_expansion_along_per_percent",
+        "moisture_expansion_across_per_percent",
+    ]
+    assert set(rows["link"]) == {"crank", "coupler", "rocker"}
+    layers = mechanism.sections["coupler"].layers
+    assert layers is not None
+    ply = layers.laminate.layers[0].ply
+    fibre, matrix = ply.origin.fibre, ply.origin.matrix
+    share = ply.origin.fibre_volume_fraction
+    resin = matrix.youngs_modulus * (1 - share)
+    along = matrix.moisture_expansion * resin / (resin + fibre.youngs_modulus * share)
+    poisson_ratio = fibre.poisson_ratio * share + matrix.poisson_ratio * (1 - share)
+    across = matrix.moisture_expansion * (1 - share) * (1 + matrix.poisson_ratio)
+    across -= along * poisson_ratio
+    row = rows[(rows["link"] == "coupler") & (rows["ply"] == ply.name)].iloc[0]
+    assert row["moisture_expansion_along_per_percent"] == pytest.approx(along / 100)
+    assert row["moisture_expansion_across_per_percent"] == pytest.approx(across / 100)
+    printed = str(found.summary())
+    assert "coupler: swelling of its plies" in printed
+    assert f"{1e3 * across / 100:.5g}" in printed
+
+
+def test_nothing_is_said_of_swelling_where_nothing_is_known() -> None:
+    found = section_profiles(load_mechanism(MODELS / "steel_fourbar.toml"))
+    assert "plies" not in found.tables()
+    assert "swelling" not in str(found.summary())

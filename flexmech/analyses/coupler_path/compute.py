@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +19,8 @@ from flexmech.hygrothermal import (
     HygrothermalState,
     coupler_point_in_state,
     linkage_in_state,
+    links_of_unknown_stiffness,
+    without_softening,
 )
 from flexmech.linear_system import checked_mechanism
 from flexmech.linkages import (
@@ -73,7 +75,8 @@ def coupler_paths(
     point : CouplerPoint, optional
         On the dry coupler; that of the mechanism if left out.
     environment : HygrothermalState or Exposure, optional
-        Compared with the dry linkage, if given.
+        Compared with the dry linkage, if given. The path needs no modulus: above the wet glass
+        transition of a resin it is drawn with a warning.
 
     Returns
     -------
@@ -93,7 +96,7 @@ def coupler_paths(
     >>> paths.dataset["double_point_state"].values.tolist()  # the wet curve has no loop
     ['dry']
     """
-    mechanism = checked_mechanism(mechanism)
+    mechanism, warning = checked_mechanism(mechanism), ""
     angles = in_radians("crank_angles", crank_angles)
     if angles.ndim != 1 or not angles.size:
         raise InputError(f"crank_angles must be a row of one or more, got shape {angles.shape}")
@@ -102,14 +105,31 @@ def coupler_paths(
     if environment is not None:
         label = environment_of(environment).label
         try:
+            rubber = links_of_unknown_stiffness(mechanism, environment)
+            if rubber:
+                warning = f"{label}: {_of_rubber(rubber)}"
+                mechanism = without_softening(mechanism)
             found = _path(mechanism, point, environment, angles)
         except InputError as error:
             # The dry linkage has passed: the environment is the cause.
             raise error.within(label) from error
         paths[state_name(environment)] = found
-    lines = "\n".join(environment_lines(mechanism, environment))
-    attributes = {**origin(mechanism), "environment_lines": lines}
+    lines = environment_lines(mechanism, environment, lengths_alone=bool(warning))
+    attributes = {
+        **origin(mechanism),
+        "environment_lines": "\n".join(lines),
+        "warning": warning,
+    }
     return CouplerPaths(_dataset(paths, angles).assign_attrs(attributes))
+
+
+def _of_rubber(links: Sequence[str]) -> str:
+    """What a path is worth whose links are above their glass transition."""
+    return (
+        f"the resin of {' and '.join(links)} is above its wet glass transition or beyond what is "
+        "known of it: rubber, softer than any modulus here says. The path needs no modulus: it is "
+        "that of links which swell as with the stated expansions, and none softens"
+    )
 
 
 def _point_of(mechanism: Mechanism, given: CouplerPoint | None) -> CouplerPoint:
@@ -174,7 +194,10 @@ def _state(curve: CouplerCurve, crank_angles: FloatArray, windows: FloatArray) -
     residual = np.abs(coupler_sextic(linkage, curve.point, position)).max()
     angle = np.unwrap(motion.angle[:, 1:], axis=0)
     over = "crank_angle"
+    limits = linkage.transmission_angle_limits()
     variables: dict[str, Any] = {
+        "transmission_angle": ((over,), linkage.transmission_angle(crank_angles), RADIAN),
+        "transmission_angle_limit": (("limit",), [*limits], RADIAN),
         "position": ((over, "component"), position, METRE),
         "pin_position": ((over, "pin", "component"), np.stack(pins, axis=1), METRE),
         "angle": ((over, "link"), angle, RADIAN),
@@ -191,5 +214,6 @@ def _state(curve: CouplerCurve, crank_angles: FloatArray, windows: FloatArray) -
         "pin": ["A", "B"],
         "link": ["coupler", "rocker"],
         "member": list(linkage.lengths),
+        "limit": ["least", "greatest"],
     }
     return xr.Dataset(variables, coordinates)

@@ -28,7 +28,8 @@ class CouplerPaths(Result):
     ----------
     dataset : xarray.Dataset
         Over ``state`` and ``crank_angle``: ``position`` of the point, ``pin_position`` of the
-        pins A and B, and ``angle`` of coupler and rocker without jumps. Over ``state``:
+        pins A and B, ``angle`` of coupler and rocker without jumps, and ``transmission_angle``
+        between them. Over ``state``: ``transmission_angle_limit`` of the whole motion,
         ``length`` between the pins of each member, ``coupler_point_distance`` from A, and
         ``sextic_residual``, the greatest residual of the curve's equation. Of the whole curves:
         ``double_point_position`` and ``double_point_crank_angle`` of both passages over
@@ -62,6 +63,12 @@ class CouplerPaths(Result):
             theta3_deg=angle.sel(link="coupler"),
             theta4_deg=angle.sel(link="rocker"),
             **{f"{axis}_m": position.sel(component=axis) for axis in "xy"},
+            transmission_angle_deg=DEGREES * data["transmission_angle"],
+            **{
+                f"{limit}_transmission_angle_deg": DEGREES
+                * data["transmission_angle_limit"].sel(limit=limit)
+                for limit in ("least", "greatest")
+            },
         )
         topology = table_over(
             "double_point",
@@ -94,7 +101,9 @@ class CouplerPaths(Result):
         if data.sizes["state"] > 1:
             lines += _change_lines(*(data.isel(state=number) for number in (0, 1)))
         return Summary(
-            tuple(lines), f"check: the curve's sextic equation is met within {worst:.1e}"
+            tuple(lines),
+            f"check: the curve's sextic equation is met within {worst:.1e}",
+            tuple(filter(None, [data.attrs.get("warning")])),
         )
 
 
@@ -105,11 +114,13 @@ def _state_lines(state: xr.Dataset, topology: pd.DataFrame) -> list[str]:
     named = ", ".join(f"{member} {length:.6g}" for member, length in lengths)
     counts = {kind: int((topology["kind"] == kind).sum()) for kind in ("crunode", "cusp")}
     words = [f"{count} {kind}{'' if count == 1 else 's'}" for kind, count in counts.items()]
+    least, greatest = DEGREES * state["transmission_angle_limit"].values
     linkage, where = FourBar(*state["length"].values.tolist()), ""
     if not linkage.crank_turns_fully:
         where = f" on the whole circuit, both branches ({linkage.grashof_class})"
     return [
         f"{name}: {named}, coupler point {distance:.6g} mm from A",
+        f"{name}: transmission angle {least:.5g} to {greatest:.5g} deg",
         f"{name}: {' and '.join(words)}{where}",
         *(
             f"{name}: {kind} at ({1e3 * x:.6g}, {1e3 * y:.6g}) mm, crank angles {first:.6g} and "

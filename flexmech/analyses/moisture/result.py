@@ -11,15 +11,13 @@ from flexmech import plots
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.analyses.tables import table_over
-from flexmech.units import ZERO_CELSIUS
+from flexmech.units import ZERO_CELSIUS, from_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
 __all__ = ["MoistureUptake"]
-
-DAY, HOUR = 86400.0, 3600.0
 
 
 class MoistureUptake(Result):
@@ -98,4 +96,5 @@ class MoistureUptake(Result):
 
 def _duration(time: xr.DataArray) -> str:
     seconds = float(time)
-    return f"{seconds / DAY:.4g} d" if seconds >= DAY else f"{seconds / HOUR:.4g} h"
+    days = from_si(seconds, "day")
+    return f"{days:.4g} d" if days >= 1 else f"{from_si(seconds, 'hour'):.4g} h"

@@ -11,6 +11,7 @@ import xarray as xr
 from flexmech.analyses.environment import environment_lines
 from flexmech.analyses.provenance import origin, with_units
 from flexmech.analyses.requests import environment_of, link_of
+from flexmech.analyses.section_profile.expansions import DIRECTIONS
 from flexmech.analyses.section_profile.properties import COUPLINGS, section_properties
 from flexmech.analyses.section_profile.result import QUANTITIES, SectionProfiles
 from flexmech.hygrothermal import Environment, mechanism_in_state
@@ -92,15 +93,21 @@ def _through_thickness(layers: LaminateSection) -> xr.Dataset:
         ("layer", np.arange(1, len(stack) + 1)),
         ("point", np.arange(1, place.shape[1] + 1)),
     ]
+    of_plies = ("layer", "direction")
     # Layers are counted together where neighbours have one ply and angle.
     turns = [(one.ply, one.angle) != (other.ply, other.angle) for one, other in pairwise(stack)]
     return (
         xr.DataArray(values, coordinates)
         .to_dataset("quantity")
-        .assign(place=(("layer", "point"), place))
+        .assign(
+            place=(("layer", "point"), place),
+            thermal_expansion=(of_plies, [layer.ply.thermal_expansion for layer in stack]),
+            moisture_expansion=(of_plies, [layer.ply.moisture_expansion for layer in stack]),
+        )
         .assign_coords(
             ply=("layer", [layer.ply.name for layer in stack]),
             angle=("layer", [layer.angle for layer in stack]),
+            direction=list(DIRECTIONS),
             run=("layer", np.cumsum([1, *turns])),
         )
     )

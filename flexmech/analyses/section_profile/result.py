@@ -10,6 +10,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.requests import link_of
 from flexmech.analyses.result import Result
+from flexmech.analyses.section_profile.expansions import expansion_table, expansions_of_plies
 from flexmech.analyses.section_profile.properties import PROPERTIES, STORED
 from flexmech.analyses.section_profile.tables import layer_tables, property_table
 from flexmech.analyses.summary import Summary, Table
@@ -33,12 +34,13 @@ class SectionProfiles(Result):
     dataset : xarray.Dataset
         Properties over (link, coupling); ``place`` (link, layer, point) and ``strain``,
         ``normal_stress``, ``shear_stress`` and ``third_order_shear_stress`` over (link,
-        coupling, load, layer, point). Links with fewer layers or places have NaN after them.
+        coupling, load, layer, point); ``thermal_expansion`` and ``moisture_expansion`` of the plies
+        over (link, layer, direction). Links with fewer layers or places have NaN after them.
     """
 
     stem = "sections"
     hallmark = "reduction"
-    files = ("sections.csv", "through_thickness.csv", "sections.nc", "section_*.png")
+    files = ("sections.csv", "through_thickness.csv", "plies.csv", "sections.nc", "section_*.png")
 
     @property
     def links(self) -> list[str]:
@@ -77,7 +79,7 @@ class SectionProfiles(Result):
         return one.assign(axes)
 
     def tables(self) -> dict[str, pd.DataFrame]:
-        """Properties, two rows a link, and profiles, a row for each load, coupling and place."""
+        """Properties, two rows a link, profiles, a row for each place, and what plies swell by."""
         data, dims = self.dataset, ("link", "coupling")
         properties = {one.column: data[one.name] for one in PROPERTIES}
         tables = {"sections": table_over(*dims, **{dim: data[dim] for dim in dims}, **properties)}
@@ -91,6 +93,12 @@ class SectionProfiles(Result):
                 **{f"{stress}_Pa": data[stress] for stress in QUANTITIES[1:]},
             )
             tables["through_thickness"] = profiles.dropna(subset="y_m")
+            known = {
+                link: expansions_of_plies(self.profile(link)) for link in self.links_with_layers
+            }
+            plies = pd.concat(known, names=["link"]).reset_index("link")
+            if not plies.empty:
+                tables["plies"] = plies
         return tables
 
     def figures(self) -> dict[str, Figure]:
@@ -125,7 +133,7 @@ class SectionProfiles(Result):
         for link in self.links:
             parts.append(property_table(self.dataset.sel(link=link)))
             if link in self.links_with_layers:
-                parts += layer_tables(self.profile(link))
+                parts += layer_tables(self.profile(link)) + expansion_table(self.profile(link))
         parts += STORED["unit_loads"] if self.links_with_layers else ()
         parts += [_nothing_known(link) for link in self.links if link not in self.links_with_layers]
         return Summary((*parts, *self.dataset.attrs["environment_lines"].splitlines()))
