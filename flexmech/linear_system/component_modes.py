@@ -8,6 +8,12 @@ off the pins' axis, bending brings along the stretch that leaves no axial force.
 are far above the frequencies asked for, but a bowed link stretches when it bends: some are
 kept in the basis and condensed statically in each position, unless the crank is so fast
 that Coriolis forces excite them.
+
+Where links are damped (Kelvin-Voigt) the basis also answers the damping forces. Of static
+shapes and modes these are in equilibrium only if all deformations have one damping time. A
+following end's displacement turns against its link while the rest of the link does not: in
+the frozen equations that is a velocity of the end alone, and the link's static answer to its
+damping is the end's static shape without the end itself.
 """
 
 from __future__ import annotations
@@ -34,6 +40,9 @@ BENDING_CUTOFF = 1.5
 # relative frequency shift of about (2 W / w)^2; beyond this ratio w / W it is below 1e-5.
 AXIAL_CUTOFF = 600.0
 CONDENSED_AXIAL_MODES = 12
+# What one damping time for all of a link leaves of its damping forces is round-off if the
+# answer to it is smaller than this part of the shape that it comes from.
+ANSWER_FLOOR = 1e-6
 
 
 @dataclass(frozen=True)
@@ -71,7 +80,8 @@ class _HeldLink:
     """A link with its joined ends held: static shapes and vibration modes.
 
     ``modes`` are normalized by the mass; ``relief`` is the static answer to the inertia of
-    the static shapes. Both vanish at the joined ends.
+    the static shapes; ``layers`` are the static shapes of ends that follow a pin, without the
+    ends. They vanish at the joined ends. ``flexibility`` is that of the ``inner`` coordinates.
     """
 
     link: LinkModel
@@ -83,6 +93,9 @@ class _HeldLink:
     axial_frequency: FloatArray
     bending_relief: FloatArray
     axial_relief: FloatArray
+    layers: FloatArray
+    inner: IntArray
+    flexibility: FloatArray
 
 
 def component_modes(
@@ -94,6 +107,7 @@ def component_modes(
     couples_axially: bool,
     detail: float = 1.0,
     axial_modes: int | None = None,
+    answers_damping: bool = False,
 ) -> ComponentModes:
     """Choose and build the component modes of every link.
 
@@ -114,6 +128,8 @@ def component_modes(
     axial_modes : int, optional
         Axial modes of each link besides the static shapes, where they couple; chosen by
         ``detail`` where it is left out.
+    answers_damping : bool
+        Keep the static answers to damping forces, on which frozen damping ratios rest.
 
     Returns
     -------
@@ -127,11 +143,24 @@ def component_modes(
     if axial_modes is None:
         axial_modes = round(detail * CONDENSED_AXIAL_MODES)
     condensed = axial_modes if couples_axially else 0
-    return ComponentModes(tuple(_reduce(h, bending_cutoff, axial_cutoff, condensed) for h in held))
+    answers = [answers_damping and bool(h.link.damping.any()) for h in held]
+    turning = fastest != 0
+    return ComponentModes(
+        tuple(
+            _reduce(h, bending_cutoff, axial_cutoff, condensed, damped=damped, turning=turning)
+            for h, damped in zip(held, answers, strict=True)
+        )
+    )
 
 
 def _reduce(
-    held: _HeldLink, bending_cutoff: float, axial_cutoff: float, condensed_modes: int
+    held: _HeldLink,
+    bending_cutoff: float,
+    axial_cutoff: float,
+    condensed_modes: int,
+    *,
+    damped: bool,
+    turning: bool,
 ) -> ReducedLink:
     bending = held.bending[:, held.bending_frequency <= bending_cutoff]
     n_axial = int(np.sum(held.axial_frequency <= axial_cutoff))
@@ -140,12 +169,30 @@ def _reduce(
         axial = _complement(axial, bending, mass)
     dynamic = np.concatenate([bending, axial], axis=1)
     relief = np.concatenate([held.bending_relief, held.axial_relief], axis=1)
+    if damped:
+        shapes = np.concatenate([held.static, dynamic], axis=1)
+        relief = np.concatenate([relief, _answers_to_damping(held, shapes)], axis=1)
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=1)
     candidates = held.axial[:, n_axial : max(n_axial, condensed_modes)]
+    if damped and turning:
+        candidates = np.concatenate([candidates, held.layers], axis=1)
     condensed = _complement(candidates, dynamic, mass)
     basis = np.concatenate([held.static, dynamic, condensed], axis=1)
     follows = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
     return ReducedLink(held.link.projected(basis, held.ends), basis, follows)
+
+
+def _answers_to_damping(held: _HeldLink, shapes: FloatArray) -> FloatArray:
+    """Static answers (n, m) to what damps shapes (n, k) otherwise than one time for all would.
+
+    Of one damping time the forces on a static shape vanish, and those on a mode leave it a mode.
+    """
+    link, inner = held.link, held.inner
+    time = float(np.sum(held.flexibility * link.damping[np.ix_(inner, inner)])) / len(inner)
+    answers = np.zeros_like(shapes)
+    answers[inner] = held.flexibility @ ((link.damping / time - link.stiffness) @ shapes)[inner]
+    answer, shape = (np.einsum("in,ij,jn->n", x, link.mass, x) for x in (answers, shapes))
+    return answers[:, answer > ANSWER_FLOOR**2 * shape]
 
 
 def _complement(vectors: FloatArray, others: FloatArray, mass: FloatArray) -> FloatArray:
@@ -174,6 +221,8 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
     static = np.zeros((link.size, len(boundary)))
     static[boundary, np.arange(len(boundary))] = 1.0
     static[inner] = -flexibility @ link.stiffness[inner[:, None], boundary]
+    layers = static[:, _following(topology, link, ends)]
+    layers[boundary] = 0.0
     relief = np.zeros_like(static)
     relief[inner] = flexibility @ (link.mass @ static)[inner]
     axial_boundary = link.is_axial[boundary]
@@ -195,6 +244,9 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
         axial_frequency=axial_frequency,
         bending_relief=np.concatenate([relief[:, ~axial_boundary], couples], axis=1),
         axial_relief=axial_relief if floats else relief[:, :0],
+        layers=layers,
+        inner=inner,
+        flexibility=flexibility,
     )
 
 
@@ -233,6 +285,12 @@ def _boundary(topology: Topology, link: LinkModel) -> tuple[NDArray[np.bool_], d
         ends[end] = np.arange(count, count + size)
         count += size
     return fixed, ends
+
+
+def _following(topology: Topology, link: LinkModel, ends: dict[str, IntArray]) -> IntArray:
+    """New numbers of the ends that follow another link's."""
+    led = [ends[pin.follower.end] for pin in topology.pins if pin.follower.link == link.name]
+    return np.concatenate([np.zeros(0, dtype=np.intp), *led])
 
 
 def _unit_shapes(link: LinkModel, which: IntArray) -> FloatArray:

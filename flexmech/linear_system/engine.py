@@ -338,5 +338,6 @@ class Engine(ABC):
                 fastest,
                 couples_axially=loaded,
                 detail=detail,
+                answers_damping=any(link.damping.any() for link in self.links),
             )
         return self._reductions[key]

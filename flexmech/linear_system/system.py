@@ -134,6 +134,10 @@ def condense(
 ) -> tuple[SystemMatrices, FloatArray]:
     """Let some coordinates follow the others statically (Guyan 1965), in every position.
 
+    ``V' X W`` with ``K W = 0`` and ``V' K = 0`` in the coordinates that go: the stiffness of
+    damped links in turning frames is not symmetric, and ``W' C W`` would take what it pulls
+    along for motion.
+
     Parameters
     ----------
     matrices : SystemMatrices
@@ -151,15 +155,16 @@ def condense(
     stiffness = matrices.stiffness
     expansion = np.zeros((len(stiffness), len(condensed), len(kept)))
     expansion[:, kept, np.arange(len(kept))] = 1.0
-    expansion[:, gone] = -np.linalg.solve(
-        stiffness[:, gone[:, None], gone], stiffness[:, gone[:, None], kept]
-    )
-    transposed = np.swapaxes(expansion, 1, 2)
+    flexibility = np.linalg.inv(stiffness[:, gone[:, None], gone])
+    expansion[:, gone] = -flexibility @ stiffness[:, gone[:, None], kept]
+    adjoint = np.zeros((len(stiffness), len(kept), len(condensed)))
+    adjoint[:, np.arange(len(kept)), kept] = 1.0
+    adjoint[:, :, gone] = -stiffness[:, kept[:, None], gone] @ flexibility
     return (
         SystemMatrices(
-            mass=transposed @ matrices.mass @ expansion,
-            damping=transposed @ matrices.damping @ expansion,
-            stiffness=transposed @ stiffness @ expansion,
+            mass=adjoint @ matrices.mass @ expansion,
+            damping=adjoint @ matrices.damping @ expansion,
+            stiffness=adjoint @ stiffness @ expansion,
         ),
         expansion,
     )

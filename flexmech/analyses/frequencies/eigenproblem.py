@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,15 +10,21 @@ from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.linear_system import LinearSystem, refuse_positions
-from flexmech.types import FloatArray
+from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Modes", "solve_frequencies", "solve_modes"]
+__all__ = ["Modes", "solve_damping_ratios", "solve_frequencies", "solve_modes"]
 
 
 # Round-off that is allowed in a squared frequency, relatively.
 BLUR = 1e-10
-# A mode whose frequency is this many times the undamped one is the next mode.
-LEFT_OUT = 1.2
+# Eigenvalues with a greater damping ratio may be of shapes that creep back: of real ones
+# round-off and turning frames make pairs with small imaginary parts.
+NEARLY_CREEPING = 0.9
+# Such a shape creeps if its eigenvalue is slower than this part of its natural frequency; of
+# modes that oscillate both are equal but for gyroscopic terms.
+SLOWER_THAN_ITS_SHAPE = 0.7
+# Positive real eigenvalues this many times as fast as the slowest mode are round-off.
+ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
@@ -42,6 +48,10 @@ class Modes:
         """Number of modes m."""
         return int(self.eigenvalues.shape[1])
 
+    def lowest(self, count: int) -> Modes:
+        """The first ``count`` of them."""
+        return Modes(self.eigenvalues[:, :count], self.vectors[:, :, :count])
+
     @property
     def frequency(self) -> FloatArray:
         """Natural frequency ``|lambda| / 2 pi`` in Hz, shape (B, m)."""
@@ -54,8 +64,8 @@ class Modes:
         return (0.0 - self.eigenvalues.real) / np.abs(self.eigenvalues)
 
 
-def solve_modes(system: LinearSystem, count: int) -> Modes:
-    """Lowest ``count`` modes in each position.
+def solve_modes(system: LinearSystem, count: int, spare: int = 0) -> Modes:
+    """Lowest ``count`` modes in each position, and some more.
 
     A conservative system (frozen inertial form without damping) is solved as
     ``(K - w^2 M) x = 0``; any other as ``(lambda^2 M + lambda C + K) x = 0``.
@@ -64,21 +74,28 @@ def solve_modes(system: LinearSystem, count: int) -> Modes:
     ----------
     system : LinearSystem
     count : int
+        Modes that must oscillate.
+    spare : int
+        Further modes. One that does not oscillate stands with the eigenvalue ``-w``, w the
+        natural frequency of its shape.
 
     Returns
     -------
     Modes
+        ``count + spare`` of them.
 
     Raises
     ------
     InputError
-        If the system has fewer than ``count`` coordinates.
+        If the system has fewer coordinates than modes asked for.
     ComputationError
         If a mode asked for does not oscillate (the frozen linkage is unstable or
         overdamped there); names the crank angle and speed.
     """
-    _require(system, count)
-    return _conservative(system, count) if system.is_conservative else _general(system, count)
+    _require(system, count + spare)
+    if system.is_conservative:
+        return _conservative(system, count + spare)
+    return _general(system, count, spare)
 
 
 def solve_frequencies(system: LinearSystem, count: int) -> FloatArray:
@@ -88,12 +105,24 @@ def solve_frequencies(system: LinearSystem, count: int) -> FloatArray:
     """
     _require(system, count)
     if not system.is_conservative:
-        return _general(system, count).frequency
+        return np.abs(_general_eigenvalues(system, count)) / (2 * np.pi)
     every = np.asarray(np.linalg.eigvalsh(_standard_form(system)[0]), dtype=float)
     values = every[:, :count].copy()
     _sharpen(system, every, values)
     _refuse_unstable(system, values)
     return np.asarray(np.sqrt(values) / (2 * np.pi), dtype=float)
+
+
+def solve_damping_ratios(system: LinearSystem, count: int) -> FloatArray:
+    """Damping ratios of the lowest ``count`` modes, without mode shapes; shape (B, count).
+
+    Errors as for :func:`solve_modes`.
+    """
+    _require(system, count)
+    if system.is_conservative:
+        return np.zeros((len(system.mass), count))
+    values = _general_eigenvalues(system, count)
+    return np.asarray(-values.real / np.abs(values), dtype=float)
 
 
 def _require(system: LinearSystem, count: int) -> None:
@@ -180,45 +209,141 @@ def _refuse_unstable(system: LinearSystem, squares: FloatArray) -> None:
     _refuse(system, unstable, "the frozen linkage is statically unstable")
 
 
-def _general(system: LinearSystem, count: int) -> Modes:
-    """Eigenvalues of the inverse companion matrix: the lowest modes are its largest."""
+def _general(system: LinearSystem, count: int, spare: int) -> Modes:
+    companion, unit = _inverse_companion(system)
+    inverse, states = np.linalg.eig(companion)
+    _refuse_diverging(system, inverse)
+    order, unclear = _clear_modes(inverse, count + spare)
+    eigenvalues = unit / np.take_along_axis(inverse, order, axis=1)
+    shapes = np.take_along_axis(states[:, : system.size], order[:, None, :], axis=2)
+    creeping = np.zeros(len(unclear), dtype=bool)
+    for place in np.flatnonzero(unclear):
+        found, which, oscillating = _sorted_out(
+            system, place, unit[place], inverse[place], states[place, : system.size]
+        )
+        eigenvalues[place] = found[: count + spare]
+        shapes[place] = states[place][: system.size, which[: count + spare]]
+        creeping[place] = not oscillating[:count].all()
+    _refuse_creeping(system, count, creeping)
+    norm = np.einsum("bim,bij,bjm->bm", shapes.conj(), system.mass, shapes, optimize=True)
+    return Modes(eigenvalues, shapes / np.sqrt(norm.real)[:, None, :])
+
+
+def _general_eigenvalues(system: LinearSystem, count: int) -> NDArray[np.complex128]:
+    """Of the lowest modes, (B, count), with shapes only where they are needed."""
+    companion, unit = _inverse_companion(system)
+    inverse = np.linalg.eigvals(companion)
+    _refuse_diverging(system, inverse)
+    order, unclear = _clear_modes(inverse, count)
+    eigenvalues = unit / np.take_along_axis(inverse, order, axis=1)
+    creeping = np.zeros(len(unclear), dtype=bool)
+    for place in np.flatnonzero(unclear):
+        one, states = np.linalg.eig(companion[place])
+        found, _, oscillating = _sorted_out(
+            system, place, unit[place], one, states[: system.size]
+        )
+        eigenvalues[place] = found[:count]
+        creeping[place] = not oscillating[:count].all()
+    _refuse_creeping(system, count, creeping)
+    return eigenvalues
+
+
+def _inverse_companion(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
+    """Matrices (B, 2 n, 2 n) whose eigenvalues are ``unit / lambda``, and the units (B, 1).
+
+    The lowest modes are their largest eigenvalues. In units of time of the slowest mode both
+    blocks are of order one.
+    """
     size = system.size
     flexible = np.linalg.solve(
         system.stiffness, np.concatenate([system.damping, system.mass], axis=2)
     )
-    # In units of time of the slowest mode both blocks are of order one.
-    unit = 1 / np.sqrt(np.abs(flexible[:, :, size:]).sum(axis=2).max(axis=1))[:, None, None]
+    unit = 1 / np.sqrt(np.abs(flexible[:, :, size:]).sum(axis=2).max(axis=1))[:, None]
     companion = np.zeros((len(flexible), 2 * size, 2 * size))
-    companion[:, :size, :size] = -flexible[:, :, :size] * unit
-    companion[:, :size, size:] = -flexible[:, :, size:] * unit**2
+    companion[:, :size, :size] = -flexible[:, :, :size] * unit[:, None]
+    companion[:, :size, size:] = -flexible[:, :, size:] * unit[:, None] ** 2
     companion[:, np.arange(size, 2 * size), np.arange(size)] = 1.0
-    inverse, states = np.linalg.eig(companion)
-    oscillates = inverse.imag < 0  # the inverse of lambda = a + ib has imaginary part -b
-    order = np.argsort(np.where(oscillates, -np.abs(inverse), 0.0), axis=1)[:, :count]
-    chosen = np.take_along_axis(inverse, order, axis=1)
-    real = inverse.imag == 0
-    diverges: NDArray[np.bool_] = (real & (inverse.real > 0)).any(axis=1)
-    _refuse(system, diverges, "the frozen linkage diverges without oscillating")
-    enough = np.asarray(np.take_along_axis(oscillates, order, axis=1).all(axis=1))
-    if real.any():
-        enough &= _none_left_out(system, np.abs(unit[:, 0] / chosen))
-    _refuse(system, ~enough, f"fewer than {count} of the lowest modes oscillate (overdamped)")
-    vectors = np.take_along_axis(states[:, :size], order[:, None, :], axis=2)
-    norm = np.einsum("bim,bij,bjm->bm", vectors.conj(), system.mass, vectors, optimize=True)
-    return Modes(unit[:, 0] / chosen, vectors / np.sqrt(norm.real)[:, None, :])
+    return companion, unit
 
 
-def _none_left_out(system: LinearSystem, found: FloatArray) -> NDArray[np.bool_]:
-    """Whether the oscillating modes found are the lowest of all; shape (B,).
+def _clear_modes(inverse: NDArray[Any], count: int) -> tuple[IntArray, NDArray[np.bool_]]:
+    """Lowest modes that oscillate beyond doubt, and where others might be as low.
 
-    Damping and rotation move a natural frequency little. A mode that does not oscillate
-    leaves a gap: from there on the frequencies found are those of the next modes.
+    Parameters
+    ----------
+    inverse : ndarray of complex, shape (B, 2 n)
+        ``unit / lambda``.
+    count : int
+
+    Returns
+    -------
+    order : ndarray of int, shape (B, count)
+    unclear : ndarray of bool, shape (B,)
+        An eigenvalue that may belong to a creeping shape is lower than the last of them.
     """
-    symmetric = (system.stiffness + np.swapaxes(system.stiffness, 1, 2)) / 2
-    undamped = replace(system, stiffness=symmetric)
-    squares = np.linalg.eigvalsh(_standard_form(undamped)[0])[:, : found.shape[1]]
-    lowest: NDArray[np.bool_] = (found**2 <= LEFT_OUT**2 * np.abs(squares)).all(axis=1)
-    return lowest
+    size = np.abs(inverse)
+    damped = -inverse.real > NEARLY_CREEPING * size
+    swings = (inverse.imag < 0) & ~damped  # the inverse of a + ib has imaginary part -b
+    rank = np.where(swings, size, 0.0)
+    order: IntArray = np.argsort(-rank, axis=1)[:, :count]
+    last = np.take_along_axis(rank, order[:, -1:], axis=1)
+    unclear: NDArray[np.bool_] = (damped & (size > last)).any(axis=1) | (last[:, 0] == 0)
+    return order, unclear
+
+
+def _sorted_out(
+    system: LinearSystem,
+    place: int,
+    unit: FloatArray,
+    inverse: NDArray[Any],
+    shapes: NDArray[Any],
+) -> tuple[NDArray[Any], IntArray, NDArray[np.bool_]]:
+    """All modes of one position in ascending order, those that creep back among them.
+
+    A shape x has the natural frequency ``sqrt(x^H K x / x^H M x)``. An oscillating mode has it
+    in ``|lambda|``; one that creeps back, in a turning frame perhaps on a spiral, is far
+    slower: the eigenvalues of all overdamped modes lie near ``-1 / tau``.
+
+    Parameters
+    ----------
+    system : LinearSystem
+    place : int
+        Number of the position.
+    unit : ndarray, shape (1,)
+    inverse : ndarray of complex, shape (2 n,)
+        ``unit / lambda``.
+    shapes : ndarray, shape (n, 2 n)
+
+    Returns
+    -------
+    eigenvalues : ndarray of complex, shape (m,)
+        Of a creeping shape less its natural frequency, which is where it stands in the order.
+    which : ndarray of int, shape (m,)
+        Their numbers among the eigenvalues given.
+    oscillates : ndarray of bool, shape (m,)
+    """
+    which = np.flatnonzero((inverse.imag <= 0) & (inverse != 0))  # one of each pair
+    values, x = unit / inverse[which], shapes[:, which]
+    stiffness, mass = (
+        np.abs(np.sum(x.conj() * (matrix[place] @ x), axis=0))
+        for matrix in (system.stiffness, system.mass)
+    )
+    natural = np.sqrt(stiffness / mass)
+    slow = (values.imag == 0) | (np.abs(values) < SLOWER_THAN_ITS_SHAPE * natural)
+    creeps = slow & (-values.real > NEARLY_CREEPING * np.abs(values))
+    values = np.where(creeps, -np.maximum(natural, np.abs(values)), values)
+    order = np.argsort(np.abs(values))
+    return values[order], which[order], ~creeps[order]
+
+
+def _refuse_diverging(system: LinearSystem, inverse: NDArray[Any]) -> None:
+    growing = np.where(inverse.imag == 0, inverse.real, 0.0).max(axis=1)
+    diverges = growing > ROUND_OFF * np.abs(inverse).max(axis=1)
+    _refuse(system, diverges, "the frozen linkage diverges without oscillating")
+
+
+def _refuse_creeping(system: LinearSystem, count: int, creeping: NDArray[np.bool_]) -> None:
+    _refuse(system, creeping, f"fewer than {count} of the lowest modes oscillate (overdamped)")
 
 
 def _refuse(system: LinearSystem, failed: NDArray[np.bool_], what: str) -> None:

@@ -12,7 +12,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.assignment import same_shapes
-from flexmech.analyses.frequencies.discretisation import check_angle_indices, discretisation_error
+from flexmech.analyses.frequencies.discretisation import (
+    check_angle_indices,
+    damping_ratio_discretisation_error,
+    discretisation_error,
+)
 from flexmech.analyses.frequencies.eigenproblem import solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequency_map, systems_at
@@ -93,9 +97,16 @@ def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgre
         along = _along_angles(checked, asked, speed, Tracker(numbering), losses, advance)
         errors = {
             "discretisation_error": discretisation_error(systems, angles[where], speed),
-            "reduction_error": checked.reduction_error,
+            "reduction_error": checked.reduction_error.frequency,
             "mode_shape": _scaled_parts(shapes[:, :modes]),
         }
+        if systems.is_damped:
+            errors |= {
+                "damping_ratio_discretisation_error": damping_ratio_discretisation_error(
+                    systems, angles[where], speed
+                ),
+                "damping_ratio_reduction_error": checked.reduction_error.damping_ratio,
+            }
         over_checks = {name: (OVER_CHECKS[: v.ndim], v) for name, v in errors.items()}
         parts.append(along.isel(mode=slice(modes)).assign(over_checks))
     dataset = xr.concat(parts, pd.Index(asked.crank_speeds, name="crank_speed"), join="inner")
@@ -118,17 +129,18 @@ def _along_angles(
 ) -> xr.Dataset:
     """Modes along the crank angles, batch by batch: tracked, spare ones among them."""
     systems, count, parts = checked.systems, checked.modes.count, []
+    asked = request.formulation.modes
 
     def between(crank_angles: FloatArray) -> Positions:
         frequency, shapes = [], []
         for system in systems.batches(crank_angles, crank_speed):
-            modes = solve_modes(system, count)
+            modes = solve_modes(system, asked, count - asked)
             frequency.append(modes.frequency)
             shapes.append(system.inertial_shapes(modes.vectors))
         return Positions(crank_angles, np.concatenate(frequency), np.concatenate(shapes))
 
     for system in systems.batches(request.crank_angles, crank_speed):
-        modes = solve_modes(system, count)
+        modes = solve_modes(system, asked, count - asked)
         tracker.add(system.inertial_shapes(modes.vectors))
         found = {"frequency": modes.frequency, "damping_ratio": modes.damping_ratio}
         if losses is not None:

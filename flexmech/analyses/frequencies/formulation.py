@@ -82,6 +82,11 @@ class Systems:
     detail: float = 1.0
     running: RunningStates | None = None
 
+    @property
+    def is_damped(self) -> bool:
+        """Whether a link has Kelvin-Voigt damping."""
+        return any(link.damping.any() for link in self.engine.links)
+
     def at(self, crank_angle: FloatArray, crank_speed: FloatArray | float) -> LinearSystem:
         """Linear system at crank angles (B,) and speeds that match them."""
         return self.engine.linear_system(

@@ -14,14 +14,43 @@ from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.linear_system import LinearSystem
 from flexmech.types import FloatArray
 
-__all__ = ["CheckedModes", "reduction_error", "settled"]
+__all__ = ["CheckedModes", "ReductionError", "reduction_error", "settled"]
 
 logger = logging.getLogger(__name__)
 
 
-# A reduction with a greater relative error in a frequency asked for is made finer.
+# A reduction with a greater relative error in a frequency asked for is made finer; of damped
+# links also one with a greater error in a damping ratio, relative to the ratio or, where that
+# is about zero, absolute. Without damping, ratios are an effect of the frames alone.
 REDUCTION_TOLERANCE = 2e-5
+RATIO_TOLERANCE = 1e-3
+RATIO_FLOOR = 1e-7
 DETAILS = (1.0, 2.0, 4.0)
+
+
+@dataclass(frozen=True)
+class ReductionError:
+    """How far reduced modes are from those of the unreduced matrices; each of shape (B, m).
+
+    Parameters
+    ----------
+    frequency : ndarray
+        Relative.
+    damping_ratio : ndarray
+        Absolute.
+    """
+
+    frequency: FloatArray
+    damping_ratio: FloatArray
+
+    def is_small(self, modes: Modes, *, damped: bool) -> bool:
+        """Whether the reduction will do for modes; their damping ratios too, if ``damped``."""
+        accurate = bool(np.all(self.frequency <= REDUCTION_TOLERANCE))
+        if not damped:
+            return accurate
+        ratio = np.abs(modes.damping_ratio[:, : self.damping_ratio.shape[1]])
+        allowed = np.maximum(RATIO_TOLERANCE * ratio, RATIO_FLOOR)
+        return accurate and bool(np.all(self.damping_ratio <= allowed))
 
 
 @dataclass(frozen=True)
@@ -36,14 +65,14 @@ class CheckedModes:
         Batch of B positions.
     modes : Modes
         The modes asked for and spare ones.
-    reduction_error : ndarray, shape (B, modes asked for)
-        Relative.
+    reduction_error : ReductionError
+        Of the modes asked for.
     """
 
     systems: Systems
     system: LinearSystem
     modes: Modes
-    reduction_error: FloatArray
+    reduction_error: ReductionError
 
 
 def settled(
@@ -64,7 +93,7 @@ def settled(
     Returns
     -------
     CheckedModes
-        Within ``REDUCTION_TOLERANCE`` of the unreduced matrices.
+        Within the tolerances of the unreduced matrices.
     """
     count = systems.formulation.modes
     unreduced = replace(systems, engine=systems.engine.unreduced(), detail=DETAILS[0])
@@ -72,45 +101,61 @@ def settled(
     for detail in DETAILS:
         detailed = replace(systems, detail=detail)
         system = detailed.at(crank_angle, crank_speed)
-        modes = solve_modes(system, min(count + spare, max(count, system.size)))
+        modes = solve_modes(system, count, max(0, min(spare, system.size - count)))
         if full is None:
             exact = np.zeros((len(modes.frequency), count))
-            return CheckedModes(detailed, system, modes, exact)
-        error = reduction_error(full, system, modes)[:, :count]
-        if np.all(error <= REDUCTION_TOLERANCE):
+            return CheckedModes(detailed, system, modes, ReductionError(exact, exact))
+        error = reduction_error(full, system, modes.lowest(count))
+        if error.is_small(modes, damped=systems.is_damped):
             return CheckedModes(detailed, system, modes, error)
-        logger.info("component modes with detail %g are off by %.1e", detail, error.max())
+        logger.info(
+            "component modes with detail %g are off by %.1e of a frequency and %.1e in a ratio",
+            detail,
+            error.frequency.max(),
+            error.damping_ratio.max(),
+        )
     return settled(unreduced, crank_angle, crank_speed, spare)
 
 
-def reduction_error(full: LinearSystem, reduced: LinearSystem, modes: Modes) -> FloatArray:
-    """Relative error of the reduced frequencies against the unreduced matrices.
+def reduction_error(full: LinearSystem, reduced: LinearSystem, modes: Modes) -> ReductionError:
+    """Error of reduced modes against the unreduced matrices.
 
     The reduced modes are improved by one step of inverse iteration on the unreduced
-    matrices; what the frequency still moves by is the reduction's error.
+    matrices; what frequency and damping ratio still move by is the reduction's error.
 
     Parameters
     ----------
     full, reduced : LinearSystem
         The same batch of B positions.
     modes : Modes
-        Of ``reduced``.
+        Of ``reduced``; m of them.
 
     Returns
     -------
-    ndarray, shape (B, m)
+    ReductionError
     """
     shapes = reduced.unreduced_vectors(modes.vectors, full.frames)
-    if full.is_conservative:
-        loads = full.mass @ shapes
-        better = np.linalg.solve(full.stiffness, loads)
-        adjoint = np.swapaxes(better, 1, 2)
-        inertia, stiffness = adjoint @ full.mass @ better, adjoint @ loads
-        lower = np.linalg.inv(np.linalg.cholesky(inertia))
-        values = np.linalg.eigvalsh(lower @ stiffness @ np.swapaxes(lower, 1, 2))
-        return np.abs(modes.frequency / (np.sqrt(values) / (2 * np.pi)) - 1)
-    improved = _newton_step(full, modes.eigenvalues, shapes)
-    return np.abs(np.abs(modes.eigenvalues) / np.abs(improved) - 1)
+    improved = (
+        _inverse_iteration(full, shapes)
+        if full.is_conservative
+        else _newton_step(full, modes.eigenvalues, shapes)
+    )
+    better = Modes(improved, modes.vectors)
+    return ReductionError(
+        frequency=np.abs(modes.frequency / better.frequency - 1),
+        damping_ratio=np.abs(modes.damping_ratio - better.damping_ratio),
+    )
+
+
+def _inverse_iteration(full: LinearSystem, shapes: NDArray[Any]) -> NDArray[np.complex128]:
+    """Eigenvalues after one step of inverse iteration in the space of the shapes (B, n, m)."""
+    loads = full.mass @ shapes
+    better = np.linalg.solve(full.stiffness, loads)
+    adjoint = np.swapaxes(better, 1, 2)
+    inertia, stiffness = adjoint @ full.mass @ better, adjoint @ loads
+    lower = np.linalg.inv(np.linalg.cholesky(inertia))
+    values = np.linalg.eigvalsh(lower @ stiffness @ np.swapaxes(lower, 1, 2))
+    return np.asarray(1j * np.sqrt(values))
 
 
 def _newton_step(

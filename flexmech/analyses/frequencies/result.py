@@ -308,6 +308,7 @@ class MovingFrequencies(Result):
             *words.error_lines(data),
             *words.tracking_lines(data),
             *words.vibration_lines(last.vibration_effect(), data),
+            *words.damping_ratio_lines(data),
             *words.damping_lines(data),
             *str(self.dataset.attrs.get("environment_lines", "")).splitlines(),
             *words.change_lines(change),

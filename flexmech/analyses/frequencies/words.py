@@ -13,6 +13,7 @@ from flexmech.units import from_si
 __all__ = [
     "change_lines",
     "damping_lines",
+    "damping_ratio_lines",
     "error_lines",
     "extremes_table",
     "tracking_lines",
@@ -107,6 +108,27 @@ def vibration_lines(effect: xr.DataArray | None, dataset: xr.Dataset) -> list[st
             f"{float(change[place]):+.2e} of the quasi-static ones, {_at(change[place], dataset)}"
         )
     return lines
+
+
+def damping_ratio_lines(dataset: xr.Dataset) -> list[str]:
+    """Report damping ratios of links with Kelvin-Voigt damping, and the errors of both kinds."""
+    if "damping_ratio_reduction_error" not in dataset:
+        return []
+    ratio, over = dataset["damping_ratio"], ["engine", "crank_speed", "crank_angle"]
+    checked = ["engine", "crank_speed", "check_angle"]
+    columns = zip(
+        ratio["mode"].values,
+        ratio.min(over).values,
+        ratio.max(over).values,
+        dataset["damping_ratio_discretisation_error"].max(checked).values,
+        dataset["damping_ratio_reduction_error"].max(checked).values,
+        strict=True,
+    )
+    return [
+        f"damping ratio (Kelvin-Voigt) of mode {mode}: {low:.4g} to {high:.4g}; discretisation "
+        f"error (estimated) at most {mesh:.1e}, reduction error at most {reduction:.1e}"
+        for mode, low, high, mesh, reduction in columns
+    ]
 
 
 def damping_lines(dataset: xr.Dataset) -> list[str]:
