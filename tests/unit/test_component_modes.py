@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 import scipy.linalg
 
+from flexmech import load_mechanism
 from flexmech.analyses import solve_modes
 from flexmech.linear_system import ComponentModes, LinearSystem, component_modes
+from flexmech.linear_system.link_frames import SystemMatrices
 from flexmech.linear_system.system import condense
 from flexmech.mechanism import Mechanism
 from flexmech.reference import ReferenceEngine
+from tests.random_mechanisms import random_case
 from tests.strategies import arm, fourbar
 
 HEAVY = fourbar(joint_masses={"A": 0.02, "B": 0.05})
@@ -171,3 +176,49 @@ def test_expanded_modes_are_those_of_the_full_system(prestress: str) -> None:
         for system, vectors in ((reduced, modes.vectors), (full, exact.vectors))
     )
     assert here == pytest.approx(there, abs=2e-3 * there.max())
+
+
+@pytest.mark.parametrize("prestress", ["none", "axial", "equilibrium"])
+@pytest.mark.parametrize("seed", [0, 1, 3])
+def test_damping_ratios_in_turning_frames(seed: int, prestress: str) -> None:
+    """The usual modes, and what the ends that turn against their links ask of damped ones."""
+    case = random_case(seed, damped=True)
+    engine = ReferenceEngine(case.mechanism, 16, "euler")
+    found, exact = (
+        solve_modes(
+            each.linear_system(case.crank_angles, case.crank_speed, prestress=prestress, modes=4),
+            3,
+        ).damping_ratio
+        for each in (engine, engine.unreduced())
+    )
+    np.testing.assert_allclose(found, exact, rtol=2e-3)
+
+
+def test_damping_of_several_times_in_a_link(models: Path) -> None:
+    """Of plies whose bending, stretching and shear lose differently; more modes, less error."""
+    engine = ReferenceEngine(load_mechanism(models / "composite_fourbar.toml"), 8)
+    exact = solve_modes(engine.unreduced().linear_system(ANGLES), 4).frequency
+    errors = [
+        np.abs(solve_modes(engine.linear_system(ANGLES, detail=d), 4).frequency / exact - 1).max()
+        for d in (1.0, 2.0, 4.0)
+    ]
+    assert errors[0] > 3 * errors[1] > 9 * errors[2]
+    assert errors[2] < 5e-6
+
+
+def test_condensation_keeps_what_is_first_order_in_the_eigenvalue() -> None:
+    """Of a stiffness that is not symmetric too: ``K + s C`` eliminated, at small s."""
+    random = np.random.default_rng(0)
+    n, gone = 7, np.arange(7) >= 4
+    stiffness = 10 * np.eye(n) + random.normal(size=(n, n))
+    damping, mass = random.normal(size=(2, n, n))
+    reduced, _ = condense(SystemMatrices(mass[None], damping[None], stiffness[None]), gone)
+
+    def eliminated(s: float) -> np.ndarray:
+        whole = stiffness + s * damping
+        return np.linalg.inv(np.linalg.inv(whole)[:4, :4])
+
+    step = 1e-5
+    slope = (eliminated(step) - eliminated(-step)) / (2 * step)
+    assert reduced.stiffness[0] == pytest.approx(eliminated(0.0), rel=1e-9)
+    assert reduced.damping[0] == pytest.approx(slope, rel=1e-6, abs=1e-7)

@@ -8,23 +8,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.analyses.frequencies.quadratic_eigenproblem import (
+    QuadraticModes,
+    quadratic_eigenvalues,
+    quadratic_modes,
+)
 from flexmech.errors import InputError
 from flexmech.linear_system import LinearSystem, refuse_positions
-from flexmech.types import FloatArray, IntArray
+from flexmech.types import FloatArray
 
 __all__ = ["Modes", "solve_damping_ratios", "solve_frequencies", "solve_modes"]
 
 
 # Round-off that is allowed in a squared frequency, relatively.
 BLUR = 1e-10
-# Eigenvalues with a greater damping ratio may be of shapes that creep back: of real ones
-# round-off and turning frames make pairs with small imaginary parts.
-NEARLY_CREEPING = 0.9
-# Such a shape creeps if its eigenvalue is slower than this part of its natural frequency; of
-# modes that oscillate both are equal but for gyroscopic terms.
-SLOWER_THAN_ITS_SHAPE = 0.7
-# Positive real eigenvalues this many times as fast as the slowest mode are round-off.
-ROUND_OFF = 1e-9
 
 
 @dataclass(frozen=True)
@@ -210,140 +207,22 @@ def _refuse_unstable(system: LinearSystem, squares: FloatArray) -> None:
 
 
 def _general(system: LinearSystem, count: int, spare: int) -> Modes:
-    companion, unit = _inverse_companion(system)
-    inverse, states = np.linalg.eig(companion)
-    _refuse_diverging(system, inverse)
-    order, unclear = _clear_modes(inverse, count + spare)
-    eigenvalues = unit / np.take_along_axis(inverse, order, axis=1)
-    shapes = np.take_along_axis(states[:, : system.size], order[:, None, :], axis=2)
-    creeping = np.zeros(len(unclear), dtype=bool)
-    for place in np.flatnonzero(unclear):
-        found, which, oscillating = _sorted_out(
-            system, place, unit[place], inverse[place], states[place, : system.size]
-        )
-        eigenvalues[place] = found[: count + spare]
-        shapes[place] = states[place][: system.size, which[: count + spare]]
-        creeping[place] = not oscillating[:count].all()
-    _refuse_creeping(system, count, creeping)
+    found = quadratic_modes(system, count, spare)
+    _refuse_unsteady(system, found, count)
+    shapes = found.vectors
     norm = np.einsum("bim,bij,bjm->bm", shapes.conj(), system.mass, shapes, optimize=True)
-    return Modes(eigenvalues, shapes / np.sqrt(norm.real)[:, None, :])
+    return Modes(found.eigenvalues, shapes / np.sqrt(norm.real)[:, None, :])
 
 
 def _general_eigenvalues(system: LinearSystem, count: int) -> NDArray[np.complex128]:
-    """Of the lowest modes, (B, count), with shapes only where they are needed."""
-    companion, unit = _inverse_companion(system)
-    inverse = np.linalg.eigvals(companion)
-    _refuse_diverging(system, inverse)
-    order, unclear = _clear_modes(inverse, count)
-    eigenvalues = unit / np.take_along_axis(inverse, order, axis=1)
-    creeping = np.zeros(len(unclear), dtype=bool)
-    for place in np.flatnonzero(unclear):
-        one, states = np.linalg.eig(companion[place])
-        found, _, oscillating = _sorted_out(
-            system, place, unit[place], one, states[: system.size]
-        )
-        eigenvalues[place] = found[:count]
-        creeping[place] = not oscillating[:count].all()
-    _refuse_creeping(system, count, creeping)
-    return eigenvalues
+    found = quadratic_eigenvalues(system, count)
+    _refuse_unsteady(system, found, count)
+    return found.eigenvalues
 
 
-def _inverse_companion(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
-    """Matrices (B, 2 n, 2 n) whose eigenvalues are ``unit / lambda``, and the units (B, 1).
-
-    The lowest modes are their largest eigenvalues. In units of time of the slowest mode both
-    blocks are of order one.
-    """
-    size = system.size
-    flexible = np.linalg.solve(
-        system.stiffness, np.concatenate([system.damping, system.mass], axis=2)
-    )
-    unit = 1 / np.sqrt(np.abs(flexible[:, :, size:]).sum(axis=2).max(axis=1))[:, None]
-    companion = np.zeros((len(flexible), 2 * size, 2 * size))
-    companion[:, :size, :size] = -flexible[:, :, :size] * unit[:, None]
-    companion[:, :size, size:] = -flexible[:, :, size:] * unit[:, None] ** 2
-    companion[:, np.arange(size, 2 * size), np.arange(size)] = 1.0
-    return companion, unit
-
-
-def _clear_modes(inverse: NDArray[Any], count: int) -> tuple[IntArray, NDArray[np.bool_]]:
-    """Lowest modes that oscillate beyond doubt, and where others might be as low.
-
-    Parameters
-    ----------
-    inverse : ndarray of complex, shape (B, 2 n)
-        ``unit / lambda``.
-    count : int
-
-    Returns
-    -------
-    order : ndarray of int, shape (B, count)
-    unclear : ndarray of bool, shape (B,)
-        An eigenvalue that may belong to a creeping shape is lower than the last of them.
-    """
-    size = np.abs(inverse)
-    damped = -inverse.real > NEARLY_CREEPING * size
-    swings = (inverse.imag < 0) & ~damped  # the inverse of a + ib has imaginary part -b
-    rank = np.where(swings, size, 0.0)
-    order: IntArray = np.argsort(-rank, axis=1)[:, :count]
-    last = np.take_along_axis(rank, order[:, -1:], axis=1)
-    unclear: NDArray[np.bool_] = (damped & (size > last)).any(axis=1) | (last[:, 0] == 0)
-    return order, unclear
-
-
-def _sorted_out(
-    system: LinearSystem,
-    place: int,
-    unit: FloatArray,
-    inverse: NDArray[Any],
-    shapes: NDArray[Any],
-) -> tuple[NDArray[Any], IntArray, NDArray[np.bool_]]:
-    """All modes of one position in ascending order, those that creep back among them.
-
-    A shape x has the natural frequency ``sqrt(x^H K x / x^H M x)``. An oscillating mode has it
-    in ``|lambda|``; one that creeps back, in a turning frame perhaps on a spiral, is far
-    slower: the eigenvalues of all overdamped modes lie near ``-1 / tau``.
-
-    Parameters
-    ----------
-    system : LinearSystem
-    place : int
-        Number of the position.
-    unit : ndarray, shape (1,)
-    inverse : ndarray of complex, shape (2 n,)
-        ``unit / lambda``.
-    shapes : ndarray, shape (n, 2 n)
-
-    Returns
-    -------
-    eigenvalues : ndarray of complex, shape (m,)
-        Of a creeping shape less its natural frequency, which is where it stands in the order.
-    which : ndarray of int, shape (m,)
-        Their numbers among the eigenvalues given.
-    oscillates : ndarray of bool, shape (m,)
-    """
-    which = np.flatnonzero((inverse.imag <= 0) & (inverse != 0))  # one of each pair
-    values, x = unit / inverse[which], shapes[:, which]
-    stiffness, mass = (
-        np.abs(np.sum(x.conj() * (matrix[place] @ x), axis=0))
-        for matrix in (system.stiffness, system.mass)
-    )
-    natural = np.sqrt(stiffness / mass)
-    slow = (values.imag == 0) | (np.abs(values) < SLOWER_THAN_ITS_SHAPE * natural)
-    creeps = slow & (-values.real > NEARLY_CREEPING * np.abs(values))
-    values = np.where(creeps, -np.maximum(natural, np.abs(values)), values)
-    order = np.argsort(np.abs(values))
-    return values[order], which[order], ~creeps[order]
-
-
-def _refuse_diverging(system: LinearSystem, inverse: NDArray[Any]) -> None:
-    growing = np.where(inverse.imag == 0, inverse.real, 0.0).max(axis=1)
-    diverges = growing > ROUND_OFF * np.abs(inverse).max(axis=1)
-    _refuse(system, diverges, "the frozen linkage diverges without oscillating")
-
-
-def _refuse_creeping(system: LinearSystem, count: int, creeping: NDArray[np.bool_]) -> None:
-    _refuse(system, creeping, f"fewer than {count} of the lowest modes oscillate (overdamped)")
+def _refuse_unsteady(system: LinearSystem, found: QuadraticModes, count: int) -> None:
+    _refuse(system, found.diverges, "the frozen linkage diverges without oscillating")
+    _refuse(system, found.creeps, f"fewer than {count} of the lowest modes oscillate (overdamped)")
 
 
 def _refuse(system: LinearSystem, failed: NDArray[np.bool_], what: str) -> None:

@@ -1,0 +1,212 @@
+"""The quadratic eigenproblem of damped or turning systems, and which of its modes oscillate.
+
+``(lambda^2 M + lambda C + K) x = 0``. Strong damping lets high modes creep back instead of
+swinging: each gives two real eigenvalues, a fast one and one near ``-1 / tau``, slower perhaps
+than modes that oscillate. A shape x has the natural frequency ``sqrt(x^H K x / x^H M x)``. A mode
+that oscillates shows it in ``|lambda|`` and one that creeps is slower, in a turning frame perhaps
+on a spiral with a small imaginary part. Which modes are the lowest is decided by the natural
+frequencies of their shapes, so that no creeping mode is passed over, and none counts that lies
+above those asked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system import LinearSystem
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["QuadraticModes", "quadratic_eigenvalues", "quadratic_modes"]
+
+
+# Eigenvalues with a greater damping ratio may be of shapes that creep back.
+NEARLY_CREEPING = 0.9
+# Such a shape creeps if its eigenvalue is slower than this part of its natural frequency; of
+# modes that oscillate both are equal but for gyroscopic terms.
+SLOWER_THAN_ITS_SHAPE = 0.7
+# Positive real eigenvalues this many times as fast as the slowest mode are round-off.
+ROUND_OFF = 1e-9
+
+
+@dataclass(frozen=True)
+class QuadraticModes:
+    """Lowest modes of B positions in ascending order of their natural frequencies.
+
+    Parameters
+    ----------
+    eigenvalues : ndarray of complex, shape (B, m)
+        ``lambda`` in rad/s, imaginary part positive. Of a mode that creeps ``-w``, w the natural
+        frequency of its shape.
+    vectors : ndarray of complex, shape (B, n, m)
+        Without scale; m is zero where they were not asked for.
+    creeps : ndarray of bool, shape (B,)
+        Whether one of the modes that must oscillate creeps.
+    diverges : ndarray of bool, shape (B,)
+        Whether an eigenvalue is real and positive.
+    """
+
+    eigenvalues: NDArray[np.complex128]
+    vectors: NDArray[np.complex128]
+    creeps: NDArray[np.bool_]
+    diverges: NDArray[np.bool_]
+
+
+def quadratic_modes(system: LinearSystem, count: int, spare: int = 0) -> QuadraticModes:
+    """Lowest modes of a system.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        Batch of B positions.
+    count : int
+        Modes that must oscillate.
+    spare : int
+        Further modes.
+
+    Returns
+    -------
+    QuadraticModes
+        ``count + spare`` of them.
+    """
+    companion, unit = _inverse_companion(system)
+    inverse, states = np.linalg.eig(companion)
+    order, unclear = _clear_modes(inverse, count + spare)
+    eigenvalues = _of(unit, inverse, order)
+    vectors = np.asarray(
+        np.take_along_axis(states[:, : system.size], order[:, None, :], axis=2), dtype=complex
+    )
+    creeps = np.zeros(len(unclear), dtype=bool)
+    for place in np.flatnonzero(unclear).tolist():
+        shapes = states[place, : system.size]
+        found, which, creeping = _sorted_out(system, place, unit[place], inverse[place], shapes)
+        eigenvalues[place] = found[: count + spare]
+        vectors[place] = shapes[:, which[: count + spare]]
+        creeps[place] = creeping[:count].any()
+    return QuadraticModes(eigenvalues, vectors, creeps, _diverges(inverse))
+
+
+def quadratic_eigenvalues(system: LinearSystem, count: int) -> QuadraticModes:
+    """Lowest modes of a system without their shapes, in half the time.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        Batch of B positions.
+    count : int
+
+    Returns
+    -------
+    QuadraticModes
+    """
+    companion, unit = _inverse_companion(system)
+    inverse = np.linalg.eigvals(companion)
+    order, unclear = _clear_modes(inverse, count)
+    eigenvalues = _of(unit, inverse, order)
+    creeps = np.zeros(len(unclear), dtype=bool)
+    for place in np.flatnonzero(unclear).tolist():
+        one, states = np.linalg.eig(companion[place])
+        shapes = states[: system.size]
+        found, _, creeping = _sorted_out(system, place, unit[place], one, shapes)
+        eigenvalues[place] = found[:count]
+        creeps[place] = creeping[:count].any()
+    none = np.zeros((len(unclear), system.size, 0), dtype=complex)
+    return QuadraticModes(eigenvalues, none, creeps, _diverges(inverse))
+
+
+def _inverse_companion(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
+    """Matrices (B, 2 n, 2 n) whose eigenvalues are ``unit / lambda``, and the units (B, 1).
+
+    The lowest modes are their largest eigenvalues. In units of time of the slowest mode both
+    blocks are of order one.
+    """
+    size = system.size
+    flexible = np.linalg.solve(
+        system.stiffness, np.concatenate([system.damping, system.mass], axis=2)
+    )
+    unit = 1 / np.sqrt(np.abs(flexible[:, :, size:]).sum(axis=2).max(axis=1))[:, None]
+    companion = np.zeros((len(flexible), 2 * size, 2 * size))
+    companion[:, :size, :size] = -flexible[:, :, :size] * unit[:, None]
+    companion[:, :size, size:] = -flexible[:, :, size:] * unit[:, None] ** 2
+    companion[:, np.arange(size, 2 * size), np.arange(size)] = 1.0
+    return companion, unit
+
+
+def _of(unit: FloatArray, inverse: NDArray[Any], order: IntArray) -> NDArray[np.complex128]:
+    """Eigenvalues in an order; zero ones of the inverse are no modes."""
+    chosen = np.take_along_axis(inverse, order, axis=1).astype(complex)
+    return np.asarray(unit / np.where(chosen == 0, np.finfo(float).tiny, chosen))
+
+
+def _clear_modes(inverse: NDArray[Any], count: int) -> tuple[IntArray, NDArray[np.bool_]]:
+    """Lowest modes that oscillate beyond doubt, and where others might be as low.
+
+    Parameters
+    ----------
+    inverse : ndarray of complex, shape (B, 2 n)
+        ``unit / lambda``.
+    count : int
+
+    Returns
+    -------
+    order : ndarray of int, shape (B, count)
+    unclear : ndarray of bool, shape (B,)
+        An eigenvalue that may belong to a creeping shape is lower than the last of them.
+    """
+    size = np.abs(inverse)
+    damped = -inverse.real > NEARLY_CREEPING * size
+    swings = (inverse.imag < 0) & ~damped  # the inverse of a + ib has imaginary part -b
+    rank = np.where(swings, size, 0.0)
+    order: IntArray = np.argsort(-rank, axis=1)[:, :count]
+    last = np.take_along_axis(rank, order[:, -1:], axis=1)
+    unclear: NDArray[np.bool_] = (damped & (size > last)).any(axis=1) | (last[:, 0] == 0)
+    return order, unclear
+
+
+def _sorted_out(
+    system: LinearSystem,
+    place: int,
+    unit: FloatArray,
+    inverse: NDArray[Any],
+    shapes: NDArray[Any],
+) -> tuple[NDArray[Any], IntArray, NDArray[np.bool_]]:
+    """All modes of one position in ascending order, those that creep back among them.
+
+    Parameters
+    ----------
+    system : LinearSystem
+    place : int
+        Number of the position.
+    unit : ndarray, shape (1,)
+    inverse : ndarray of complex, shape (2 n,)
+        ``unit / lambda``.
+    shapes : ndarray, shape (n, 2 n)
+
+    Returns
+    -------
+    eigenvalues : ndarray of complex, shape (m,)
+        As in :class:`QuadraticModes`. A fast real eigenvalue stands for itself.
+    which : ndarray of int, shape (m,)
+        Their numbers among the eigenvalues given.
+    creeps : ndarray of bool, shape (m,)
+    """
+    which = np.flatnonzero((inverse.imag <= 0) & (inverse != 0))  # one of each pair
+    values, x = unit / inverse[which].astype(complex), shapes[:, which]
+    stiffness, mass = (
+        np.abs(np.sum(x.conj() * (matrix[place] @ x), axis=0))
+        for matrix in (system.stiffness, system.mass)
+    )
+    natural, size = np.sqrt(stiffness / mass), np.abs(values)
+    slow = (values.imag == 0) | (size < SLOWER_THAN_ITS_SHAPE * natural)
+    creeps = slow & (-values.real > NEARLY_CREEPING * size)
+    values = np.where(creeps, -np.maximum(natural, size), values)
+    order = np.argsort(np.abs(values))
+    return values[order], which[order], creeps[order]
+
+
+def _diverges(inverse: NDArray[Any]) -> NDArray[np.bool_]:
+    growing = np.where(inverse.imag == 0, inverse.real, 0.0).max(axis=1)
+    return np.asarray(growing > ROUND_OFF * np.abs(inverse).max(axis=1))

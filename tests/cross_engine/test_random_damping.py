@@ -1,0 +1,146 @@
+"""Damping ratios of random crank-rockers with Kelvin-Voigt damping, rotation terms and all."""
+
+from dataclasses import replace
+from functools import cache
+from itertools import product
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from flexmech import (
+    ComputationError,
+    ExudynEngine,
+    ReferenceEngine,
+    load_mechanism,
+    moving_frequencies,
+    natural_frequencies,
+)
+from flexmech.analyses import solve_frequencies, solve_modes
+from flexmech.mechanism import Mechanism
+from tests.random_mechanisms import RandomCase, random_case
+
+DATA = Path(__file__).parents[1] / "data"
+MODES = 3
+ELEMENTS = 8
+KINDS = {"reference": (ReferenceEngine, "euler"), "exudyn": (ExudynEngine, "ancf")}
+SEEDS = [
+    *range(2),
+    *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(2, 100)),
+]
+
+
+def engine_of(case: RandomCase, name: str, elements: int = ELEMENTS):
+    kind, element = KINDS[name]
+    return kind(case.mechanism, elements, element)
+
+
+@cache
+def damped_map(seed: int, name: str) -> xr.Dataset:
+    """At speed, at equilibrium, the modes in ascending order."""
+    case = random_case(seed, damped=True)
+    dataset = moving_frequencies(
+        engine_of(case, name), case.crank_angles, [case.crank_speed], modes=MODES
+    ).dataset
+    return dataset.isel(engine=0, crank_speed=0)
+
+
+def whole_ratios(case: RandomCase, name: str, elements: int) -> np.ndarray:
+    """Of all coordinates."""
+    system = (
+        engine_of(case, name, elements)
+        .unreduced()
+        .linear_system(case.crank_angles, case.crank_speed)
+    )
+    return solve_modes(system, MODES).damping_ratio
+
+
+@pytest.mark.parametrize(("seed", "name"), list(product(range(2), KINDS)))
+def test_ratios_in_component_modes_are_those_of_all_coordinates(seed, name):
+    """And the reduction error says how far they are."""
+    dataset = damped_map(seed, name)
+    exact = whole_ratios(random_case(seed, damped=True), name, ELEMENTS)
+    true = np.abs(dataset["damping_ratio"].values - exact)
+    assert np.all(true <= 1e-3 * np.abs(exact) + 2e-7)
+    reported = dataset["damping_ratio_reduction_error"].values
+    assert reported.max() == pytest.approx(true.max(), rel=0.3, abs=1e-9)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("elements", [8, 16, 32])
+def test_ratios_of_many_mechanisms_are_those_of_all_coordinates(elements):
+    for seed, name in product(range(20), KINDS):
+        case = random_case(seed, damped=True)
+        found = moving_frequencies(
+            engine_of(case, name, elements), case.crank_angles, [case.crank_speed], modes=MODES
+        ).dataset["damping_ratio"]
+        exact = whole_ratios(case, name, elements)
+        np.testing.assert_allclose(found[0, 0], exact, rtol=2e-3, atol=5e-7)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_mesh_error_of_the_ratios_is_true(seed):
+    """Within a factor of two of the distance to a fine mesh."""
+    case = random_case(seed, damped=True)
+    dataset = damped_map(seed, "reference")
+    system = engine_of(case, "reference", 64).linear_system(
+        case.crank_angles, case.crank_speed, modes=MODES, detail=2.0
+    )
+    true = np.abs(dataset["damping_ratio"].values - solve_modes(system, MODES).damping_ratio)
+    estimate = dataset["damping_ratio_discretisation_error"].values
+    true, estimate = true.max(axis=0), estimate.max(axis=0)
+    assert np.all((estimate > true / 2) & (estimate < 2 * true + 1e-7))
+
+
+def with_damping_time(mechanism: Mechanism, time: float) -> Mechanism:
+    """One for all links."""
+    sections = {name: s.with_damping_time(time) for name, s in mechanism.sections.items()}
+    return replace(mechanism, sections=sections)
+
+
+@pytest.mark.parametrize(
+    "seeds", [range(8), pytest.param(range(8, 200), marks=pytest.mark.thorough)], ids=str
+)
+def test_modes_are_refused_that_creep_and_no_others(seeds):
+    """Of one damping time for all links: those above ``2 / tau``, as at rest."""
+    ran = refused = 0
+    for seed in seeds:
+        case = random_case(seed, damped=True, angles=2)
+        still = ReferenceEngine(with_damping_time(case.mechanism, 0.0), ELEMENTS, "euler")
+        natural = 2 * np.pi * natural_frequencies(still, case.crank_angles, modes=7)
+        swinging = 1 + seed % 5
+        gap = natural[:, swinging].min() / natural[:, swinging - 1].max()
+        if gap < 1.1:
+            continue
+        time = 2 / (natural[:, swinging - 1].max() * np.sqrt(gap))
+        mechanism = with_damping_time(case.mechanism, time)
+        for reduced in (True, False):
+            engine = ReferenceEngine(mechanism, ELEMENTS, "euler", component_modes=reduced)
+            speed = case.crank_speed / 10  # slow: at rest the answer is known
+            system = engine.linear_system(case.crank_angles, speed, modes=7)
+            modes = solve_modes(system, swinging, spare=2)
+            assert np.all(modes.damping_ratio[:, :swinging] < 1)
+            found = solve_frequencies(system, swinging)
+            np.testing.assert_allclose(modes.frequency[:, :swinging], found, rtol=1e-6)
+            np.testing.assert_allclose(2 * np.pi * found, natural[:, :swinging], rtol=0.02)
+            for solve in (solve_modes, solve_frequencies):
+                with pytest.raises(ComputationError, match="of the lowest modes oscillate"):
+                    solve(system, swinging + 1)
+            refused += 1
+        ran += 1
+    assert ran > len(seeds) / 3
+    assert refused
+
+
+def test_one_mode_asked_for_needs_no_others():
+    """Nine oscillate, below ``1 / (pi tau)`` = 790 Hz; real eigenvalues begin at 395 Hz."""
+    engine = ReferenceEngine(load_mechanism(DATA / "soft_damped_crank.toml"), 16)
+    angles = np.radians([20.667, 21.0])
+    dataset = moving_frequencies(engine, angles, [1.113], modes=1).dataset
+    assert dataset["frequency"][0, 0, 0, 0] == pytest.approx(2.33873, rel=1e-4)
+    assert dataset["damping_ratio"][0, 0, 0, 0] == pytest.approx(0.00288, abs=5e-6)
+    system = engine.linear_system(angles, 1.113, modes=9)
+    assert solve_modes(system, 9).damping_ratio[0, 5] == pytest.approx(0.42, abs=0.005)
+    with pytest.raises(ComputationError, match="fewer than 10 of the lowest modes oscillate"):
+        solve_modes(system, 10)
