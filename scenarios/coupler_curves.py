@@ -32,16 +32,30 @@ from _neat_resin import (
     transitions,
 )
 from _neat_resin import Path as StatePath
-from _neat_resin_claims import FigureClaim, Shape, judged, judged_pin, other_claims, shape_of
+from _neat_resin_claims import (
+    FigureClaim,
+    PinPaths,
+    Shape,
+    judged,
+    judged_pin,
+    other_claims,
+    shape_of,
+)
 from matplotlib.figure import Figure
 
-from flexmech import CouplerCurve, HygrothermalState, InputError
-from flexmech.hygrothermal import linkage_in_state
+from flexmech import (
+    CouplerCurve,
+    HygrothermalState,
+    InputError,
+    Mechanism,
+    mechanism_in_state,
+)
 from flexmech.linkages import CuspTransition
 
 Found = dict[str, list[tuple[StatePath, tuple[CuspTransition, ...]]]]
 
 PIN_FIGURES = ("3", "4")
+CAPTION_OF_FIGURES_3_AND_4 = HygrothermalState(95.0, 0.07)
 
 
 @dataclass(frozen=True)
@@ -85,16 +99,16 @@ def main(
     found: Found = {f: [(p, transitions(f, p, steps)) for p in PATHS] for f in CHANGING}
     for figure in FIGURES:
         curves = curves_of(figure)
-        moved = float(distance(curves, turn)["R-914"].max())
+        moved = {name: float(away.max()) for name, away in distance(curves, turn).items()}
         if figure in PIN_FIGURES:
             shapes: dict[str, Shape] = {}
-            claims.append(judged_pin(figure, moved))
+            claims.append(judged_pin(figure, _pin_paths(figure, curves["dry"], moved["R-914"])))
         else:
             shapes = {name: shape_of(curve, angles) for name, curve in curves.items()}
             claims.append(judged(figure, shapes, moved, _at_80_kelvin(found, figure)))
         if figure in drawn:
             pictures[f"figure_{figure}"] = draw(figure, curves, shapes, turn)
-    claims += other_claims(_refusal())
+    claims += other_claims(refusal(neat_resin("5", "8551-7"), saturated(neat_resin("5"))))
     answer = Answer(claims, found)
     _report(answer)
     save_pictures(pictures, out)
@@ -118,13 +132,21 @@ def curves_of(figure: str) -> dict[str, CouplerCurve]:
     return curves
 
 
-def _refusal() -> str:
-    """What 8551-7 says to the 7 % that the paper gives to every resin."""
+def refusal(mechanism: Mechanism, state: HygrothermalState) -> str:
+    """What keeps a mechanism out of a state; empty if nothing does."""
     try:
-        linkage_in_state(neat_resin("5", "8551-7"), saturated(neat_resin("5")))
+        mechanism_in_state(mechanism, state)
     except InputError as error:
         return str(error)
-    raise AssertionError("8551-7 takes up 2 % of water")
+    return ""
+
+
+def _pin_paths(figure: str, dry: CouplerCurve, moved: float) -> PinPaths:
+    mechanism = neat_resin(figure)
+    size = float(np.ptp(dry.position(np.linspace(0, 2 * np.pi, 361)), axis=0).max())
+    return PinPaths(
+        moved, size, saturated(mechanism).label, refusal(mechanism, CAPTION_OF_FIGURES_3_AND_4)
+    )
 
 
 def _cusp_rows(found: Found) -> list[dict[str, object]]:

@@ -17,7 +17,7 @@ __all__ = [
     "within_a_tenth",
 ]
 
-Verdict = Literal["reproduced", "not reproduced", "not checkable"]
+Verdict = Literal["reproduced", "not reproduced", "not judged"]
 REPRODUCED_WITHIN = 0.10
 """A number counts as reproduced when ours is within a tenth of that of the printed tables."""
 
@@ -39,7 +39,7 @@ class Claim:
         Ours. Of these three, what there is not is empty.
     other_models : str
         Ours by other models; empty where they make no difference.
-    verdict : {"reproduced", "not reproduced", "not checkable"}
+    verdict : {"reproduced", "not reproduced", "not judged"}
     reason : str
         Why, where it needs saying.
     """
@@ -65,9 +65,24 @@ class Claim:
 
 
 def verdict_on(holds: bool | None) -> Verdict:
-    """Verdict on a statement of which we know whether it holds, or None where we cannot."""
+    """Put a finding on a statement into a word.
+
+    Parameters
+    ----------
+    holds : bool or None
+        Whether it holds; None where there is nothing to compare it with.
+
+    Returns
+    -------
+    {"reproduced", "not reproduced", "not judged"}
+
+    Examples
+    --------
+    >>> flexmech.studies.verdict_on(None)
+    'not judged'
+    """
     if holds is None:
-        return "not checkable"
+        return "not judged"
     return "reproduced" if holds else "not reproduced"
 
 

@@ -97,7 +97,7 @@ def composite_dataset(frequency: xr.DataArray, damping: xr.DataArray) -> xr.Data
     factors = laminate_factors(tables["finite_element"].sel(position=["90", "max"]))
     dataset = tables.assign_coords(crank_angle=turn).assign(
         frequency=frequency.sel(position=list(published.POSITIONS)),
-        other_posture=frequency.sel(position=linkages.SECOND, drop=True),
+        other_configuration=frequency.sel(position=linkages.SECOND, drop=True),
         strain_energy_damping=damping.sel(position=list(published.POSITIONS)),
         laminate_factor=laminate_factors(frequency.sel(position=list(published.POSITIONS))),
         published_laminate_factor=factors,

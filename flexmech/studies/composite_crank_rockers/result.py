@@ -28,7 +28,7 @@ class CompositeStudy(Result):
     ----------
     dataset : xarray.Dataset
         ``frequency`` in Hz over ``plies``, ``beams``, ``position``, ``laminate`` and ``case``;
-        ``other_posture``, the same at the second crank angle with a right transmission
+        ``other_configuration``, the same at the second crank angle with a right transmission
         angle; ``strain_energy_damping`` like ``frequency``, not a number where no loss is
         known and with one element a link; the published ``finite_element``, ``measured`` and
         ``damping``; ``laminate_factor`` and ``published_laminate_factor``, the frequency of
@@ -37,7 +37,7 @@ class CompositeStudy(Result):
     """
 
     stem = "composites"
-    hallmark = "other_posture"
+    hallmark = "other_configuration"
     files = (
         "composites.csv",
         "composite_claims.csv",

@@ -39,7 +39,7 @@ def frequency_table(study: xr.Dataset) -> pd.DataFrame:
     study = study.assign(crank_angle_deg=(("case", "position"), angles[:, :-1]))
     second = study.sel(position=["90"])
     second = second.assign(
-        frequency=study["other_posture"],
+        frequency=study["other_configuration"],
         crank_angle_deg=("case", angles[:, -1]),
         strain_energy_damping=np.nan * second["strain_energy_damping"],
     ).assign_coords(position=[SECOND])
