@@ -292,7 +292,9 @@ def test_above_the_wet_glass_transition_the_path_is_drawn_with_a_warning(tmp_pat
         "coupler-curve", MODELS / "neat_resin_figure_8.toml", *hot, "--out", tmp_path
     )
     assert code == 0
-    assert errors.startswith("warning: +95 K, 7 % moisture: the resin of crank and coupler and ")
+    assert errors.startswith(
+        "warning: +95 K, 7 % moisture: the resin of crank, coupler and rocker "
+    )
     assert "wet glass transition" in errors
     assert len(errors.splitlines()) == 1
     assert "crank 2310.95," in printed  # 2250 * 1.027087

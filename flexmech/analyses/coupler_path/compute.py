@@ -125,10 +125,11 @@ def coupler_paths(
 
 def _of_rubber(links: Sequence[str]) -> str:
     """What a path is worth whose links are above their glass transition."""
+    named = " and ".join(filter(None, [", ".join(links[:-1]), links[-1]]))
     return (
-        f"the resin of {' and '.join(links)} is above its wet glass transition or beyond what is "
-        "known of it: rubber, softer than any modulus here says. The path needs no modulus: it is "
-        "that of links which swell as with the stated expansions, and none softens"
+        f"the resin of {named} is above its wet glass transition, or moister than the rule of that "
+        "transition holds for: its stiffness is not known. The path needs none: it is that of "
+        "links that swell by the stated expansions, with fibres as at the reference temperature"
     )
 
 
