@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from typer.testing import CliRunner
 
 from flexmech.analyses import MovingFrequencies
@@ -194,6 +195,13 @@ def test_tracking_lines_name_what_is_torn_and_where_modes_veer() -> None:
         "(modes 2, 3; 20 rad/s)",
         "branches that are not whole over these angles: reference at 10 rad/s (4)",
     ]
+    unclear = xr.zeros_like(dataset["veering"])
+    unclear[0, 2, 6, 1:3] = True
+    angle = np.degrees(float(dataset["crank_angle"][6]))
+    assert tracking_lines(dataset.assign(branch_unclear=unclear))[1] == (
+        "branches that are not clear, even in the shortest steps between the angles: reference at "
+        f"20 rad/s, modes 2, 3, before {angle:.6g} deg"
+    )
     # A branch that this engine never meets at this speed is no torn one.
     dataset["branch_of_mode"] = dataset["branch_of_mode"].clip(max=3)
     assert len(tracking_lines(dataset)) == 1
