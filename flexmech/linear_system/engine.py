@@ -16,6 +16,7 @@ from flexmech.linear_system.component_modes import ComponentModes, component_mod
 from flexmech.linear_system.convergence import ConvergenceOrders
 from flexmech.linear_system.link_frames import RotationTerms
 from flexmech.linear_system.link_model import LinkModel
+from flexmech.linear_system.link_stretch import LinkStretch
 from flexmech.linear_system.reduced_system import reduced_system, unreduced_system
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem
@@ -184,6 +185,14 @@ class Engine(ABC):
     @abstractmethod
     def links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models in the topology's order."""
+
+    @property
+    def stretches(self) -> tuple[LinkStretch, ...] | None:
+        """Second-order stretch of each link; None where an engine does not tell.
+
+        None as well where links bend or stretch without load: it is that of straight links.
+        """
+        return None
 
     @abstractmethod
     def convergence(self, prestress: Prestress) -> ConvergenceOrders:

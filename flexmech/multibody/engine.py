@@ -134,6 +134,7 @@ class ExudynEngine(Engine):
         *,
         integrator: Integrator = "trapezoidal",
         progress: StepProgress | None = None,
+        band: float | None = None,
     ) -> Trajectory:
         """Run the linkage with large displacements from time zero to the last sample.
 
@@ -151,6 +152,8 @@ class ExudynEngine(Engine):
             energy, or generalized-alpha, which damps what is too fast for the step.
         progress : callable, optional
             Called with the steps done and their total, every hundred steps.
+        band : float, optional
+            Frequency in Hz up to which joint forces and torque are kept.
 
         Returns
         -------
@@ -170,7 +173,9 @@ class ExudynEngine(Engine):
             raise InputError("sample times must be zero or later and increase")
         steps = max(1, int(np.ceil(sample_time[-1] / step - 1e-9)))
         model = RunningModel(self.mechanism, self.elements, self.element, drive, self.links)
-        recorder = Recorder(sample_time, step)
+        if band is not None:
+            check_number(band, "band", "Hz", POSITIVE)
+        recorder = Recorder(sample_time, step, band)
         Simulation(model, step, steps, integrator).run(start, recorder, progress)
         return recorder.finish()
 

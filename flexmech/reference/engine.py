@@ -13,6 +13,7 @@ from flexmech.linear_system import (
     Engine,
     LinkFrames,
     LinkModel,
+    LinkStretch,
     Prestress,
     StressedLinks,
     element_tensions,
@@ -21,6 +22,7 @@ from flexmech.linear_system import (
 )
 from flexmech.linkages import RigidMotion
 from flexmech.reference.equilibrium import Equilibrium
+from flexmech.reference.stretch import chain_stretch
 from flexmech.types import FloatArray
 
 __all__ = ["ReferenceEngine"]
@@ -79,6 +81,13 @@ class ReferenceEngine(Engine):
     def links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models, coordinates (u, v, phi, ...) node by node."""
         return tuple(chain.model for chain in self.chains)
+
+    @cached_property
+    def stretches(self) -> tuple[LinkStretch, ...] | None:
+        """Second-order stretch of each link; see :attr:`Engine.stretches`."""
+        if self.mechanism.is_free_strained:
+            return None
+        return tuple(chain_stretch(chain) for chain in self.chains)
 
     @property
     def nodes(self) -> list[FloatArray]:

@@ -1,11 +1,14 @@
 """Motion in time: linear time-varying systems, their periodic motion, and recorded runs."""
 
 from flexmech.choices import INTEGRATORS, Integrator
-from flexmech.time_domain.driven_linkage import DETAIL, DrivenLinkage, Equations, is_reduced
+from flexmech.time_domain.axial_frequency import lowest_axial_frequency
+from flexmech.time_domain.driven_linkage import DrivenLinkage
+from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.linear_run import linear_run
 from flexmech.time_domain.orbit import PeriodicOrbit, simulated_orbit
 from flexmech.time_domain.periodic import TurnMap, periodic_state, periodic_turn, turn_map
 from flexmech.time_domain.recording import EnergyHistory, Recorder, StepBlock, Trajectory
+from flexmech.time_domain.reduced_links import DETAIL, can_stretch, is_reduced
 from flexmech.time_domain.simulator import Simulator, simulator
 from flexmech.time_domain.state import LinkState, VibrationState
 
@@ -24,8 +27,10 @@ __all__ = [
     "Trajectory",
     "TurnMap",
     "VibrationState",
+    "can_stretch",
     "is_reduced",
     "linear_run",
+    "lowest_axial_frequency",
     "periodic_state",
     "periodic_turn",
     "simulated_orbit",

@@ -6,81 +6,42 @@ rigid motion and weight as load. Links are reduced to component modes whose stat
 turn with the pins: here the whole shape moves (Galerkin), because a response in time does
 not depend on the frame in which it is written, as frozen eigenvalues do. Axial modes above
 the frequencies of interest follow statically: a bowed link stretches when it bends.
+
+The equations are linear about straight links, or about their quasi-static equilibrium. On
+request the links stretch by half the square of their slopes, whatever these are at the
+instant; that adds forces which are not linear (:class:`LinkageStretch`), and all axial modes
+move by themselves.
 """
 
 from __future__ import annotations
-
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.choices import MODES
+from flexmech.errors import ComputationError
 from flexmech.linear_system import (
     Engine,
     LinkDamping,
     LinkFrames,
-    LinkModel,
     Prestress,
     RotationTerms,
-    component_modes,
     condense,
     inertia_loads,
 )
 from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.time_domain.equations import Equations, Following
+from flexmech.time_domain.linkage_stretch import LinkageStretch
+from flexmech.time_domain.reduced_links import DETAIL, prestressed_links, stretching_links
 from flexmech.time_domain.state import LinkState, VibrationState
 from flexmech.time_domain.stress_history import LinkStress, StressHistory
 from flexmech.types import FloatArray
 
-__all__ = ["DETAIL", "DrivenLinkage", "Equations", "is_reduced"]
+__all__ = ["DrivenLinkage"]
 
-
-# A start at speed shakes more than the lowest modes: component modes are kept up to this
-# many times the frequency that the natural frequencies themselves would need.
-DETAIL = 8.0
-# Axial modes of a link that a bow couples to bending; half of them change nothing visible.
-AXIAL_MODES = 6
-
-
-@dataclass(frozen=True)
-class Equations:
-    """Equations of motion ``M z'' + C z' + K z = f`` at m instants.
-
-    Parameters
-    ----------
-    motion : RigidMotion
-        Batch of shape (m,).
-    stress : list of LinkStress
-    mass, damping, stiffness : ndarray, shape (m, n, n)
-    force : ndarray, shape (m, n)
-    expansion : ndarray, shape (m, size, n)
-        From z to the coordinates of the frames, some of which follow statically.
-    offset : ndarray, shape (m, size)
-        What the loads alone add to those that follow.
-    """
-
-    motion: RigidMotion
-    stress: list[LinkStress]
-    mass: FloatArray
-    damping: FloatArray
-    stiffness: FloatArray
-    force: FloatArray
-    expansion: FloatArray
-    offset: FloatArray
-
-    def __getitem__(self, where: slice) -> Equations:
-        """The equations of some of the instants, for stepping."""
-        return replace(
-            self,
-            mass=self.mass[where],
-            damping=self.damping[where],
-            stiffness=self.stiffness[where],
-            force=self.force[where],
-        )
-
-    def quasi_static(self) -> FloatArray:
-        """Displacement z that the loads would cause if nothing moved, (m, n)."""
-        return np.asarray(np.linalg.solve(self.stiffness, self.force[..., None])[..., 0])
+# Newton's method for a start in balance, from close by.
+MOST_PASSES = 30
+CONVERGED = 1e-10
 
 
 class DrivenLinkage:
@@ -100,6 +61,9 @@ class DrivenLinkage:
         Multiplies the frequency up to which component modes are kept.
     with_energy : bool
         Whether energies and joint forces will be asked for.
+    stretches : bool
+        Let straight links stretch by half the square of their slopes, in place of a
+        prestress; see :func:`can_stretch`.
 
     Attributes
     ----------
@@ -108,6 +72,8 @@ class DrivenLinkage:
     bases : tuple of ndarray, shape (n_full, n)
         From each reduced link's coordinates to the engine's.
     frames : LinkFrames
+    stretch : LinkageStretch or None
+        What comes on top of the linear equations.
     """
 
     def __init__(
@@ -119,21 +85,38 @@ class DrivenLinkage:
         modes: int = MODES,
         detail: float = DETAIL,
         with_energy: bool = True,
+        stretches: bool = False,
     ) -> None:
         self.engine = engine
         self.drive = drive
         self.prestress = prestress
-        self.links, self.bases, follows = _reduced(engine, drive, prestress, modes, detail)
+        reduced = (
+            stretching_links(engine, modes, detail)
+            if stretches
+            else prestressed_links(engine, drive, prestress, modes, detail)
+        )
+        self.links, self.bases = reduced.models, reduced.bases
         self.frames = LinkFrames(engine.mechanism.linkage.topology, self.links)
         self._condensed = np.zeros(self.frames.size, dtype=bool)
-        for target, condensed in zip(self.frames.targets, follows, strict=True):
+        for target, condensed in zip(self.frames.targets, reduced.follows, strict=True):
             self._condensed[target[condensed]] = True
-        self._stress = StressHistory(engine, self.bases, drive, prestress, with_energy=with_energy)
+        level: Prestress = "none" if stretches else prestress
+        self._stress = StressHistory(engine, self.bases, drive, level, with_energy=with_energy)
+        self.stretch: LinkageStretch | None = None
+        if stretches:
+            assert engine.stretches is not None
+            pairs = zip(engine.stretches, self.bases, strict=True)
+            self.stretch = LinkageStretch(self.frames, [s.projected(basis) for s, basis in pairs])
 
     @property
     def size(self) -> int:
         """Number of independent coordinates."""
         return int(np.sum(~self._condensed))
+
+    @property
+    def is_condensed(self) -> bool:
+        """Whether some coordinates of the frames follow the others statically."""
+        return bool(self._condensed.any())
 
     def motion(self, time: FloatArray) -> RigidMotion:
         """Rigid motion at times of shape (m,)."""
@@ -167,26 +150,28 @@ class DrivenLinkage:
         )
         force = self._force(motion, stress)
         gone, kept = np.flatnonzero(self._condensed), np.flatnonzero(~self._condensed)
-        offset = np.zeros_like(force)
-        if not len(gone):
-            expansion = np.broadcast_to(np.eye(self.frames.size), matrices.mass.shape)
-        else:
+        following = Following.of_all(self.frames.size)
+        if self.is_condensed:
+            offset = np.zeros_like(force)
             hold = matrices.stiffness[:, gone[:, None], gone]
             offset[:, gone] = np.linalg.solve(hold, force[:, gone, None])[..., 0]
             matrices, expansion = condense(matrices, self._condensed)
             force = force[:, kept] + np.einsum(
                 "mgk,mg->mk", expansion[:, gone[:, None], np.arange(len(kept))], force[:, gone]
             )
+            following = Following(expansion, offset)
         return Equations(
             motion,
-            stress,
             matrices.mass,
             matrices.damping,
             matrices.stiffness,
             force,
-            expansion,
-            offset,
+            following,
         )
+
+    def stress(self, time: FloatArray) -> list[LinkStress]:
+        """Stress of each reduced link at times of shape (m,)."""
+        return self._stress.at(time)
 
     def link_motion(
         self, equations: Equations, vibration: VibrationState
@@ -204,29 +189,7 @@ class DrivenLinkage:
         -------
         list of tuple of ndarray, shape (m, n_link)
         """
-        return self.frames.link_motion(equations.motion, *self.expanded(equations, vibration))
-
-    def expanded(
-        self, equations: Equations, vibration: VibrationState
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """All coordinates of the frames and their time derivatives, each (m, size).
-
-        Parameters
-        ----------
-        equations : Equations
-            At m instants.
-        vibration : VibrationState
-            Arrays of shape (m, n).
-
-        Returns
-        -------
-        tuple of ndarray
-        """
-        position, velocity, acceleration = (
-            (equations.expansion @ part[..., None])[..., 0]
-            for part in (vibration.position, vibration.velocity, vibration.acceleration)
-        )
-        return position + equations.offset, velocity, acceleration
+        return self.frames.link_motion(equations.motion, *equations.following.expanded(vibration))
 
     def link_state(self, equations: Equations, vibration: VibrationState) -> LinkState:
         """State of the engine's links at the first of the instants."""
@@ -274,15 +237,56 @@ class DrivenLinkage:
         have.
         """
         equations = self.equations(np.zeros(1), still=True)
-        parts = [-s.prestress for s in equations.stress]
+        parts = [-s.prestress for s in self.stress(np.zeros(1))]
         inner = self.frames.gather(equations.motion, parts)[0]
         position = np.zeros(self.size)
         axial = np.flatnonzero(self._axial()[~self._condensed])
         if len(axial):
-            force = equations.expansion[0].T @ inner
+            force = equations.following.expansion[0].T @ inner
             stiffness = equations.stiffness[0]
             position[axial] = np.linalg.solve(stiffness[np.ix_(axial, axial)], force[axial])
         return position
+
+    def balanced(
+        self, position: FloatArray, time: float = 0.0, *, axial_only: bool = False
+    ) -> FloatArray:
+        """Position z of links that stretch at which they stand still under the loads, (n,).
+
+        Parameters
+        ----------
+        position : ndarray, shape (n,)
+            Near it.
+        time : float
+            In s.
+        axial_only : bool
+            Move the links along themselves alone, and leave how they are bent.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+
+        Raises
+        ------
+        ComputationError
+            If Newton's method does not converge.
+        """
+        assert self.stretch is not None
+        equations = self.equations(np.array([time]), still=True)
+        turns = self.stretch.pin_turns(equations.motion)
+        moved = np.flatnonzero(self._axial()) if axial_only else np.arange(self.size)
+        stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
+        for _ in range(MOST_PASSES):
+            pulled, tangent = self.stretch.still(turns, z)
+            gap = (force - stiffness @ z - pulled)[moved]
+            change = np.linalg.solve((stiffness + tangent)[np.ix_(moved, moved)], gap)
+            z[moved] += change
+            if np.abs(change).max() <= CONVERGED * np.abs(z).max():
+                return z
+        raise ComputationError(
+            f"the links find no balance at time {time:.6g} s from which to start, crank angle "
+            f"{np.degrees(float(self.drive.crank_angle(time))):.6g} deg; lower the crank speed, or "
+            "choose start rigid"
+        )
 
     def _axial(self) -> NDArray[np.bool_]:
         """Coordinates of the frames that move their own link along its axis."""
@@ -298,44 +302,3 @@ class DrivenLinkage:
         if self._stress.tells_forces:
             parts = [p + load for p, load in zip(parts, self.loads(motion), strict=True)]
         return self.frames.gather(motion, parts)
-
-
-def is_reduced(engine: Engine) -> bool:
-    """Whether an engine's linear equations in time are reduced to component modes.
-
-    Those of links that are bent without load are not: modes of straight links do not show
-    the ends of a deep bow approach each other (2 % of the deflections of a coupler of
-    280 mm that is bowed by 8 mm, of which doubling the detail tells a tenth).
-
-    Parameters
-    ----------
-    engine : Engine
-
-    Returns
-    -------
-    bool
-    """
-    return engine.component_modes and not engine.mechanism.is_free_strained
-
-
-def _reduced(
-    engine: Engine, drive: CrankDrive, prestress: Prestress, modes: int, detail: float
-) -> tuple[tuple[LinkModel, ...], tuple[FloatArray, ...], tuple[NDArray[np.bool_], ...]]:
-    """Links, their bases, and which of their coordinates follow statically."""
-    if not is_reduced(engine):
-        bases = tuple(np.eye(link.size) for link in engine.links)
-        return engine.links, bases, tuple(np.zeros(link.size, dtype=bool) for link in engine.links)
-    turn = drive.start_angle + np.linspace(0.0, 2 * np.pi, 73)
-    motion = engine.mechanism.linkage.motion(turn, drive.speed)
-    reduction = component_modes(
-        engine.mechanism.linkage.topology,
-        engine.links,
-        modes,
-        float(np.abs(motion.angular_velocity).max()),
-        couples_axially=prestress == "equilibrium",
-        detail=detail,
-        axial_modes=AXIAL_MODES,
-    )
-    models = tuple(replace(model, reduced_ends=None) for model in reduction.models)
-    bases = tuple(link.basis for link in reduction.links)
-    return models, bases, tuple(link.condensed for link in reduction.links)

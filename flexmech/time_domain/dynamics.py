@@ -12,11 +12,12 @@ import numpy as np
 
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
-from flexmech.time_domain.driven_linkage import DrivenLinkage, Equations
+from flexmech.time_domain.driven_linkage import DrivenLinkage
+from flexmech.time_domain.equations import Following
 from flexmech.time_domain.link_inertia import LinkInertia, MovingLink, dot
 from flexmech.time_domain.recording import StepBlock
 from flexmech.time_domain.state import VibrationState
-from flexmech.time_domain.stress_history import LinkStress
+from flexmech.time_domain.stress_history import times
 from flexmech.types import FloatArray
 
 __all__ = ["LinkageDynamics"]
@@ -40,14 +41,14 @@ class LinkageDynamics:
         ]
 
     def step_block(
-        self, time: FloatArray, equations: Equations, vibration: VibrationState
+        self, time: FloatArray, following: Following, vibration: VibrationState
     ) -> StepBlock:
         """What is recorded of consecutive steps.
 
         Parameters
         ----------
         time : ndarray, shape (m,)
-        equations : Equations
+        following : Following
             At these times.
         vibration : VibrationState
             Arrays of shape (m, n).
@@ -56,9 +57,9 @@ class LinkageDynamics:
         -------
         StepBlock
         """
-        linkage, motion = self.linkage, equations.motion
+        linkage, motion = self.linkage, self.linkage.motion(time)
         frames, gravity = linkage.frames, np.asarray(linkage.engine.mechanism.gravity)
-        coordinates = linkage.expanded(equations, vibration)
+        coordinates = following.expanded(vibration)
         elastic = frames.link_motion(motion, *coordinates)
         unit = linkage.engine.mechanism.linkage.motion(motion.crank_angle, 1.0)
         moving = [
@@ -71,9 +72,16 @@ class LinkageDynamics:
         totals = np.zeros((6, len(time)))
         ends, fields = [], []
         for number, (inertia, link, stress) in enumerate(
-            zip(self._inertias, moving, equations.stress, strict=True)
+            zip(self._inertias, moving, linkage.stress(time), strict=True)
         ):
-            shapes = inertia.shape_forces(link) + _internal_force(stress, link)
+            damping, stretched = times(stress.damping, link.rate), np.zeros(len(time))
+            inner = times(stress.stiffness, link.displacement) + stress.prestress
+            if linkage.stretch is not None:
+                second = linkage.stretch.links[number]
+                pulled, damped = second.remainder(link.displacement, link.rate)
+                inner, damping = inner + pulled, damping + damped
+                stretched = second.energy(link.displacement)
+            shapes = inertia.shape_forces(link) + inner + damping
             rigid = inertia.field_forces(link)
             ends.append(shapes)
             fields.append(rigid)
@@ -91,9 +99,9 @@ class LinkageDynamics:
                 [
                     torque,
                     inertia.kinetic_energy(link),
-                    stress.potential(link.displacement),
+                    stress.potential(link.displacement) + stretched,
                     weight,
-                    dot(link.rate, _damping_force(stress, link)),
+                    dot(link.rate, damping),
                     stress.power(link.displacement),
                 ]
             )
@@ -137,15 +145,6 @@ class LinkageDynamics:
         for joint, end in held:
             forces[joint] = needed[topology.index(end.link)]
         return np.stack([forces[name] for name in topology.joint_names], axis=1)
-
-
-def _internal_force(stress: LinkStress, link: MovingLink) -> FloatArray:
-    elastic = (stress.stiffness @ link.displacement[..., None])[..., 0]
-    return np.asarray(elastic + stress.prestress + _damping_force(stress, link))
-
-
-def _damping_force(stress: LinkStress, link: MovingLink) -> FloatArray:
-    return np.asarray((stress.damping @ link.rate[..., None])[..., 0])
 
 
 def _to_ground(vector: FloatArray, angle: FloatArray) -> FloatArray:

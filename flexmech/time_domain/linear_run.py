@@ -2,74 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
 from flexmech.errors import ComputationError
-from flexmech.time_domain.driven_linkage import DrivenLinkage, Equations
+from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.time_domain.dynamics import LinkageDynamics
+from flexmech.time_domain.equations import Following
 from flexmech.time_domain.recording import Recorder, Trajectory
 from flexmech.time_domain.state import VibrationState
-from flexmech.time_domain.trapezoidal import (
-    StepOperators,
-    initial_state,
-    march,
-    step_operators,
-)
+from flexmech.time_domain.step_table import StepTable
+from flexmech.time_domain.stretch_march import march_stretching
+from flexmech.time_domain.trapezoidal import initial_state, march
 from flexmech.types import FloatArray, StepProgress
 
 __all__ = ["linear_run"]
 
 
-# Steps whose matrices are solved at once.
-BLOCK_STEPS = 512
+# Steps that are recorded at once.
+BLOCK_STEPS = 1024
+# Steps whose operators are interpolated at once.
+CACHED_STEPS = 64
 # Displacements beyond this many metres are no small vibration of any linkage.
 DIVERGED = 1e6
-
-
-@dataclass(frozen=True)
-class _Block:
-    """Equations at the start and the ends of consecutive steps, and their solution."""
-
-    equations: Equations
-    operators: StepOperators
-
-
-class _Blocks:
-    """Blocks of steps; those of a first turn serve for all later ones where they repeat."""
-
-    def __init__(self, linkage: DrivenLinkage, step: float, steps: int) -> None:
-        self.linkage, self.step, self.steps = linkage, step, steps
-        turn = linkage.drive.revolution_time / step
-        self.repeats = round(turn)
-        constant = linkage.drive.is_constant and abs(turn - self.repeats) < 1e-9 * turn
-        self._kept: dict[int, _Block] | None = {} if constant and steps > self.repeats else None
-
-    def __iter__(self) -> Iterator[tuple[FloatArray, _Block]]:
-        start = 0
-        while start < self.steps:
-            place = start % self.repeats if self._kept is not None else start
-            limit = self.repeats - place if self._kept is not None else self.steps
-            count = min(BLOCK_STEPS, limit, self.steps - start)
-            yield (
-                self.step * np.arange(start, start + count + 1, dtype=float),
-                self._block(place, count),
-            )
-            start += count
-
-    def _block(self, place: int, count: int) -> _Block:
-        kept = self._kept
-        if kept is not None and place in kept and len(kept[place].operators.forced) == count:
-            return kept[place]
-        equations = self.linkage.equations(
-            self.step * np.arange(place, place + count + 1, dtype=float)
-        )
-        block = _Block(equations, step_operators(equations[1:], self.step))
-        if kept is not None:
-            kept[place] = block
-        return block
 
 
 def linear_run(
@@ -79,6 +35,8 @@ def linear_run(
     sample_time: FloatArray,
     step: float,
     progress: StepProgress | None = None,
+    *,
+    band: float | None = None,
 ) -> Trajectory:
     """Integrate the equations of motion by the trapezoidal rule.
 
@@ -93,6 +51,8 @@ def linear_run(
         In s.
     progress : callable, optional
         Called with the steps done and the steps to do.
+    band : float, optional
+        Frequency in Hz up to which joint forces and torque are kept.
 
     Returns
     -------
@@ -104,19 +64,62 @@ def linear_run(
         If displacements grow beyond all bounds; names the time and the crank angle.
     """
     steps = int(np.ceil(sample_time[-1] / step - 1e-9))
-    dynamics, recorder = LinkageDynamics(linkage), Recorder(sample_time, step)
-    state = initial_state(linkage.equations(np.zeros(1)), position, velocity)
-    done = 0
-    for time, block in _Blocks(linkage, step, steps):
+    dynamics, recorder = LinkageDynamics(linkage), Recorder(sample_time, step, band)
+    state = start_state(linkage, position, velocity)
+    table = StepTable(linkage, step)
+    for done in range(0, steps, BLOCK_STEPS):
+        count = min(BLOCK_STEPS, steps - done)
+        time = step * np.arange(done, done + count + 1, dtype=float)
         with np.errstate(over="ignore", invalid="ignore"):
-            history = march(block.operators, state)
+            history, following = _march(linkage, table, time, state)
         _refuse_divergence(linkage, time, history)
-        recorder.add(dynamics.step_block(time, block.equations, history))
+        recorder.add(dynamics.step_block(time, following, history))
         state = history[-1]
-        done += len(time) - 1
         if progress is not None:
-            progress(done, steps)
+            progress(done + count, steps)
     return recorder.finish()
+
+
+def start_state(
+    linkage: DrivenLinkage, position: FloatArray, velocity: FloatArray
+) -> VibrationState:
+    """State at time zero whose acceleration satisfies the equations of motion."""
+    equations = linkage.equations(np.zeros(1))
+    if linkage.stretch is not None:
+        pulled = linkage.stretch.remainder(
+            linkage.stretch.pin_turns(equations.motion), position[None], velocity[None]
+        )
+        equations = replace(equations, force=equations.force - pulled)
+    return initial_state(equations, position, velocity)
+
+
+def _march(
+    linkage: DrivenLinkage, table: StepTable, time: FloatArray, state: VibrationState
+) -> tuple[VibrationState, Following]:
+    """March from the first of some times to the others, in parts that stay in the cache."""
+    histories, expansions, offsets = [], [], []
+    for first in range(0, len(time) - 1, CACHED_STEPS):
+        rows = table.rows(time[first + 1 : first + 1 + CACHED_STEPS])
+        if rows.stretch is None or linkage.stretch is None:
+            history = march(rows.linear, state)
+        else:
+            history = march_stretching(rows.linear, rows.stretch, linkage.stretch, state)
+        state = history[-1]
+        histories.append(history if first == 0 else history[1:])
+        expansions.append(rows.following.expansion)
+        offsets.append(rows.following.offset)
+    whole = VibrationState(
+        *(
+            np.concatenate([getattr(h, name) for h in histories])
+            for name in ("position", "velocity", "acceleration")
+        )
+    )
+    if not linkage.is_condensed:
+        return whole, Following.of_all(linkage.size)
+    start = table.rows(time[:1]).following
+    return whole, Following(
+        np.concatenate([start.expansion, *expansions]), np.concatenate([start.offset, *offsets])
+    )
 
 
 def _refuse_divergence(linkage: DrivenLinkage, time: FloatArray, history: VibrationState) -> None:

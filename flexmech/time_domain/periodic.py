@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
-from flexmech.time_domain.driven_linkage import DrivenLinkage, Equations
+from flexmech.time_domain.driven_linkage import DrivenLinkage
+from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.state import VibrationState
 from flexmech.time_domain.trapezoidal import initial_state, march, step_operators
 from flexmech.types import FloatArray
@@ -160,7 +161,7 @@ def _all_motions(linkage: DrivenLinkage, steps: int) -> Iterator[tuple[Equations
         if state is None:
             starts = np.concatenate([np.zeros((2 * n, 1)), np.eye(2 * n)], axis=1)
             state = initial_state(equations, starts[:n], starts[n:])
-        history = march(step_operators(equations[1:], step), state)
+        history = march(step_operators(equations[1:], step)[0], state)
         state = history[-1]
         yield equations, history
 

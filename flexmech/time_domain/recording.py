@@ -10,13 +10,11 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from flexmech.types import FloatArray, IntArray
+from flexmech.time_domain.force_record import ForceRecord
+from flexmech.time_domain.sampling import ON_A_STEP, hermite, linear, place
+from flexmech.types import FloatArray
 
 __all__ = ["EnergyHistory", "Recorder", "StepBlock", "Trajectory"]
-
-
-# Samples that fall on a step to this part of the step are read off, not interpolated.
-ON_A_STEP = 1e-6
 
 
 @dataclass(frozen=True)
@@ -87,6 +85,10 @@ class Trajectory:
         As in :class:`StepBlock`.
     joint_force : ndarray, shape (N, n_joints, 2)
     driving_torque : ndarray, shape (N,)
+        Both as far as the band of the recorder lets them through.
+    peak_joint_force : ndarray, shape (n_joints,)
+    peak_driving_torque : float
+        Greatest size of these at any step.
     energy : EnergyHistory
     energy_error : float
         Greatest ``|work of the drive - change of kinetic, strain and gravity energy -
@@ -100,6 +102,8 @@ class Trajectory:
     rate: list[FloatArray]
     joint_force: FloatArray
     driving_torque: FloatArray
+    peak_joint_force: FloatArray
+    peak_driving_torque: float
     energy: EnergyHistory
     energy_error: float
     step: float
@@ -129,11 +133,15 @@ class Recorder:
         Increasing, inside the run.
     step : float
         Time step in s.
+    band : float, optional
+        Frequency in Hz up to which joint forces and torque are kept; the work of the torque
+        counts all frequencies.
     """
 
-    def __init__(self, sample_time: FloatArray, step: float) -> None:
+    def __init__(self, sample_time: FloatArray, step: float, band: float | None = None) -> None:
         self.sample_time = sample_time
         self.step = step
+        self._forces = ForceRecord(sample_time, step, band)
         self._parts: list[dict[str, list[FloatArray]]] = []
         self._taken = 0
         self._work = np.zeros(3)  # drive, dissipated, prestress
@@ -152,6 +160,8 @@ class Recorder:
         )
         work = self._work[:, None] + _cumulative(block.time, powers)
         self._work = work[:, -1]
+        new = slice(0 if self._balance_start is None else 1, None)
+        self._forces.add(block.joint_force[new], block.driving_torque[new])
         stored = block.kinetic_energy + block.strain_energy + block.gravity_energy
         if self._balance_start is None:
             self._balance_start = float(stored[0])
@@ -168,14 +178,16 @@ class Recorder:
                 np.concatenate(p) for p in zip(*(part[name] for part in self._parts), strict=True)
             ]
 
-        single = {name: joined(name)[0] for name in ("joint_force", "driving_torque", "energy")}
+        self._forces.finish()
         return Trajectory(
             time=self.sample_time[: self._taken],
             displacement=joined("displacement"),
             rate=joined("rate"),
-            joint_force=single["joint_force"],
-            driving_torque=single["driving_torque"],
-            energy=EnergyHistory(*single["energy"].T),
+            joint_force=self._forces.joint_force,
+            driving_torque=self._forces.driving_torque,
+            peak_joint_force=self._forces.peak_joint_force,
+            peak_driving_torque=self._forces.peak_driving_torque,
+            energy=EnergyHistory(*joined("energy")[0].T),
             energy_error=self._worst / self._peak,
             step=self.step,
         )
@@ -185,9 +197,9 @@ class Recorder:
         stop = int(np.searchsorted(self.sample_time, reach, side="right"))
         at = self.sample_time[self._taken : stop]
         self._taken = stop
-        before, fraction = _place(block.time, at)
+        before, fraction = place(block.time, at)
         cubic = [
-            _hermite(block.time, q, r, before, fraction)
+            hermite(block.time, q, r, before, fraction)
             for q, r in zip(block.displacement, block.rate, strict=True)
         ]
         energy = np.stack(
@@ -205,9 +217,7 @@ class Recorder:
             {
                 "displacement": [value for value, _ in cubic],
                 "rate": [slope for _, slope in cubic],
-                "joint_force": [_linear(block.joint_force, before, fraction)],
-                "driving_torque": [_linear(block.driving_torque, before, fraction)],
-                "energy": [_linear(energy, before, fraction)],
+                "energy": [linear(energy, before, fraction)],
             }
         )
 
@@ -217,33 +227,3 @@ def _cumulative(time: FloatArray, power: FloatArray) -> FloatArray:
     work = np.zeros_like(power)
     np.cumsum((power[:, 1:] + power[:, :-1]) / 2 * np.diff(time), axis=1, out=work[:, 1:])
     return work
-
-
-def _place(time: FloatArray, at: FloatArray) -> tuple[IntArray, FloatArray]:
-    """Step before each sample and how far the sample is beyond it, from 0 to 1."""
-    before = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
-    fraction = (at - time[before]) / (time[before + 1] - time[before])
-    nearest = np.round(fraction)
-    return before, np.where(np.abs(fraction - nearest) <= ON_A_STEP, nearest, fraction)
-
-
-def _linear(values: FloatArray, before: IntArray, fraction: FloatArray) -> FloatArray:
-    s = fraction.reshape(-1, *(1,) * (values.ndim - 1))
-    return (1 - s) * values[before] + s * values[before + 1]
-
-
-def _hermite(
-    time: FloatArray,
-    value: FloatArray,
-    rate: FloatArray,
-    before: IntArray,
-    fraction: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """Cubic Hermite interpolation of values and their rates, (m, n) -> (samples, n)."""
-    s, h = fraction[:, None], (time[before + 1] - time[before])[:, None]
-    v0, v1, r0, r1 = value[before], value[before + 1], h * rate[before], h * rate[before + 1]
-    jump = v1 - v0
-    second, third = 3 * jump - 2 * r0 - r1, r0 + r1 - 2 * jump
-    interpolated = v0 + s * (r0 + s * (second + s * third))
-    slope = (r0 + s * (2 * second + s * 3 * third)) / h
-    return interpolated, slope

@@ -27,6 +27,7 @@ class Simulator(Protocol):
         *,
         integrator: Integrator = "trapezoidal",
         progress: StepProgress | None = None,
+        band: float | None = None,
     ) -> Trajectory:
         """Run from a state of the links.
 
@@ -42,6 +43,8 @@ class Simulator(Protocol):
         integrator : {"trapezoidal", "generalized-alpha"}
         progress : callable, optional
             Called with the steps done and the steps to do.
+        band : float, optional
+            Frequency in Hz up to which joint forces and torque are kept.
 
         Returns
         -------

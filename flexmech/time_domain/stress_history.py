@@ -17,7 +17,7 @@ from flexmech.linear_system import Engine, Prestress, StressedLinks
 from flexmech.linkages import CrankDrive
 from flexmech.types import FloatArray
 
-__all__ = ["LinkStress", "StressHistory"]
+__all__ = ["LinkStress", "StressHistory", "times"]
 
 
 # Positions a turn; halving the spacing moves deflections by less than 1e-4 of their peak.
@@ -33,7 +33,7 @@ class LinkStress:
 
     Parameters
     ----------
-    stiffness, stiffness_rate : ndarray, shape (m, n, n)
+    stiffness, stiffness_rate : ndarray, shape (m, n, n), or (n, n) of straight links
     prestress, prestress_rate : ndarray, shape (m, n)
     offset, offset_rate : ndarray, shape (m,)
         Energy that does not depend on p.
@@ -108,9 +108,16 @@ class StressHistory:
         self._damping = [
             basis.T @ link.damping @ basis for link, basis in zip(engine.links, bases, strict=True)
         ]
+        self._turn: Callable[..., FloatArray] | None = None
+        self._rise: Callable[..., FloatArray] | None = None
+        if prestress == "none" and not engine.mechanism.is_free_strained:
+            self._straight = [
+                basis.T @ link.stiffness @ basis
+                for link, basis in zip(engine.links, bases, strict=True)
+            ]
+            return
         angles = drive.start_angle + np.linspace(0.0, 2 * np.pi, SAMPLES_PER_TURN + 1)
         self._turn = self._spline(angles, angles, drive.speed, 0.0, closed=True)
-        self._rise: Callable[..., FloatArray] | None = None
         if not drive.is_constant:
             time = self._run_up_times()
             self._rise = self._spline(
@@ -123,6 +130,11 @@ class StressHistory:
 
     def at(self, time: FloatArray) -> list[LinkStress]:
         """Stress of each link at times of shape (m,)."""
+        if self._turn is None:
+            return [
+                _unstressed(stiffness, damping, len(time))
+                for stiffness, damping in zip(self._straight, self._damping, strict=True)
+            ]
         drive = self._drive
         turned = drive.crank_angle(time) - drive.start_angle
         phase = drive.start_angle + np.mod(turned, 2 * np.pi)
@@ -218,6 +230,20 @@ class StressHistory:
             first = own.stop
 
 
+def _unstressed(stiffness: FloatArray, damping: FloatArray, count: int) -> LinkStress:
+    """Straight links without stress, at any number of instants."""
+    nothing = np.zeros((count, len(stiffness)))
+    return LinkStress(
+        stiffness=stiffness,
+        stiffness_rate=np.zeros_like(stiffness),
+        prestress=nothing,
+        prestress_rate=nothing,
+        offset=nothing[:, 0],
+        offset_rate=nothing[:, 0],
+        damping=damping,
+    )
+
+
 def _unpacked(values: FloatArray, rates: FloatArray, size: int, damping: FloatArray) -> LinkStress:
     """Stress of one link; ``damping`` is that of the straight link, where it does not vary."""
     square, last = size * size, size * size + size
@@ -234,8 +260,15 @@ def _unpacked(values: FloatArray, rates: FloatArray, size: int, damping: FloatAr
     )
 
 
+def times(matrix: FloatArray, vectors: FloatArray) -> FloatArray:
+    """A symmetric matrix (n, n), or one for each of m (m, n, n), times vectors (m, n)."""
+    if matrix.ndim == 2:
+        return np.asarray(vectors @ matrix)
+    return np.asarray((matrix @ vectors[..., None])[..., 0])
+
+
 def _potential(
     stiffness: FloatArray, prestress: FloatArray, offset: FloatArray, p: FloatArray
 ) -> FloatArray:
-    force = prestress + (stiffness @ p[..., None])[..., 0] / 2
+    force = prestress + times(stiffness, p) / 2
     return np.asarray(offset + np.einsum("mi,mi->m", force, p))

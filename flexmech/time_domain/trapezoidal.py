@@ -15,21 +15,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.time_domain.driven_linkage import Equations
+from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.state import VibrationState
 from flexmech.types import FloatArray
 
-__all__ = ["StepOperators", "initial_state", "march", "step_operators"]
+__all__ = ["PREDICT", "StepOperators", "initial_state", "march", "scaling", "step_operators"]
+
+
+PREDICT = np.array([[1.0, 1.0, 1.0], [0.0, 1.0, 2.0], [0.0, 0.0, 0.0]])
+"""In (z, h v, h^2 a / 4) a step is this prediction and one new acceleration."""
+CORRECT = np.array([1.0, 2.0, 1.0])
 
 
 @dataclass(frozen=True)
 class StepOperators:
-    """What leads to the acceleration at each of m steps: ``forced - response @ [z; v]``.
+    """What leads to the acceleration at each of m steps: ``forced - response @ [z; h v]``.
+
+    All accelerations are times ``h**2 / 4``.
 
     Parameters
     ----------
     step : float
-        Time step in s.
+        Time step h in s.
     response : ndarray, shape (m, n, 2 n)
         Multiplies the predicted position and velocity.
     forced : ndarray, shape (m, n)
@@ -59,8 +66,10 @@ def initial_state(
     return VibrationState(position, velocity, np.linalg.solve(equations.mass[0], rest))
 
 
-def step_operators(equations: Equations, step: float) -> StepOperators:
-    """Solve the effective mass matrix of each step.
+def step_operators(
+    equations: Equations, step: float, *, forces: bool = False
+) -> tuple[StepOperators, FloatArray]:
+    """Solve the effective mass matrix ``M + h/2 C + h^2/4 K`` of each step.
 
     Parameters
     ----------
@@ -68,18 +77,29 @@ def step_operators(equations: Equations, step: float) -> StepOperators:
         At the ends of m steps.
     step : float
         In s.
+    forces : bool
+        Whether the answer to any force is wanted as well.
 
     Returns
     -------
     StepOperators
+    ndarray, shape (m, n, n) or (m, n, 0)
+        Acceleration by unit forces, times ``h**2 / 4``.
     """
-    size = equations.mass.shape[-1]
-    effective = equations.mass + step / 2 * equations.damping + step**2 / 4 * equations.stiffness
-    right = np.concatenate(
-        [equations.stiffness, equations.damping, equations.force[..., None]], axis=-1
-    )
-    solved = np.linalg.solve(effective, right)
-    return StepOperators(step, np.ascontiguousarray(solved[..., :-1]), solved[..., 2 * size])
+    _, h, scale = scaling(step)
+    mass, damping, stiffness = equations.mass, equations.damping, equations.stiffness
+    effective = mass + step / 2 * damping + step**2 / 4 * stiffness
+    size = mass.shape[-1]
+    unit = np.broadcast_to(np.eye(size), mass.shape)[..., : size if forces else 0]
+    right = [stiffness, damping / h, equations.force[..., None], unit]
+    solved = np.linalg.solve(effective, scale * np.concatenate(right, axis=-1))
+    response = np.ascontiguousarray(solved[..., : 2 * size])
+    return StepOperators(step, response, solved[..., 2 * size]), solved[..., 2 * size + 1 :]
+
+
+def scaling(step: float) -> FloatArray:
+    """What turns (z, v, a) into (z, h v, h^2 a / 4), shape (3,)."""
+    return np.array([1.0, step, step**2 / 4])
 
 
 def march(operators: StepOperators, state: VibrationState) -> VibrationState:
@@ -97,17 +117,11 @@ def march(operators: StepOperators, state: VibrationState) -> VibrationState:
     VibrationState
         Arrays of shape (m + 1, n) or (m + 1, n, k), the given state first.
     """
-    h = operators.step
     size, tail = len(state.position), state.position.shape[1:]
-    # In (z, h v, h^2 a / 4) a step is a constant prediction and one new acceleration.
-    scale = np.array([1.0, h, h**2 / 4])
-    predict = np.array([[1.0, 1.0, 1.0], [0.0, 1.0, 2.0], [0.0, 0.0, 0.0]])
-    correct = np.array([1.0, 2.0, 1.0])[:, None]
-    response = operators.response.copy()
-    response[..., :size] *= scale[2]
-    response[..., size:] *= scale[2] / h
-    steps, tail_size = len(response), int(np.prod(tail, dtype=int))
-    forced = np.broadcast_to(scale[2] * operators.forced[..., None], (steps, size, tail_size))
+    scale = scaling(operators.step)
+    correct = CORRECT[:, None]
+    steps, tail_size = len(operators.response), int(np.prod(tail, dtype=int))
+    forced = np.broadcast_to(operators.forced[..., None], (steps, size, tail_size))
     history = np.empty((steps + 1, 3, size * tail_size))
     history[0] = np.stack([state.position, state.velocity, state.acceleration]).reshape(3, -1)
     history[0] *= scale[:, None]
@@ -115,9 +129,9 @@ def march(operators: StepOperators, state: VibrationState) -> VibrationState:
     change, corrected = np.empty((size, tail_size)), np.empty_like(history[0])
     # Everything that a step needs is laid out before: what is left are five small products.
     for now, after, z_and_v, answer, force in zip(
-        history, history[1:], predicted, response, forced, strict=False
+        history, history[1:], predicted, operators.response, forced, strict=False
     ):
-        np.dot(predict, now, out=after)
+        np.dot(PREDICT, now, out=after)
         np.dot(answer, z_and_v, out=change)
         np.subtract(force, change, out=change)
         np.multiply(correct, change.reshape(1, -1), out=corrected)

@@ -11,13 +11,13 @@ from flexmech.analyses.frequencies import Formulation, frequencies_at
 from flexmech.analyses.provenance import provenance
 from flexmech.analyses.response import measurements
 from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.response.run import EngineRun
+from flexmech.analyses.response.run import EngineRun, RunError
 from flexmech.analyses.response.spectra import amplitude_spectrum, spectrogram
 from flexmech.analyses.stations import rigid_positions
 from flexmech.linear_system import Engine
 from flexmech.linkages import RigidMotion, inverse_dynamics
 
-__all__ = ["build_dataset"]
+__all__ = ["add_mesh_errors", "build_dataset"]
 
 # Spectra reach this far above the highest natural frequency asked for.
 SPECTRUM_REACH = 1.5
@@ -74,6 +74,7 @@ def build_dataset(
         start=request.start,
         integrator=request.integrator,
         prestress=request.prestress,
+        force_band=runs[0].band,
     )
 
 
@@ -98,10 +99,28 @@ def _history(run: EngineRun, motion: RigidMotion, refinement: int) -> xr.Dataset
             "constraint_drift": measurements.constraint_drift(engine, displacement, motion),
             "step": trajectory.step,
             "energy_error": trajectory.energy_error,
-            "step_error": run.step_error,
-            "reduction_error": run.reduction_error,
+            "peak_driving_torque": trajectory.peak_driving_torque,
+            "peak_joint_force": ("joint", trajectory.peak_joint_force),
+            **_errors("step", run.step_error),
+            **_errors("reduction", run.reduction_error),
         }
     )
+
+
+def add_mesh_errors(dataset: xr.Dataset, errors: Sequence[RunError]) -> None:
+    """Label the errors of the mesh, one for each engine."""
+    parts = [xr.Dataset(_errors("mesh", error)) for error in errors]
+    dataset.update(xr.concat(parts, dataset["engine"]))
+
+
+def _errors(kind: str, error: RunError) -> dict[str, float]:
+    return {
+        f"{kind}_error": error.deflection,
+        f"{kind}_error_of_force": error.force,
+        f"{kind}_error_of_torque": error.torque,
+        f"{kind}_error_of_peak_force": error.peak_force,
+        f"{kind}_error_of_peak_torque": error.peak_torque,
+    }
 
 
 def _rigid_values(engine: Engine, motion: RigidMotion) -> xr.Dataset:

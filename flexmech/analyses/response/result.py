@@ -53,6 +53,8 @@ class Response(Result):
     def peaks(self) -> xr.Dataset:
         """Greatest size of each link's deflection and strain, and of torque and joint forces.
 
+        Forces and torque as far as the band ``force_band`` lets them through.
+
         Returns
         -------
         xarray.Dataset
@@ -62,14 +64,13 @@ class Response(Result):
         """
         data = self.dataset
         size = abs(data["deflection"])
-        force = (data["joint_force"] ** 2).sum("component") ** 0.5
         return xr.Dataset(
             {
                 "deflection": size.max("time"),
                 "deflection_angle": data["crank_angle"][size.argmax("time")].drop_vars("time"),
                 "strain": abs(data["strain"]).max("time"),
-                "driving_torque": abs(data["driving_torque"]).max("time"),
-                "joint_force": force.max("time"),
+                "driving_torque": data["peak_driving_torque"],
+                "joint_force": data["peak_joint_force"],
             }
         )
 
@@ -87,6 +88,33 @@ class Response(Result):
         first, second = (deflection.isel(engine=i, drop=True) for i in (0, 1))
         peak = abs(second).max("time")
         return (abs(first - second).max("time") / peak).where(peak > 0, 0.0)
+
+    def force_agreement(self) -> xr.Dataset | None:
+        """Greatest differences of two engines' joint forces and driving torque, over the peak.
+
+        Both as far as the band ``force_band`` lets them through.
+
+        Returns
+        -------
+        xarray.Dataset or None
+            ``joint_force`` over (joint) and ``driving_torque``, of the histories at the
+            samples; ``peak_joint_force`` and ``peak_driving_torque``, of the peaks. None with
+            a single engine.
+        """
+        data = self.dataset
+        if data.sizes["engine"] < 2:
+            return None
+        first, second = (data.isel(engine=i, drop=True) for i in (0, 1))
+        force, torque = second["peak_joint_force"], second["peak_driving_torque"]
+        apart = ((first["joint_force"] - second["joint_force"]) ** 2).sum("component") ** 0.5
+        parts = {
+            "joint_force": apart.max("time") / force,
+            "driving_torque": abs(first["driving_torque"] - second["driving_torque"]).max("time")
+            / torque,
+            "peak_joint_force": abs(first["peak_joint_force"] - force) / force,
+            "peak_driving_torque": abs(first["peak_driving_torque"] - torque) / torque,
+        }
+        return xr.Dataset(parts).fillna(0.0)
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """Histories, one row for each engine and sample."""
@@ -189,6 +217,7 @@ class Response(Result):
             *words.check_lines(data),
             *words.load_lines(peaks, data),
             *words.spectrogram_lines(data),
+            *words.force_agreement_line(self.force_agreement(), data),
             *data.attrs["environment_lines"].splitlines(),
         )
         return Summary(parts, words.agreement_line(self.agreement(), data))

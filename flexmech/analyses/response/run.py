@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from functools import partial
 
 import numpy as np
@@ -14,11 +14,18 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start, simulation_start
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
-from flexmech.time_domain import Trajectory, linear_run, simulator
-from flexmech.time_domain.driven_linkage import DETAIL, DrivenLinkage, is_reduced
+from flexmech.time_domain import (
+    DETAIL,
+    DrivenLinkage,
+    Trajectory,
+    can_stretch,
+    is_reduced,
+    linear_run,
+    simulator,
+)
 from flexmech.types import FloatArray, LabelledProgress, StepProgress
 
-__all__ = ["EngineRun", "mesh_error", "run_engine"]
+__all__ = ["NO_ERROR", "EngineRun", "RunError", "mesh_error", "run_engine"]
 
 logger = logging.getLogger(__name__)
 
@@ -31,6 +38,39 @@ STEP_TOLERANCE = 2e-2
 MOST_HALVINGS = 5
 # Deflections below this part of the links' lengths are the round-off of none at all.
 NO_DEFLECTION = 1e-12
+# Forces below this part of the greatest are the round-off of none.
+NO_FORCE = 1e-9
+
+
+@dataclass(frozen=True)
+class RunError:
+    """How far histories are off, each over its peak.
+
+    Parameters
+    ----------
+    deflection : float
+        Of all links, over the greatest peak.
+    force : float
+        Of the joint that is off most, over that joint's peak.
+    torque : float
+    peak_force : float
+        Of the peak alone, of the joint whose peak is off most. A vibration that runs out of
+        phase changes a history far more than its peak.
+    peak_torque : float
+    """
+
+    deflection: float
+    force: float
+    torque: float
+    peak_force: float
+    peak_torque: float
+
+    def __mul__(self, factor: float) -> RunError:
+        """The same, a factor greater."""
+        return RunError(*(factor * value for value in astuple(self)))
+
+
+NO_ERROR = RunError(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -41,19 +81,21 @@ class EngineRun:
     ----------
     engine : Engine
     trajectory : Trajectory
-        At the refined samples.
-    step_error : float
-        Estimated error of the deflections by the time step (Richardson, from a run with
-        another step), relative to their peak.
-    reduction_error : float
-        How much twice the detail of the component modes changes the deflections, relative
-        to their peak; zero for a simulation, which has no component modes.
+        At the refined samples; forces and torque as far as the band lets them through.
+    band : float
+        In Hz.
+    step_error : RunError
+        Estimated error by the time step (Richardson, from a run with another step).
+    reduction_error : RunError
+        How much twice the detail of the component modes changes; zero for a simulation,
+        which has no component modes.
     """
 
     engine: Engine
     trajectory: Trajectory
-    step_error: float
-    reduction_error: float
+    band: float
+    step_error: RunError
+    reduction_error: RunError
 
 
 def run_engine(
@@ -61,6 +103,7 @@ def run_engine(
     request: ResponseRequest,
     sample_time: FloatArray,
     highest: float,
+    band: float,
     report: LabelledProgress,
 ) -> EngineRun:
     """Run, and run again with half the step.
@@ -73,6 +116,8 @@ def run_engine(
         Evenly spaced, in s.
     highest : float
         Highest frequency of interest in Hz.
+    band : float
+        Frequency in Hz up to which forces and torque count.
     report : callable
         Progress: called with a label, the steps done and the steps to do.
 
@@ -90,7 +135,7 @@ def run_engine(
 
     def run(step: float, detail: float = DETAIL) -> Trajectory:
         progress = partial(report, engine.name)
-        return _run(engine, request, sample_time, step, progress, detail)
+        return _run(engine, request, sample_time, step, band, progress, detail)
 
     if request.step is None:
         interval = float(sample_time[1] - sample_time[0])
@@ -99,36 +144,41 @@ def run_engine(
     else:
         trajectory, finer = run(request.step), run(request.step / 2)
         # Second order: the asked run is off by 4/3 of what halving changes.
-        step_error = 4 / 3 * _difference(engine, trajectory, finer)
-    reduction_error = 0.0
+        step_error = _difference(engine, trajectory, finer) * (4 / 3)
+    reduction_error = NO_ERROR
     if not engine.simulates and is_reduced(engine):
         reduction_error = _difference(engine, trajectory, run(trajectory.step, 2 * DETAIL))
-    return EngineRun(engine, trajectory, step_error, reduction_error)
+    return EngineRun(engine, trajectory, band, step_error, reduction_error)
 
 
 def _with_halved_steps(
     engine: Engine, run: Callable[[float], Trajectory], step: float
-) -> tuple[Trajectory, float]:
+) -> tuple[Trajectory, RunError]:
     """The first run whose step is short enough, and its estimated error."""
     coarse = run(step)
     for _ in range(MOST_HALVINGS):
         step /= 2
         fine = run(step)
         # Second order: the finer run is off by a third of what halving has changed.
-        error = _difference(engine, coarse, fine) / 3
-        if error <= STEP_TOLERANCE:
+        error = _difference(engine, coarse, fine) * (1 / 3)
+        if error.deflection <= STEP_TOLERANCE:
             return fine, error
-        logger.info("%s: step %.3g s, error %.1e of the peak deflection", engine.name, step, error)
+        logger.info(
+            "%s: step %.3g s, error %.1e of the peak deflection",
+            engine.name,
+            step,
+            error.deflection,
+        )
         coarse = fine
     raise ComputationError(
         f"no time step is short enough for the {engine.name} run: with {step:.3g} s deflections "
-        f"are still off by about {100 * error:.3g} % of their peak; run fewer revolutions, add "
-        "damping, or give a step of your own"
+        f"are still off by about {100 * error.deflection:.3g} % of their peak; run fewer "
+        "revolutions, add damping, or give a step of your own"
     )
 
 
-def mesh_error(run: EngineRun, request: ResponseRequest, report: LabelledProgress) -> float:
-    """How much twice the elements change the deflections, relative to their peak.
+def mesh_error(run: EngineRun, request: ResponseRequest, report: LabelledProgress) -> RunError:
+    """How much twice the elements change a run.
 
     Parameters
     ----------
@@ -139,7 +189,7 @@ def mesh_error(run: EngineRun, request: ResponseRequest, report: LabelledProgres
 
     Returns
     -------
-    float
+    RunError
 
     Raises
     ------
@@ -148,21 +198,32 @@ def mesh_error(run: EngineRun, request: ResponseRequest, report: LabelledProgres
     """
     finer = run.engine.with_(elements=2 * run.engine.elements)
     progress = partial(report, f"{finer.name} on twice the elements")
-    trajectory = _run(finer, request, run.trajectory.time, run.trajectory.step, progress)
-    return _difference(run.engine, run.trajectory, trajectory, finer)
+    was = run.trajectory
+    trajectory = _run(finer, request, was.time, was.step, run.band, progress)
+    return _difference(run.engine, was, trajectory, finer)
 
 
 def _difference(
     engine: Engine, first: Trajectory, second: Trajectory, finer: Engine | None = None
-) -> float:
-    """Greatest difference of deflections over their peak; round-off of the lengths is none.
+) -> RunError:
+    """Greatest differences over the peaks; round-off of what is nothing is none.
 
     The second run is of the same engine, or of a finer one.
     """
     before, after = deflections(engine, first), deflections(finer or engine, second)
     extent = sum(link.length for link in engine.mechanism.linkage.topology.links)
     peak = max(float(np.abs(after).max()), NO_DEFLECTION * extent)
-    return float(np.abs(before - after).max() / peak)
+    apart = np.linalg.norm(second.joint_force - first.joint_force, axis=-1).max(axis=0)
+    nothing = NO_FORCE * max(float(second.peak_joint_force.max()), np.finfo(float).tiny)
+    force = np.maximum(second.peak_joint_force, nothing)
+    torque = max(second.peak_driving_torque, nothing * extent)
+    return RunError(
+        deflection=float(np.abs(before - after).max() / peak),
+        force=float((apart / force).max()),
+        torque=float(np.abs(second.driving_torque - first.driving_torque).max() / torque),
+        peak_force=float((np.abs(second.peak_joint_force - first.peak_joint_force) / force).max()),
+        peak_torque=abs(second.peak_driving_torque - first.peak_driving_torque) / torque,
+    )
 
 
 def _run(
@@ -170,10 +231,11 @@ def _run(
     request: ResponseRequest,
     sample_time: FloatArray,
     step: float,
+    band: float,
     progress: StepProgress,
     detail: float = DETAIL,
 ) -> Trajectory:
-    """Simulate, or integrate the linear equations with component modes of some detail."""
+    """Simulate, or integrate the equations in link frames with component modes of some detail."""
     if engine.simulates:
         return simulator(engine).simulate(
             request.drive,
@@ -182,9 +244,17 @@ def _run(
             step,
             integrator=request.integrator,
             progress=progress,
+            band=band,
         )
     linkage = DrivenLinkage(
-        engine, request.drive, request.prestress, modes=request.modes, detail=detail
+        engine,
+        request.drive,
+        request.prestress,
+        modes=request.modes,
+        detail=detail,
+        stretches=request.prestress == "equilibrium" and can_stretch(engine),
     )
     state = linear_start(linkage, request, step)
-    return linear_run(linkage, state.position, state.velocity, sample_time, step, progress)
+    return linear_run(
+        linkage, state.position, state.velocity, sample_time, step, progress, band=band
+    )

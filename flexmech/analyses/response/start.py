@@ -88,11 +88,29 @@ def linear_start(linkage: DrivenLinkage, request: ResponseRequest, step: float) 
     nothing = np.zeros(linkage.size)
     if request.start == "rigid":
         return VibrationState(linkage.unstressed(), nothing, nothing)
+    if linkage.stretch is not None:
+        return _stretching_start(linkage, request, step)
     if request.start == "periodic":
         return periodic_state(linkage, _steps_of_a_turn(request, step))
     time = _start_times(request.drive)
     position = linkage.equations(time, still=True).quasi_static()
     return VibrationState(position[0], _rate(position, time), nothing)
+
+
+def _stretching_start(
+    linkage: DrivenLinkage, request: ResponseRequest, step: float
+) -> VibrationState:
+    """Start of links that stretch, in their own balance along their axes.
+
+    The linear equations and the equilibrium of corotational beams put link ends where they
+    are but for the fourth order of the slopes; the tension of a link would feel that.
+    """
+    position, velocity = linkage.coordinates(simulation_start(linkage.engine, request, step))
+    if request.start == "periodic":
+        return VibrationState(linkage.balanced(position, axial_only=True), velocity, 0 * velocity)
+    time = _start_times(request.drive)
+    still = np.stack([linkage.balanced(position, float(t)) for t in time])
+    return VibrationState(still[0], _rate(still, time), 0 * velocity)
 
 
 def _start_times(drive: CrankDrive) -> FloatArray:

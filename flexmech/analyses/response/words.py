@@ -9,8 +9,17 @@ import xarray as xr
 
 from flexmech.analyses.summary import Table
 
-__all__ = ["agreement_line", "check_lines", "load_lines", "peak_table", "spectrogram_lines"]
+__all__ = [
+    "agreement_line",
+    "check_lines",
+    "force_agreement_line",
+    "load_lines",
+    "peak_table",
+    "spectrogram_lines",
+    "supported",
+]
 
+MOST_DIGITS = 4
 # A crank angle this close below a whole turn, in turns, is the turn's end.
 _WHOLE_TURN = 1e-9
 
@@ -51,20 +60,32 @@ def peak_table(peaks: xr.Dataset, start: float, title: str) -> Table:
 
 def check_lines(dataset: xr.Dataset) -> list[str]:
     """Report how far the run may be trusted: energy, constraints, time step and mesh."""
-    energy, step_error = _listed(dataset["energy_error"]), _listed(dataset["step_error"])
+    energy = _listed(dataset["energy_error"])
     lines = [
         f"energy balance: off by at most {energy} of the peak kinetic energy",
         f"constraint drift: at most {_listed(dataset['constraint_drift'], '{:.1e} m')}",
         f"time step: {_listed(dataset['step'], '{:.4g} s')}",
-        f"error by the time step (estimated): at most {step_error} of the peak deflection",
+        f"error by the time step (estimated), of the peak: {_errors(dataset, 'step')}",
     ]
-    reduced = dataset["reduction_error"].where(dataset["reduction_error"] > 0, drop=True)
-    if reduced.size:
-        lines.append(f"component modes: twice the detail changes deflections by {_listed(reduced)}")
+    reduced = dataset.sel(engine=dataset["reduction_error"] > 0)
+    if reduced.sizes["engine"]:
+        changes = _errors(reduced, "reduction")
+        lines.append(f"component modes, twice the detail changes, of the peak: {changes}")
     if "mesh_error" in dataset:
-        mesh = _listed(dataset["mesh_error"])
-        lines.append(f"mesh: twice the elements change deflections by {mesh} of their peak")
+        lines.append(f"mesh, twice the elements change, of the peak: {_errors(dataset, 'mesh')}")
     return lines
+
+
+def _errors(dataset: xr.Dataset, kind: str) -> str:
+    """Errors of deflections, forces and torque by one cause."""
+    parts = (
+        f"deflections {_listed(dataset[f'{kind}_error'])}",
+        f"joint forces {_listed(dataset[f'{kind}_error_of_force'])}",
+        f"torque {_listed(dataset[f'{kind}_error_of_torque'])}",
+        f"peaks of force {_listed(dataset[f'{kind}_error_of_peak_force'])}",
+        f"of torque {_listed(dataset[f'{kind}_error_of_peak_torque'])}",
+    )
+    return "; ".join(parts)
 
 
 def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
@@ -81,20 +102,55 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
     -------
     list of str
     """
-    torque = _listed(peaks["driving_torque"], "{:.4g} N m")
+    band = f"up to {data.attrs['force_band']:.3g} Hz"
     rigid_torque = float(abs(data["rigid_driving_torque"]).max())
     rigid_force = np.hypot(*np.moveaxis(data["rigid_joint_force"].values, -1, 0)).max(axis=0)
+    engines = [str(engine) for engine in data["engine"].values]
 
-    def line(forces: Iterable[float], name: str) -> str:
+    def error(engine: str, quantity: str) -> float:
+        causes = [f"{cause}_error_of_peak_{quantity}" for cause in ("step", "reduction", "mesh")]
+        return sum(float(data[name].sel(engine=engine)) for name in causes if name in data)
+
+    def line(forces: Iterable[float], name: str, relative: float) -> str:
         joints = zip(data["joint"].values, forces, strict=True)
-        shown = ", ".join(f"{joint} {force:.4g}" for joint, force in joints)
-        return f"peak joint forces: {shown} N ({name})"
+        shown = ", ".join(f"{joint} {supported(force, relative)}" for joint, force in joints)
+        return f"peak joint forces {band}: {shown} N ({name})"
 
-    return [
-        f"peak driving torque: {torque}, {rigid_torque:.4g} N m (rigid links)",
-        *(line(peaks["joint_force"].sel(engine=e).values, e) for e in peaks["engine"].values),
-        line(rigid_force, "rigid links"),
+    torques = [
+        f"{supported(float(peaks['driving_torque'].sel(engine=e)), error(e, 'torque'))} N m ({e})"
+        for e in engines
     ]
+    return [
+        f"peak driving torque {band}: {', '.join(torques)}, {rigid_torque:.4g} N m (rigid links)",
+        *(line(peaks["joint_force"].sel(engine=e).values, e, error(e, "force")) for e in engines),
+        line(rigid_force, "rigid links", 0.0).replace(f" {band}", ""),
+    ]
+
+
+def supported(value: float, error: float) -> str:
+    """A value with the digits that its relative error supports, four at most.
+
+    Parameters
+    ----------
+    value, error : float
+
+    Returns
+    -------
+    str
+        The last digit may be off by as many units as the first digit of the error says.
+
+    Examples
+    --------
+    >>> supported(146.38, 4e-3)
+    '146'
+    """
+    if not value:
+        return "0"
+    digits = MOST_DIGITS
+    if error > 0:
+        digits = min(MOST_DIGITS, max(1, int(np.floor(-np.log10(error))) + 1))
+    decimals = digits - 1 - int(np.floor(np.log10(abs(value))))
+    return f"{round(value, decimals):.{max(decimals, 0)}f}"
 
 
 def spectrogram_lines(dataset: xr.Dataset) -> list[str]:
@@ -113,6 +169,21 @@ def agreement_line(agreement: xr.DataArray | None, dataset: xr.Dataset) -> str:
         f"engines: deflections of {engines[0]} and {engines[1]} differ by at most "
         f"{_listed(agreement)} of the link's peak"
     )
+
+
+def force_agreement_line(agreement: xr.Dataset | None, dataset: xr.Dataset) -> list[str]:
+    """Say how far the engines' forces and torque differ at most, if there are two."""
+    if agreement is None:
+        return []
+    first, second = dataset["engine"].values[:2]
+    band = f"up to {dataset.attrs['force_band']:.3g} Hz"
+    forces, torque = agreement["joint_force"], float(agreement["driving_torque"])
+    peaks, peak = agreement["peak_joint_force"], float(agreement["peak_driving_torque"])
+    return [
+        f"engines: joint forces {band} of {first} and {second} differ by at most "
+        f"{_listed(forces)} of the joint's peak, torque by {torque:.1e}",
+        f"engines: peaks of these joint forces differ by {_listed(peaks)}, of torque by {peak:.1e}",
+    ]
 
 
 def _crank(angle: float, start: float) -> tuple[float, int]:

@@ -1,0 +1,52 @@
+"""Second-order stretch of a chain of beam elements."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmech.beams.link_matrices import Chain
+from flexmech.linear_system import LinkStretch
+
+__all__ = ["chain_stretch"]
+
+# Directions in which an element's slopes are none but for round-off, to the greatest.
+_NO_SLOPE = 1e-12
+
+
+def chain_stretch(chain: Chain) -> LinkStretch:
+    """Mean axial strain of each element of a link, to second order about the straight link.
+
+    The strain of a corotational element (:mod:`flexmech.reference.corotational`) for small
+    turns: the elongation of the chord and half the mean of the squared slope. That mean is a
+    sum of squares, those of the slopes that the eigenvectors of the element's matrix show.
+
+    Parameters
+    ----------
+    chain : Chain
+
+    Returns
+    -------
+    LinkStretch
+    """
+    elements, size = chain.elements, chain.model.size
+    count, per_node = len(elements.length), elements.shapes.per_node
+    values, vectors = np.linalg.eigh(elements.arch)
+    kept = np.abs(values) > _NO_SLOPE * np.abs(values).max(axis=1, keepdims=True)
+    to_neutral = elements.to_neutral_axis
+    stiffness = float(elements.neutral_stiffness[0, 0, 0] * elements.length[0])
+    scale = np.sqrt(stiffness * elements.length)
+    gradient, slopes, weights = np.zeros((count, size)), [], []
+    for number in range(count):
+        own = slice(per_node * number, per_node * (number + 2))
+        elongation = np.zeros(2 * per_node)
+        elongation[[0, per_node]] = -1.0, 1.0
+        gradient[number, own] = scale[number] / elements.length[number] * elongation @ to_neutral
+        for direction in np.flatnonzero(kept[number]):
+            row = np.zeros(size)
+            row[own] = vectors[number, :, direction] @ to_neutral
+            slopes.append(row)
+            weights.append((number, scale[number] * values[number, direction]))
+    spread = np.zeros((count, len(slopes)))
+    for column, (number, weight) in enumerate(weights):
+        spread[number, column] = weight
+    return LinkStretch(gradient, np.stack(slopes), spread, elements.section.damping.axial)

@@ -1,0 +1,61 @@
+"""The lowest frequency at which the links of a linkage vibrate along themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.linalg
+
+from flexmech.linear_system import Engine, LinkFrames, LinkModel, RotationTerms
+from flexmech.types import FloatArray
+
+__all__ = ["lowest_axial_frequency"]
+
+
+def lowest_axial_frequency(engine: Engine, crank_angle: FloatArray) -> float:
+    """Lowest natural frequency of a linkage whose links stretch but do not bend, in Hz.
+
+    Straight links, pinned as they are, with all masses and without stress: a truss, in which
+    a clamped link does not turn. The least of all positions.
+
+    Parameters
+    ----------
+    engine : Engine
+    crank_angle : ndarray, shape (m,)
+        In rad.
+
+    Returns
+    -------
+    float
+    """
+    linkage = engine.mechanism.linkage
+    links = [_straight(link) for link in engine.links]
+    frames = LinkFrames(linkage.topology, links)
+    matrices = frames.assemble(
+        linkage.motion(crank_angle, 0.0),
+        [link.stiffness for link in links],
+        RotationTerms.all_or_none(False),
+    )
+    clamped = [linkage.topology.index(clamp.held.link) for clamp in linkage.topology.clamps]
+    turning = [frames.targets[number][-2:] for number in clamped]
+    free = np.setdiff1d(np.arange(frames.size), turning)
+    squares = [
+        scipy.linalg.eigh(k, m, eigvals_only=True, subset_by_index=[0, 0])[0]
+        for k, m in zip(
+            matrices.stiffness[:, free[:, None], free],
+            matrices.mass[:, free[:, None], free],
+            strict=True,
+        )
+    ]
+    return float(np.sqrt(max(min(squares), 0.0)) / (2 * np.pi))
+
+
+def _straight(link: LinkModel) -> LinkModel:
+    """A link that only stretches and turns: its last two coordinates move its ends across."""
+    axial = np.flatnonzero(link.is_axial)
+    along = np.zeros((link.size, len(axial)))
+    along[axial, np.arange(len(axial))] = 1.0
+    at_end = link.fields.tangential / float(link.fields.centripetal[link.end[0]])
+    basis = np.column_stack([along, link.fields.across - at_end, at_end])
+    start, end = np.searchsorted(axial, [link.start[0], link.end[0]])
+    places = {"start": np.array([start, len(axial)]), "end": np.array([end, len(axial) + 1])}
+    return link.projected(basis, places)

@@ -1,0 +1,83 @@
+"""A low-pass filter for histories that come step by step.
+
+Joint forces and torque ring with the axial modes, which no time step of interest resolves:
+their raw peaks depend on the step. What is left below those frequencies does not.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.signal import firwin, kaiser_beta, oaconvolve
+
+from flexmech.types import FloatArray
+
+__all__ = ["LowPass"]
+
+
+# Of frequencies beyond twice the band 1e-3 is left; below it the gain is 1 within 1e-3.
+ATTENUATION = 60.0
+# Parts of the kernel that are filtered at once, at least.
+KERNELS_AT_ONCE = 4
+
+
+class LowPass:
+    """Finite impulse response without delay: Kaiser's window (Oppenheim & Schafer, ch. 7).
+
+    Signals up to ``band`` pass, those beyond ``2 * band`` do not. Before its start and after
+    its end a history is taken as its own mirror image.
+
+    Parameters
+    ----------
+    band : float
+        In Hz.
+    step : float
+        Between values in s. A step too long to show frequencies beyond the band leaves the
+        history as it is.
+    """
+
+    def __init__(self, band: float, step: float) -> None:
+        middle, nyquist = 1.5 * band, 0.5 / step
+        self.kernel: FloatArray = np.ones(1)
+        if middle < nyquist:
+            beta = kaiser_beta(ATTENUATION)
+            half = int(np.ceil((ATTENUATION - 7.95) / (2.285 * np.pi * band / nyquist) / 2))
+            self.kernel = firwin(2 * half + 1, middle, window=("kaiser", beta), fs=1 / step)
+        self.half = len(self.kernel) // 2
+        self._values: FloatArray | None = None
+        self._begun = False
+
+    def add(self, values: FloatArray) -> FloatArray:
+        """Take the next values and give those that can be filtered by now.
+
+        Parameters
+        ----------
+        values : ndarray, shape (m, k)
+
+        Returns
+        -------
+        ndarray, shape (l, k)
+            All calls together, and :meth:`finish`, give as many values as they took.
+        """
+        self._values = values if self._values is None else np.concatenate([self._values, values])
+        if len(self._values) < KERNELS_AT_ONCE * len(self.kernel):
+            return values[:0]
+        if not self._begun:
+            self._values = _mirrored(self._values, self.half, 0)
+            self._begun = True
+        return self._filtered()
+
+    def finish(self) -> FloatArray:
+        """The last values."""
+        assert self._values is not None
+        self._values = _mirrored(self._values, 0 if self._begun else self.half, self.half)
+        return self._filtered()
+
+    def _filtered(self) -> FloatArray:
+        assert self._values is not None
+        result = oaconvolve(self._values, self.kernel[:, None], mode="valid", axes=0)
+        self._values = self._values[len(result) :]
+        return np.asarray(result)
+
+
+def _mirrored(values: FloatArray, before: int, after: int) -> FloatArray:
+    return np.pad(values, ((before, after), (0, 0)), mode="reflect" if len(values) > 1 else "edge")

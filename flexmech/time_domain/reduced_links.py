@@ -1,0 +1,157 @@
+"""Links of a driven linkage in component modes, and which of these follow statically."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system import ComponentModes, Engine, LinkModel, Prestress, component_modes
+from flexmech.linkages import CrankDrive
+from flexmech.types import FloatArray
+
+__all__ = [
+    "DETAIL",
+    "ReducedLinks",
+    "can_stretch",
+    "is_reduced",
+    "prestressed_links",
+    "stretching_links",
+]
+
+
+# A start at speed shakes more than the lowest modes: component modes are kept up to this
+# many times the frequency that the natural frequencies themselves would need.
+DETAIL = 8.0
+# Axial modes of a link that a bow couples to bending; half of them change nothing visible.
+AXIAL_MODES = 6
+# Axial modes of a link that stretches by the square of its slopes. Its tension is a constant
+# and as many waves along the link, whose lowest are all that the lowest bending modes feel.
+STRETCHING_MODES = 3
+
+
+@dataclass(frozen=True)
+class ReducedLinks:
+    """Links in component modes, or in all their coordinates.
+
+    Parameters
+    ----------
+    models : tuple of LinkModel
+    bases : tuple of ndarray, shape (n_full, n)
+        From each reduced link's coordinates to the engine's.
+    follows : tuple of ndarray of bool, shape (n,)
+        Coordinates that follow the others statically.
+    """
+
+    models: tuple[LinkModel, ...]
+    bases: tuple[FloatArray, ...]
+    follows: tuple[NDArray[np.bool_], ...]
+
+    @classmethod
+    def all_of(cls, engine: Engine) -> ReducedLinks:
+        """The engine's links as they are."""
+        return cls(
+            engine.links,
+            tuple(np.eye(link.size) for link in engine.links),
+            tuple(np.zeros(link.size, dtype=bool) for link in engine.links),
+        )
+
+    @classmethod
+    def of(cls, reduction: ComponentModes) -> ReducedLinks:
+        """Links whose static shapes turn with the pins."""
+        return cls(
+            tuple(replace(model, reduced_ends=None) for model in reduction.models),
+            tuple(link.basis for link in reduction.links),
+            tuple(link.condensed for link in reduction.links),
+        )
+
+
+def is_reduced(engine: Engine) -> bool:
+    """Whether an engine's linear equations in time are reduced to component modes.
+
+    Those of links that are bent without load are not: modes of straight links do not show
+    the ends of a deep bow approach each other (2 % of the deflections of a coupler of
+    280 mm that is bowed by 8 mm, of which doubling the detail tells a tenth).
+
+    Parameters
+    ----------
+    engine : Engine
+
+    Returns
+    -------
+    bool
+    """
+    return engine.component_modes and not engine.mechanism.is_free_strained
+
+
+def can_stretch(engine: Engine) -> bool:
+    """Whether an engine tells how its links stretch by the square of their slopes."""
+    return engine.stretches is not None
+
+
+def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
+    """Links for a run in which they stretch: all axial modes move by themselves.
+
+    Parameters
+    ----------
+    engine : Engine
+    modes : int
+    detail : float
+        As of :func:`prestressed_links`.
+
+    Returns
+    -------
+    ReducedLinks
+    """
+    if not is_reduced(engine):
+        return ReducedLinks.all_of(engine)
+    reduced = ReducedLinks.of(
+        component_modes(
+            engine.mechanism.linkage.topology,
+            engine.links,
+            modes,
+            0.0,
+            couples_axially=True,
+            detail=detail,
+            axial_modes=round(STRETCHING_MODES * max(1.0, detail / DETAIL)),
+        )
+    )
+    nothing = tuple(np.zeros(model.size, dtype=bool) for model in reduced.models)
+    return replace(reduced, follows=nothing)
+
+
+def prestressed_links(
+    engine: Engine, drive: CrankDrive, prestress: Prestress, modes: int, detail: float
+) -> ReducedLinks:
+    """Links for linear equations at a level of prestress.
+
+    Parameters
+    ----------
+    engine : Engine
+    drive : CrankDrive
+    prestress : {"none", "axial", "equilibrium"}
+    modes : int
+        Number of natural frequencies that the reduction must get right.
+    detail : float
+        Multiplies the frequency up to which component modes are kept.
+
+    Returns
+    -------
+    ReducedLinks
+    """
+    if not is_reduced(engine):
+        return ReducedLinks.all_of(engine)
+    turn = drive.start_angle + np.linspace(0.0, 2 * np.pi, 73)
+    motion = engine.mechanism.linkage.motion(turn, drive.speed)
+    return ReducedLinks.of(
+        component_modes(
+            engine.mechanism.linkage.topology,
+            engine.links,
+            modes,
+            float(np.abs(motion.angular_velocity).max()),
+            couples_axially=prestress == "equilibrium",
+            detail=detail,
+            axial_modes=AXIAL_MODES,
+        )
+    )

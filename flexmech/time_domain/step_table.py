@@ -1,0 +1,171 @@
+"""What the steps of a run need, interpolated between positions of the linkage.
+
+The matrices of a driven linkage are smooth functions of the crank angle. At a constant speed
+they are solved at a few hundred positions of a turn and interpolated from there (Lagrange,
+degree five), which costs a step a fraction of its own solution; while the shaft speeds up,
+every step is solved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from flexmech.time_domain.driven_linkage import DrivenLinkage
+from flexmech.time_domain.equations import Following
+from flexmech.time_domain.linkage_stretch import PinTurns
+from flexmech.time_domain.stretch_march import StretchOperators
+from flexmech.time_domain.trapezoidal import StepOperators, step_operators
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["StepRows", "StepTable"]
+
+
+# Greatest angle in rad by which a link turns, or turns from another, between two positions.
+# The error of the interpolation of its sine is 0.005 times the sixth power: 1e-10.
+SPACING = 0.05
+LEAST_POSITIONS = 96
+# Of the Lagrange polynomials, counted from the position before.
+STENCIL = np.arange(-2, 4)
+# Positions solved at once.
+BATCH = 64
+
+
+@dataclass(frozen=True)
+class StepRows:
+    """What m instants need: the step that ends there, and what follows statically.
+
+    Parameters
+    ----------
+    linear : StepOperators
+    stretch : StretchOperators or None
+    following : Following
+    """
+
+    linear: StepOperators
+    stretch: StretchOperators | None
+    following: Following
+
+
+class StepTable:
+    """Operators of the trapezoidal rule at any time of a run.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    step : float
+        In s.
+    """
+
+    def __init__(self, linkage: DrivenLinkage, step: float) -> None:
+        self._linkage = linkage
+        self._step = step
+        drive = linkage.drive
+        period = drive.revolution_time
+        motion = linkage.motion(drive.run_up_time + period * np.linspace(0.0, 1.0, 361))
+        speeds = motion.angular_velocity
+        relative = np.abs(speeds[:, :, None] - speeds[:, None, :])
+        fastest = max(float(np.abs(speeds).max()), float(relative.max()))
+        self._count = max(LEAST_POSITIONS, int(np.ceil(fastest * period / SPACING)))
+        self._table: FloatArray | None = None
+        self._solved = np.zeros(self._count, dtype=bool)
+        self._parts = _Parts()
+
+    def rows(self, time: FloatArray) -> StepRows:
+        """Operators and what follows at times of shape (m,)."""
+        drive = self._linkage.drive
+        steady = time >= drive.run_up_time
+        place = (time - drive.run_up_time) / drive.revolution_time * self._count
+        if steady.all():
+            return self._unpacked(self._interpolated(place))
+        values = np.empty((len(time), 0))
+        direct = self._solve(time[~steady])
+        values = np.empty((len(time), direct.shape[1]))
+        values[~steady] = direct
+        if steady.any():
+            values[steady] = self._interpolated(place[steady])
+        return self._unpacked(values)
+
+    def _interpolated(self, place: FloatArray) -> FloatArray:
+        before = np.floor(place).astype(np.intp)
+        weights = _lagrange(place - before)
+        first, last = int(before[0]), int(before[-1])
+        needed = np.arange(first + STENCIL[0], last + STENCIL[-1] + 1) % self._count
+        self._ensure(needed)
+        assert self._table is not None
+        positions = self._table[needed]
+        values = np.empty((len(place), positions.shape[1]))
+        edges = np.searchsorted(before, np.arange(first, last + 2))
+        for number, (start, stop) in enumerate(pairwise(edges)):
+            np.dot(
+                weights[start:stop],
+                positions[number : number + len(STENCIL)],
+                out=values[start:stop],
+            )
+        return values
+
+    def _ensure(self, needed: IntArray) -> None:
+        """Solve the positions that are asked for the first time."""
+        missing = np.unique(needed[~self._solved[needed]])
+        drive = self._linkage.drive
+        for start in range(0, len(missing), BATCH):
+            some = missing[start : start + BATCH]
+            time = drive.run_up_time + some / self._count * drive.revolution_time
+            values = self._solve(time)
+            if self._table is None:
+                self._table = np.empty((self._count, values.shape[1]))
+            self._table[some] = values
+        self._solved[missing] = True
+
+    def _solve(self, time: FloatArray) -> FloatArray:
+        linkage = self._linkage
+        equations = linkage.equations(time)
+        following = equations.following
+        linear, answer = step_operators(equations, self._step, forces=linkage.stretch is not None)
+        parts = [linear.response, linear.forced]
+        if linkage.is_condensed:
+            parts += [following.expansion, following.offset]
+        if linkage.stretch is not None:
+            turns = linkage.stretch.pin_turns(equations.motion)
+            parts += [linkage.stretch.gathered(turns, answer), turns.turn, turns.rate]
+        return self._parts.packed(parts)
+
+    def _unpacked(self, values: FloatArray) -> StepRows:
+        linkage, parts = self._linkage, self._parts.taken_apart(values)
+        linear = StepOperators(self._step, parts[0], parts[1])
+        following = Following.of_all(linkage.size)
+        if linkage.is_condensed:
+            following = Following(parts[2], parts[3])
+        stretch = None
+        if linkage.stretch is not None:
+            answer, turn, rate = parts[-3:]
+            stretch = StretchOperators(answer, PinTurns(turn, rate))
+        return StepRows(linear, stretch, following)
+
+
+class _Parts:
+    """Arrays over instants, side by side in one."""
+
+    def __init__(self) -> None:
+        self._shapes: list[tuple[int, ...]] = []
+
+    def packed(self, parts: Sequence[FloatArray]) -> FloatArray:
+        self._shapes = [part.shape[1:] for part in parts]
+        return np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1)
+
+    def taken_apart(self, values: FloatArray) -> list[FloatArray]:
+        stops = np.cumsum([int(np.prod(shape)) for shape in self._shapes])[:-1]
+        pieces = np.split(values, stops, axis=1)
+        return [p.reshape(len(values), *s) for p, s in zip(pieces, self._shapes, strict=True)]
+
+
+def _lagrange(fraction: FloatArray) -> FloatArray:
+    """Weights (m, 6) of the positions of the stencil."""
+    weights = np.ones((len(fraction), len(STENCIL)))
+    for column, own in enumerate(STENCIL):
+        for other in STENCIL[own != STENCIL]:
+            weights[:, column] *= (fraction - other) / (own - other)
+    return weights
