@@ -81,8 +81,9 @@ MapPrestress = Annotated[
 RunPrestress = Annotated[
     choices.Prestress,
     Option(
-        help="Of the reference engine's linear equations and of the frequencies drawn into the "
-        "spectrogram: as in frequencies."
+        help="Of the reference engine's equations and of the frequencies drawn into the "
+        "spectrogram: as in frequencies; at equilibrium the running links stretch by the square "
+        "of their slopes."
     ),
 ]
 RotationTerms = Annotated[

@@ -68,8 +68,8 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the driving torque and the pin forces against time, with those of rigid links.
 
     Forces are those of the pins between links, or of the clamped joint where there is no
-    pin. Nothing is cut off or smoothed: axial vibrations, which are too fast to be told
-    apart, show as a band around the rigid links' forces (dark grey).
+    pin, as far as the run's band lets them through: what the links vibrate along themselves
+    is too fast to be told apart. Beside them those of rigid links (dark grey).
 
     Parameters
     ----------
@@ -92,12 +92,19 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             shown.append((*forces, FORCE_UNITS, f"Force at {joint},\n{component}"))
     with sheet(time_axis.time_layout(len(shown)), ax=ax) as drawn:
         handles = [*engine_lines(dataset), line_handle("rigid links", **RIGID)]
-        drawn.header(handles, run_title(dataset))
+        drawn.header(handles, _force_title(dataset))
         time_axis.label_times(drawn, dataset)
         for axes, (elastic, rigid, units, what) in zip(drawn.panels, shown, strict=True):
             factor = draw_engines(axes, elastic, units, what)
             axes.plot(rigid["time"].values, factor * rigid.values, **RIGID, zorder=3)
     return drawn.figure
+
+
+def _force_title(dataset: xr.Dataset) -> str:
+    """Heading that says up to which frequency the forces count."""
+    band = dataset.attrs.get("force_band")
+    title = run_title(dataset)
+    return title if band is None else f"{title}, forces up to {band:.3g} Hz"
 
 
 def engine_lines(dataset: xr.Dataset) -> list[Artist]:

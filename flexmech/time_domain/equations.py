@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
@@ -75,16 +75,6 @@ class Equations:
     stiffness: FloatArray
     force: FloatArray
     following: Following
-
-    def __getitem__(self, where: slice) -> Equations:
-        """The equations of some of the instants, for stepping."""
-        return replace(
-            self,
-            mass=self.mass[where],
-            damping=self.damping[where],
-            stiffness=self.stiffness[where],
-            force=self.force[where],
-        )
 
     def quasi_static(self) -> FloatArray:
         """Displacement z that the loads would cause if nothing moved, (m, n)."""

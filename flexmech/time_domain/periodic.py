@@ -15,9 +15,10 @@ import numpy as np
 
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.time_domain.driven_linkage import DrivenLinkage
-from flexmech.time_domain.equations import Equations
+from flexmech.time_domain.equations import Equations, Following
 from flexmech.time_domain.state import VibrationState
-from flexmech.time_domain.trapezoidal import initial_state, march, step_operators
+from flexmech.time_domain.step_table import StepTable
+from flexmech.time_domain.trapezoidal import initial_state, march
 from flexmech.types import FloatArray
 
 __all__ = ["TurnMap", "periodic_state", "turn_map"]
@@ -66,7 +67,7 @@ def turn_map(linkage: DrivenLinkage, steps: int) -> TurnMap:
         If the crank speed is not constant.
     """
     state = None
-    for _, history in _all_motions(linkage, steps):
+    for _, _, history in _all_motions(linkage, steps):
         state = history[-1]
     assert state is not None
     return _map_to(state)
@@ -121,28 +122,32 @@ def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
         As :func:`periodic_state`.
     """
     blocks = list(_all_motions(linkage, steps))
-    turn = _map_to(blocks[-1][1][-1])
-    start = np.concatenate(_fixed_point(linkage, turn, blocks[0][0]))
+    turn = _map_to(blocks[-1][2][-1])
+    start = np.concatenate(_fixed_point(linkage, turn, linkage.equations(np.zeros(1))))
     # Each motion is the forced one plus what a unit of a coordinate at the start adds to it.
     share = np.concatenate([[1 - start.sum()], start])
     parts: list[list[FloatArray]] = [[] for _ in linkage.links]
-    for equations, history in blocks:
+    for time, following, history in blocks:
         motion = VibrationState(
             history.position @ share, history.velocity @ share, history.acceleration @ share
         )
-        moving = linkage.link_motion(equations, motion)
+        moving = linkage.frames.link_motion(linkage.motion(time), *following.expanded(motion))
         for part, basis, (q, _, _) in zip(parts, linkage.bases, moving, strict=True):
             part.append(q[:-1] @ basis.T)
     return [np.concatenate(part) for part in parts]
 
 
-def _all_motions(linkage: DrivenLinkage, steps: int) -> Iterator[tuple[Equations, VibrationState]]:
+def _all_motions(
+    linkage: DrivenLinkage, steps: int
+) -> Iterator[tuple[FloatArray, Following, VibrationState]]:
     """March through a turn from zero and from a unit of each coordinate, block by block.
 
     Yields
     ------
-    Equations
-        At the start of the block and after each of its m steps.
+    ndarray, shape (m + 1,)
+        Times of the start of the block and of the end of each of its m steps.
+    Following
+        At these times.
     VibrationState
         At the same times; arrays of shape (m + 1, n, 1 + 2 n).
 
@@ -154,16 +159,16 @@ def _all_motions(linkage: DrivenLinkage, steps: int) -> Iterator[tuple[Equations
     if not linkage.drive.is_constant:
         raise InputError("a periodic motion needs a constant crank speed: leave out the run-up")
     n, step = linkage.size, linkage.drive.revolution_time / steps
-    state: VibrationState | None = None
+    table = StepTable(linkage, step)
+    starts = np.concatenate([np.zeros((2 * n, 1)), np.eye(2 * n)], axis=1)
+    state = initial_state(linkage.equations(np.zeros(1)), starts[:n], starts[n:])
     for first in range(0, steps, BLOCK_STEPS):
         last = min(first + BLOCK_STEPS, steps)
-        equations = linkage.equations(step * np.arange(first, last + 1, dtype=float))
-        if state is None:
-            starts = np.concatenate([np.zeros((2 * n, 1)), np.eye(2 * n)], axis=1)
-            state = initial_state(equations, starts[:n], starts[n:])
-        history = march(step_operators(equations[1:], step)[0], state)
+        time = step * np.arange(first, last + 1, dtype=float)
+        rows = table.rows(time)
+        history = march(rows.linear[1:], state)
         state = history[-1]
-        yield equations, history
+        yield time, rows.following, history
 
 
 def _map_to(end: VibrationState) -> TurnMap:

@@ -35,7 +35,19 @@ def place(time: FloatArray, at: FloatArray) -> tuple[IntArray, FloatArray]:
 
 
 def linear(values: FloatArray, before: IntArray, fraction: FloatArray) -> FloatArray:
-    """Linear interpolation of values (m, ...) at places given by :func:`place`."""
+    """Linear interpolation between steps.
+
+    Parameters
+    ----------
+    values : ndarray, shape (m, ...)
+    before : ndarray of int, shape (N,)
+    fraction : ndarray, shape (N,)
+        Both of :func:`place`.
+
+    Returns
+    -------
+    ndarray, shape (N, ...)
+    """
     s = fraction.reshape(-1, *(1,) * (values.ndim - 1))
     return (1 - s) * values[before] + s * values[before + 1]
 
@@ -47,7 +59,21 @@ def hermite(
     before: IntArray,
     fraction: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
-    """Cubic Hermite interpolation of values and their rates, (m, n) -> (samples, n)."""
+    """Cubic Hermite interpolation between steps.
+
+    Parameters
+    ----------
+    time : ndarray, shape (m,)
+    value, rate : ndarray, shape (m, n)
+    before : ndarray of int, shape (N,)
+    fraction : ndarray, shape (N,)
+        Both of :func:`place`.
+
+    Returns
+    -------
+    tuple of ndarray, shape (N, n)
+        Values and rates.
+    """
     s, h = fraction[:, None], (time[before + 1] - time[before])[:, None]
     v0, v1, r0, r1 = value[before], value[before + 1], h * rate[before], h * rate[before + 1]
     jump = v1 - v0

@@ -46,6 +46,10 @@ class StepOperators:
     response: FloatArray
     forced: FloatArray
 
+    def __getitem__(self, where: slice) -> StepOperators:
+        """Those of some of the steps."""
+        return StepOperators(self.step, self.response[where], self.forced[where])
+
 
 def initial_state(
     equations: Equations, position: FloatArray, velocity: FloatArray

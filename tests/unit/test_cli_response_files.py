@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from flexmech import plots
 from flexmech.analyses.response import Response, ResponseRequest, response
-from flexmech.analyses.response.words import check_lines, load_lines, peak_table
+from flexmech.analyses.response.words import check_lines, load_lines, peak_table, supported
 from flexmech.cli import app
 from flexmech.errors import ComputationError
 from flexmech.linkages import CrankDrive
@@ -216,15 +216,28 @@ def test_checks_and_loads_are_listed_engine_by_engine(
 ) -> None:
     result = two_responses
     step = float(short_response.dataset["step"][0])
-    data = result.dataset.assign(mesh_error=("engine", [1e-3, 2e-3]))
+    errors = (
+        "mesh_error",
+        "mesh_error_of_force",
+        "mesh_error_of_torque",
+        "mesh_error_of_peak_force",
+        "mesh_error_of_peak_torque",
+    )
+    data = result.dataset.assign(
+        {name: ("engine", [i * 1e-3, i * 2e-3]) for i, name in enumerate(errors, start=1)}
+    )
     lines = check_lines(data)
     assert f"time step: {step:.4g} s (reference), {2 * step:.4g} s (exudyn)" in lines
-    assert lines[-1] == (
+    assert lines[-2:] == [
         "mesh: twice the elements change deflections by 1.0e-03 (reference), 2.0e-03 (exudyn) of "
-        "their peak"
-    )
-    assert len(check_lines(result.dataset)) == len(lines) - 1
-    torque, *forces = load_lines(result.peaks(), result.dataset)
+        "their peak",
+        "mesh: twice the elements change forces, of the peak: joint forces 2.0e-03 (reference), "
+        "4.0e-03 (exudyn), their peaks 4.0e-03 (reference), 8.0e-03 (exudyn); torque 3.0e-03 "
+        "(reference), 6.0e-03 (exudyn), its peak 5.0e-03 (reference), 1.0e-02 (exudyn)",
+    ]
+    assert len(check_lines(result.dataset)) == len(lines) - 2
+    band, torque, *forces = load_lines(result.peaks(), result.dataset)
+    assert f"up to {data.attrs['force_band']:.4g} Hz" in band
     rigid = float(abs(data["rigid_driving_torque"]).max())
     assert torque.endswith(f"{rigid:.4g} N m (rigid links)")
     assert [line.split("(")[1] for line in forces] == ["reference)", "exudyn)", "rigid links)"]
@@ -254,3 +267,43 @@ def test_the_crank_at_the_peak_is_an_angle_and_a_turn(
     (rows,) = peak_table(Response(data).peaks(), np.radians(start), "peaks").groups
     assert [row[3:6] for row in rows] == [("1", shown, turn)] * 3
     assert [row[6] == "-" for row in rows] == [True, False, False]
+
+
+def test_forces_have_an_agreement_of_their_own(two_responses: Response) -> None:
+    """Deflections of the second engine are 1 % larger; its forces shall differ by 4 %."""
+    data = two_responses.dataset.copy(deep=True)
+    data["joint_force"][1] *= 1.04
+    data["peak_joint_force"][1] *= 1.02
+    data["driving_torque"][1] *= 1.25
+    lines = [str(part) for part in Response(data).summary().parts[1:]]
+    histories, peaks = (line for line in lines if line.startswith("engines: "))
+    band = f"up to {data.attrs['force_band']:.3g} Hz"
+    assert histories.startswith(f"engines: joint forces {band} of reference and exudyn differ")
+    agreement = Response(data).force_agreement()
+    assert agreement is not None
+    size = np.hypot(*np.moveaxis(data["joint_force"].values[0], -1, 0)).max(axis=0)
+    expected = 0.04 * size / data["peak_joint_force"].values[1]
+    assert agreement["joint_force"].values == pytest.approx(expected)
+    assert f"{expected[0]:.1e} (O2)" in histories
+    assert "peaks of these joint forces differ by 2.0e-02 (O2), 2.0e-02 (A)" in peaks
+    same = Response(data.sel(engine=["reference"]))
+    assert same.force_agreement() is None
+    assert not any(str(part).startswith("engines: ") for part in same.summary().parts[1:])
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "shown"),
+    [
+        (146.384, 0.0, "146.4"),
+        (146.384, 2e-3, "146"),
+        (146.384, 4e-2, "150"),
+        (146.384, 0.5, "100"),
+        (5.0362, 2e-4, "5.036"),
+        (0.54321, 5e-3, "0.543"),
+        (0.0, 1e-3, "0"),
+    ],
+)
+def test_a_value_has_the_digits_that_its_error_supports(
+    value: float, error: float, shown: str
+) -> None:
+    assert supported(value, error) == shown

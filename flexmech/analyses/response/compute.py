@@ -42,8 +42,9 @@ def response(
 ) -> Response:
     """Run a linkage at constant crank speed.
 
-    Engines that simulate (Exudyn) run the nonlinear motion; the others the linear
-    equations of motion in link frames. Each run is repeated with another time step.
+    Engines that simulate (Exudyn) run the nonlinear motion; the others the equations of
+    motion in link frames. Joint forces and torque are those up to half the lowest frequency
+    at which the links vibrate along themselves. Each run is repeated with another time step.
 
     Parameters
     ----------

@@ -37,9 +37,11 @@ class ResponseRequest:
     step : float, optional
         Time step in s; chosen from ``modes`` and checked by halving where it is left out.
     integrator : {"trapezoidal", "generalized-alpha"}
-        Of engines that simulate; linear equations are integrated by the trapezoidal rule.
+        Of engines that simulate; the others integrate by the trapezoidal rule.
     prestress : {"none", "axial", "equilibrium"}
-        Of the linear equations.
+        Of engines that do not simulate. ``none`` and ``axial`` are linear equations;
+        ``equilibrium`` lets links stretch by the square of their slopes, or, where they are
+        bent without load, is linear about the quasi-static equilibrium.
     modes : int
         The highest natural frequency of interest, counted from 1, sets the time step, the
         component modes and the spectra.

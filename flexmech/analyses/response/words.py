@@ -65,27 +65,36 @@ def check_lines(dataset: xr.Dataset) -> list[str]:
         f"energy balance: off by at most {energy} of the peak kinetic energy",
         f"constraint drift: at most {_listed(dataset['constraint_drift'], '{:.1e} m')}",
         f"time step: {_listed(dataset['step'], '{:.4g} s')}",
-        f"error by the time step (estimated), of the peak: {_errors(dataset, 'step')}",
+        "error by the time step (estimated): at most "
+        f"{_listed(dataset['step_error'])} of the peak deflection",
+        _force_errors(dataset, "step", "error of forces by the time step (estimated)"),
     ]
     reduced = dataset.sel(engine=dataset["reduction_error"] > 0)
     if reduced.sizes["engine"]:
-        changes = _errors(reduced, "reduction")
-        lines.append(f"component modes, twice the detail changes, of the peak: {changes}")
+        changes = _listed(reduced["reduction_error"])
+        lines += [
+            f"component modes: twice the detail changes deflections by {changes}",
+            _force_errors(reduced, "reduction", "component modes: twice the detail changes forces"),
+        ]
     if "mesh_error" in dataset:
-        lines.append(f"mesh, twice the elements change, of the peak: {_errors(dataset, 'mesh')}")
+        changes = _listed(dataset["mesh_error"])
+        lines += [
+            f"mesh: twice the elements change deflections by {changes} of their peak",
+            _force_errors(dataset, "mesh", "mesh: twice the elements change forces"),
+        ]
     return lines
 
 
-def _errors(dataset: xr.Dataset, kind: str) -> str:
-    """Errors of deflections, forces and torque by one cause."""
-    parts = (
-        f"deflections {_listed(dataset[f'{kind}_error'])}",
-        f"joint forces {_listed(dataset[f'{kind}_error_of_force'])}",
-        f"torque {_listed(dataset[f'{kind}_error_of_torque'])}",
-        f"peaks of force {_listed(dataset[f'{kind}_error_of_peak_force'])}",
-        f"of torque {_listed(dataset[f'{kind}_error_of_peak_torque'])}",
+def _force_errors(dataset: xr.Dataset, kind: str, lead: str) -> str:
+    """Errors of joint forces and torque by one cause."""
+
+    def error(of: str) -> str:
+        return _listed(dataset[f"{kind}_error_of_{of}"])
+
+    return (
+        f"{lead}, of the peak: joint forces {error('force')}, their peaks {error('peak_force')}; "
+        f"torque {error('torque')}, its peak {error('peak_torque')}"
     )
-    return "; ".join(parts)
 
 
 def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
@@ -102,7 +111,6 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
     -------
     list of str
     """
-    band = f"up to {data.attrs['force_band']:.3g} Hz"
     rigid_torque = float(abs(data["rigid_driving_torque"]).max())
     rigid_force = np.hypot(*np.moveaxis(data["rigid_joint_force"].values, -1, 0)).max(axis=0)
     engines = [str(engine) for engine in data["engine"].values]
@@ -111,19 +119,24 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
         causes = [f"{cause}_error_of_peak_{quantity}" for cause in ("step", "reduction", "mesh")]
         return sum(float(data[name].sel(engine=engine)) for name in causes if name in data)
 
-    def line(forces: Iterable[float], name: str, relative: float) -> str:
+    def line(forces: Iterable[float], name: str, relative: float | None) -> str:
         joints = zip(data["joint"].values, forces, strict=True)
-        shown = ", ".join(f"{joint} {supported(force, relative)}" for joint, force in joints)
-        return f"peak joint forces {band}: {shown} N ({name})"
+        shown = ", ".join(
+            f"{joint} {force:.4g}" if relative is None else f"{joint} {supported(force, relative)}"
+            for joint, force in joints
+        )
+        return f"peak joint forces: {shown} N ({name})"
 
     torques = [
         f"{supported(float(peaks['driving_torque'].sel(engine=e)), error(e, 'torque'))} N m ({e})"
         for e in engines
     ]
     return [
-        f"peak driving torque {band}: {', '.join(torques)}, {rigid_torque:.4g} N m (rigid links)",
+        f"forces and torque of elastic links count up to {data.attrs['force_band']:.4g} Hz, half "
+        "the lowest frequency at which the links vibrate along themselves",
+        f"peak driving torque: {', '.join(torques)}, {rigid_torque:.4g} N m (rigid links)",
         *(line(peaks["joint_force"].sel(engine=e).values, e, error(e, "force")) for e in engines),
-        line(rigid_force, "rigid links", 0.0).replace(f" {band}", ""),
+        line(rigid_force, "rigid links", None),
     ]
 
 

@@ -1,0 +1,148 @@
+"""Links that stretch by the square of their slopes: strains, energy, steps and what they answer."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexmech import ReferenceEngine, load_mechanism
+from flexmech.linkages import CrankDrive
+from flexmech.time_domain import DrivenLinkage, linear_run, lowest_axial_frequency
+from flexmech.time_domain import stretch_march as march_module
+from flexmech.time_domain.low_pass import LowPass
+from flexmech.time_domain.step_table import StepTable
+from flexmech.time_domain.trapezoidal import step_operators
+
+
+@pytest.fixture(scope="module")
+def linkage(aluminium):
+    return DrivenLinkage(ReferenceEngine(aluminium), CrankDrive(20.0), stretches=True)
+
+
+def part_of_a_turn(linkage, steps=2880, turns=0.1):
+    period, nothing = linkage.drive.revolution_time, np.zeros(linkage.size)
+    time = turns * period * np.linspace(0.0, 1.0, 41)
+    return linear_run(linkage, nothing, nothing, time, period / steps)
+
+
+def test_a_link_that_turns_does_not_stretch(aluminium):
+    """It comes nearer by (1 - cos) of its angle: what is left is of the fourth order."""
+    engine = ReferenceEngine(aluminium)
+    link, stretch = engine.links[1], engine.stretches[1]
+
+    def energy(angle):
+        q = np.sin(angle) * link.fields.tangential + (np.cos(angle) - 1) * link.fields.centripetal
+        linear = stretch.gradient @ q
+        return float(stretch.energy(q[None])[0] + linear @ linear / 2)
+
+    straight = float(np.sum((stretch.gradient @ link.fields.centripetal) ** 2)) / 2
+    strains = [np.sqrt(energy(angle) / straight) for angle in (0.02, 0.04)]
+    assert strains[0] < 0.02**4
+    assert np.log2(strains[1] / strains[0]) == pytest.approx(4.0, abs=0.1)
+
+
+def test_forces_are_the_gradient_of_the_energy(linkage):
+    random = np.random.default_rng(0)
+    for stretch in linkage.stretch.links:
+        size = stretch.gradient.shape[1]
+        q = 1e-2 * random.normal(size=(1, size))
+        force = stretch.remainder(q, 0 * q)[0][0]
+        slope = np.imag(stretch.energy(q + 1e-30j * np.eye(size))) / 1e-30
+        assert force == pytest.approx(slope, rel=1e-10, abs=1e-10 * np.abs(force).max())
+
+
+def test_forces_one_by_one_are_those_of_the_links(linkage):
+    """In spread coordinates, with damping, as the steps take them."""
+    random = np.random.default_rng(1)
+    time = np.array([0.01, 0.07])
+    motion = linkage.motion(time)
+    z, v = 1e-3 * random.normal(size=(2, 2, linkage.size))
+    turns = linkage.stretch.pin_turns(motion)
+    parts = linkage.frames.link_motion(motion, z, v, 0 * z)
+    forces = [
+        sum(stretch.remainder(q, rate))
+        for stretch, (q, rate, _) in zip(linkage.stretch.links, parts, strict=True)
+    ]
+    expected = linkage.frames.gather(motion, forces)
+    found = linkage.stretch.remainder(turns, z, v)
+    assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * np.abs(expected).max())
+
+
+def test_work_of_the_shaft_is_energy(linkage):
+    coarse, fine = (part_of_a_turn(linkage, steps).energy_error for steps in (1440, 2880))
+    assert fine < 1e-5
+    assert coarse / fine == pytest.approx(4.0, rel=0.3)
+
+
+def test_both_ways_of_solving_a_step_agree(linkage, monkeypatch):
+    usual = part_of_a_turn(linkage)
+    monkeypatch.setattr(march_module, "PASSES", ())
+    newton = part_of_a_turn(linkage)
+    for first, second in zip(usual.displacement, newton.displacement, strict=True):
+        assert np.abs(first - second).max() < 5e-4 * np.abs(second).max()
+    monkeypatch.setattr(march_module, "PASSES", (6,))
+    for first, second in zip(
+        part_of_a_turn(linkage).displacement, newton.displacement, strict=True
+    ):
+        assert np.abs(first - second).max() < 1e-6 * np.abs(second).max()
+
+
+@pytest.mark.parametrize("stretches", [True, False])
+def test_interpolated_steps_are_those_solved_one_by_one(aluminium, stretches):
+    linkage = DrivenLinkage(
+        ReferenceEngine(aluminium), CrankDrive(20.0, run_up_time=0.1), stretches=stretches
+    )
+    time = np.array([0.05, 0.0999, 0.1001, 0.13, 0.2, 0.41])
+    rows = StepTable(linkage, 1e-4).rows(time)
+    equations = linkage.equations(time)
+    direct, _ = step_operators(equations, 1e-4)
+    for found, expected in (
+        (rows.linear.response, direct.response),
+        (rows.linear.forced, direct.forced),
+        (rows.following.expansion, equations.following.expansion),
+    ):
+        # Measured 2e-7; 1.4e-6 of the forces by a stress that is itself a cubic spline.
+        assert np.abs(found - expected).max() < 3e-6 * np.abs(expected).max()
+
+
+def test_lowest_axial_frequency_of_a_clamped_bar(arm_along_itself):
+    """A quarter of a wave: sqrt(E / rho) / (4 L)."""
+    mechanism, speed_of_sound, length = arm_along_itself
+    found = lowest_axial_frequency(ReferenceEngine(mechanism, 32), np.zeros(1))
+    assert found == pytest.approx(speed_of_sound / (4 * length), rel=1e-3)
+
+
+@pytest.fixture
+def arm_along_itself(models):
+    mechanism = load_mechanism(models / "rotating_arm.toml")
+    section = mechanism.sections["arm"]
+    length = mechanism.linkage.topology.links[0].length
+    return mechanism, np.sqrt(section.axial_stiffness / section.mass_per_length), length
+
+
+def test_low_pass_keeps_its_band_and_cuts_twice_the_band():
+    step, band = 1e-4, 400.0
+    time = step * np.arange(4000)
+    for frequency, gain in ((20.0, 1.0), (400.0, 1.0), (800.0, 0.0), (3000.0, 0.0)):
+        passed = filtered(np.cos(2 * np.pi * frequency * time)[:, None], band, step, 4000)[:, 0]
+        expected = gain * np.cos(2 * np.pi * frequency * time)
+        inside = slice(100, -100)
+        assert np.abs(passed[inside] - expected[inside]).max() < 2.5e-3
+
+
+def test_low_pass_takes_a_history_in_pieces():
+    values = np.random.default_rng(0).normal(size=(997, 3))
+    whole = filtered(values, 300.0, 1e-4, 997)
+    assert len(whole) == 997
+    for piece in (1, 50, 400):
+        assert filtered(values, 300.0, 1e-4, piece) == pytest.approx(whole, abs=1e-12)
+    # A step too long for frequencies beyond the band leaves all as it is.
+    untouched = LowPass(4000.0, 1e-4)
+    assert untouched.add(values) is values
+    assert not untouched.finish().size
+
+
+def filtered(values, band, step, piece):
+    low_pass = LowPass(band, step)
+    parts = [low_pass.add(values[i : i + piece]) for i in range(0, len(values), piece)]
+    return np.concatenate([*parts, low_pass.finish()])
