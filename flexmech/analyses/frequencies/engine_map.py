@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from flexmech.analyses.frequencies.discretisation import (
     discretisation_error,
 )
 from flexmech.analyses.frequencies.eigenproblem import solve_modes
+from flexmech.analyses.frequencies.extremes import extremes_between
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequency_map, systems_at
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
@@ -108,7 +109,10 @@ def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgre
                 "damping_ratio_reduction_error": checked.reduction_error.damping_ratio,
             }
         over_checks = {name: (OVER_CHECKS[: v.ndim], v) for name, v in errors.items()}
-        parts.append(along.isel(mode=slice(modes)).assign(over_checks))
+        part = along.isel(mode=slice(modes)).assign(over_checks)
+        if request.formulation.prestress != "trajectory":
+            part = part.assign(_extremes(systems, asked, speed, part))
+        parts.append(part)
     dataset = xr.concat(parts, pd.Index(asked.crank_speeds, name="crank_speed"), join="inner")
     if request.formulation.prestress == "trajectory":
         quasi_static = dataset["frequency"]
@@ -164,6 +168,22 @@ def _along_angles(
         | {"branch_whole": ("branch", branches.whole)},
         coords={"branch": np.arange(1, count + 1)},
     )
+
+
+def _extremes(
+    systems: Systems, request: FrequencyRequest, crank_speed: float, found: xr.Dataset
+) -> dict[str, tuple[str, FloatArray]]:
+    """Lowest and highest frequency of each mode, between the crank angles too."""
+    error = (found["discretisation_error"] + found["reduction_error"]).max("check_angle").values
+    extremes = extremes_between(
+        systems,
+        request.crank_angles,
+        crank_speed,
+        found["frequency"].values,
+        error,
+        full_turn=request.full_turn,
+    )
+    return {field.name: ("mode", getattr(extremes, field.name)) for field in fields(extremes)}
 
 
 def _scaled_parts(shapes: NDArray[Any]) -> FloatArray:

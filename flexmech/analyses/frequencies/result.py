@@ -146,14 +146,19 @@ class MovingFrequencies(Result):
     def extremes(self) -> xr.Dataset:
         """Lowest and highest frequency of each mode and the crank angles where they are.
 
+        Between the crank angles too, but for those of running states.
+
         Returns
         -------
         xarray.Dataset
             ``lowest``, ``highest`` in Hz and ``lowest_angle``, ``highest_angle`` in rad over
             (engine, crank_speed, mode), and over ``state`` if there are any.
         """
-        frequency = self.dataset["frequency"]
-        angles = self.dataset["crank_angle"].values
+        data, frequency = self.dataset, self.dataset["frequency"]
+        if "lowest_frequency" in data:
+            names = ("lowest_frequency", "lowest_angle", "highest_frequency", "highest_angle")
+            return xr.Dataset({name.removesuffix("_frequency"): data[name] for name in names})
+        angles = data["crank_angle"].values
         if len(angles) > 1 and np.isclose(angles[-1] - angles[0], 2 * np.pi):
             frequency = frequency.isel(crank_angle=slice(None, -1))  # the first one again
         return xr.Dataset(
@@ -315,7 +320,7 @@ class MovingFrequencies(Result):
         ]
         if "speed_effect" in self.dataset and "speed_effect" not in data:
             lines.append("effect of speed: not split by term, since links bend without load")
-        table = words.extremes_table(last.extremes(), title, unit)
+        table = words.extremes_table(last.extremes(), data, title)
         return Summary((table, *lines), self._verdict(unit))
 
     def _verdict(self, unit: str) -> str:

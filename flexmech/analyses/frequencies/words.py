@@ -20,35 +20,41 @@ __all__ = [
     "vibration_lines",
 ]
 
+MOST_DECIMALS = 6
 
-def extremes_table(extremes: xr.Dataset, title: str, speed_unit: str) -> Table:
+
+def extremes_table(extremes: xr.Dataset, dataset: xr.Dataset, title: str) -> Table:
     """Lowest and highest frequency of each mode, and the crank angles of both.
+
+    Frequencies have as many digits as their errors by mesh and component modes leave known.
 
     Parameters
     ----------
     extremes : xarray.Dataset
         ``lowest``, ``lowest_angle``, ``highest``, ``highest_angle`` over (engine,
         crank_speed, mode); Hz and rad.
+    dataset : xarray.Dataset
+        Of the map, with the errors.
     title : str
-    speed_unit : str
 
     Returns
     -------
     Table
         One row for each engine, speed and mode.
     """
+    speed_unit = _unit(dataset)
+    error = (dataset["discretisation_error"] + dataset["reduction_error"]).max("check_angle")
+    between = "lowest_frequency" in dataset
 
     def row(engine: Any, speed: float, mode: int) -> tuple[str, ...]:
-        place = extremes.sel(engine=engine, crank_speed=speed, mode=mode)
-        return (
-            str(engine),
-            _speed(speed, speed_unit),
-            str(mode),
-            f"{float(place['lowest']):.4f}",
-            _degrees(place["lowest_angle"]),
-            f"{float(place['highest']):.4f}",
-            _degrees(place["highest_angle"]),
-        )
+        where = {"engine": engine, "crank_speed": speed, "mode": mode}
+        place, relative = extremes.sel(where), float(error.sel(where))
+        cells = [str(engine), _speed(speed, speed_unit), str(mode)]
+        for extreme in ("lowest", "highest"):
+            angle = place[f"{extreme}_angle"]
+            cells.append(_known_digits(float(place[extreme]), relative))
+            cells.append(f"{np.degrees(float(angle)):.1f}" if between else _degrees(angle))
+        return tuple(cells)
 
     headings = ("engine", speed_unit, "mode", "lowest Hz", "at deg", "highest Hz", "at deg")
     groups = tuple(
@@ -57,6 +63,12 @@ def extremes_table(extremes: xr.Dataset, title: str, speed_unit: str) -> Table:
         for speed in extremes["crank_speed"].values
     )
     return Table(title, headings, groups)
+
+
+def _known_digits(value: float, error: float) -> str:
+    """A positive value to the last decimal place that is no smaller than its relative error."""
+    place = np.floor(-np.log10(max(value * error, 10.0**-MOST_DECIMALS)))
+    return f"{value:.{max(int(place), 0)}f}"
 
 
 def error_lines(dataset: xr.Dataset) -> list[str]:

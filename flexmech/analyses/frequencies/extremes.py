@@ -1,0 +1,213 @@
+"""Lowest and highest frequency of each mode over the crank angles, found between the angles.
+
+A grid of crank angles passes an extreme by. The three angles around the grid's extreme bracket
+it. Each round solves at the vertex of the parabola through the three and a little to both sides
+of it, which leaves a bracket an eighth as wide or less: two or three rounds for a smooth curve,
+and no more than a few for the bend of a curve where modes veer.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
+from flexmech.analyses.frequencies.formulation import Systems
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["Extremes", "extremes_between"]
+
+# The change of an extreme by the last round over the error that is reported of it.
+SETTLED = 0.1
+# Round-off of a frequency: no extreme is refined further, however small its error is said to be.
+LEAST_ERROR = 1e-8
+MOST_ROUNDS = 12
+# Distance of the angles to both sides over the width of the bracket.
+ASIDE = 1 / 16
+FULL_TURN = 2 * np.pi
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """Lowest and highest frequencies of m modes at one crank speed.
+
+    Parameters
+    ----------
+    lowest_frequency, highest_frequency : ndarray, shape (m,)
+        Hz.
+    lowest_angle, highest_angle : ndarray, shape (m,)
+        rad, within the crank angles asked for; of a full turn, within the turn from the first.
+    """
+
+    lowest_frequency: FloatArray
+    lowest_angle: FloatArray
+    highest_frequency: FloatArray
+    highest_angle: FloatArray
+
+
+def extremes_between(
+    systems: Systems,
+    crank_angles: FloatArray,
+    crank_speed: float,
+    frequency: FloatArray,
+    error: FloatArray,
+    *,
+    full_turn: bool,
+) -> Extremes:
+    """Extremes over a range of crank angles, from their grid values.
+
+    Parameters
+    ----------
+    systems : Systems
+        As those of the grid.
+    crank_angles : ndarray, shape (A,)
+        Increasing, rad.
+    crank_speed : float
+        rad/s.
+    frequency : ndarray, shape (A, m)
+        At these angles, ascending, in Hz.
+    error : ndarray, shape (m,)
+        Relative error of the frequencies: extremes are refined until they change by a tenth of
+        it.
+    full_turn : bool
+        Whether the last angle leads back to the first.
+
+    Returns
+    -------
+    Extremes
+    """
+    count = frequency.shape[1]
+    # The highest frequency is the lowest of the negative ones.
+    mode, sign = np.tile(np.arange(count), 2), np.repeat([1.0, -1.0], count)
+    brackets = _Brackets.on_grid(crank_angles, sign * frequency[:, mode], full_turn)
+    mode, sign = mode[brackets.curve], sign[brackets.curve]
+    allowed = SETTLED * np.maximum(error, LEAST_ERROR)[mode] * np.abs(brackets.value[1])
+    # A parabola over whole steps may be wrong: each is tried once.
+    gained = np.where(brackets.has_width, np.inf, 0.0)
+    for _ in range(MOST_ROUNDS):
+        vertex, gain = brackets.parabola()
+        these = np.flatnonzero((np.maximum(gain, gained) > allowed) & brackets.may_be_lowest())
+        if not len(these):
+            break
+        trial = brackets.angles_near(vertex)[:, these]
+        found = solve_frequencies(systems.at(trial.ravel(), crank_speed), count)
+        value = found.reshape(*trial.shape, count)[:, np.arange(len(these)), mode[these]]
+        known = brackets.value[1].copy()
+        brackets.narrow(these, trial, sign[these] * value)
+        gained = known - brackets.value[1]
+    lowest = brackets.lowest()
+    where, extreme = brackets.angle[1, lowest], (sign * brackets.value[1])[lowest]
+    if full_turn:
+        where = crank_angles[0] + np.mod(where - crank_angles[0], FULL_TURN)
+    return Extremes(extreme[:count], where[:count], extreme[count:], where[count:])
+
+
+@dataclass
+class _Brackets:
+    """Three angles around each of b minima of t curves, and the values there.
+
+    What is not bracketed, a minimum at an end of the angles, has one angle three times.
+
+    Parameters
+    ----------
+    angle, value : ndarray, shape (3, b)
+    curve : ndarray of int, shape (b,)
+        To which of the curves a minimum belongs.
+    slope : ndarray, shape (b,)
+        The steepest in the grid's four steps around it.
+    """
+
+    angle: FloatArray
+    value: FloatArray
+    curve: IntArray
+    slope: FloatArray
+
+    @classmethod
+    def on_grid(cls, angle: FloatArray, value: FloatArray, full_turn: bool) -> _Brackets:
+        """Around those minima of values (A, t) at angles (A,) that may be a curve's lowest.
+
+        The lowest value on the grid need not be that of the lowest minimum: where modes veer a
+        curve turns round within a step. A minimum is left out if the curve, falling and rising
+        inside it as steeply as in the four steps around it, stays above the lowest value.
+        """
+        if full_turn:
+            once = angle < angle[0] + FULL_TURN * (1 - 1e-9)
+            angle, value = angle[once], value[once]
+            around = np.arange(-2, len(angle) + 2)
+            turns, around = np.divmod(around, len(angle))
+            angle, value = angle[around] + FULL_TURN * turns, value[around]
+        else:
+            angle = np.pad(angle, 2, constant_values=np.nan)
+            value = np.pad(value, ((2, 2), (0, 0)), constant_values=np.nan)
+        least = np.nanmin(value, axis=0)
+        middle = np.arange(2, len(angle) - 2)
+        slope = np.abs(np.diff(value, axis=0) / np.diff(angle)[:, None])
+        steepest = np.nanmax([slope[middle + n] for n in range(-2, 2)], axis=0)
+        before, here, behind = (value[middle + n] for n in (-1, 0, 1))
+        angles = angle[middle[:, None] + [-1, 0, 1]].T[:, :, None]
+        bound = _lower_bound(before, behind, steepest, angles)
+        # At an end of the angles a comparison with nothing is no obstacle.
+        minimum = ~(here > before) & ~(here > behind)
+        place, curve = np.nonzero(minimum & (~(bound > least) | (here == least)))
+        chosen = middle[place] + np.array([-1, 0, 1])[:, None]
+        chosen = np.where(np.isnan(angle[chosen]).any(axis=0), middle[place], chosen)
+        return cls(angle[chosen], value[chosen, curve], curve, steepest[place, curve])
+
+    def lowest(self) -> IntArray:
+        """Number of the lowest minimum of each curve, shape (t,)."""
+        order = np.lexsort((self.value[1], self.curve))
+        return np.asarray(order[np.unique(self.curve[order], return_index=True)[1]])
+
+    def may_be_lowest(self) -> NDArray[np.bool_]:
+        """Which may come below what is known of their curve, at slopes as around them; (b,)."""
+        least = self.value[1, self.lowest()][self.curve]
+        bound = _lower_bound(self.value[0], self.value[2], self.slope, self.angle)
+        return np.asarray(np.minimum(bound, self.value[1]) <= least)
+
+    @property
+    def has_width(self) -> NDArray[np.bool_]:
+        """Which are around a minimum, and not at an end of the angles; shape (b,)."""
+        return np.asarray(self.angle[2] > self.angle[0])
+
+    def parabola(self) -> tuple[FloatArray, FloatArray]:
+        """Vertex of the parabola through each bracket, and how far it is below the middle.
+
+        Where the three do not bend upwards or have no width there is nothing below the middle.
+        """
+        (a, b, c), (fa, fb, fc) = self.angle, self.value
+        with np.errstate(divide="ignore", invalid="ignore"):
+            left, right = (fb - fa) / (b - a), (fc - fb) / (c - b)
+            curvature = 2 * (right - left) / (c - a)
+            slope = left + curvature * (b - a) / 2
+            vertex, gain = b - slope / curvature, slope**2 / (2 * curvature)
+        bends = self.has_width & (curvature > 0)
+        return np.where(bends, vertex, b), np.where(bends, gain, 0.0)
+
+    def angles_near(self, vertex: FloatArray) -> FloatArray:
+        """Three angles in each bracket around a vertex, none of them the middle; (3, b)."""
+        aside = ASIDE * (self.angle[2] - self.angle[0])
+        centre = np.clip(vertex, self.angle[0] + 2 * aside, self.angle[2] - 2 * aside)
+        near = np.abs(np.abs(centre - self.angle[1]) - [[0.0], [1.0]] * aside).min(axis=0)
+        centre = np.where(near < aside / 4, centre + aside / 2, centre)
+        return np.asarray(centre + np.array([-1, 0, 1])[:, None] * aside, dtype=float)
+
+    def narrow(self, of: IntArray, angle: FloatArray, value: FloatArray) -> None:
+        """Take in values (k, m) at angles (k, m) inside m of the brackets."""
+        every = np.concatenate([self.angle[:, of], angle])
+        values = np.concatenate([self.value[:, of], value])
+        order = np.argsort(every, axis=0)
+        every = np.take_along_axis(every, order, axis=0)
+        values = np.take_along_axis(values, order, axis=0)
+        middle = np.clip(np.argmin(values, axis=0), 1, len(every) - 2)
+        around = middle + np.array([-1, 0, 1])[:, None]
+        self.angle[:, of] = np.take_along_axis(every, around, axis=0)
+        self.value[:, of] = np.take_along_axis(values, around, axis=0)
+
+
+def _lower_bound(
+    before: FloatArray, behind: FloatArray, slope: FloatArray, angle: FloatArray
+) -> FloatArray:
+    """Least value between the ends of brackets at angles (3, ...), falling at most at a slope."""
+    return np.asarray((before + behind - slope * (angle[2] - angle[0])) / 2, dtype=float)
