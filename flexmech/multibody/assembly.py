@@ -18,7 +18,7 @@ from flexmech.multibody.arms import Arms, LinkArms
 from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.beams import BEAM_KINDS
 from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.node_bodies import BeamInertia, NodeBodies, point_masses_at
+from flexmech.multibody.node_bodies import NodeBodies, point_masses_at
 from flexmech.types import FloatArray
 
 __all__ = ["LinkAssembly", "LinkPart"]
@@ -40,7 +40,7 @@ class LinkPart:
         From the pins' axis to the nodes; None where the section is not eccentric and the
         nodes are on it.
     bodies : NodeBodies, optional
-        Bodies at the nodes of such a link; its beams carry all mass where there are none.
+        Bodies at the nodes, which carry all mass; its beams do where there are none.
     """
 
     positions: FloatArray
@@ -207,16 +207,15 @@ class LinkAssembly:
             nodes = [
                 self.kind.add_node(self.mbs, float(x), section.neutral_axis) for x in positions
             ]
-            inertia = BeamInertia.of(section)
             beams = [
-                self.kind.add_element(self.mbs, nodes[i : i + 2], float(h), section, inertia)
+                self.kind.add_element(self.mbs, nodes[i : i + 2], float(h), section)
                 for i, h in enumerate(np.diff(positions))
             ]
             stop = start + self.kind.per_node * len(nodes)
-            arms, bodies = None, None
-            if section.is_eccentric:
+            arms = Arms(section.neutral_axis) if section.is_eccentric else None
+            bodies = None
+            if not self.kind.carries_mass:
                 points = point_masses_at(self.mechanism, name, positions)
-                arms = Arms(section.neutral_axis)
                 bodies = NodeBodies.added(self.mbs, nodes, positions, section, points)
             parts.append(LinkPart(positions, nodes, beams, slice(start, stop), arms, bodies))
             start = stop

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.linear_system import RigidFields
-from flexmech.multibody.node_bodies import BeamInertia
 from flexmech.multibody.strains import Strain
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray, IntArray
@@ -32,6 +31,8 @@ class BeamKind(ABC):
         The node's coordinate across the link if its slope follows from it (no shear).
     turns_arms : bool
         Whether a node's section is rigid and turns what sits off the neutral axis.
+    carries_mass : bool
+        Whether the elements carry the link's mass; if not, bodies at the nodes do.
     """
 
     per_node: int
@@ -39,6 +40,7 @@ class BeamKind(ABC):
     clamped: int
     deflection: int | None
     turns_arms: bool
+    carries_mass: bool
 
     @abstractmethod
     def add_node(self, mbs: Any, x: float, y: float) -> int:
@@ -56,9 +58,7 @@ class BeamKind(ABC):
         """
 
     @abstractmethod
-    def add_element(
-        self, mbs: Any, nodes: list[int], length: float, section: BeamSection, inertia: BeamInertia
-    ) -> int:
+    def add_element(self, mbs: Any, nodes: list[int], length: float, section: BeamSection) -> int:
         """Beam element between two nodes.
 
         Parameters
@@ -69,9 +69,6 @@ class BeamKind(ABC):
         length : float
             In m.
         section : BeamSection
-            Its stiffness and damping.
-        inertia : BeamInertia
-            Mass that the element carries on its axis.
 
         Returns
         -------

@@ -11,8 +11,8 @@ from flexmech.errors import InputError
 from flexmech.linear_system import RigidFields
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beam_kind import BeamKind
+from flexmech.multibody.exact_beam import element_shear_damping_time, element_shear_stiffness
 from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.node_bodies import BeamInertia
 from flexmech.multibody.strains import Strain, cable_strains, exact_beam_strains
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
@@ -33,15 +33,14 @@ class AncfCable(BeamKind):
     clamped = 3
     deflection = 1
     turns_arms = False
+    carries_mass = True
 
     def add_node(self, mbs: Any, x: float, y: float) -> int:
         """See :class:`BeamKind`."""
         items = load_exudyn().itemInterface
         return int(mbs.AddNode(items.NodePoint2DSlope1(referenceCoordinates=[x, y, 1.0, 0.0])))
 
-    def add_element(
-        self, mbs: Any, nodes: list[int], length: float, section: BeamSection, inertia: BeamInertia
-    ) -> int:
+    def add_element(self, mbs: Any, nodes: list[int], length: float, section: BeamSection) -> int:
         """See :class:`BeamKind`."""
         items = load_exudyn().itemInterface
         return int(
@@ -49,7 +48,7 @@ class AncfCable(BeamKind):
                 items.ObjectANCFCable2D(
                     nodeNumbers=nodes,
                     length=length,
-                    massPerLength=inertia.mass_per_length,
+                    massPerLength=section.mass_per_length,
                     bendingStiffness=section.bending_stiffness,
                     axialStiffness=section.axial_stiffness,
                     bendingDamping=section.damping.bending * section.bending_stiffness,
@@ -118,37 +117,42 @@ class AncfCable(BeamKind):
 
 
 class GeometricallyExactBeam(BeamKind):
-    """``ObjectBeamGeometricallyExact2D``: position and rotation a node, shear, rotary inertia."""
+    """``ObjectBeamGeometricallyExact2D``: position and rotation a node, shear, rotary inertia.
+
+    Its mass sits at the nodes; see :mod:`flexmech.multibody.node_bodies`.
+    """
 
     per_node = 3
     vectors = ((0, 1),)
     clamped = 2
     deflection = None
     turns_arms = True
+    carries_mass = False
 
     def add_node(self, mbs: Any, x: float, y: float) -> int:
         """See :class:`BeamKind`."""
         items = load_exudyn().itemInterface
         return int(mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[x, y, 0.0])))
 
-    def add_element(
-        self, mbs: Any, nodes: list[int], length: float, section: BeamSection, inertia: BeamInertia
-    ) -> int:
+    def add_element(self, mbs: Any, nodes: list[int], length: float, section: BeamSection) -> int:
         """See :class:`BeamKind`."""
         items = load_exudyn().itemInterface
+        h = np.array([length])
+        shear_stiffness = float(element_shear_stiffness(section, h)[0])
+        shear_time = float(element_shear_damping_time(section, h)[0])
         return int(
             mbs.AddObject(
                 items.ObjectBeamGeometricallyExact2D(
                     nodeNumbers=nodes,
                     length=length,
-                    massPerLength=inertia.mass_per_length,
-                    crossSectionInertia=inertia.rotary_inertia,
+                    massPerLength=0.0,
+                    crossSectionInertia=0.0,
                     bendingStiffness=section.bending_stiffness,
                     axialStiffness=section.axial_stiffness,
-                    shearStiffness=section.shear_stiffness,
+                    shearStiffness=shear_stiffness,
                     bendingDamping=section.damping.bending * section.bending_stiffness,
                     axialDamping=section.damping.axial * section.axial_stiffness,
-                    shearDamping=section.damping.shear * section.shear_stiffness,
+                    shearDamping=shear_time * shear_stiffness,
                     referenceCurvature=section.free_curvature,
                 )
             )

@@ -76,14 +76,19 @@ class ExudynEngine(Engine):
         refuse_sections(mechanism, self.element)
 
     def convergence(self, prestress: Prestress) -> ConvergenceOrders:
-        """Cubic ANCF: fourth order; linear geometrically exact beam: second.
+        """Both elements: fourth order in bending.
 
         Reference strains are constant in a cable, so tension given by them (``axial``)
-        converges in second order.
+        converges in second order, as does what tension does to the linear exact beam. The
+        stretch of a cable is continuous at its nodes: where a point mass makes it jump,
+        stretching converges in first order.
         """
-        if self.element == "ancf":
-            return ConvergenceOrders(elastic=4, prestress=2 if prestress == "axial" else 4)
-        return ConvergenceOrders(elastic=2, prestress=2)
+        cable = self.element == "ancf"
+        return ConvergenceOrders(
+            elastic=4,
+            prestress=4 if cable and prestress != "axial" else 2,
+            stretching=1 if cable and self.mechanism.link_masses else 2,
+        )
 
     @cached_property
     def model(self) -> StaticModel:

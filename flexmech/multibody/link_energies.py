@@ -46,18 +46,22 @@ class LinkEnergies:
         -------
         ndarray, shape (m,)
         """
-        mass, arms = self._links[link].mass, self._assembly.parts[link].arms
-        if arms is None:
+        mass, part = self._links[link].mass, self._assembly.parts[link]
+        if part.bodies is None:
             return np.asarray(np.sum(velocity @ mass * velocity, axis=1) / 2)
         # By the nodes only the first moments of the bodies there turn with the sections.
-        rate = arms.moved_rate(position, velocity)
-        mass = arms.back.matrix(np.zeros(len(mass)), mass)
+        rate = velocity
+        if part.arms is not None:
+            rate = part.arms.moved_rate(position, velocity)
+            mass = part.arms.back.matrix(np.zeros(len(mass)), mass)
         angles = np.arange(2, len(mass), self._assembly.kind.per_node)
-        moment = -mass[angles - 2, angles]
+        x, y = rate[:, angles - 2], rate[:, angles - 1]
         turn, spin = position[:, angles], rate[:, angles]
-        turned = (1 - np.cos(turn)) * rate[:, angles - 2] - np.sin(turn) * rate[:, angles - 1]
+        sine, lowered = np.sin(turn), 1 - np.cos(turn)
+        along, across = (part.bodies.centre * part.bodies.mass[:, None]).T
+        turned = across * (lowered * x - sine * y) - along * (sine * x + lowered * y)
         energy = np.sum(rate @ mass * rate, axis=1) / 2
-        return np.asarray(energy + (spin * turned) @ moment)
+        return np.asarray(energy + np.sum(spin * turned, axis=1))
 
     def gravity(self, link: int, position: FloatArray) -> FloatArray:
         """Potential of a link's weight but for a constant.
@@ -73,10 +77,13 @@ class LinkEnergies:
         ndarray, shape (m,)
         """
         part = self._assembly.parts[link]
-        if part.bodies is None or part.arms is None:
+        if part.bodies is None:
             return np.asarray(-position @ self.weight(link))
         x, y = self._assembly.mechanism.gravity
-        nodes = part.arms.moved(position).reshape(len(position), -1, self._assembly.kind.per_node)
-        arm, turn = part.bodies.centre, nodes[..., 2]
-        lifted = x * (nodes[..., 0] - arm * np.sin(turn)) + y * (nodes[..., 1] + arm * np.cos(turn))
+        nodes = position if part.arms is None else part.arms.moved(position)
+        nodes = nodes.reshape(len(position), -1, self._assembly.kind.per_node)
+        (along, across), turn = part.bodies.centre.T, nodes[..., 2]
+        cosine, sine = np.cos(turn), np.sin(turn)
+        lifted = x * (nodes[..., 0] + along * cosine - across * sine)
+        lifted = lifted + y * (nodes[..., 1] + along * sine + across * cosine)
         return np.asarray(-lifted @ part.bodies.mass)

@@ -1,16 +1,28 @@
-"""The mass of links whose matter is off the neutral axis: beams and bodies at their nodes.
+"""The mass of links of geometrically exact beams: rigid bodies at their nodes.
 
-A beam element of Exudyn carries its mass on its own axis. What sits off it is a rigid body
-at each node, with the mass of the half elements beside the node, its centre of mass and its
-rotary inertia: lumped. Lumped masses alone would make a rigid link's moment of inertia too
-great, so the elements add the difference to the consistent mass: their own mass, and as
-much negative mass at the nodes. The sum has the section's mass, first moment and rotary
-inertia.
+Exudyn's element has the mass of linear interpolation, whose frequencies are of second order
+in the element length h, and carries it on its own axis alone. Here the elements have none.
+Each node carries the rigid segment of the link around it, half an element to either side, off
+the neutral axis where the section's matter is. What that leaves of the second order goes with
+two differences between the nodes of an element, of their velocities and of their spins:
+
+    2 T = sum of m h (v^2 + (r^2 + h^2 / 12) phi^2)
+          - m h / 12 (v_1 - v_2)^2 + (EI / kGA) m h / 12 (phi_1 - phi_2)^2,
+
+with the mass m and the squared radius of gyration r^2 of the section. With the stiffness of
+:func:`flexmech.multibody.exact_beam.element_shear_stiffness` a wave along the beam then has the
+frequency of Timoshenko's theory to fourth order, but for what goes with the fourth power of r
+over the wave's length; a rod, whose phi is zero, to fourth order too. At the ends of the link,
+and where a point mass interrupts it, integration by parts leaves ``m h^2 / 12`` times ``v (v' +
+phi)``: half of it moves mass from the last node to the one before, half of it moves the centre
+of mass of the last body inwards. Mass, first and second moment of a rigid link are those of the
+section exactly.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -20,30 +32,69 @@ from flexmech.multibody.library import load_exudyn
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = ["BeamInertia", "NodeBodies", "point_masses_at"]
+__all__ = ["NodalMass", "NodeBodies", "point_masses_at"]
 
 
 @dataclass(frozen=True)
-class BeamInertia:
-    """What a beam element carries on its axis, per length.
+class NodalMass:
+    """Mass of one link as its nodes and the differences between them have it.
 
     Parameters
     ----------
-    mass_per_length : float
-        In kg/m.
-    rotary_inertia : float
-        In kg m.
+    share : ndarray, shape (e + 1,)
+        Mass of each node in kg.
+    along : ndarray, shape (e + 1,)
+        First moment of it along the link about the node in kg m.
+    rotary : ndarray, shape (e + 1,)
+        Rotary inertia of the section in kg m^2.
+    segment : ndarray, shape (e + 1,)
+        Rotary inertia of a rigid segment around the node, as a line, in kg m^2.
+    velocity, spin : ndarray, shape (e,)
+        Mass in kg and inertia in kg m^2 by the difference of the nodes' velocities and spins.
     """
 
-    mass_per_length: float
-    rotary_inertia: float
+    share: FloatArray
+    along: FloatArray
+    rotary: FloatArray
+    segment: FloatArray
+    velocity: FloatArray
+    spin: FloatArray
 
     @classmethod
-    def of(cls, section: BeamSection) -> BeamInertia:
-        """All of a section on whose neutral axis its matter is centred, or the share of it."""
-        if not section.is_eccentric:
-            return cls(section.mass_per_length, section.rotary_inertia)
-        return cls(_consistent_share(section) * section.mass_per_length, 0.0)
+    def of(cls, section: BeamSection, positions: FloatArray, point_masses: FloatArray) -> NodalMass:
+        """Mass of a section along a link.
+
+        Parameters
+        ----------
+        section : BeamSection
+        positions : ndarray, shape (e + 1,)
+            Of the nodes in m.
+        point_masses : ndarray, shape (e + 1,)
+            In kg; they are not counted, but interrupt the link.
+
+        Returns
+        -------
+        NodalMass
+        """
+        length = np.diff(positions)
+        mass, soft = section.mass_per_length, section.bending_stiffness / section.shear_stiffness
+        share, along = mass * _halves(length), np.zeros(len(positions))
+        velocity = mass * length / 12
+        for first, last in _uniform_pieces(length, point_masses):
+            for end, inwards in ((first, 1), (last, -1)):
+                element = min(end, end + inwards)
+                moved = mass * length[element] / 24
+                share[[end, end + inwards]] += [-moved, moved]
+                along[end] += inwards * moved * length[element]
+                velocity[element] += moved
+        return cls(
+            share=share,
+            along=along,
+            rotary=section.rotary_inertia * _halves(length),
+            segment=mass * _halves(length**3 / 12),
+            velocity=_kept(section, float(length.min())) * velocity,
+            spin=soft * mass * length / 12,
+        )
 
 
 @dataclass(frozen=True)
@@ -56,13 +107,16 @@ class NodeBodies:
         Exudyn's numbers of the bodies, node by node.
     mass : ndarray, shape (e + 1,)
         In kg.
-    centre : ndarray, shape (e + 1,)
-        Distance of their centres of mass from the neutral axis in m.
+    centre : ndarray, shape (e + 1, 2)
+        Their centres of mass from the nodes, along and across the link, in m.
+    segment : ndarray, shape (e + 1,)
+        See :class:`NodalMass`.
     """
 
     numbers: list[int]
     mass: FloatArray
     centre: FloatArray
+    segment: FloatArray
 
     @classmethod
     def added(
@@ -73,7 +127,7 @@ class NodeBodies:
         section: BeamSection,
         point_masses: FloatArray,
     ) -> NodeBodies:
-        """Add the bodies to a system.
+        """Add the bodies to a system, and what goes with the differences between nodes.
 
         Parameters
         ----------
@@ -91,27 +145,27 @@ class NodeBodies:
         NodeBodies
         """
         items = load_exudyn().itemInterface
-        half = np.diff(positions) / 2
-        share = section.mass_per_length * (np.append(half, 0.0) + np.append(0.0, half))
+        own = NodalMass.of(section, positions, point_masses)
         at, pins = section.mass_axis - section.neutral_axis, -section.neutral_axis
-        mass = share + point_masses
-        centre = (share * at + point_masses * pins) / mass
-        own = section.rotary_inertia / section.mass_per_length
-        inertia = share * (own + at**2) + point_masses * pins**2
+        mass = own.share + point_masses
+        across = own.share * at + point_masses * pins
+        centre = np.stack([own.along, across], axis=1) / mass[:, None]
+        inertia = own.rotary + own.segment + own.share * at**2 + point_masses * pins**2
         numbers = [
             int(
                 mbs.AddObject(
                     items.ObjectRigidBody2D(
-                        nodeNumber=node, mass=m, inertia=i, centerOfMass=[0.0, y]
+                        nodeNumber=node, mass=m, inertia=i, centerOfMass=[float(x), float(y)]
                     )
                 )
             )
-            for node, m, i, y in zip(nodes, mass, inertia, centre, strict=True)
+            for node, m, i, (x, y) in zip(nodes, mass, inertia, centre, strict=True)
         ]
-        for node, twice in zip(nodes, _consistent_share(section) * share, strict=True):
-            removed = np.diag([-twice, -twice, 0.0])
-            mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[node], massMatrix=removed))
-        return cls(numbers, mass, centre)
+        difference = np.array([[1.0, -1.0], [-1.0, 1.0]])
+        for pair, velocity, spin in zip(pairwise(nodes), own.velocity, own.spin, strict=True):
+            matrix = np.kron(difference, np.diag([-velocity, -velocity, spin]))
+            mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=list(pair), massMatrix=matrix))
+        return cls(numbers, mass, centre, own.segment)
 
 
 def point_masses_at(mechanism: Mechanism, link: str, positions: FloatArray) -> FloatArray:
@@ -135,14 +189,26 @@ def point_masses_at(mechanism: Mechanism, link: str, positions: FloatArray) -> F
     return masses
 
 
-def _consistent_share(section: BeamSection) -> float:
-    """How much of the consistent mass replaces lumped mass, from 0 to 1.
+def _halves(values: FloatArray) -> FloatArray:
+    """Half of each element's value to either of its nodes."""
+    return np.asarray(np.append(values / 2, 0.0) + np.append(0.0, values / 2))
 
-    Consistent mass of nodes that move to and fro in turn is a third of the lumped one. The
-    mass matrix stays positive while that, against rotary inertia about the neutral axis,
-    outweighs the first moment: all of it may be consistent if the centre of mass is nearer
-    to the neutral axis than the radius of gyration by a factor of the square root of 3.
+
+def _uniform_pieces(length: FloatArray, point_masses: FloatArray) -> list[tuple[int, int]]:
+    """First and last node of each piece of equal elements without a point mass between."""
+    uneven = ~np.isclose(length[1:], length[:-1], rtol=1e-9, atol=0.0)
+    inner = np.flatnonzero(uneven | (point_masses[1:-1] > 0)) + 1
+    return list(pairwise([0, *inner.tolist(), len(length)]))
+
+
+def _kept(section: BeamSection, length: float) -> float:
+    """How much of the difference of velocities is taken off, from 0 to 1.
+
+    All of it, unless the centre of mass is so far off the neutral axis that the mass of nodes
+    moving to and fro in turn would not be positive any more. It takes a third off that mass
+    inside a link, half of it at its ends.
     """
     square = (section.mass_axis - section.neutral_axis) ** 2
-    ratio = square / (square + section.rotary_inertia / section.mass_per_length)
-    return float(min(1.0, (4 - 4 * ratio) / 3))
+    turning = section.rotary_inertia / section.mass_per_length + length**2 / 12
+    turning += section.bending_stiffness / section.shear_stiffness / 3
+    return float(np.clip(2 * turning / (square + turning), 0.0, 1.0))

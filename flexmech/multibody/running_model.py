@@ -220,13 +220,13 @@ class RunningModel:
                     )
 
     def _add_weight(self, bodies: NodeBodies) -> None:
-        """Weight of an eccentric link at the centres of mass of the bodies at its nodes."""
+        """Weight of a link at the centres of mass of the bodies at its nodes."""
         mbs, items = self.assembly.mbs, load_exudyn().itemInterface
         x, y = self.assembly.mechanism.gravity
         if not (x or y):
             return
-        for body, mass, arm in zip(bodies.numbers, bodies.mass, bodies.centre, strict=True):
-            centre = items.MarkerBodyRigid(bodyNumber=body, localPosition=[0.0, arm, 0.0])
+        for body, mass, place in zip(bodies.numbers, bodies.mass, bodies.centre, strict=True):
+            centre = items.MarkerBodyRigid(bodyNumber=body, localPosition=[*map(float, place), 0.0])
             load = items.LoadForceVector(
                 markerNumber=mbs.AddMarker(centre), loadVector=[mass * x, mass * y, 0.0]
             )

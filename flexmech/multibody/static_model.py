@@ -106,6 +106,7 @@ class StaticModel:
             at = part.coordinates.start + assembly.kind.per_node * np.arange(len(part.nodes))
             if part.bodies is None:
                 mass[at, at] = mass[at + 1, at + 1] = assembly.point_masses(link)
+            if part.arms is None:
                 continue
             for number, first in enumerate(at):
                 marker = assembly.add_axis_point(part, number)

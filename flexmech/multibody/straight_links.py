@@ -34,7 +34,12 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
         own = [matrix[part.coordinates, part.coordinates] for matrix in (mass, stiffness, damping)]
         if part.arms is not None:
             own = [part.arms.matrix(np.zeros(size), matrix) for matrix in own]
-        inertia = _inertia(own[0], _quarter_turn(size, *kind.vector_pairs(count)))
+        x, y = kind.vector_pairs(count)
+        inertia = _inertia(own[0], _quarter_turn(size, x, y), y)
+        if part.bodies is not None:
+            # Mass along a rigid segment is mass of displacements, no rotary inertia.
+            turns = np.arange(2, size, kind.per_node)
+            inertia.translational_mass[turns, turns] += part.bodies.segment
         last = size - kind.per_node
         models.append(
             LinkModel(
@@ -100,15 +105,18 @@ class _Inertia:
     first_moment: FloatArray
 
 
-def _inertia(mass: FloatArray, quarter: FloatArray) -> _Inertia:
+def _inertia(mass: FloatArray, quarter: FloatArray, across: IntArray) -> _Inertia:
     """Integrals of the same shapes as a straight link's mass matrix.
 
-    Vectors and rotations are coupled in it where the centre of mass is off the pins' axis.
+    Vectors and rotations are coupled in it where the centre of mass is off the pins' axis, and
+    where that of a body at a node is off the node along the link, which is no first moment of
+    the link. ``across`` are the coordinates that move it across.
     """
     turned = quarter.T @ mass @ quarter
     coupling = mass - mass @ quarter @ quarter.T  # what rotations exert on vectors
     coupling = quarter @ quarter.T @ coupling
     moment = -coupling.sum(axis=1)
+    moment[across] = 0.0
     return _Inertia(
         gyroscopic=turned @ quarter + quarter @ coupling - (quarter @ coupling).T,
         translational_mass=turned + coupling + coupling.T,

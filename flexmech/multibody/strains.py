@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.multibody.exact_beam import element_shear_damping_time, element_shear_stiffness
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
@@ -28,14 +29,14 @@ class Strain:
     weight : ndarray, shape (e, g)
         Stiffness times the length that the point stands for: half of it times the strain
         squared is the strain energy in J.
-    damping_time : float
+    damping_time : float or ndarray, shape (e,)
         Kelvin-Voigt time of this strain in s.
     """
 
     value: FloatArray
     rate: FloatArray
     weight: FloatArray
-    damping_time: float
+    damping_time: float | FloatArray
 
     @property
     def energy(self) -> FloatArray:
@@ -50,8 +51,8 @@ class Strain:
     @property
     def dissipation(self) -> FloatArray:
         """Power in W that Kelvin-Voigt damping takes, shape (m,)."""
-        power = np.einsum("meg,meg,eg->m", self.rate, self.rate, self.weight)
-        return np.asarray(self.damping_time * power)
+        power = np.einsum("meg,meg,eg->me", self.rate, self.rate, self.weight)
+        return np.asarray((self.damping_time * power).sum(axis=1))
 
 
 def cable_strains(
@@ -102,7 +103,8 @@ def exact_beam_strains(
 ) -> list[Strain]:
     """Stretch, shear and curvature of the linear ``ObjectBeamGeometricallyExact2D``.
 
-    All three in the middle of the element, its one integration point.
+    All three in the middle of the element, its one integration point. The shear contains what
+    the element bends one way and back; see :mod:`flexmech.multibody.exact_beam`.
 
     Parameters
     ----------
@@ -128,10 +130,15 @@ def exact_beam_strains(
     stretching = _dot(slope_rate, along) + spin * sheared
     shearing = _dot(slope_rate, across) - spin * stretched
     return [
-        Strain(value[..., None], change[..., None], stiffness * length[:, None], time)
+        Strain(value[..., None], change[..., None], (stiffness * length)[:, None], time)
         for value, change, stiffness, time in (
             (stretched - 1, stretching, section.axial_stiffness, damping.axial),
-            (sheared, shearing, section.shear_stiffness, damping.shear),
+            (
+                sheared,
+                shearing,
+                element_shear_stiffness(section, length),
+                element_shear_damping_time(section, length),
+            ),
             (bend, slope_rate[..., 2], section.bending_stiffness, damping.bending),
         )
     ]

@@ -53,6 +53,23 @@ def test_discretisation_error_with_point_masses(aluminium):
     within_factor_two([ReferenceEngine(loaded, 12)], "equilibrium", 20.0, True)
 
 
+@pytest.mark.parametrize("make", [ReferenceEngine, ExudynEngine])
+def test_discretisation_error_of_axial_modes(unit_arm, make):
+    """The third mode of an arm of slenderness 30 stretches: of second order, bars being linear.
+
+    In ANCF of first order, because the point mass makes the stretch jump.
+    """
+    arm = unit_arm(30)
+    loaded = Mechanism(arm.linkage, arm.sections, link_masses=(PointMass("arm", 0.45, 0.2),))
+    engine, options = make(loaded, 8), {"modes": 3, "prestress": "none", "rotation_terms": False}
+    systems = Systems(engine, Formulation(**options))
+    estimate = discretisation_error(systems, np.zeros(1), 0.0)[0, 2]
+    fine, found = (
+        natural_frequencies(e, 0.0, **options)[2] for e in (engine.with_(elements=64), engine)
+    )
+    assert abs(found / fine - 1) / 2 < estimate < 2 * abs(found / fine - 1)
+
+
 @pytest.mark.parametrize(("prestress", "speed"), [("none", 0.0), ("equilibrium", 20.0)])
 def test_reduction_error_is_the_distance_to_the_unreduced_matrices(mechanisms, prestress, speed):
     for mechanism in mechanisms.values():
