@@ -55,6 +55,10 @@ STARTS: tuple[Start, ...] = get_args(Start)
 TemplateKind = Literal["four-bar", "composite-four-bar", "rotating-arm"]
 """Model files to start from."""
 
+ELEMENTS_A_LINK = 8
+"""Finite elements on each link by default, where a map begins to refine."""
+TOLERANCE = 1e-3
+"""Relative error by the mesh up to which the ``frequencies`` command refines."""
 MODES = 4
 """Natural frequencies asked for by default, in maps and responses alike."""
 

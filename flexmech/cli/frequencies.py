@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from flexmech.choices import MODES
+from flexmech.choices import ELEMENTS_A_LINK, MODES, TOLERANCE
 from flexmech.cli import options
 from flexmech.cli.arguments import parse_angles, parse_speeds
 from flexmech.cli.deliver import deliver
@@ -21,7 +21,8 @@ def frequencies(
     element: options.Element = None,
     prestress: options.MapPrestress = "equilibrium",
     rotation_terms: options.RotationTerms = True,
-    elements: options.Elements = 8,
+    elements: options.PinnedElements = None,
+    tolerance: options.Tolerance = TOLERANCE,
     temperature_rise: options.TemperatureRise = None,
     moisture: options.Moisture = None,
     relative_humidity: options.RelativeHumidity = None,
@@ -48,7 +49,7 @@ def frequencies(
     deliver(
         MovingFrequencies,
         lambda progress: moving_frequencies(
-            make_engines(mechanism, engine, element, elements),
+            make_engines(mechanism, engine, element, elements or ELEMENTS_A_LINK),
             np.radians(crank_angles),
             None if given is None else given.values,
             modes=modes,
@@ -57,6 +58,7 @@ def frequencies(
             speed_effect=not no_plots and prestress != "none",
             environment=environment,
             speed_unit=unit,
+            tolerance=tolerance if elements is None else None,
             progress=progress,
         ),
         out,

@@ -60,6 +60,20 @@ Element = Annotated[
     ),
 ]
 Elements = Annotated[int, Option(min=1, help="Elements on each link.")]
+PinnedElements = Annotated[
+    int | None,
+    Option(
+        min=1,
+        help="Elements on each link, whatever the tolerance. Left out: 8, doubled by each engine "
+        "until its frequencies are within the tolerance, up to 32.",
+    ),
+]
+Tolerance = Annotated[
+    float,
+    Option(
+        help="Estimated relative error by the mesh that is allowed, where --elements is left out."
+    ),
+]
 CheckMesh = Annotated[
     bool, Option("--check-mesh", help="Repeat with twice the elements and compare.")
 ]

@@ -117,3 +117,17 @@ def test_the_terms_of_the_speed_effect_add_up(unit_arm):
     frequency = dataset["frequency"].isel(engine=0)
     total = dataset["speed_effect"].sum("term")
     np.testing.assert_allclose(total, frequency - frequency[0], atol=1e-4)
+
+
+def test_the_mesh_is_refined_to_the_tolerance(aluminium):
+    """Each engine by itself; without a tolerance the elements are those of the engines."""
+    engines = [ReferenceEngine(aluminium, 2), ExudynEngine(aluminium, 4, "geometrically-exact")]
+    angles, options = np.radians([0.0, 120.0]), {"modes": 2, "prestress": "none"}
+    kept = moving_frequencies(engines, angles, [0.0], **options).dataset
+    assert kept["elements"].values.tolist() == [2, 4]
+    assert kept["discretisation_error"].max() > 1e-3
+    refined = moving_frequencies(engines, angles, [0.0], tolerance=5e-4, **options)
+    assert refined.dataset["elements"].values.tolist() == [4, 8]
+    assert refined.dataset["discretisation_error"].max() < 5e-4
+    capped = moving_frequencies(engines[0], angles, [0.0], tolerance=1e-12, **options).dataset
+    assert capped["elements"].values.tolist() == [32]

@@ -63,6 +63,7 @@ def test_defaults_are_those_of_the_manual(
         "speed_effect": False,
         "environment": None,
         "speed_unit": "rad/s",
+        "tolerance": 1e-3,
         "progress": None,
     }
     assert names(tmp_path / "results") == DATA

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -37,6 +38,7 @@ def moving_frequencies(
     speed_effect: bool = False,
     environment: Environment | None = None,
     speed_unit: str = "rad/s",
+    tolerance: float | None = None,
     progress: LabelledProgress | None = None,
 ) -> MovingFrequencies:
     """Tracked natural frequencies over crank angles and speeds, with their errors.
@@ -67,6 +69,9 @@ def moving_frequencies(
         Heat and moisture: the mechanism is computed in them and dry.
     speed_unit : str
         In which the result speaks of crank speeds, such as ``"rpm"``.
+    tolerance : float, optional
+        Estimated relative error of the frequencies by the mesh: each engine doubles its elements
+        until it is met, up to 32 on each link. Left out: the engines' elements are kept.
     progress : callable, optional
         Called as ``progress(label, done, total)``.
 
@@ -94,7 +99,12 @@ def moving_frequencies(
     if crank_speeds is None:
         crank_speeds = operating_speeds(engines[0].mechanism)
     request = FrequencyRequest(
-        np.asarray(crank_angles), np.asarray(crank_speeds), formulation, speed_effect, speed_unit
+        np.asarray(crank_angles),
+        np.asarray(crank_speeds),
+        formulation,
+        speed_effect,
+        speed_unit,
+        tolerance,
     )
     if prestress == "trajectory" and not any(each.simulates for each in engines):
         names = " and ".join(each.name for each in engines)
@@ -104,30 +114,35 @@ def moving_frequencies(
         )
     report = progress or (lambda label, done, total: None)
     if environment is None:
-        return MovingFrequencies(_in_one_state(engines, request, report))
+        return MovingFrequencies(_in_one_state(engines, request, report)[0])
     mechanism = engines[0].mechanism
     lines = environment_lines(mechanism, environment)
     exposed = [
         each.with_(mechanism=mechanism_in_state(each.mechanism, environment)) for each in engines
     ]
+    # First in the environment: what it refuses is refused before the long work.
+    found, used = _in_one_state(exposed, request, report)
     # The same elements in both states: only heat and moisture shall make a difference.
     dry = [
-        each.with_(mechanism=mechanism, element=one.element)
-        for each, one in zip(engines, exposed, strict=True)
+        each.with_(mechanism=mechanism, element=one.element, elements=one.elements)
+        for each, one in zip(engines, used, strict=True)
     ]
-    # First in the environment: what it refuses is refused before the long work.
-    found = _in_one_state(exposed, request, report)
-    states = {"dry": _in_one_state(dry, request, report), state_name(environment): found}
+    as_meshed = replace(request, tolerance=None)
+    states = {"dry": _in_one_state(dry, as_meshed, report)[0], state_name(environment): found}
     return MovingFrequencies(with_states(states, lines))
 
 
 def _in_one_state(
     engines: Sequence[Engine], request: FrequencyRequest, report: LabelledProgress
-) -> xr.Dataset:
-    """Dataset of engines on one mechanism."""
+) -> tuple[xr.Dataset, list[Engine]]:
+    """Dataset of engines on one mechanism, and the engines with the elements that they used."""
     terms = None
     with one_thread():
         maps = [map_engine(engine, request, report) for engine in engines]
         if request.splits_speed and not engines[0].mechanism.is_free_strained:
             terms = speed_effect_terms(maps[0].engine, request, maps[0].detail, report)
-    return joined(engines, request, [each.dataset for each in maps], terms)
+    used = [
+        engine.with_(elements=each.engine.elements)
+        for engine, each in zip(engines, maps, strict=True)
+    ]
+    return joined(used, request, [each.dataset for each in maps], terms), used

@@ -53,6 +53,7 @@ def joined(
         dataset["strain_energy_damping"].attrs["links_without_data"] = unknown
     dataset = dataset.assign_coords(
         element=("engine", [engine.element for engine in engines]),
+        elements=("engine", [engine.elements for engine in engines]),
         crank_angle=request.crank_angles,
         mode=np.arange(1, formulation.modes + 1),
         check_angle=checks,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -31,6 +32,10 @@ from flexmech.types import FloatArray, IntArray, LabelledProgress
 
 __all__ = ["EngineMap", "map_engine"]
 
+logger = logging.getLogger(__name__)
+
+MOST_ELEMENTS = 32
+"""On each link, to which a map refines the mesh by itself."""
 # Modes followed besides those asked for, so that a branch may dip out and come back.
 SPARE_MODES = 2
 
@@ -58,7 +63,10 @@ class EngineMap:
 
 
 def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgress) -> EngineMap:
-    """Map of one engine, speed by speed; a speed begins with the branches of the one before.
+    """Map of one engine, on a mesh that is fine enough if the request has a tolerance.
+
+    The elements are doubled until the estimated error of the mesh is within the tolerance, or
+    until another doubling would exceed :data:`MOST_ELEMENTS`.
 
     Parameters
     ----------
@@ -72,6 +80,21 @@ def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgre
     -------
     EngineMap
     """
+    found = _map_on_mesh(engine, request, report)
+    if request.tolerance is None:
+        return found
+    while 2 * engine.elements <= MOST_ELEMENTS:
+        error = float(found.dataset["discretisation_error"].max())
+        if error <= request.tolerance:
+            break
+        logger.info("%d elements are off by %.1e", engine.elements, error)
+        engine = engine.with_(elements=2 * engine.elements)
+        found = _map_on_mesh(engine, request, report)
+    return found
+
+
+def _map_on_mesh(engine: Engine, request: FrequencyRequest, report: LabelledProgress) -> EngineMap:
+    """Map of one engine, speed by speed; a speed begins with the branches of the one before."""
     still = replace(request, formulation=request.formulation.quasi_static)
     asked = request if engine.simulates else still
     angles, modes = asked.crank_angles, asked.formulation.modes

@@ -10,7 +10,7 @@ from flexmech.analyses.frequencies.formulation import Formulation
 from flexmech.analyses.requests import in_radians
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import checked_array
+from flexmech.numbers import POSITIVE, check_number, checked_array
 from flexmech.types import FloatArray
 
 __all__ = ["FrequencyRequest", "operating_speeds"]
@@ -34,6 +34,9 @@ class FrequencyRequest:
         Whether to split the effect of speed by term, with the first engine.
     speed_unit : str
         In which results speak of crank speeds, such as ``"rpm"``.
+    tolerance : float, optional
+        Estimated relative error of the frequencies by the mesh up to which the elements given
+        are refined; None keeps them.
 
     Raises
     ------
@@ -51,6 +54,7 @@ class FrequencyRequest:
     formulation: Formulation = FORMULATION
     speed_effect: bool = False
     speed_unit: str = "rad/s"
+    tolerance: float | None = None
 
     def __post_init__(self) -> None:
         angles = in_radians("crank_angles", self.crank_angles)
@@ -63,6 +67,8 @@ class FrequencyRequest:
             raise InputError("crank_angles must increase; sort them and leave out repetitions")
         if len(np.unique(speeds)) != len(speeds):
             raise InputError("crank_speeds repeats a speed; give each one once")
+        if self.tolerance is not None:
+            check_number(self.tolerance, "tolerance", bounds=POSITIVE)
 
     def __repr__(self) -> str:
         return (

@@ -15,6 +15,7 @@ from flexmech.analyses.frequencies import words
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.analyses.tables import DEGREES, table_over
+from flexmech.choices import TOLERANCE
 from flexmech.errors import InputError
 from flexmech.units import from_si
 
@@ -333,8 +334,22 @@ class MovingFrequencies(Result):
         return (
             f"engines: {first} and {second} differ by at most {found.relative_difference:.2e} of "
             f"the frequency, at {from_si(found.crank_speed, unit):.6g} {unit}, "
-            f"{np.degrees(found.crank_angle):.6g} deg, mode {found.mode}"
+            f"{np.degrees(found.crank_angle):.6g} deg, mode {found.mode}{self._meshes(found)}"
         )
+
+    def _meshes(self, found: EngineAgreement) -> str:
+        """Errors by the mesh where engines differ by more than they should; empty if not."""
+        if found.relative_difference <= TOLERANCE:
+            return ""
+        there = self._last.dataset.sel(crank_speed=found.crank_speed, mode=found.mode)
+        errors = there["discretisation_error"].max("check_angle").sel(engine=list(found.engines))
+        said = ", ".join(
+            f"{float(error):.1e} of {name} ({there['element'].sel(engine=name).item()})"
+            for name, error in zip(found.engines, errors, strict=True)
+        )
+        whole = float(errors.sum())
+        cause = "explain it" if whole > found.relative_difference / 2 else "do not explain it"
+        return f"; the errors of the meshes, {said}, {cause}"
 
 
 def _rows(**columns: xr.DataArray) -> pd.DataFrame:
