@@ -97,13 +97,15 @@ def _march(
     linkage: DrivenLinkage, table: StepTable, time: FloatArray, state: VibrationState
 ) -> tuple[VibrationState, Following]:
     """March from the first of some times to the others, in parts that stay in the cache."""
-    histories, expansions, offsets = [], [], []
+    histories, expansions, offsets, passes = [], [], [], 0
     for first in range(0, len(time) - 1, CACHED_STEPS):
         rows = table.rows(time[first + 1 : first + 1 + CACHED_STEPS])
         if rows.stretch is None or linkage.stretch is None:
             history = march(rows.linear, state)
         else:
-            history = march_stretching(rows.linear, rows.stretch, linkage.stretch, state)
+            history, passes = march_stretching(
+                rows.linear, rows.stretch, linkage.stretch, state, passes
+            )
         state = history[-1]
         histories.append(history if first == 0 else history[1:])
         expansions.append(rows.following.expansion)

@@ -31,6 +31,8 @@ SPACING = 0.04
 LEAST_POSITIONS = 96
 # Of the Lagrange polynomials, counted from the position before.
 STENCIL = np.arange(-2, 4)
+# Coefficients of their powers, one polynomial a column.
+POLYNOMIALS = np.linalg.inv(np.vander(STENCIL.astype(float), increasing=True))
 # Positions solved at once.
 BATCH = 64
 
@@ -109,17 +111,16 @@ class StepTable:
         return values
 
     def _ensure(self, needed: IntArray) -> None:
-        """Solve the positions that are asked for the first time."""
-        missing = np.unique(needed[~self._solved[needed]])
+        """Solve the positions that are asked for the first time, and those of their batch."""
         drive = self._linkage.drive
-        for start in range(0, len(missing), BATCH):
-            some = missing[start : start + BATCH]
+        for batch in np.unique(needed[~self._solved[needed]] // BATCH):
+            some = np.arange(batch * BATCH, min((batch + 1) * BATCH, self._count))
             time = drive.run_up_time + some / self._count * drive.revolution_time
             values = self._solve(time)
             if self._table is None:
                 self._table = np.empty((self._count, values.shape[1]))
             self._table[some] = values
-        self._solved[missing] = True
+            self._solved[some] = True
 
     def _solve(self, time: FloatArray) -> FloatArray:
         linkage = self._linkage
@@ -165,8 +166,4 @@ class _Parts:
 
 def _lagrange(fraction: FloatArray) -> FloatArray:
     """Weights (m, 6) of the positions of the stencil."""
-    weights = np.ones((len(fraction), len(STENCIL)))
-    for column, own in enumerate(STENCIL):
-        for other in STENCIL[own != STENCIL]:
-            weights[:, column] *= (fraction - other) / (own - other)
-    return weights
+    return np.asarray(np.vander(fraction, len(STENCIL), increasing=True) @ POLYNOMIALS)

@@ -53,7 +53,8 @@ def march_stretching(
     operators: StretchOperators,
     stretch: LinkageStretch,
     state: VibrationState,
-) -> VibrationState:
+    passes: int = 0,
+) -> tuple[VibrationState, int]:
     """Take all steps from a state.
 
     Parameters
@@ -64,16 +65,23 @@ def march_stretching(
     stretch : LinkageStretch
     state : VibrationState
         Arrays of shape (n,).
+    passes : int
+        Of the modified Newton's method to begin with, where more than the least are needed.
 
     Returns
     -------
     VibrationState
         Arrays of shape (m + 1, n), the given state first.
+    int
+        The passes that it took.
     """
     scale = scaling(linear.step)
     history = np.empty((len(linear.response) + 1, 3, len(state.position)))
     history[0] = np.stack([state.position, state.velocity, state.acceleration]) * scale[:, None]
-    for passes in PASSES:
+    for count in PASSES:
+        if count < passes:
+            continue
+        passes = count
         change = _fixed_passes(linear, operators, stretch, history, passes)
         if _is_small(change, history[1:, 2]):
             break
@@ -81,15 +89,14 @@ def march_stretching(
     else:
         _newton(linear, operators, stretch, history)
     history /= scale[:, None]
-    return VibrationState(history[:, 0], history[:, 1], history[:, 2])
+    return VibrationState(history[:, 0], history[:, 1], history[:, 2]), passes
 
 
 def _is_small(change: FloatArray, acceleration: FloatArray) -> bool:
     """Whether the last change is small against accelerations; both of shape (m, n)."""
     with np.errstate(over="ignore", invalid="ignore"):
-        size = np.sqrt(np.max(np.sum(change**2, axis=1)))
-        whole = np.sqrt(np.max(np.sum(acceleration**2, axis=1)))
-    return bool(size <= LAST_CHANGE * whole)
+        size, whole = (np.einsum("mn,mn->m", a, a).max() for a in (change, acceleration))
+    return bool(size <= LAST_CHANGE**2 * whole)
 
 
 def _fixed_passes(

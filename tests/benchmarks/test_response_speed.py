@@ -26,9 +26,10 @@ def samples(turns):
 
 
 def reference_run(mechanism, elements, turns, level):
-    linkage = DrivenLinkage(ReferenceEngine(mechanism, elements), DRIVE, level)
+    engine = ReferenceEngine(mechanism, elements)
+    linkage = DrivenLinkage(engine, DRIVE, level, stretches=level == "equilibrium")
     nothing = np.zeros(linkage.size)
-    return linear_run(linkage, linkage.unstressed(), nothing, samples(turns), TURN / STEPS)
+    return linear_run(linkage, nothing, nothing, samples(turns), TURN / STEPS)
 
 
 def exudyn_run(mechanism, elements, turns):
