@@ -240,11 +240,11 @@ def test_coarse_maps_number_their_branches_as_the_map_of_one_degree(seed: int, r
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("seed", range(100, 140))
+@pytest.mark.parametrize("seed", range(100, 120))
 @pytest.mark.parametrize("kind", [ReferenceEngine, ExudynEngine])
 @pytest.mark.parametrize("runs", [False, True])
 def test_coarse_maps_of_many_mechanisms(seed: int, kind: type[Engine], runs: bool) -> None:
-    case = random_case(seed, damped=seed % 2 == 0)
+    case = random_case(seed)
     engine = kind(case.mechanism, 4)
     check_steps(engine, runs * case.crank_speed, [5, 10, 15, 30])
 
