@@ -12,6 +12,8 @@ __all__ = [
     "ELEMENTS",
     "INTEGRATORS",
     "MODES",
+    "MOST_ELEMENTS",
+    "MOST_MODES",
     "PRESTRESS_LEVELS",
     "STARTS",
     "ElementName",
@@ -61,6 +63,12 @@ TOLERANCE = 1e-3
 """Relative error by the mesh up to which the ``frequencies`` command refines."""
 MODES = 4
 """Natural frequencies asked for by default, in maps and responses alike."""
+
+MOST_ELEMENTS = 500
+"""Elements a link: with so many, three links' matrices of a batch of 16 positions take 1 GB, and
+several of them are held at a time."""
+MOST_MODES = 4500
+"""Three coordinates a node of so many elements on three links."""
 
 
 def engine_of(element: ElementName) -> EngineName:

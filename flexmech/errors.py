@@ -21,8 +21,10 @@ __all__ = [
 CRANK_SPEED = "{crank_speed}"
 """Where a message names the crank speed of its error, in the unit that the user prefers."""
 
-MOST_CHARACTERS = 1500
+MOST_CHARACTERS = 4000
 """Of a message: what a file or an option holds may be longer than anybody reads."""
+FAST = 100.0
+"""In rad/s: of greater crank speeds turns a minute are told as well."""
 # Of characters that move a terminal's cursor, break a line, or turn the direction of writing.
 _UNSEEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
 
@@ -64,6 +66,9 @@ class FlexmechError(Exception):
         if self.crank_speed is None:
             return message
         speed = f"{from_si(self.crank_speed, unit):.6g} {unit}"
+        if unit == "rad/s" and abs(self.crank_speed) >= FAST:
+            # Somebody who meant turns a minute sees it here.
+            speed += f" ({from_si(self.crank_speed, 'rpm'):.5g} rpm)"
         return message.replace(CRANK_SPEED, speed)
 
     def within(self, place: str) -> Self:

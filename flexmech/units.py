@@ -10,11 +10,36 @@ from __future__ import annotations
 import difflib
 import math
 import re
+import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 
 from flexmech import unit_registry
+from flexmech.dimensions import (
+    ACCELERATION,
+    ACTIVATION_ENERGY,
+    ANGLE,
+    ANGULAR_SPEED,
+    BENDING_STIFFNESS,
+    CURVATURE,
+    DENSITY,
+    DIFFUSIVITY,
+    EXPANSION,
+    FORCE,
+    FREQUENCY,
+    LENGTH,
+    MASS,
+    MASS_PER_LENGTH,
+    MOISTURE_EXPANSION,
+    RATIO,
+    ROTARY_INERTIA,
+    STRESS,
+    TEMPERATURE,
+    TEMPERATURE_DIFFERENCE,
+    TIME,
+    Dimension,
+)
 from flexmech.errors import InputError
 from flexmech.unit_registry import ZERO_CELSIUS, base_units, zero_of_scale
 
@@ -55,32 +80,12 @@ NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 
 _SPLIT = re.compile(rf"\s*(?P<number>{NUMBER})(?P<unit>.*)", re.DOTALL)
 
+# What files and options hold may be longer than anybody reads.
+_REPR = reprlib.Repr()
+_REPR.maxstring = _REPR.maxother = 100
+
 # A range hits its end when it comes this close, in steps: 0:1:0.333333 means thirds.
 _HIT = Decimal("1e-5")
-
-
-@dataclass(frozen=True)
-class Dimension:
-    """A kind of physical quantity.
-
-    Parameters
-    ----------
-    name : str
-        With its article, for messages: ``"a length"``.
-    unit : str
-        SI unit of the float that :func:`parse_quantity` returns; empty for a ratio.
-    examples : tuple of str
-        Well-formed values, the first one for messages.
-    """
-
-    name: str
-    unit: str
-    examples: tuple[str, ...]
-
-    @property
-    def example(self) -> str:
-        """A well-formed value in quotes, as in a model file."""
-        return f'"{self.examples[0]}"'
 
 
 @dataclass(frozen=True)
@@ -97,31 +102,6 @@ class Quantities:
 
     values: tuple[float, ...]
     unit: str
-
-
-LENGTH = Dimension("a length", "m", ("279.4 mm", "0.2794 m", "28 cm", "11 inch"))
-MASS = Dimension("a mass", "kg", ("25 g", "0.025 kg", "1 lb"))
-TIME = Dimension("a time", "s", ("2e-5 s", "20 µs", "0.02 ms"))
-FREQUENCY = Dimension("a frequency", "Hz", ("50 Hz", "1.2 kHz"))
-ANGLE = Dimension("an angle", "rad", ("45 deg", "0.785 rad"))
-ANGULAR_SPEED = Dimension("an angular speed", "rad/s", ("20 rad/s", "300 rpm", "5 rps", "90 deg/s"))
-ACCELERATION = Dimension("an acceleration", "m/s^2", ("-9.81 m/s^2", "0 m/s^2"))
-STRESS = Dimension("a stress", "Pa", ("68.9 GPa", "200000 MPa", "2e11 Pa", "1e7 psi"))
-DENSITY = Dimension("a density", "kg/m^3", ("7800 kg/m^3", "2.7 g/cm^3"))
-FORCE = Dimension("a force", "N", ("4900 N", "1.2 MN", "100 lbf"))
-CURVATURE = Dimension("a curvature", "1/m", ("0.2 1/m",))
-BENDING_STIFFNESS = Dimension("a bending stiffness", "N m^2", ("1.5 N m^2", "2e6 N mm^2"))
-MASS_PER_LENGTH = Dimension("a mass per length", "kg/m", ("0.2 kg/m", "200 g/m"))
-ROTARY_INERTIA = Dimension("a rotary inertia per length", "kg m", ("3e-7 kg m", "0.3 g mm"))
-TEMPERATURE = Dimension("a temperature", "K", ("80 degC", "353.15 K", "176 degF"))
-"""On a scale with its own zero: "20 degC" is 293.15 K."""
-TEMPERATURE_DIFFERENCE = Dimension("a temperature difference", "K", ("80 K", "80 degC"))
-"""Between two temperatures: "20 degC" is 20 K."""
-EXPANSION = Dimension("a thermal expansion", "1/K", ("58.4e-6 1/K", "11.7e-6 1/degC"))
-MOISTURE_EXPANSION = Dimension("a moisture expansion", "", ("3.02e-3 1/percent", "0.302"))
-DIFFUSIVITY = Dimension("a diffusivity", "m^2/s", ("1.2e-12 m^2/s", "1.2e-6 mm^2/s"))
-ACTIVATION_ENERGY = Dimension("an activation energy", "J/mol", ("45 kJ/mol", "45000 J/mol"))
-RATIO = Dimension("a ratio", "", ("0.01", "1 %"))
 
 
 def parse_number(text: str) -> Decimal:
@@ -145,14 +125,18 @@ def parse_number(text: str) -> Decimal:
     # Only what a keyboard's blanks are: strip() alone also takes off control characters.
     bare = text.strip(" \t\r\n")
     if not re.fullmatch(NUMBER, bare):
-        raise InputError(f"got {bare!r}, which is not a plain number; {_decimal_hint(text)}")
+        raise InputError(f"got {_shown(bare)}, which is not a plain number; {_decimal_hint(text)}")
     try:
         number = Decimal(bare)
-        finite = math.isfinite(float(number))
+        rounded = float(number)
     except ArithmeticError:
-        finite = False
-    if not finite:
-        raise InputError(f"got {text.strip()!r}, which is too large; write a smaller number")
+        rounded = math.inf
+    if not math.isfinite(rounded):
+        raise InputError(f"got {_shown(text.strip())}, which is too large; write a smaller number")
+    if number and not rounded:
+        raise InputError(
+            f"got {_shown(text.strip())}, which is too small; write 0, or a larger number"
+        )
     return number
 
 
@@ -186,19 +170,19 @@ def parse_quantity(
         value = repr(value)
     if isinstance(value, int | float) and not isinstance(value, bool):
         raise InputError(
-            f"got the number {value!r}, which has no unit; write {dimension.name} as text with "
-            f"its unit, for example {dimension.example}"
+            f"got the number {_shown(value)}, which has no unit; write {dimension.name} as text "
+            f"with its unit, for example {dimension.example}"
         )
     if not isinstance(value, str):
         raise InputError(
-            f"got {value!r}, which is not {dimension.name}; write it as text with its unit, "
+            f"got {_shown(value)}, which is not {dimension.name}; write it as text with its unit, "
             f"for example {dimension.example}"
         )
     number, unit = _split(value, dimension)
     if not unit and not unitless:
         if default_unit is None:
             raise InputError(
-                f"got {value!r}, which has no unit; write {dimension.name} with its unit, "
+                f"got {_shown(value)}, which has no unit; write {dimension.name} with its unit, "
                 f"for example {dimension.example}"
             )
         unit = default_unit
@@ -243,12 +227,12 @@ def parse_quantities(
     parts = text.split(separator)
     if separator == ":" and len(parts) != 3:
         raise InputError(
-            f"got {text!r}, which has {len(parts)} parts; write START:STOP:STEP, for example "
+            f"got {_shown(text)}, which has {len(parts)} parts; write START:STOP:STEP, for example "
             f'"0:300:50 {default_unit}"'
         )
     if not all(part.strip() for part in parts):
         raise InputError(
-            f"got {text!r}, in which a value is missing; write START:STOP:STEP, for example "
+            f"got {_shown(text)}, in which a value is missing; write START:STOP:STEP, for example "
             f'"0:300:50 {default_unit}", or a comma list such as "0,50,100 {default_unit}"'
         )
     entries = [_split(part.strip(), dimension) for part in parts]
@@ -274,7 +258,7 @@ def _unit_of_bare(text: str, separator: str, entries: Sequence[tuple[Decimal, st
         bare = separator.join(str(number) for number, _ in entries)
         remedy = f'write the unit once, at the end: "{bare} {written[-1]}"'
         raise InputError(
-            f"got {text!r}, in which some values have a unit and others have none; "
+            f"got {_shown(text)}, in which some values have a unit and others have none; "
             + (remedy if len(set(written)) == 1 else "give each value its unit")
         )
     return written[-1] if written else ""
@@ -285,12 +269,14 @@ def _counted(
 ) -> list[Decimal]:
     """Count the numbers of a range."""
     if step <= 0:
-        raise InputError(f"got {text!r}; STEP must be positive, for example 0:360:5")
+        raise InputError(f"got {_shown(text)}; STEP must be positive, for example 0:360:5")
     if stop < start:
-        raise InputError(f"got {text!r}; STOP must not be less than START, for example -90:90:5")
+        raise InputError(
+            f"got {_shown(text)}; STOP must not be less than START, for example -90:90:5"
+        )
     if (stop - start) >= most * step:
         raise InputError(
-            f"got {text!r}, which is too long; choose a STEP that gives at most {most} values"
+            f"got {_shown(text)}, which is too long; choose a STEP that gives at most {most} values"
         )
     steps = (stop - start) / step
     count = int(steps + _HIT)
@@ -330,15 +316,20 @@ def _split(text: str, dimension: Dimension) -> tuple[Decimal, str]:
     match = _SPLIT.fullmatch(text)
     if match is None:
         raise InputError(
-            f"got {text!r}, which does not begin with a number; write {dimension.name} as a "
+            f"got {_shown(text)}, which does not begin with a number; write {dimension.name} as a "
             f"number and a unit, for example {dimension.example}"
         )
     unit = match["unit"].strip()
     if match["unit"][:1] in (",", "_", "."):
         raise InputError(
-            f"got {text!r}, in which {match['unit']!r} follows the number; {_decimal_hint(text)}"
+            f"got {_shown(text)}, in which {_shown(match['unit'])} follows the number; "
+            f"{_decimal_hint(text)}"
         )
     return parse_number(match["number"]), unit
+
+
+def _shown(text: object) -> str:
+    return _REPR.repr(text)
 
 
 def _decimal_hint(text: str) -> str:
@@ -367,7 +358,7 @@ def _finite(number: Decimal, factor: Decimal, text: object) -> float:
     except ArithmeticError:
         result = math.inf
     if not math.isfinite(result):
-        raise InputError(f"got {text!r}, which is too large; write a smaller number")
+        raise InputError(f"got {_shown(text)}, which is too large; write a smaller number")
     return result
 
 
@@ -378,23 +369,26 @@ def _unknown_unit(text: str, unit: str, dimension: Dimension) -> str:
     remedy = f"did you mean {by_lower_case[close[0]]!r}?" if close else "write"
     example = known[by_lower_case[close[0]]] if close else dimension.examples[0]
     joint = " For example" if close else f" {dimension.name}, for example"
-    return f'got {text!r}, in which the unit {unit!r} is unknown; {remedy}{joint} "{example}"'
+    return (
+        f"got {_shown(text)}, in which the unit {_shown(unit)} is unknown; "
+        f'{remedy}{joint} "{example}"'
+    )
 
 
 def _wrong_dimension(text: str, unit: str, base: str, dimension: Dimension) -> str:
     if dimension is ANGULAR_SPEED and base == "1 / second":
         number = text[: text.rfind(unit)].strip() or "5"
         return (
-            f"got {text!r}, which is a frequency and not an angular speed; write turns per "
+            f"got {_shown(text)}, which is a frequency and not an angular speed; write turns per "
             f'second as "{number} rps", turns per minute as "300 rpm", or an angle per time '
             'as "20 rad/s"'
         )
     if dimension is FREQUENCY and base == "radian / second":
         return (
-            f"got {text!r}, which is an angular speed and not a frequency; write cycles per "
+            f"got {_shown(text)}, which is an angular speed and not a frequency; write cycles per "
             f"second, for example {dimension.example}"
         )
     return (
-        f"got {text!r}, whose unit {unit!r} ({base}) is not that of {dimension.name}; write "
-        f"{dimension.name}, for example {dimension.example}"
+        f"got {_shown(text)}, whose unit {_shown(unit)} ({base}) is not that of {dimension.name}; "
+        f"write {dimension.name}, for example {dimension.example}"
     )

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Iterable
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from flexmech import units
 from flexmech.cli.failures import naming
 from flexmech.errors import InputError
+from flexmech.plausible import RUN_UP, Plausible, check_plausible, of_dimension
 
 if TYPE_CHECKING:
     from flexmech.linkages import CouplerPoint
@@ -16,6 +19,9 @@ if TYPE_CHECKING:
 MOST_ANGLES = 100_000
 """More crank angles than this are taken for a slip of the keyboard."""
 MOST_SPEEDS = 10_000
+MOST_DEGREES = 2880
+DOUBTFUL_SPEED = 200.0
+"""In rad/s: a bare number beyond may be meant in turns a minute."""
 
 CRANK_ANGLE = units.Dimension("an angle", "deg", ("0:360:5", "45 deg", "0.785 rad"))
 """Whole degrees stay exact if they do not pass through radians."""
@@ -28,7 +34,11 @@ AUTO = "auto"
 
 
 def parse_option(
-    option: str, text: str, dimension: units.Dimension, default_unit: str | None = None
+    option: str,
+    text: str,
+    dimension: units.Dimension,
+    default_unit: str | None = None,
+    plausible: Plausible | None = None,
 ) -> float:
     """Quantity of an option.
 
@@ -40,6 +50,8 @@ def parse_option(
     dimension : Dimension
     default_unit : str, optional
         Unit of a bare number; without it such a number is refused.
+    plausible : Plausible, optional
+        What sizes it can have; those of its dimension if left out.
 
     Returns
     -------
@@ -49,10 +61,10 @@ def parse_option(
     Raises
     ------
     InputError
-        If it is no such quantity.
+        If it is no such quantity, or of a size that none has.
     """
     with naming(option):
-        return units.parse_quantity(text, dimension, default_unit=default_unit)
+        return _plausible(text, dimension, default_unit, plausible)
 
 
 def parse_speeds(text: str) -> units.Quantities:
@@ -77,6 +89,8 @@ def parse_speeds(text: str) -> units.Quantities:
     with naming("--speeds"):
         found = units.parse_quantities(text, units.ANGULAR_SPEED, "rad/s", most=MOST_SPEEDS)
         speeds = sorted(found.values)
+        for speed in (speeds[0], speeds[-1]):
+            _check_speed(speed, text)
         for lower, upper in pairwise(speeds):
             if math.isclose(lower, upper, rel_tol=_SAME_SPEED):
                 typed = f"{units.from_si(upper, found.unit):g} {found.unit}"
@@ -107,6 +121,11 @@ def parse_angles(text: str) -> list[float]:
     """
     with naming("--angles"):
         angles = units.parse_quantities(text, CRANK_ANGLE, "deg", most=MOST_ANGLES).values
+        if max(map(abs, angles)) > MOST_DEGREES:
+            raise InputError(
+                f"got {text!r}, which goes beyond {MOST_DEGREES} deg; positions repeat every "
+                "turn, so give angles of the first eight turns"
+            )
         for before, after in pairwise(angles):
             if not after > before:
                 raise InputError(
@@ -125,8 +144,8 @@ def parse_point(text: str) -> CouplerPoint:
     try:
         if len(parts) != 2:
             raise InputError(f"got {text!r}, which has {len(parts)} parts")
-        distance = units.parse_quantity(parts[0], units.LENGTH)
-        return CouplerPoint(distance, units.parse_quantity(parts[1], units.ANGLE))
+        distance = _plausible(parts[0], units.LENGTH)
+        return CouplerPoint(distance, _plausible(parts[1], units.ANGLE))
     except InputError as error:
         raise InputError(
             f'--point: {error}; write distance and angle, each with its unit, as in "33 mm,320 deg"'
@@ -191,7 +210,7 @@ def parse_step(text: str) -> float | None:
 
 def parse_run_up(text: str) -> float:
     """Duration of ``--run-up`` in s, which is its unit by default; zero or positive."""
-    duration = parse_option("--run-up", text, units.TIME, "s")
+    duration = parse_option("--run-up", text, units.TIME, "s", RUN_UP)
     if duration < 0:
         raise InputError(
             f"--run-up: got {text!r}, which is negative; write how long the crank takes to reach "
@@ -226,3 +245,49 @@ def parse_percent(option: str, text: str) -> float:
     if not 0 <= percent <= 100:
         raise InputError(f"{option}: must lie between 0 and 100 percent, got {text!r}")
     return percent / 100
+
+
+def speed_remark(option: str, text: str, speeds: Iterable[float]) -> str:
+    """Say how many turns a minute a bare number is that is large for rad/s.
+
+    Parameters
+    ----------
+    option : str
+    text : str
+        As it was typed.
+    speeds : iterable of float
+        In rad/s.
+
+    Returns
+    -------
+    str
+        Empty where a unit was typed, or none is fast.
+    """
+    fastest = max(map(abs, speeds))
+    if fastest < DOUBTFUL_SPEED or re.search(r"[a-df-zA-DF-Z]", text):
+        return ""
+    return (
+        f"remark: {fastest:.6g} rad/s is {units.from_si(fastest, 'rpm'):.5g} rpm; for turns a "
+        f'minute write {option} "{text.strip()} rpm"'
+    )
+
+
+def _check_speed(speed: float, text: str) -> None:
+    """Refuse a crank speed that no machine has; its remedy is told in turns a minute."""
+    sizes = of_dimension(units.ANGULAR_SPEED)
+    if sizes is not None and not sizes.holds(speed):
+        raise InputError(
+            f"got {text!r}, but {sizes.words}, 9.5e6 rpm; a bare number is in rad/s, check its unit"
+        )
+
+
+def _plausible(
+    text: str,
+    dimension: units.Dimension,
+    default_unit: str | None = None,
+    plausible: Plausible | None = None,
+) -> float:
+    value = units.parse_quantity(text, dimension, default_unit=default_unit)
+    if (sizes := plausible or of_dimension(dimension)) is not None:
+        check_plausible(value, text, sizes)
+    return value

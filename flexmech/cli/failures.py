@@ -11,7 +11,7 @@ from typing import ParamSpec
 import typer
 
 from flexmech.cli.stopping import Stopped, interrupted_line
-from flexmech.errors import FlexmechError, InputError, one_line
+from flexmech.errors import ComputationError, FlexmechError, InputError, one_line
 
 __all__ = ["naming", "reports_failures", "telling"]
 
@@ -78,8 +78,15 @@ def telling(model: object, speed_unit: str) -> Iterator[None]:
     speed_unit : str
         In which messages speak of crank speeds.
     """
+    import numpy as np
+
     try:
         yield
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise ComputationError(
+            f"{model or 'the input'}: the computation breaks down ({error}); lengths, stiffnesses "
+            "or masses differ beyond all proportion, check their units"
+        ) from error
     except FlexmechError as error:
         told = type(error)(error.told(speed_unit))
         named = model is None or str(model) in told.message or told.message.startswith("--")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from flexmech.choices import ELEMENTS_A_LINK, MODES, TOLERANCE
 from flexmech.cli import options
-from flexmech.cli.arguments import parse_angles, parse_speeds
+from flexmech.cli.arguments import parse_angles, parse_speeds, speed_remark
 from flexmech.cli.deliver import deliver
 from flexmech.cli.engines import make_engines
 from flexmech.cli.environment import parse_environment
@@ -65,4 +65,5 @@ def frequencies(
         model=model,
         draw=not no_plots,
         speed_unit=unit,
+        remark="" if given is None else speed_remark("--speeds", str(speeds), given.values),
     )

@@ -59,11 +59,12 @@ Element = Annotated[
         "axis is off its pins."
     ),
 ]
-Elements = Annotated[int, Option(min=1, help="Elements on each link.")]
+Elements = Annotated[int, Option(min=1, max=choices.MOST_ELEMENTS, help="Elements on each link.")]
 PinnedElements = Annotated[
     int | None,
     Option(
         min=1,
+        max=choices.MOST_ELEMENTS,
         help="Elements on each link, whatever the tolerance. Left out: 8, doubled by each engine "
         "until its frequencies are within the tolerance, up to 32.",
     ),
@@ -77,11 +78,13 @@ Tolerance = Annotated[
 CheckMesh = Annotated[
     bool, Option("--check-mesh", help="Repeat with twice the elements and compare.")
 ]
-Modes = Annotated[int, Option(min=1, help="Number of natural frequencies.")]
+Modes = Annotated[int, Option(min=1, max=choices.MOST_MODES, help="Number of natural frequencies.")]
 ModesOfInterest = Annotated[
     int,
     Option(
-        min=1, help="Natural frequencies of interest: set the time step and the spectra's range."
+        min=1,
+        max=choices.MOST_MODES,
+        help="Natural frequencies of interest: set the time step and the spectra's range.",
     ),
 ]
 MapPrestress = Annotated[

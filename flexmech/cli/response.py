@@ -80,7 +80,10 @@ def response(
     def animations(result: Response, folder: Path, progress: LabelledProgress | None) -> list[Path]:
         return result.save_animations(folder, progress) if animate else []
 
-    alone = animate and not mp4_available()
+    remark = arguments.speed_remark("--speed", speed, [crank_speed])
+    if animate and not mp4_available():
+        alone = "animation: a GIF alone, for MP4 needs ffmpeg; install it and run again"
+        remark = "\n".join(line for line in (remark, alone) if line)
     deliver(
         analysis.Response,
         lambda progress: analysis.response(
@@ -95,5 +98,5 @@ def response(
         draw=not no_plots,
         speed_unit=unit,
         further=animations,
-        remark="animation: a GIF alone, for MP4 needs ffmpeg; install it and run again" * alone,
+        remark=remark,
     )

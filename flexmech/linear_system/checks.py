@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexmech.choices import MOST_ELEMENTS
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
 
-__all__ = ["checked_count", "checked_mechanism"]
+__all__ = ["checked_elements", "checked_mechanism"]
 
 
 def checked_mechanism(mechanism: object) -> Mechanism:
@@ -26,8 +27,15 @@ def checked_mechanism(mechanism: object) -> Mechanism:
     raise InputError(f"mechanism must be a flexmech.Mechanism, got {given}; {remedy}")
 
 
-def checked_count(count: object, name: str) -> int:
-    """Return a whole number of 1 or more; refuse fractions, truth values and text."""
-    if isinstance(count, int | np.integer) and not isinstance(count, bool) and count >= 1:
+def checked_elements(count: object) -> int:
+    """Return a number of elements a link; refuse fractions, truth values, text and too many."""
+    if (
+        isinstance(count, int | np.integer)
+        and not isinstance(count, bool)
+        and 1 <= count <= MOST_ELEMENTS
+    ):
         return int(count)
-    raise InputError(f"{name} must be a whole number, 1 or more, such as 8; got {count!r}")
+    raise InputError(
+        f"elements must be a whole number from 1 to {MOST_ELEMENTS} (the matrices of more do not "
+        f"fit into memory), such as 8; got {count!r}"
+    )

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.choices import MODES, PRESTRESS_LEVELS, Prestress
 from flexmech.errors import InputError
-from flexmech.linear_system.checks import checked_count, checked_mechanism
+from flexmech.linear_system.checks import checked_elements, checked_mechanism
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
 from flexmech.linear_system.convergence import ConvergenceOrders
 from flexmech.linear_system.link_frames import RotationTerms
@@ -78,7 +78,7 @@ class Engine(ABC):
         component_modes: bool = True,
     ) -> None:
         self.mechanism = checked_mechanism(mechanism)
-        self.elements = checked_count(elements, "elements")
+        self.elements = checked_elements(elements)
         self.element = self.default_element(mechanism) if element is None else element
         if self.element not in self.element_kinds:
             raise InputError(

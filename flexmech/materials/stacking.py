@@ -17,6 +17,8 @@ _ITEM = re.compile(
 )
 # What separates layers and their parts.
 _OWN = re.compile(r"[\s/@*\[\]]+")
+# A hundred times those of real laminates; each layer is a column of a section's profile.
+MOST_LAYERS = 1000
 _EXAMPLE = "write plies between slashes, as in '[C/G@45/C]', '[C@0/C@90*2]s'"
 
 
@@ -43,13 +45,19 @@ def parse_stacking(text: str) -> list[tuple[str, float | None]]:
     if whole is None:
         raise InputError(f"got {text!r}, which is no stack; {_EXAMPLE}")
     layers: list[tuple[str, float | None]] = []
+    copies = 2 if whole["mirror"] else 1
     for item in whole["inside"].split("/"):
         found = _ITEM.fullmatch(item)
         if found is None:
             raise InputError(f"got {text!r}, where {item.strip()!r} is no layer; {_EXAMPLE}")
-        count = int(found["count"] or 1)
-        if not 1 <= count <= 1000:
-            raise InputError(f"got {text!r}: a layer is repeated 1 to 1000 times, not {count}")
+        repeated = (found["count"] or "1").lstrip("0") or "0"
+        # Python reads no number of thousands of digits.
+        count = int(repeated) if len(repeated) < 10 else MOST_LAYERS + 1
+        if count < 1 or copies * (len(layers) + count) > MOST_LAYERS:
+            raise InputError(
+                f"got {text!r}: a layer is repeated once or more, and a stack has at most "
+                f"{MOST_LAYERS} layers; write fewer"
+            )
         angle = None if found["angle"] is None else float(parse_number(found["angle"]))
         layers += [(found["ply"], angle)] * count
     return layers + layers[::-1] if whole["mirror"] else layers

@@ -3,10 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints, model_validator
-from pydantic_core import PydanticCustomError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    ModelWrapValidatorHandler,
+    StringConstraints,
+    ValidationError,
+    model_validator,
+)
+from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 
 from flexmech.errors import InputError, suggestion
 from flexmech.modelfile.fields import DampingRatio, Frequency, TimeOrZero
@@ -21,19 +29,39 @@ class Table(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    @model_validator(mode="before")
+    @model_validator(mode="wrap")
     @classmethod
-    def _refuse_unknown_keys(cls, data: Any) -> Any:
-        if isinstance(data, Mapping):
-            known = list(cls.model_fields)
-            for key in data:
-                if key not in known:
-                    raise PydanticCustomError(
-                        "unknown_key",
-                        "unknown key '{key}'; {remedy}",
-                        {"key": key, "remedy": suggestion(str(key), known)},
-                    )
-        return data
+    def _refuse_unknown_keys(cls, data: Any, handler: ModelWrapValidatorHandler[Self]) -> Self:
+        """Find unknown keys along with all that is wrong of the known ones."""
+        known = list(cls.model_fields)
+        unknown = [key for key in data if key not in known] if isinstance(data, Mapping) else []
+        if not unknown:
+            return handler(data)
+        findings = [
+            InitErrorDetails(
+                type=PydanticCustomError(
+                    "unknown_key",
+                    "unknown key '{key}'; {remedy}",
+                    {"key": key, "remedy": suggestion(str(key), known)},
+                ),
+                input=data[key],
+            )
+            for key in unknown
+        ]
+        try:
+            handler({key: value for key, value in data.items() if key in known})
+        except ValidationError as error:
+            findings += [_again(finding) for finding in error.errors(include_url=False)]
+        raise ValidationError.from_exception_data(cls.__name__, findings)
+
+
+def _again(finding: ErrorDetails) -> InitErrorDetails:
+    """A finding of pydantic as one that can be raised with others."""
+    kind: str | PydanticCustomError = finding["type"]
+    context = finding.get("ctx", {})
+    if kind == "unknown_key":
+        kind = PydanticCustomError("unknown_key", "unknown key '{key}'; {remedy}", context)
+    return InitErrorDetails(type=kind, loc=finding["loc"], input=finding["input"], ctx=context)
 
 
 class DampedTable(Table):

@@ -18,7 +18,7 @@ from flexmech.modelfile.link_tables import (
     LinkTable,
     RectangleLinkTable,
 )
-from flexmech.modelfile.messages import known_name, located
+from flexmech.modelfile.messages import Findings, known_name
 from flexmech.sections import BeamSection, DampingTimes, LaminateSection, SpecificDamping
 
 __all__ = ["build_mechanism"]
@@ -45,29 +45,34 @@ def build_mechanism(tables: ModelFile, shown: str, file: str, sha256: str) -> Me
         If the lengths do not close, a link is missing or unknown, a material or joint is
         unknown, or a point mass is off its link.
     """
-    with located(shown, "linkage"):
+    findings = Findings(shown)
+    laminates = build_laminates(tables, findings)
+    linkage = None
+    with findings.at("linkage"):
         linkage = tables.linkage.linkage
+    if linkage is None:
+        findings.refuse()
+    assert linkage is not None
     topology = linkage.topology
-    _check_names(shown, "links", list(tables.links), list(topology.link_names))
-    _check_names(shown, "joints", list(tables.joints), list(topology.joint_names))
-    for link in topology.links:
-        if link.name not in tables.links:
-            raise InputError(
-                f"{shown}: links.{link.name}: is missing; add a table [links.{link.name}] with "
-                "its section"
-            )
-    laminates = build_laminates(tables, shown)
+    _check_names(findings, "links", list(tables.links), list(topology.link_names))
+    _check_names(findings, "joints", list(tables.joints), list(topology.joint_names))
     sections = {}
     for name in topology.link_names:
-        table = tables.links[name]
-        _check_material(shown, name, table, tables)
-        with located(shown, f"links.{name}"):
-            sections[name] = _section(table, tables.materials, laminates)
+        with findings.at(f"links.{name}"):
+            if name not in tables.links:
+                raise InputError(f"is missing; add a table [links.{name}] with its section")
+            table = tables.links[name]
+            # What is wrong with its laminate is told there.
+            known = _known_material(findings, name, table, tables)
+            if known and getattr(table, "laminate", None) in {None, *laminates}:
+                sections[name] = _section(table, tables.materials, laminates)
+    masses = _point_masses(tables, linkage, findings)
+    findings.refuse()
     return Mechanism(
         linkage=linkage,
         sections=sections,
         joint_masses={name: joint.mass for name, joint in tables.joints.items()},
-        link_masses=_point_masses(tables, linkage, shown),
+        link_masses=masses,
         gravity=tables.environment.gravity,
         operating_speeds=tuple(tables.operation.crank_speeds),
         provenance=Provenance(tables.name, tables.source, file, sha256),
@@ -81,20 +86,24 @@ def build_mechanism(tables: ModelFile, shown: str, file: str, sha256: str) -> Me
     )
 
 
-def _check_names(shown: str, table: str, given: list[str], known: list[str]) -> None:
+def _check_names(findings: Findings, table: str, given: list[str], known: list[str]) -> None:
     for name in given:
-        if name not in known:
-            raise InputError(
-                f"{shown}: {table}.{name}: the linkage has no such {table.removesuffix('s')}; "
-                f"{suggestion(name, known)}"
-            )
+        with findings.at(f"{table}.{name}"):
+            if name not in known:
+                raise InputError(
+                    f"the linkage has no such {table.removesuffix('s')}; {suggestion(name, known)}"
+                )
 
 
-def _check_material(shown: str, link: str, table: LinkTable, tables: ModelFile) -> None:
+def _known_material(findings: Findings, link: str, table: LinkTable, tables: ModelFile) -> bool:
+    """Whether there are tables for what a link is made of."""
     if isinstance(table, RectangleLinkTable):
-        known_name(f"{shown}: links.{link}.material", "materials", table.material, tables.materials)
+        key, plural, got, known = "material", "materials", table.material, list(tables.materials)
     elif table.laminate is not None:
-        known_name(f"{shown}: links.{link}.laminate", "laminates", table.laminate, tables.laminates)
+        key, plural, got, known = "laminate", "laminates", table.laminate, list(tables.laminates)
+    else:
+        return True
+    return findings.none_at(f"links.{link}.{key}", lambda: known_name(plural, got, known))
 
 
 def _section(
@@ -151,15 +160,16 @@ def _with_damping(section: BeamSection, table: DampedTable) -> BeamSection:
     return section.with_damping_ratio(table.damping_ratio, table.damping_frequency)
 
 
-def _point_masses(tables: ModelFile, linkage: Linkage, shown: str) -> tuple[PointMass, ...]:
+def _point_masses(tables: ModelFile, linkage: Linkage, findings: Findings) -> tuple[PointMass, ...]:
     masses = []
     for link in linkage.topology.links:
-        for number, point in enumerate(tables.links[link.name].point_masses):
+        points = tables.links[link.name].point_masses if link.name in tables.links else []
+        for number, point in enumerate(points):
             if point.position > link.length:
-                raise InputError(
-                    f"{shown}: links.{link.name}.point_masses[{number}].position: "
-                    f"got {point.position:g} m, which is beyond the end of the {link.name}; "
-                    f"choose 0 to {link.length:g} m from its first joint"
+                findings.found.append(
+                    f"links.{link.name}.point_masses[{number}].position: got "
+                    f"{point.position:g} m, which is beyond the end of the {link.name}; choose "
+                    f"0 to {link.length:g} m from its first joint"
                 )
             masses.append(PointMass(link.name, point.position, point.mass))
     return tuple(masses)

@@ -11,6 +11,14 @@ from pydantic_core import CoreSchema, core_schema
 from flexmech import units
 from flexmech.errors import InputError
 from flexmech.numbers import FINITE, NOT_NEGATIVE, POSITIVE, Bounds
+from flexmech.plausible import (
+    LINK_LENGTH,
+    THICKNESS,
+    WIDTH,
+    Plausible,
+    check_plausible,
+    of_dimension,
+)
 from flexmech.units import Dimension, parse_quantity
 
 __all__ = [
@@ -42,7 +50,9 @@ __all__ = [
     "SpecificDamping",
     "Stress",
     "Temperature",
+    "Thickness",
     "TimeOrZero",
+    "Width",
 ]
 
 
@@ -55,10 +65,13 @@ class QuantityField:
     dimension : Dimension
     bounds : Bounds
         In SI units.
+    plausible : Plausible, optional
+        What sizes it can have; those of its dimension if left out.
     """
 
     dimension: Dimension
     bounds: Bounds = FINITE
+    plausible: Plausible | None = None
 
     def parse(self, value: object) -> float:
         """SI float of a value from a file.
@@ -75,11 +88,14 @@ class QuantityField:
         Raises
         ------
         InputError
-            If it is no quantity of this dimension or out of bounds.
+            If it is no quantity of this dimension, out of bounds or of a size that none has.
         """
         number = parse_quantity(value, self.dimension)
         if not self.bounds.hold(number):
             raise InputError(f"must {self.bounds.words}, got {value!r}")
+        plausible = self.plausible or of_dimension(self.dimension)
+        if plausible is not None:
+            check_plausible(number, value, plausible)
         return number
 
     def __get_pydantic_core_schema__(
@@ -101,7 +117,9 @@ class QuantityField:
         return text
 
 
-Length = Annotated[float, QuantityField(units.LENGTH, POSITIVE)]
+Length = Annotated[float, QuantityField(units.LENGTH, POSITIVE, LINK_LENGTH)]
+Thickness = Annotated[float, QuantityField(units.LENGTH, POSITIVE, THICKNESS)]
+Width = Annotated[float, QuantityField(units.LENGTH, POSITIVE, WIDTH)]
 LengthOrZero = Annotated[float, QuantityField(units.LENGTH, NOT_NEGATIVE)]
 Distance = Annotated[float, QuantityField(units.LENGTH)]
 Curvature = Annotated[float, QuantityField(units.CURVATURE)]

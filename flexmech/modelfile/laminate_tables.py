@@ -13,18 +13,17 @@ from flexmech.modelfile.fields import (
     Angle,
     Density,
     Expansion,
-    Length,
     MoistureExpansion,
     PlyMoistureExpansion,
     PoissonRatio,
-    QuantityField,
     Ratio,
     SpecificDamping,
     Stress,
+    Thickness,
 )
 from flexmech.modelfile.hygrothermal_tables import HygrothermalTable, ResinTable
 from flexmech.numbers import NOT_NEGATIVE
-from flexmech.units import TEMPERATURE, TEMPERATURE_DIFFERENCE
+from flexmech.units import TEMPERATURE, TEMPERATURE_DIFFERENCE, parse_quantity
 
 __all__ = [
     "CompositionTable",
@@ -76,7 +75,11 @@ def _spread(key: str, value: object) -> float:
     dimension = DIMENSIONS[key]
     if dimension is TEMPERATURE:
         dimension = TEMPERATURE_DIFFERENCE
-    return QuantityField(dimension, NOT_NEGATIVE).parse(value)
+    # As little or as much as anybody likes.
+    spread = parse_quantity(value, dimension)
+    if not NOT_NEGATIVE.hold(spread):
+        raise InputError(f"must {NOT_NEGATIVE.words}, got {value!r}")
+    return spread
 
 
 class FibreTable(ConstituentTable):
@@ -123,7 +126,7 @@ class AnyPlyTable(Table):
     """What all plies have in common."""
 
     name: str | None = Field(default=None, description="That of its table if left out")
-    thickness: Length | None = Field(default=None, description="Of one layer of this ply")
+    thickness: Thickness | None = Field(default=None, description="Of one layer of this ply")
 
 
 class ConstituentPlyTable(AnyPlyTable, CompositionTable):
@@ -215,7 +218,7 @@ def _one_or_each(value: Any) -> str:
 
 # Told apart before they are read: what is wrong in a list is then reported of its entry.
 OneOrEach = Annotated[
-    Annotated[Length, Tag("one")] | Annotated[list[Length], Tag("each")],
+    Annotated[Thickness, Tag("one")] | Annotated[list[Thickness], Tag("each")],
     Discriminator(_one_or_each),
 ]
 

@@ -33,49 +33,52 @@ from flexmech.modelfile.laminate_tables import (
     OrthotropicPlyTable,
     PlyTable,
 )
-from flexmech.modelfile.messages import known_name, located
+from flexmech.modelfile.messages import Findings, known_name
 
 __all__ = ["build_laminates"]
 
 
-def build_laminates(tables: ModelFile, shown: str) -> dict[str, Laminate]:
+def build_laminates(tables: ModelFile, findings: Findings) -> dict[str, Laminate]:
     """Laminates of a model file, by name.
 
     Parameters
     ----------
     tables : ModelFile
-    shown : str
-        What messages call the file.
+    findings : Findings
+        Takes what is wrong: a constituent, ply or material that is unknown, a malformed stack,
+        thicknesses or angles that do not fit it, or a ply that cannot be.
 
     Returns
     -------
     dict of str to Laminate
-
-    Raises
-    ------
-    InputError
-        If a constituent, ply or material is unknown, a stack is malformed, thicknesses or
-        angles do not fit it, or a ply cannot be; names the dotted key.
+        Those in which nothing is wrong.
     """
-    fibres, matrices = _constituents(tables, shown)
+    fibres, matrices = _constituents(tables, findings)
     plies = {}
     for name, table in tables.plies.items():
-        _check_names(shown, name, table, fibres, matrices, tables.materials)
-        with located(shown, f"plies.{name}"):
-            plies[name] = _ply(name, table, fibres, matrices, tables.materials)
+        with findings.at(f"plies.{name}"):
+            # What is wrong with a constituent is told there.
+            if _all_built(findings, name, table, tables, fibres, matrices):
+                plies[name] = _ply(name, table, fibres, matrices, tables.materials)
     laminates = {}
     for name, laminate in tables.laminates.items():
-        with located(shown, f"laminates.{name}"):
-            laminates[name] = _laminate(laminate, plies, tables.plies)
+        with findings.at(f"laminates.{name}"):
+            found = _laminate(laminate, plies, tables.plies)
+            if found is not None:
+                laminates[name] = found
     return laminates
 
 
-def _constituents(tables: ModelFile, shown: str) -> tuple[dict[str, Fibre], dict[str, Matrix]]:
+def _constituents(
+    tables: ModelFile, findings: Findings
+) -> tuple[dict[str, Fibre], dict[str, Matrix]]:
+    """Published constituents and those of the file, without those in which something is wrong."""
     published = published_constituents()
     fibres = {name: c for name, c in published.items() if isinstance(c, Fibre)}
     matrices = {name: c for name, c in published.items() if isinstance(c, Matrix)}
     for name, fibre in tables.fibres.items():
-        with located(shown, f"fibres.{name}"):
+        fibres.pop(name, None)
+        with findings.at(f"fibres.{name}"):
             fibres[name] = Fibre(
                 **_common(name, fibre),
                 transverse_modulus=fibre.transverse_modulus,
@@ -84,7 +87,8 @@ def _constituents(tables: ModelFile, shown: str) -> tuple[dict[str, Fibre], dict
                 moisture_expansion=fibre.moisture_expansion,
             )
     for name, matrix in tables.matrices.items():
-        with located(shown, f"matrices.{name}"):
+        matrices.pop(name, None)
+        with findings.at(f"matrices.{name}"):
             matrices[name] = _matrix(name, matrix)
     return fibres, matrices
 
@@ -116,18 +120,21 @@ def _common(name: str, table: ConstituentTable) -> dict[str, Any]:
     }
 
 
-def _check_names(
-    shown: str,
+def _all_built(
+    findings: Findings,
     name: str,
     table: PlyTable,
+    tables: ModelFile,
     fibres: Mapping[str, Fibre],
     matrices: Mapping[str, Matrix],
-    materials: Mapping[str, MaterialTable],
-) -> None:
-    place = f"{shown}: plies.{name}"
+) -> bool:
+    """Whether all that a ply names is known and could be built."""
+    place = f"plies.{name}"
     if isinstance(table, IsotropicPlyTable):
-        known_name(f"{place}.material", "materials", table.material, materials)
-        return
+        material, materials = table.material, list(tables.materials)
+        return findings.none_at(
+            f"{place}.material", lambda: known_name("materials", material, materials)
+        )
     fibre, matrix = None, table.matrix
     if isinstance(table, CompositionTable):
         fibre = table.fibre
@@ -135,14 +142,15 @@ def _check_names(
         place = f"{place}.constituents"
         fibre, matrix = table.constituents.fibre, table.constituents.matrix
     for key, got, known, plural in (
-        ("fibre", fibre, list(fibres), "fibres"),
-        ("matrix", matrix, list(matrices), "matrices"),
+        ("fibre", fibre, {**tables.fibres, **fibres}, "fibres"),
+        ("matrix", matrix, {**tables.matrices, **matrices}, "matrices"),
     ):
         if got is not None and got not in known:
-            raise InputError(
-                f"{place}.{key}: there is no {key} {got!r}; {suggestion(got, known)}, or add a "
-                f"table [{plural}.{got}]"
+            findings.found.append(
+                f"{place}.{key}: there is no {key} {got!r}; {suggestion(got, list(known))}, or "
+                f"add a table [{plural}.{got}]"
             )
+    return fibre in {None, *fibres} and matrix in {None, *matrices}
 
 
 def _ply(
@@ -223,14 +231,17 @@ def _orthotropic(table: OrthotropicPlyTable, origin: PlyComposition | ResinConte
 
 def _laminate(
     table: LaminateTable, plies: Mapping[str, Ply], tables: Mapping[str, PlyTable]
-) -> Laminate:
+) -> Laminate | None:
+    """The laminate; None if something is wrong with one of its plies, which is told there."""
     stack = parse_stacking(table.stacking)
     for name, _ in stack:
-        if name not in plies:
-            remedy = suggestion(name, list(plies)) if plies else f"add a table [plies.{name}]"
+        if name not in tables:
+            remedy = suggestion(name, list(tables)) if tables else f"add a table [plies.{name}]"
             raise InputError(f"stacking {table.stacking!r} names the ply {name!r}; {remedy}")
     angles = _angles(table, stack)
     thicknesses = _thicknesses(table, [tables[name].thickness for name, _ in stack], stack)
+    if any(name not in plies for name, _ in stack):
+        return None
     return Laminate(
         tuple(
             Layer(plies[name], thickness, angle)

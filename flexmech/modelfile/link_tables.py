@@ -13,14 +13,15 @@ from flexmech.modelfile.fields import (
     Curvature,
     Distance,
     Force,
-    Length,
     LengthOrZero,
     Mass,
     MassPerLength,
     Ratio,
     RotaryInertia,
     SpecificDamping,
+    Thickness,
     TimeOrZero,
+    Width,
 )
 from flexmech.modelfile.hygrothermal_tables import WettedTable
 
@@ -45,10 +46,10 @@ class RectangleLinkTable(AnyLinkTable):
 
     section: Literal["rectangle"]
     material: Text = Field(description="Name of a table under [materials]")
-    in_plane_thickness: Length = Field(
+    in_plane_thickness: Thickness = Field(
         description="Extent of the section in the linkage's plane: h in I = b h^3 / 12"
     )
-    out_of_plane_width: Length = Field(
+    out_of_plane_width: Width = Field(
         description="Extent of the section along the joint axes: b in I = b h^3 / 12"
     )
 
@@ -58,7 +59,7 @@ class LaminateLinkTable(AnyLinkTable):
 
     section: Literal["laminate"]
     laminate: Text = Field(description="Name of a table under [laminates]")
-    out_of_plane_width: Length = Field(description="Extent of the section along the joint axes")
+    out_of_plane_width: Width = Field(description="Extent of the section along the joint axes")
     reduction: Literal["narrow", "wide"] = Field(
         default="narrow",
         description="'narrow': free to contract along the joint axes; 'wide': held from it",
@@ -95,7 +96,9 @@ class GeneralLinkTable(AnyLinkTable):
     shear_stiffness: Force = Field(description="kGA, with the shear correction factor k")
     mass_per_length: MassPerLength = Field(description="rho A")
     rotary_inertia: RotaryInertia = Field(description="rho I, mass moment of inertia per length")
-    in_plane_thickness: Length = Field(description="Extent of the section in the linkage's plane")
+    in_plane_thickness: Thickness = Field(
+        description="Extent of the section in the linkage's plane"
+    )
     neutral_axis: Distance = Field(
         default=0.0,
         description="Distance of the neutral axis from the line of the pins, to the left positive",
@@ -123,7 +126,7 @@ class GeneralLinkTable(AnyLinkTable):
         description="Layers of the section, a table under [laminates], for stresses inside it; "
         "its stiffness stays as stated here",
     )
-    out_of_plane_width: Length | None = Field(default=None, description="With laminate")
+    out_of_plane_width: Width | None = Field(default=None, description="With laminate")
     reduction: Literal["narrow", "wide"] = Field(default="narrow", description="With laminate")
 
     @model_validator(mode="after")

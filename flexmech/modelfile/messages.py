@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import reprlib
 import typing
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -11,11 +12,15 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from flexmech.errors import InputError, suggestion
+from flexmech.errors import InputError, one_line, suggestion
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.fields import QuantityField
 
-__all__ = ["input_error", "known_name", "located"]
+__all__ = ["Findings", "input_error", "known_name"]
+
+# Of the errors of a file, and of the text of each.
+MOST_TOLD = 10
+MOST_CHARACTERS = 400
 
 _WANTED_TYPES = {
     "string_type": "text in quotes",
@@ -29,40 +34,59 @@ _WANTED_TYPES = {
 }
 
 
-@contextmanager
-def located(file: str, key: str) -> Iterator[None]:
-    """Prefix every :class:`InputError` of the block with the file and the dotted key.
+class Findings:
+    """All that is wrong in a file, so that it is told at once.
 
-    Values that are too large or too small to compute with become such an error.
+    Parameters
+    ----------
+    file : str
+        What messages call it.
     """
-    try:
-        # What overflows is no number afterwards, and is refused as such.
-        with np.errstate(all="ignore"):
-            yield
-    except InputError as error:
-        raise error.within(f"{file}: {key}") from error
-    except ArithmeticError as error:
-        raise InputError(
-            f"{file}: {key}: a value here is too large to compute with; check the units"
-        ) from error
-    except np.linalg.LinAlgError as error:
-        raise InputError(
-            f"{file}: {key}: a value here is too small to compute with; check the units"
-        ) from error
+
+    def __init__(self, file: str) -> None:
+        self.file = file
+        self.found: list[str] = []
+
+    def none_at(self, key: str, check: Callable[[], None]) -> bool:
+        """Whether a check finds nothing; what it finds is kept under a dotted key."""
+        before = len(self.found)
+        with self.at(key):
+            check()
+        return len(self.found) == before
+
+    @contextmanager
+    def at(self, key: str) -> Iterator[None]:
+        """Keep an :class:`InputError` of the block under a dotted key; the block ends there.
+
+        Values that are too large or too small to compute with are kept as well.
+        """
+        try:
+            # What overflows is no number afterwards, and is refused as such.
+            with np.errstate(all="ignore"):
+                yield
+        except InputError as error:
+            self.found.append(f"{key}: {error.message}")
+        except ArithmeticError:
+            self.found.append(f"{key}: a value here is too large to compute with; check the units")
+        except np.linalg.LinAlgError:
+            self.found.append(f"{key}: a value here is too small to compute with; check the units")
+
+    def refuse(self) -> None:
+        """Raise what was found, if anything was."""
+        if self.found:
+            raise together(self.file, self.found)
 
 
-def known_name(place: str, table: str, got: str, known: Mapping[str, Any]) -> None:
+def known_name(table: str, got: str, known: Collection[str]) -> None:
     """Refuse a name that no table has.
 
     Parameters
     ----------
-    place : str
-        File and dotted key for the message.
     table : str
         Name of the table of tables, such as ``materials``.
     got : str
-    known : mapping
-        By the names that there are.
+    known : collection of str
+        Names that there are.
 
     Raises
     ------
@@ -71,11 +95,11 @@ def known_name(place: str, table: str, got: str, known: Mapping[str, Any]) -> No
     """
     if got not in known:
         remedy = suggestion(got, list(known)) if known else "add it"
-        raise InputError(f"{place}: there is no table [{table}.{got}]; {remedy}")
+        raise InputError(f"there is no table [{table}.{got}]; {remedy}")
 
 
 def input_error(error: ValidationError, data: Mapping[str, Any], file: str) -> InputError:
-    """Turn the first finding of pydantic into an :class:`InputError`.
+    """Turn the findings of pydantic into one :class:`InputError`.
 
     Parameters
     ----------
@@ -89,9 +113,33 @@ def input_error(error: ValidationError, data: Mapping[str, Any], file: str) -> I
     -------
     InputError
     """
-    finding = error.errors(include_url=False)[0]
-    key = _dotted_key(finding, data)
-    return InputError(f"{file}: {key + ': ' if key else ''}{_text(finding)}")
+    findings = []
+    for finding in error.errors(include_url=False):
+        key = _dotted_key(finding, data)
+        findings.append(f"{key + ': ' if key else ''}{_text(finding)}")
+    return together(file, findings)
+
+
+def together(file: str, findings: Sequence[str]) -> InputError:
+    """One error of all that is wrong in a file.
+
+    Parameters
+    ----------
+    file : str
+    findings : sequence of str
+        One or more, each with its key.
+
+    Returns
+    -------
+    InputError
+        Those beyond the first ten are counted.
+    """
+    told = [one_line(finding, MOST_CHARACTERS) for finding in dict.fromkeys(findings)]
+    if len(told) == 1:
+        return InputError(f"{file}: {told[0]}")
+    listed = " | ".join(told[:MOST_TOLD])
+    more = f" | and {len(told) - MOST_TOLD} more" if len(told) > MOST_TOLD else ""
+    return InputError(f"{file}: {len(told)} errors: {listed}{more}")
 
 
 def _dotted_key(finding: ErrorDetails, data: Mapping[str, Any]) -> str:
@@ -143,7 +191,7 @@ def _text(finding: ErrorDetails) -> str:
     if kind == "too_long":
         return f"got {len(got)} values; give {context['max_length']}"
     if kind in _WANTED_TYPES:
-        return f"got {got!r}; write {_WANTED_TYPES[kind]}"
+        return f"got {reprlib.repr(got)}; write {_WANTED_TYPES[kind]}"
     return f"{finding['msg']}"
 
 

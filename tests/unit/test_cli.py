@@ -124,7 +124,7 @@ def test_python_m_flexmech_is_flexmech() -> None:
 
 @given(
     start=st.integers(-720, 720),
-    steps=st.integers(0, 400),
+    steps=st.integers(0, 300),
     step=st.sampled_from(["5", "0.1", "0.25", "1e-1", "2.5", "0.3", "7"]),
     beyond=st.floats(0, 0.9),
 )

@@ -168,7 +168,7 @@ def test_notation_of_stacks(stacking: str, expected: list[tuple[str, float | Non
 
 @pytest.mark.parametrize("stacking", ["C/G", "[C//G]", "[]", "[C/G", "[C@x]", "[C*0]", "[C@4 5]"])
 def test_what_is_no_stack(stacking: str) -> None:
-    with pytest.raises(InputError, match=r"\[C/G@45/C\]|repeated 1 to 1000 times"):
+    with pytest.raises(InputError, match=r"\[C/G@45/C\]|has at most 1000 layers"):
         parse_stacking(stacking)
 
 
@@ -258,9 +258,13 @@ def test_a_written_stack_reads_as_it_was(stack: list[tuple[str, float]]) -> None
         (
             'ply_thickness = "1 mm"',
             'ply_thickness = ["1 mm", "1e-30 m", "1 mm", "1 mm"]',
-            r"laminates\.mixed: the thinnest layer has 1e-30 m of 0\.003 m",
+            r"laminates\.mixed\.ply_thickness\[1\]: got .1e-30 m., but a thickness",
         ),
-        ('ply_thickness = "1 mm"', 'ply_thickness = "1e-300 m"', r"links\.arm: .* check the units"),
+        (
+            'ply_thickness = "1 mm"',
+            'ply_thickness = "1e-300 m"',
+            r"ply_thickness: got '1e-300 m'",
+        ),
         ("ratio = 0.3\n", "ratio = -1\n", r"plies\.T: transverse_shear_modulus is missing: "),
         ("ply_thickness", "ply_thicknes", r"unknown key 'ply_thicknes'; did you mean 'ply_thi"),
         ('type = "isotropic"', 'type = "metal"', r"plies\.A\.type: got 'metal'"),

@@ -125,7 +125,7 @@ def solve_damping_ratios(system: LinearSystem, count: int) -> FloatArray:
 def _require(system: LinearSystem, count: int) -> None:
     if not 1 <= count <= system.size:
         raise InputError(
-            f"{count} modes were asked for, the model has {system.size} coordinates; ask for "
+            f"modes: {count} were asked for, the model has {system.size} coordinates; ask for "
             "fewer modes or more elements"
         )
 
@@ -227,4 +227,9 @@ def _refuse_unsteady(system: LinearSystem, found: QuadraticModes, count: int) ->
 
 def _refuse(system: LinearSystem, failed: NDArray[np.bool_], what: str) -> None:
     remedy = "; lower the crank speed, ask for fewer modes, or stiffen the links"
+    if not system.motion.crank_speed[failed].any():
+        remedy = (
+            "; at rest only gravity, heat or water can do that, or links whose lengths, "
+            "stiffnesses and masses differ beyond all proportion: check their units"
+        )
     refuse_positions(system.motion, failed, what, remedy)

@@ -1,0 +1,79 @@
+"""The kinds of physical quantities that users give, each with its SI unit and examples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+__all__ = [
+    "ACCELERATION",
+    "ACTIVATION_ENERGY",
+    "ANGLE",
+    "ANGULAR_SPEED",
+    "BENDING_STIFFNESS",
+    "CURVATURE",
+    "DENSITY",
+    "DIFFUSIVITY",
+    "EXPANSION",
+    "FORCE",
+    "FREQUENCY",
+    "LENGTH",
+    "MASS",
+    "MASS_PER_LENGTH",
+    "MOISTURE_EXPANSION",
+    "RATIO",
+    "ROTARY_INERTIA",
+    "STRESS",
+    "TEMPERATURE",
+    "TEMPERATURE_DIFFERENCE",
+    "TIME",
+    "Dimension",
+]
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """A kind of physical quantity.
+
+    Parameters
+    ----------
+    name : str
+        With its article, for messages: ``"a length"``.
+    unit : str
+        SI unit of the float that :func:`parse_quantity` returns; empty for a ratio.
+    examples : tuple of str
+        Well-formed values, the first one for messages.
+    """
+
+    name: str
+    unit: str
+    examples: tuple[str, ...]
+
+    @property
+    def example(self) -> str:
+        """A well-formed value in quotes, as in a model file."""
+        return f'"{self.examples[0]}"'
+
+
+LENGTH = Dimension("a length", "m", ("279.4 mm", "0.2794 m", "28 cm", "11 inch"))
+MASS = Dimension("a mass", "kg", ("25 g", "0.025 kg", "1 lb"))
+TIME = Dimension("a time", "s", ("2e-5 s", "20 µs", "0.02 ms"))
+FREQUENCY = Dimension("a frequency", "Hz", ("50 Hz", "1.2 kHz"))
+ANGLE = Dimension("an angle", "rad", ("45 deg", "0.785 rad"))
+ANGULAR_SPEED = Dimension("an angular speed", "rad/s", ("20 rad/s", "300 rpm", "5 rps", "90 deg/s"))
+ACCELERATION = Dimension("an acceleration", "m/s^2", ("-9.81 m/s^2", "0 m/s^2"))
+STRESS = Dimension("a stress", "Pa", ("68.9 GPa", "200000 MPa", "2e11 Pa", "1e7 psi"))
+DENSITY = Dimension("a density", "kg/m^3", ("7800 kg/m^3", "2.7 g/cm^3"))
+FORCE = Dimension("a force", "N", ("4900 N", "1.2 MN", "100 lbf"))
+CURVATURE = Dimension("a curvature", "1/m", ("0.2 1/m",))
+BENDING_STIFFNESS = Dimension("a bending stiffness", "N m^2", ("1.5 N m^2", "2e6 N mm^2"))
+MASS_PER_LENGTH = Dimension("a mass per length", "kg/m", ("0.2 kg/m", "200 g/m"))
+ROTARY_INERTIA = Dimension("a rotary inertia per length", "kg m", ("3e-7 kg m", "0.3 g mm"))
+TEMPERATURE = Dimension("a temperature", "K", ("80 degC", "353.15 K", "176 degF"))
+"""On a scale with its own zero: "20 degC" is 293.15 K."""
+TEMPERATURE_DIFFERENCE = Dimension("a temperature difference", "K", ("80 K", "80 degC"))
+"""Between two temperatures: "20 degC" is 20 K."""
+EXPANSION = Dimension("a thermal expansion", "1/K", ("58.4e-6 1/K", "11.7e-6 1/degC"))
+MOISTURE_EXPANSION = Dimension("a moisture expansion", "", ("3.02e-3 1/percent", "0.302"))
+DIFFUSIVITY = Dimension("a diffusivity", "m^2/s", ("1.2e-12 m^2/s", "1.2e-6 mm^2/s"))
+ACTIVATION_ENERGY = Dimension("an activation energy", "J/mol", ("45 kJ/mol", "45000 J/mol"))
+RATIO = Dimension("a ratio", "", ("0.01", "1 %"))
