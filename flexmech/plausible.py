@@ -113,13 +113,6 @@ def check_plausible(value: float, text: object, plausible: Plausible) -> None:
     ------
     InputError
         Says what was probably meant, if another unit of the dimension makes sense.
-
-    Examples
-    --------
-    >>> check_plausible(70.0, "70 Pa", of_dimension(units.STRESS))
-    Traceback (most recent call last):
-    ...
-    flexmech.errors.InputError: got '70 Pa', but a stress ...; did you mean '70 GPa'?
     """
     if plausible.holds(value):
         return
