@@ -47,9 +47,11 @@ def build_mechanism(tables: ModelFile, shown: str, file: str, sha256: str) -> Me
     """
     findings = Findings(shown)
     laminates = build_laminates(tables, findings)
-    linkage = None
+    linkage = point = None
     with findings.at("linkage"):
         linkage = tables.linkage.linkage
+    with findings.at("linkage.coupler_point"):
+        point = tables.linkage.point
     if linkage is None:
         findings.refuse()
     assert linkage is not None
@@ -76,7 +78,7 @@ def build_mechanism(tables: ModelFile, shown: str, file: str, sha256: str) -> Me
         gravity=tables.environment.gravity,
         operating_speeds=tuple(tables.operation.crank_speeds),
         provenance=Provenance(tables.name, tables.source, file, sha256),
-        coupler_point=tables.linkage.point,
+        coupler_point=point,
         reference_temperature=tables.environment.reference_temperature,
         ground_thermal_expansion=tables.linkage.ground_thermal_expansion,
         wetting={

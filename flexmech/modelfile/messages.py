@@ -16,8 +16,9 @@ from flexmech.errors import InputError, one_line, suggestion
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.fields import QuantityField
 
-__all__ = ["Findings", "input_error", "known_name"]
+__all__ = ["Findings", "input_error", "known_name", "refuse_unseen_characters"]
 
+_BLANKS = str.maketrans("\n\r\t", "   ")
 # Of the errors of a file, and of the text of each.
 MOST_TOLD = 10
 MOST_CHARACTERS = 400
@@ -96,6 +97,45 @@ def known_name(table: str, got: str, known: Collection[str]) -> None:
     if got not in known:
         remedy = suggestion(got, list(known)) if known else "add it"
         raise InputError(f"there is no table [{table}.{got}]; {remedy}")
+
+
+def refuse_unseen_characters(data: Mapping[str, Any], file: str) -> None:
+    """Refuse keys and texts with characters that would move a terminal's cursor.
+
+    Parameters
+    ----------
+    data : mapping
+        The file's content as parsed from TOML.
+    file : str
+        The file's name for the message.
+
+    Raises
+    ------
+    InputError
+        Names all keys.
+    """
+    findings = [
+        f"{key}: holds a control character, {one_line(text, 60)!r}; write plain text"
+        for key, text in _texts(data, "")
+        if one_line(text.translate(_BLANKS), len(text)) != text.translate(_BLANKS)
+    ]
+    if findings:
+        raise together(file, findings)
+
+
+def _texts(value: Any, key: str) -> Iterator[tuple[str, str]]:
+    """Every key and every text of a file, with its dotted key."""
+    if isinstance(value, Mapping):
+        for name, below in value.items():
+            place = f"{key}.{name}".removeprefix(".")
+            yield place, name.replace("\n", "\x00").replace("\t", "\x00")
+            yield from _texts(below, place)
+    elif isinstance(value, list):
+        for number, below in enumerate(value):
+            yield from _texts(below, f"{key}[{number}]")
+    elif isinstance(value, str):
+        # A name stands in titles, in one line; notes may have several.
+        yield key, value.replace("\n", "\x00") if key.split(".")[-1] == "name" else value
 
 
 def input_error(error: ValidationError, data: Mapping[str, Any], file: str) -> InputError:

@@ -14,7 +14,7 @@ from flexmech.files import given_path
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile.build import build_mechanism
 from flexmech.modelfile.document import ModelFile
-from flexmech.modelfile.messages import input_error
+from flexmech.modelfile.messages import input_error, refuse_unseen_characters
 
 __all__ = ["json_schema", "load_mechanism", "mechanism_from_toml"]
 
@@ -114,6 +114,7 @@ def json_schema() -> dict[str, Any]:
 
 def _mechanism(text: str, shown: str, file: str, sha256: str) -> Mechanism:
     data = _parse(text, shown)
+    refuse_unseen_characters(data, shown)
     try:
         tables = ModelFile.model_validate(data)
     except ValidationError as error:

@@ -24,7 +24,7 @@ from tests.strategies import fourbar
 def test_engine_refuses_wrong_settings() -> None:
     mechanism = fourbar()
     for elements in (0, 1.5, 8.0, True, "8", None):
-        with pytest.raises(InputError, match="elements must be a whole number from 1 to 500 .*, such as"):
+        with pytest.raises(InputError, match="elements must be a whole number from 1 to 500"):
             ReferenceEngine(mechanism, elements)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="reference engine has no element 'ancf'; it has euler"):
         ReferenceEngine(mechanism, element="ancf")
