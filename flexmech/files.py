@@ -36,13 +36,15 @@ def given_path(path: str | os.PathLike[str]) -> Path:
     Raises
     ------
     InputError
-        If there is no such home folder.
+        If it is no path, or there is no such home folder.
 
     Examples
     --------
     >>> given_path("results/steel").parts
     ('results', 'steel')
     """
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"path must be text or a Path, got {path!r}")
     try:
         return Path(path).expanduser()
     except RuntimeError as error:

@@ -118,6 +118,9 @@ class Provenance:
                 f"name of a mechanism must be text that is not empty, got {self.name!r}; it "
                 "stands in titles"
             )
+        for text in (self.name, self.source, self.file):
+            if not isinstance(text, str) or "\0" in text:
+                raise InputError(f"name, source and file must be plain text, got {text!r}")
 
     def __repr__(self) -> str:
         return short_repr(self, self.name, self.file or "made in Python")

@@ -13,6 +13,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
+from flexmech.analyses.netcdf import read_netcdf
 from flexmech.analyses.summary import Summary
 from flexmech.errors import InputError
 from flexmech.files import given_path, moved_into
@@ -151,11 +152,7 @@ class Result(ABC):
         path = given_path(path)
         if not path.is_file():
             raise InputError(f"{path}: no such result file")
-        try:
-            with xr.open_dataset(path, engine="h5netcdf") as dataset:
-                loaded = dataset.load()
-        except (OSError, ValueError) as error:
-            raise InputError(f"{path}: not a NetCDF file of flexmech ({error})") from error
+        loaded = read_netcdf(path)
         if cls.hallmark not in loaded:
             raise InputError(
                 f"{path}: holds no variable {cls.hallmark!r}; not a {cls.stem} result of flexmech"

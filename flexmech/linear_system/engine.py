@@ -23,7 +23,7 @@ from flexmech.linear_system.system import LinearSystem
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import checked_drive
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import check_choice
+from flexmech.numbers import POSITIVE, check_choice, check_count, check_number
 from flexmech.types import FloatArray
 
 __all__ = ["Engine"]
@@ -311,12 +311,20 @@ class Engine(ABC):
             If the equilibrium does not converge.
         """
         check_choice(prestress, PRESTRESS_LEVELS, "prestress")
+        check_count(modes, "modes")
+        check_number(detail, "detail", "", POSITIVE)
+        if fastest is not None:
+            check_number(fastest, "fastest", "rad/s")
+        if not isinstance(rotation_terms, bool | np.bool_ | RotationTerms):
+            raise InputError(
+                f"rotation_terms must be True, False or RotationTerms, got {rotation_terms!r}"
+            )
         angle, speed, _ = checked_drive(crank_angle, crank_speed, 0.0)
         motion = self.mechanism.linkage.motion(angle.ravel(), speed.ravel())
         terms = (
             rotation_terms
             if isinstance(rotation_terms, RotationTerms)
-            else RotationTerms.all_or_none(rotation_terms)
+            else RotationTerms.all_or_none(bool(rotation_terms))
         )
         if not motion.crank_speed.any():
             terms = RotationTerms.all_or_none(False)

@@ -8,6 +8,7 @@ from typing import Literal, get_args
 from flexmech.materials.constituents import Fibre, Matrix
 from flexmech.materials.hygrothermal import ResinContent
 from flexmech.model_text import SharedTables, TomlTable
+from flexmech.numbers import check_instance
 from flexmech.short_repr import short_repr
 
 __all__ = ["RULES", "PlyComposition", "Rule"]
@@ -28,6 +29,11 @@ class PlyComposition:
     rule : {"chamis", "halpin-tsai", "rule-of-mixtures"}
     woven : bool
         Whether half of the fibres run each way.
+
+    Raises
+    ------
+    InputError
+        If fibre and matrix are none, or in each other's place.
     """
 
     fibre: Fibre
@@ -35,6 +41,11 @@ class PlyComposition:
     fibre_volume_fraction: float
     rule: Rule
     woven: bool = False
+
+    def __post_init__(self) -> None:
+        remedy = "take one of published_constituents(), or make your own"
+        check_instance(self.fibre, Fibre, "fibre", remedy)
+        check_instance(self.matrix, Matrix, "matrix", remedy)
 
     def __repr__(self) -> str:
         share = f"fibre volume fraction {self.fibre_volume_fraction:.6g}"

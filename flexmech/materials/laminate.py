@@ -160,7 +160,17 @@ class Laminate:
         Returns
         -------
         Laminate
+
+        Raises
+        ------
+        InputError
+            If there is not one angle for each ply, or as of a new laminate.
         """
+        if len(plies) != len(angles):
+            raise InputError(
+                f"angles has {len(angles)} values and there are {len(plies)} plies; give one "
+                "angle for each ply"
+            )
         pairs = zip(plies, angles, strict=True)
         return cls(tuple(Layer(ply, thickness, angle) for ply, angle in pairs))
 

@@ -99,8 +99,8 @@ def moving_frequencies(
     if crank_speeds is None:
         crank_speeds = operating_speeds(engines[0].mechanism)
     request = FrequencyRequest(
-        np.asarray(crank_angles),
-        np.asarray(crank_speeds),
+        np.asanyarray(crank_angles),
+        np.asanyarray(crank_speeds),
         formulation,
         speed_effect,
         speed_unit,

@@ -16,6 +16,8 @@ from flexmech.types import FloatArray
 __all__ = ["FrequencyRequest", "operating_speeds"]
 
 FORMULATION = Formulation()
+# Each with the mode shape of three links at nine stations, 1 kB.
+MOST_FREQUENCIES = 4_000_000
 SPEEDS = (0.0, 10.0, 20.0)
 
 
@@ -69,6 +71,13 @@ class FrequencyRequest:
             raise InputError("crank_speeds repeats a speed; give each one once")
         if self.tolerance is not None:
             check_number(self.tolerance, "tolerance", bounds=POSITIVE)
+        asked = len(angles) * len(speeds) * self.formulation.modes
+        if asked > MOST_FREQUENCIES:
+            raise InputError(
+                f"{len(angles)} crank_angles at {len(speeds)} crank_speeds with "
+                f"{self.formulation.modes} modes are {asked:.3g} frequencies; more than "
+                f"{MOST_FREQUENCIES:.3g} do not fit into memory with their mode shapes"
+            )
 
     def __repr__(self) -> str:
         return (
