@@ -183,7 +183,7 @@ WRONG_COMMAND_LINES = [
     (["--start", "periodic", "--run-up", "0.1"], "--start periodic needs.*leave --run-up out"),
     (["--run-up", "-0.1"], "--run-up: got '-0.1', which is negative"),
     (["--run-up", "slow"], "--run-up: got 'slow'.*write a time"),
-    (["--run-up", "1e9"], "--run-up.*samples, more than"),
+    (["--run-up", "1e5"], "--run-up.*samples, more than"),
     (["--prestress", "some"], "--prestress.*'none', 'axial', 'equilibrium'"),
     (["--integrator", "euler"], "--integrator.*'trapezoidal', 'generalized-alpha'"),
     (["--engine", "ansys"], "--engine.*'reference', 'exudyn', 'both'"),
@@ -227,7 +227,7 @@ def test_a_crank_that_cannot_turn_round_is_refused(kind: str, tmp_path: Path) ->
     file.write_text(text, encoding="utf-8")
     result = run(str(file), *QUICK, "--revolutions", "1", "--out", str(tmp_path / "out"))
     assert result.exit_code == 2
-    assert re.match(r"error: the linkage .* at crank angle -?\d", result.stderr), result.stderr
+    assert re.match(r"error: .*rocker.toml: the linkage .* at crank angle -?\d", result.stderr), result.stderr
     assert kind in result.stderr
     assert result.stderr.count("\n") == 1
     assert names(tmp_path) == ["rocker.toml"]
@@ -241,7 +241,7 @@ def test_models_and_folders_that_are_not_right_are_refused_at_once(tmp_path: Pat
     (taken / "animation.gif").mkdir(parents=True)
     (taken / "forces.png").mkdir()
     for out, options, message in (
-        (Path(ALUMINIUM), [], r"cannot write to .*\(File exists\); choose a folder"),
+        (Path(ALUMINIUM), [], r"cannot write to .*\(Not a directory\); choose a folder"),
         (taken, [], r"forces\.png is a folder there; remove it"),
         (taken, ["--no-plots", "--animate"], r"animation\.gif is a folder there; remove it"),
     ):
