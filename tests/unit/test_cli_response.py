@@ -227,7 +227,9 @@ def test_a_crank_that_cannot_turn_round_is_refused(kind: str, tmp_path: Path) ->
     file.write_text(text, encoding="utf-8")
     result = run(str(file), *QUICK, "--revolutions", "1", "--out", str(tmp_path / "out"))
     assert result.exit_code == 2
-    assert re.match(r"error: .*rocker.toml: the linkage .* at crank angle -?\d", result.stderr), result.stderr
+    assert re.match(r"error: .*rocker.toml: the linkage .* at crank angle -?\d", result.stderr), (
+        result.stderr
+    )
     assert kind in result.stderr
     assert result.stderr.count("\n") == 1
     assert names(tmp_path) == ["rocker.toml"]
