@@ -140,6 +140,9 @@ def moved_into(folder: Path) -> Iterator[Path]:
                     with suppress(OSError):
                         place.rmdir()
     except OSError as error:
+        # A set within a set: the user knows the folder around it.
+        if folder.name.startswith(PREFIX):
+            raise
         raise InputError(_not_writable(folder, error)) from error
 
 
