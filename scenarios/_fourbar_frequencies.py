@@ -98,7 +98,7 @@ def study_frequencies(
         crank_angles,
         SPEEDS,
         modes=MODES,
-        speed_effect=True,
+        speed_effect="fastest",
     )
     fine = np.linspace(0, 2 * np.pi, FINER * (len(crank_angles) - 1) + 1)
     answer = FrequencyAnswer(

@@ -55,7 +55,7 @@ def frequencies(
             modes=modes,
             prestress=prestress,
             rotation_terms=rotation_terms,
-            speed_effect=not no_plots and prestress != "none",
+            speed_effect="fastest" if not no_plots and prestress != "none" else False,
             environment=environment,
             speed_unit=unit,
             tolerance=tolerance if elements is None else None,

@@ -48,6 +48,11 @@ def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
             "moving_frequencies(..., speed_effect=True)"
         )
     fastest, speed = at_highest_speed(dataset.sortby("crank_angle"))
+    if fastest["speed_effect"].isnull().any():
+        raise InputError(
+            f"this result does not split the effect of speed by term at {speed}: compute it with "
+            "moving_frequencies(..., speed_effect=True)"
+        )
     effect = values_of(fastest["speed_effect"], "mode", "term", "crank_angle")
     angles = degrees(fastest["crank_angle"])
     mark = "*" if few_points(angles) else ""

@@ -262,3 +262,17 @@ def test_a_map_needs_an_engine() -> None:
 def test_a_full_turn_is_recognised(degrees: np.ndarray, full: bool) -> None:
     request = FrequencyRequest(np.radians(degrees), [0.0])
     assert request.full_turn is full
+
+
+def test_the_split_of_one_speed_is_that_of_all() -> None:
+    """What is asked for the picture's sake costs one speed and not all of them."""
+    engine = ReferenceEngine(fourbar(damping_time=1e-4), 4)
+    every, fastest = (
+        moving_frequencies(
+            engine, ANGLES[::4], [0.0, -20.0, 10.0], modes=2, speed_effect=which
+        ).dataset["speed_effect"]
+        for which in (True, "fastest")
+    )
+    assert not every.isnull().any()
+    assert fastest.isel(crank_speed=[0, 2]).isnull().all()
+    np.testing.assert_array_equal(fastest.isel(crank_speed=1), every.isel(crank_speed=1))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -35,7 +36,7 @@ def moving_frequencies(
     modes: int = MODES,
     prestress: MapPrestress = "equilibrium",
     rotation_terms: bool = True,
-    speed_effect: bool = False,
+    speed_effect: bool | Literal["fastest"] = False,
     environment: Environment | None = None,
     speed_unit: str = "rad/s",
     tolerance: float | None = None,
@@ -62,9 +63,10 @@ def moving_frequencies(
         Terms of the turning link frames; off gives the frozen inertial form. With them,
         frozen eigenvalues depend on the frame in which they are written (Floquet
         multipliers do not): here each link's own.
-    speed_effect : bool
-        Also split the effect of speed by term, with the first engine; not of links that bend
-        without load, which have no unstressed state to begin with.
+    speed_effect : bool or "fastest"
+        Also split the effect of speed by term, with the first engine, at every speed or at the
+        greatest alone (the picture's; elsewhere the result holds no number); not of links that
+        bend without load, which have no unstressed state to begin with.
     environment : HygrothermalState or Exposure, optional
         Heat and moisture: the mechanism is computed in them and dry.
     speed_unit : str
@@ -139,8 +141,8 @@ def _in_one_state(
     terms = None
     with one_thread():
         maps = [map_engine(engine, request, report) for engine in engines]
-        if request.splits_speed and not engines[0].mechanism.is_free_strained:
-            terms = speed_effect_terms(maps[0].engine, request, maps[0].detail, report)
+        if request.split_speeds.size and not engines[0].mechanism.is_free_strained:
+            terms = speed_effect_terms(maps[0].systems, request, report)
     used = [
         engine.with_(elements=each.engine.elements)
         for engine, each in zip(engines, maps, strict=True)

@@ -21,7 +21,7 @@ from flexmech.analyses.frequencies.discretisation import (
 from flexmech.analyses.frequencies.eigenproblem import solve_modes
 from flexmech.analyses.frequencies.extremes import extremes_between
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.analyses.frequencies.frequency_map import frequency_map, systems_at
+from flexmech.analyses.frequencies.frequency_map import frequencies_along, systems_at
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.reduction import CheckedModes, settled
 from flexmech.analyses.frequencies.refinement import Positions
@@ -48,18 +48,20 @@ class EngineMap:
 
     Parameters
     ----------
-    engine : Engine
-        As it was used at last: with component modes or without.
-    detail : float
-        How many component modes the most demanding speed has needed.
+    systems : tuple of Systems
+        Of each speed, with as many component modes as it has needed.
     dataset : xarray.Dataset
         Over (crank_speed, crank_angle, mode), errors and shapes over (crank_speed, check_angle,
         mode); its dimensions are without coordinates but for the branches.
     """
 
-    engine: Engine
-    detail: float
+    systems: tuple[Systems, ...]
     dataset: xr.Dataset
+
+    @property
+    def engine(self) -> Engine:
+        """With the elements that the map has needed."""
+        return self.systems[0].engine
 
 
 def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgress) -> EngineMap:
@@ -102,7 +104,8 @@ def _map_on_mesh(engine: Engine, request: FrequencyRequest, report: LabelledProg
     losses = StrainEnergyDamping.of(engine)
     numbering: IntArray | None = None
     start_shapes: NDArray[Any] | None = None
-    finest, parts, done = Systems(engine, asked.formulation), [], 0
+    used: list[Systems] = []
+    parts, done = [], 0
 
     def advance(count: int) -> None:
         nonlocal done
@@ -112,8 +115,7 @@ def _map_on_mesh(engine: Engine, request: FrequencyRequest, report: LabelledProg
     for speed in asked.crank_speeds.tolist():
         checked = settled(systems_at(engine, asked, speed), angles[where], speed, SPARE_MODES)
         systems = checked.systems
-        if systems.detail > finest.detail or not systems.engine.component_modes:
-            finest = systems
+        used.append(systems)
         shapes = checked.system.displacements(checked.modes.vectors)
         if start_shapes is not None:
             numbering = same_shapes(start_shapes, shapes[0], numbering)
@@ -140,10 +142,12 @@ def _map_on_mesh(engine: Engine, request: FrequencyRequest, report: LabelledProg
     if request.formulation.prestress == "trajectory":
         quasi_static = dataset["frequency"]
         if engine.simulates:
-            values = frequency_map(finest.engine, still, finest.detail)
-            quasi_static = quasi_static.copy(data=values)
+            calm = [replace(s, formulation=still.formulation, running=None) for s in used]
+            pairs = zip(calm, asked.crank_speeds.tolist(), strict=True)
+            values = [frequencies_along(s, angles, speed) for s, speed in pairs]
+            quasi_static = quasi_static.copy(data=np.stack(values))
         dataset["quasi_static_frequency"] = quasi_static
-    return EngineMap(finest.engine, finest.detail, dataset)
+    return EngineMap(tuple(used), dataset)
 
 
 def _along_angles(

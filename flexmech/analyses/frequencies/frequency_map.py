@@ -12,7 +12,7 @@ from flexmech.linear_system import Engine
 from flexmech.threads import one_thread
 from flexmech.types import FloatArray
 
-__all__ = ["frequency_map", "systems_at"]
+__all__ = ["frequencies_along", "frequency_map", "systems_at"]
 
 
 def systems_at(
@@ -56,11 +56,19 @@ def frequency_map(engine: Engine, request: FrequencyRequest, detail: float = 1.0
     ndarray, shape (S, A, modes)
         In Hz, ascending.
     """
-
-    def along_angles(crank_speed: float) -> FloatArray:
-        systems = systems_at(engine, request, crank_speed, detail)
-        batches = systems.batches(request.crank_angles, crank_speed)
-        return np.concatenate([solve_frequencies(s, request.formulation.modes) for s in batches])
-
     with one_thread():
-        return np.stack([along_angles(speed) for speed in request.crank_speeds.tolist()])
+        return np.stack(
+            [
+                frequencies_along(
+                    systems_at(engine, request, speed, detail), request.crank_angles, speed
+                )
+                for speed in request.crank_speeds.tolist()
+            ]
+        )
+
+
+def frequencies_along(systems: Systems, crank_angles: FloatArray, crank_speed: float) -> FloatArray:
+    """Natural frequencies of systems along crank angles (A,); Hz, ascending, shape (A, modes)."""
+    count = systems.formulation.modes
+    batches = systems.batches(crank_angles, crank_speed)
+    return np.concatenate([solve_frequencies(system, count) for system in batches])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from flexmech.analyses.requests import in_radians
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
 from flexmech.numbers import POSITIVE, check_number, checked_array
-from flexmech.types import FloatArray
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["FrequencyRequest", "operating_speeds"]
 
@@ -32,8 +33,9 @@ class FrequencyRequest:
     crank_speeds : ndarray, shape (S,)
         rad/s.
     formulation : Formulation
-    speed_effect : bool
-        Whether to split the effect of speed by term, with the first engine.
+    speed_effect : bool or "fastest"
+        Whether to split the effect of speed by term, with the first engine: at every speed, or
+        at the greatest alone.
     speed_unit : str
         In which results speak of crank speeds, such as ``"rpm"``.
     tolerance : float, optional
@@ -54,7 +56,7 @@ class FrequencyRequest:
     crank_angles: FloatArray
     crank_speeds: FloatArray
     formulation: Formulation = FORMULATION
-    speed_effect: bool = False
+    speed_effect: bool | Literal["fastest"] = False
     speed_unit: str = "rad/s"
     tolerance: float | None = None
 
@@ -86,9 +88,13 @@ class FrequencyRequest:
         )
 
     @property
-    def splits_speed(self) -> bool:
-        """Whether there is an effect of speed to split by term."""
-        return self.speed_effect and bool(self.crank_speeds.any())
+    def split_speeds(self) -> IntArray:
+        """Numbers of the crank speeds at which the effect of speed is to be split by term."""
+        if not self.speed_effect or not self.crank_speeds.any():
+            return np.zeros(0, dtype=np.intp)
+        if self.speed_effect == "fastest":
+            return np.array([np.argmax(np.abs(self.crank_speeds))])
+        return np.arange(len(self.crank_speeds))
 
     @property
     def full_turn(self) -> bool:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
-from flexmech.analyses.frequencies.formulation import Formulation
-from flexmech.analyses.frequencies.frequency_map import frequency_map
+import numpy as np
+
+from flexmech.analyses.frequencies.formulation import Formulation, Systems
+from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.choices import Prestress
-from flexmech.linear_system import Engine, RotationTerms
+from flexmech.linear_system import RotationTerms
 from flexmech.types import FloatArray, LabelledProgress
 
 __all__ = ["TERMS", "speed_effect_terms"]
@@ -24,7 +27,7 @@ TERMS: dict[str, tuple[Prestress, RotationTerms]] = {
 
 
 def speed_effect_terms(
-    engine: Engine, request: FrequencyRequest, detail: float, report: LabelledProgress
+    systems: Sequence[Systems], request: FrequencyRequest, report: LabelledProgress
 ) -> dict[str, FloatArray]:
     """Change of the frequencies that each term adds.
 
@@ -34,23 +37,28 @@ def speed_effect_terms(
 
     Parameters
     ----------
-    engine : Engine
+    systems : sequence of Systems
+        Of each crank speed.
     request : FrequencyRequest
         Terms that it leaves out are left out here.
-    detail : float
-        How many component modes to take.
     report : callable
         Progress: ``report(label, done, total)``.
 
     Returns
     -------
     dict of str to ndarray, shape (S, A, modes)
-        By term, in Hz.
+        By term, in Hz; not a number at speeds that are not to be split.
     """
     whole = request.formulation.quasi_static
 
     def frequencies(formulation: Formulation) -> FloatArray:
-        return frequency_map(engine, replace(request, formulation=formulation), detail)
+        shape = (len(systems), len(request.crank_angles), formulation.modes)
+        values = np.full(shape, np.nan)
+        for number in request.split_speeds:
+            here = replace(systems[number], formulation=formulation, running=None)
+            speed = float(request.crank_speeds[number])
+            values[number] = frequencies_along(here, request.crank_angles, speed)
+        return values
 
     before = frequencies(replace(whole, prestress="none", rotation_terms=False))
     effects: dict[str, FloatArray] = {}
