@@ -2,6 +2,7 @@
 
 import time
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -42,3 +43,12 @@ def test_elements(aluminium, note, elements, case):
     angles = np.linspace(0, 2 * np.pi, 73)
     seconds, peak = measure(aluminium, angles, elements, *case)
     note(f"{case[0]}: 73 angles, {elements} elements", seconds, peak)
+
+
+@pytest.mark.parametrize("elements", [8, 64])
+def test_damped_links_at_speed(aluminium, note, elements):
+    """Rotation terms and Kelvin-Voigt damping: quadratic eigenproblems in component modes."""
+    sections = {n: s.with_damping_time(1e-4) for n, s in aluminium.sections.items()}
+    mechanism = replace(aluminium, sections=sections)
+    seconds, peak = measure(mechanism, np.linspace(0, 2 * np.pi, 73), elements, "equilibrium", 20.0)
+    note(f"damped, equilibrium: 73 angles, {elements} elements", seconds, peak)

@@ -4,11 +4,13 @@ The plain loops get the unreduced matrices for nothing; where they would take mi
 run over every tenth or thirtieth position and are scaled up (`plain_covers`).
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.linalg
 
-from flexmech import ExudynEngine, ReferenceEngine, moving_frequencies
+from flexmech import ExudynEngine, ReferenceEngine, load_mechanism, moving_frequencies
 from flexmech.analyses import Formulation, FrequencyRequest, frequency_map, solve_frequencies
 from flexmech.linear_system import RotationTerms
 from flexmech.threads import one_thread
@@ -154,4 +156,41 @@ def test_exudyn_equilibrium(aluminium, against):
         lambda: solve_frequencies(engine.linear_system(angles, 20.0, modes=MODES), MODES),
         engine.model.assembly.mbs.ComputeODE2Eigenvalues,
         plain_covers=1 / len(angles),
+    )
+
+
+@pytest.mark.parametrize("elements", [8, 32])
+def test_damped_composite_at_rest(against, models, elements):
+    """Plies of several damping times, in component modes and in all coordinates."""
+    engine = ReferenceEngine(load_mechanism(models / "composite_fourbar.toml"), elements)
+    angles = ANGLES[::60]
+    against(
+        f"damped composite at rest, {elements} elements, against unreduced",
+        lambda: moving_frequencies(engine, angles, [0.0]),
+        lambda: moving_frequencies(engine.unreduced(), angles, [0.0]),
+        rounds=1,
+        plain_rounds=1,
+    )
+
+
+def test_damped_map_against_undamped(aluminium, against):
+    """Damping asks for the general eigenproblem at rest too, and for the errors of the ratios."""
+    sections = {n: s.with_damping_time(1e-4) for n, s in aluminium.sections.items()}
+    damped = ReferenceEngine(replace(aluminium, sections=sections), 8)
+    against(
+        "damped map, 3 speeds, against undamped",
+        lambda: moving_frequencies(damped, ANGLES[::5], SPEEDS),
+        lambda: moving_frequencies(ReferenceEngine(aluminium, 8), ANGLES[::5], SPEEDS),
+        rounds=3,
+    )
+
+
+def test_split_of_the_drawn_speed(aluminium, against):
+    """The effect of speed by term, at the greatest speed against at all three."""
+    engine = ReferenceEngine(aluminium, 8)
+    against(
+        "effect of speed by term: the drawn speed against every speed",
+        lambda: moving_frequencies(engine, ANGLES[::5], SPEEDS, speed_effect="fastest"),
+        lambda: moving_frequencies(engine, ANGLES[::5], SPEEDS, speed_effect=True),
+        rounds=3,
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.eigenproblem import Modes, solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.linear_system import LinearSystem
+from flexmech.linear_system import LinearSystem, LinkFrames
 from flexmech.types import FloatArray
 
 __all__ = ["CheckedModes", "ReductionError", "reduction_error", "settled"]
@@ -26,6 +26,8 @@ REDUCTION_TOLERANCE = 2e-5
 RATIO_TOLERANCE = 1e-3
 RATIO_FLOOR = 1e-7
 DETAILS = (1.0, 2.0, 4.0)
+# Of unreduced matrices of one kind that are held at a time.
+MATRIX_BYTES = 4_000_000
 
 
 @dataclass(frozen=True)
@@ -97,15 +99,15 @@ def settled(
     """
     count = systems.formulation.modes
     unreduced = replace(systems, engine=systems.engine.unreduced(), detail=DETAILS[0])
-    full = unreduced.at(crank_angle, crank_speed) if systems.engine.component_modes else None
+    speed = np.broadcast_to(crank_speed, crank_angle.shape)
     for detail in DETAILS:
         detailed = replace(systems, detail=detail)
         system = detailed.at(crank_angle, crank_speed)
         modes = solve_modes(system, count, max(0, min(spare, system.size - count)))
-        if full is None:
+        if not systems.engine.component_modes:
             exact = np.zeros((len(modes.frequency), count))
             return CheckedModes(detailed, system, modes, ReductionError(exact, exact))
-        error = reduction_error(full, system, modes.lowest(count))
+        error = reduction_error(unreduced, crank_angle, speed, system, modes.lowest(count))
         if error.is_small(modes, damped=systems.is_damped):
             return CheckedModes(detailed, system, modes, error)
         logger.info(
@@ -117,16 +119,25 @@ def settled(
     return settled(unreduced, crank_angle, crank_speed, spare)
 
 
-def reduction_error(full: LinearSystem, reduced: LinearSystem, modes: Modes) -> ReductionError:
+def reduction_error(
+    unreduced: Systems,
+    crank_angle: FloatArray,
+    crank_speed: FloatArray,
+    reduced: LinearSystem,
+    modes: Modes,
+) -> ReductionError:
     """Error of reduced modes against the unreduced matrices.
 
     The reduced modes are improved by one step of inverse iteration on the unreduced
-    matrices; what frequency and damping ratio still move by is the reduction's error.
+    matrices; what frequency and damping ratio still move by is the reduction's error. Few
+    positions are held at a time: unreduced matrices are large.
 
     Parameters
     ----------
-    full, reduced : LinearSystem
-        The same batch of B positions.
+    unreduced : Systems
+    crank_angle, crank_speed : ndarray, shape (B,)
+    reduced : LinearSystem
+        In these positions.
     modes : Modes
         Of ``reduced``; m of them.
 
@@ -134,12 +145,18 @@ def reduction_error(full: LinearSystem, reduced: LinearSystem, modes: Modes) -> 
     -------
     ReductionError
     """
-    shapes = reduced.unreduced_vectors(modes.vectors, full.frames)
-    improved = (
-        _inverse_iteration(full, shapes)
-        if full.is_conservative
-        else _newton_step(full, modes.eigenvalues, shapes)
-    )
+    engine, improved = unreduced.engine, np.empty_like(modes.eigenvalues)
+    frames = LinkFrames(engine.mechanism.linkage.topology, engine.links)
+    shapes = reduced.unreduced_vectors(modes.vectors, frames)
+    at_a_time = max(1, MATRIX_BYTES // (8 * frames.size**2))
+    for start in range(0, len(crank_angle), at_a_time):
+        part = slice(start, start + at_a_time)
+        full = unreduced.at(crank_angle[part], crank_speed[part])
+        improved[part] = (
+            _inverse_iteration(full, shapes[part])
+            if full.is_conservative
+            else _newton_step(full, modes.eigenvalues[part], shapes[part])
+        )
     better = Modes(improved, modes.vectors)
     return ReductionError(
         frequency=np.abs(modes.frequency / better.frequency - 1),
@@ -165,10 +182,15 @@ def _newton_step(
     improved = np.empty_like(eigenvalues)
     for mode in range(eigenvalues.shape[1]):
         value = eigenvalues[:, mode, None, None]
-        slope = 2 * value * full.mass + full.damping
-        dynamic = value**2 * full.mass + value * full.damping + full.stiffness
         x = shapes[:, :, mode, None]
-        weight = np.swapaxes((full.mass @ x).conj(), 1, 2)
-        change = (weight @ x) / (weight @ np.linalg.solve(dynamic, slope @ x))
+        inertia = full.mass @ x
+        slope = 2 * value * inertia + full.damping @ x
+        # In place: these matrices are the largest of all.
+        dynamic = value * full.mass
+        dynamic += full.damping
+        dynamic *= value
+        dynamic += full.stiffness
+        weight = np.swapaxes(inertia.conj(), 1, 2)
+        change = (weight @ x) / (weight @ np.linalg.solve(dynamic, slope))
         improved[:, mode] = eigenvalues[:, mode] - change[:, 0, 0]
     return improved
