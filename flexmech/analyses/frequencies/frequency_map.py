@@ -68,7 +68,21 @@ def frequency_map(engine: Engine, request: FrequencyRequest, detail: float = 1.0
 
 
 def frequencies_along(systems: Systems, crank_angles: FloatArray, crank_speed: float) -> FloatArray:
-    """Natural frequencies of systems along crank angles (A,); Hz, ascending, shape (A, modes)."""
+    """Natural frequencies of systems along crank angles.
+
+    Parameters
+    ----------
+    systems : Systems
+    crank_angles : ndarray, shape (A,)
+        In rad.
+    crank_speed : float
+        In rad/s.
+
+    Returns
+    -------
+    ndarray, shape (A, modes)
+        In Hz, ascending.
+    """
     count = systems.formulation.modes
     batches = systems.batches(crank_angles, crank_speed)
     return np.concatenate([solve_frequencies(system, count) for system in batches])
