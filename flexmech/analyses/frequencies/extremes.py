@@ -144,7 +144,8 @@ class _Brackets:
         least = np.nanmin(value, axis=0)
         middle = np.arange(2, len(angle) - 2)
         slope = np.abs(np.diff(value, axis=0) / np.diff(angle)[:, None])
-        steepest = np.nanmax([slope[middle + n] for n in range(-2, 2)], axis=0)
+        # Of a single angle no slope is known, which is no number, and nothing to warn of.
+        steepest = np.fmax.reduce([slope[middle + n] for n in range(-2, 2)])
         before, here, behind = (value[middle + n] for n in (-1, 0, 1))
         angles = angle[middle[:, None] + [-1, 0, 1]].T[:, :, None]
         bound = _lower_bound(before, behind, steepest, angles)
