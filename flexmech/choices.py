@@ -31,7 +31,7 @@ __all__ = [
 
 EngineName = Literal["reference", "exudyn"]
 EngineChoice = Literal[EngineName, "both"]
-ReferenceElement = Literal["euler", "timoshenko", "reddy"]
+ReferenceElement = Literal["euler", "timoshenko", "reddy", "zigzag"]
 ExudynElement = Literal["ancf", "geometrically-exact"]
 ElementName = Literal[ReferenceElement, ExudynElement]
 """Beam elements of the two engines."""

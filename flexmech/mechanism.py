@@ -26,7 +26,7 @@ from flexmech.numbers import (
     check_number,
     check_pair,
 )
-from flexmech.sections import BeamSection
+from flexmech.sections import BeamSection, sections_between_joints
 from flexmech.short_repr import short_repr
 from flexmech.units import ACCELERATION, ANGULAR_SPEED, EXPANSION, LENGTH, MASS, TEMPERATURE
 
@@ -245,7 +245,9 @@ class Mechanism:
         names = self.linkage.topology.link_names
         in_order = sorted(self.link_masses, key=lambda point: names.index(point.link))
         wetting = {name: faces for name, faces in self.wetting.items() if faces != Wetting()}
+        sections = sections_between_joints(self.linkage.topology, self.sections)
         for field_name, value in (
+            ("sections", sections),
             ("link_masses", tuple(in_order)),
             ("gravity", tuple(self.gravity)),
             ("operating_speeds", tuple(self.operating_speeds)),

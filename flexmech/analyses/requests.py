@@ -68,12 +68,14 @@ def engine_of(value: Engine) -> Engine:
     return _one_of(value, (Engine,), "an engine", ENGINE)
 
 
-def engines_of(value: Engine | Sequence[Engine]) -> list[Engine]:
+def engines_of(value: Engine | Sequence[Engine], modes: int | None = None) -> list[Engine]:
     """One engine or several as a list of one or more.
 
     Parameters
     ----------
     value : Engine or sequence of Engine
+    modes : int, optional
+        Natural frequencies that elements which were not asked for must be fit for.
 
     Returns
     -------
@@ -87,7 +89,8 @@ def engines_of(value: Engine | Sequence[Engine]) -> list[Engine]:
     engines = value if isinstance(value, Sequence) and not isinstance(value, str) else [value]
     if not engines:
         raise InputError("an analysis needs an engine, got an empty list")
-    return [engine_of(engine) for engine in engines]
+    found = [engine_of(engine) for engine in engines]
+    return found if modes is None else [engine.fit_for(modes) for engine in found]
 
 
 def link_of(value: str, names: Collection[str]) -> str:

@@ -1,7 +1,17 @@
 """Beam elements by theory: shape functions, element matrices, and links put together of them."""
 
-from flexmech.beams.beam_shapes import BEAM_SHAPES, BeamShapes
+from flexmech.beams.beam_shapes import BeamShapes
+from flexmech.beams.comparison import compare_theories
 from flexmech.beams.elements import BeamElements
-from flexmech.beams.link_matrices import Chain, build_chain
+from flexmech.beams.link_matrices import Chain, assemble_chain, build_chain
+from flexmech.beams.theories import BEAM_SHAPES
 
-__all__ = ["BEAM_SHAPES", "BeamElements", "BeamShapes", "Chain", "build_chain"]
+__all__ = [
+    "BEAM_SHAPES",
+    "BeamElements",
+    "BeamShapes",
+    "Chain",
+    "assemble_chain",
+    "build_chain",
+    "compare_theories",
+]

@@ -16,23 +16,36 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.beams.interpolation import hermite, hermite_integral, linear, placed
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = ["BEAM_SHAPES", "BeamFields", "BeamShapes"]
+__all__ = [
+    "BeamFields",
+    "BeamShapes",
+    "EulerBernoulli",
+    "Reddy",
+    "Timoshenko",
+]
+
+# Exact to degree 9; products of quartics, and of squared cubics with a quadratic tension, have 8.
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 
 
 @dataclass(frozen=True)
 class BeamFields:
-    """Fields inside elements at s places, each of shape (s, 2 p): one row a place.
+    """Fields inside elements at places, each of shape (..., 2 p): a row a place.
 
     Parameters
     ----------
     axial, deflection, rotation, slope : ndarray
         Displacement along at the neutral axis and across in m, rotation of the section and
         slope of the axis in rad.
-    axial_strain, curvature, slope_change : ndarray
-        First derivatives of ``axial``, ``rotation`` and ``slope``.
+    axial_strain, curvature : ndarray
+        First derivatives of ``axial`` and ``rotation``.
+    shears, shear_changes : ndarray, shape (w, ..., 2 p)
+        Shear angles that together turn the axis against the section, one in most theories, and
+        their derivatives along the beam in 1/m.
     """
 
     axial: FloatArray
@@ -41,17 +54,13 @@ class BeamFields:
     slope: FloatArray
     axial_strain: FloatArray
     curvature: FloatArray
-    slope_change: FloatArray
+    shears: FloatArray
+    shear_changes: FloatArray
 
     @property
     def shear(self) -> FloatArray:
-        """Shear angle at the axis."""
+        """Shear angle of the axis."""
         return self.slope - self.rotation
-
-    @property
-    def shear_change(self) -> FloatArray:
-        """Derivative of the shear angle along the beam in 1/m."""
-        return self.slope_change - self.curvature
 
 
 class BeamShapes(ABC):
@@ -65,6 +74,9 @@ class BeamShapes(ABC):
         Coordinates of a node that are angles.
     clamped : tuple of int
         Coordinates of a node that a clamp holds besides its displacement.
+    warping : tuple of int
+        Coordinates of a node that a joint holds because its pin's fitting keeps the
+        cross-section plane.
     stiff_in_shear : bool
         Whether the section's rotation is the slope of the axis.
     """
@@ -72,6 +84,7 @@ class BeamShapes(ABC):
     per_node: int
     angles: tuple[int, ...]
     clamped: tuple[int, ...]
+    warping: tuple[int, ...] = ()
     stiff_in_shear: bool = False
 
     @abstractmethod
@@ -99,8 +112,8 @@ class BeamShapes(ABC):
 
         Returns
         -------
-        ndarray, shape (4, 4)
-            By axial strain, curvature, change of the shear angle, and shear angle.
+        ndarray, shape (2 + 2 w, 2 + 2 w)
+            By axial strain, curvature, changes of the w shear angles, and shear angles.
         """
 
     @abstractmethod
@@ -113,8 +126,8 @@ class BeamShapes(ABC):
 
         Returns
         -------
-        ndarray, shape (3, 3)
-            By displacement along, rotation and shear angle; its first entry is the mass per
+        ndarray, shape (2 + w, 2 + w)
+            By displacement along, rotation and shear angles; its first entry is the mass per
             length, which the deflection moves too.
         """
 
@@ -141,9 +154,29 @@ class BeamShapes(ABC):
         own = np.arange(2, self.per_node)
         is_angle = np.isin(own, self.angles)
         turned = section.free_curvature * length[:, None] / 2 * is_angle
-        # What is no angle is the section's curvature at the node.
-        bent = section.free_curvature * np.where(is_angle, 0.0, 1.0)
+        # What neither turns nor warps the section is its curvature at the node.
+        bends = ~is_angle & ~np.isin(own, self.warping)
+        bent = section.free_curvature * bends
         return np.concatenate([bent - turned, bent + turned], axis=1)
+
+    def quadrature(self, length: FloatArray, section: BeamSection) -> tuple[FloatArray, FloatArray]:
+        """Places and weights that integrate every product of two fields.
+
+        Parameters
+        ----------
+        length : ndarray, shape (e,)
+            Of the elements in m.
+        section : BeamSection
+
+        Returns
+        -------
+        fraction : ndarray, shape (e, g)
+            Place in the element from 0 to 1.
+        weight : ndarray, shape (e, g)
+            In m.
+        """
+        places = np.tile((_POINTS + 1) / 2, (len(length), 1))
+        return places, length[:, None] / 2 * _WEIGHTS
 
     def softening(self, section: BeamSection) -> float:
         """How much of the squared shear angle tension takes off the squared slope.
@@ -160,52 +193,6 @@ class BeamShapes(ABC):
         return 0.0
 
 
-def hermite(s: FloatArray, length: FloatArray, derivatives: int = 3) -> tuple[FloatArray, ...]:
-    """Cubic with end values and slopes and its first derivatives; each (s, 4)."""
-    powers = np.stack([np.ones_like(s), s, s**2, s**3], axis=-1)
-    scale = np.ones((len(s), 4))
-    scale[:, 1] = scale[:, 3] = length
-    shapes = []
-    for order in range(derivatives + 1):
-        shapes.append(powers @ _HERMITE[order] * scale)
-        scale = scale / length[:, None]
-    return tuple(shapes)
-
-
-# Coefficients of 1, s, s^2 and s^3 (rows) of the four cubics (columns), and of their
-# derivatives.
-_CUBICS = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [-3, -2, 3, -1], [2, 1, -2, 1]])
-_DERIVATIVE = np.array([[0.0, 1, 0, 0], [0, 0, 2, 0], [0, 0, 0, 3], [0, 0, 0, 0]])
-_HERMITE = [np.linalg.matrix_power(_DERIVATIVE, order) @ _CUBICS for order in range(4)]
-
-
-def _hermite_integral(s: FloatArray, length: FloatArray) -> FloatArray:
-    """Integral of the cubic from the element's start; (s, 4)."""
-    rows = [
-        s - s**3 + s**4 / 2,
-        s**2 / 2 - 2 * s**3 / 3 + s**4 / 4,
-        s**3 - s**4 / 2,
-        s**4 / 4 - s**3 / 3,
-    ]
-    one = np.ones_like(s)
-    scale = np.stack([one, length, one, length], axis=-1)
-    return np.stack(rows, axis=-1) * scale * length[:, None]
-
-
-def _placed(rows: FloatArray, columns: tuple[int, ...], size: int) -> FloatArray:
-    full = np.zeros((len(rows), size))
-    full[:, columns] = rows
-    return full
-
-
-def _linear(fraction: FloatArray, length: FloatArray, size: int) -> tuple[FloatArray, FloatArray]:
-    """Linear interpolation of the axial displacement, and its derivative; (s, size)."""
-    ends = (0, size // 2)
-    value = np.stack([1 - fraction, fraction], axis=-1)
-    slope = np.stack([-1 / length, 1 / length], axis=-1)
-    return _placed(value, ends, size), _placed(slope, ends, size)
-
-
 class EulerBernoulli(BeamShapes):
     """Coordinates (u, v, phi): sections stay normal to the axis, cubic deflection."""
 
@@ -216,10 +203,11 @@ class EulerBernoulli(BeamShapes):
 
     def fields(self, fraction: FloatArray, length: FloatArray, section: BeamSection) -> BeamFields:
         """See :class:`BeamShapes`."""
-        axial, stretch = _linear(fraction, length, 6)
+        axial, stretch = linear(fraction, length, 6)
         cubic = hermite(fraction, length, 2)
-        deflection, slope, bend = (_placed(h, (1, 2, 4, 5), 6) for h in cubic)
-        return BeamFields(axial, deflection, slope, slope, stretch, bend, bend)
+        deflection, slope, bend = (placed(h, (1, 2, 4, 5), 6) for h in cubic)
+        none = np.zeros((1, *bend.shape))
+        return BeamFields(axial, deflection, slope, slope, stretch, bend, none, none)
 
     def strain_stiffness(self, section: BeamSection) -> FloatArray:
         """See :class:`BeamShapes`."""
@@ -253,21 +241,28 @@ class Timoshenko(BeamShapes):
         """See :class:`BeamShapes`."""
         s, h = fraction, length[:, None]
         turning, ends = (2, 3, 6, 7), (1, 5)
-        axial, stretch = _linear(s, length, 8)
-        rotation, curvature, second, third = (_placed(f, turning, 8) for f in hermite(s, length))
-        integral = _placed(_hermite_integral(s, length), turning, 8)
-        mean = _placed(_hermite_integral(np.ones_like(s), length) / h, turning, 8)
-        start = _placed(np.ones((len(s), 1)), (3,), 8)
-        mean_second = _placed(np.stack([-1 / length, 1 / length], axis=-1), (3, 7), 8)
-        chord = _placed(np.stack([-1 / length, 1 / length], axis=-1), ends, 8)
+        axial, stretch = linear(s, length, 8)
+        rotation, curvature, second, third = (placed(f, turning, 8) for f in hermite(s, length))
+        integral = placed(hermite_integral(s, length), turning, 8)
+        mean = placed(hermite_integral(np.ones_like(s), length) / h, turning, 8)
+        start = placed(np.ones((len(s), 1)), (3,), 8)
+        mean_second = placed(np.stack([-1 / length, 1 / length], axis=-1), (3, 7), 8)
+        chord = placed(np.stack([-1 / length, 1 / length], axis=-1), ends, 8)
         soft = section.bending_stiffness / section.shear_stiffness
         constant = chord - mean + soft * mean_second
         x = (s * length)[:, None]
         deflection = integral - soft * (curvature - start) + x * constant
         deflection[:, 1] += 1.0
-        slope = rotation - soft * second + constant
+        shear, change = constant - soft * second, -soft * third
         return BeamFields(
-            axial, deflection, rotation, slope, stretch, curvature, curvature - soft * third
+            axial,
+            deflection,
+            rotation,
+            rotation + shear,
+            stretch,
+            curvature,
+            shear[None],
+            change[None],
         )
 
     def strain_stiffness(self, section: BeamSection) -> FloatArray:
@@ -306,11 +301,14 @@ class Reddy(BeamShapes):
 
     def fields(self, fraction: FloatArray, length: FloatArray, section: BeamSection) -> BeamFields:
         """See :class:`BeamShapes`."""
-        axial, stretch = _linear(fraction, length, 10)
+        axial, stretch = linear(fraction, length, 10)
         cubic = hermite(fraction, length, 2)
-        deflection, slope, slope_change = (_placed(h, (1, 3, 6, 8), 10) for h in cubic)
-        rotation, curvature, _ = (_placed(h, (2, 4, 7, 9), 10) for h in cubic)
-        return BeamFields(axial, deflection, rotation, slope, stretch, curvature, slope_change)
+        deflection, slope, slope_change = (placed(h, (1, 3, 6, 8), 10) for h in cubic)
+        rotation, curvature, _ = (placed(h, (2, 4, 7, 9), 10) for h in cubic)
+        shear, change = slope - rotation, slope_change - curvature
+        return BeamFields(
+            axial, deflection, rotation, slope, stretch, curvature, shear[None], change[None]
+        )
 
     def strain_stiffness(self, section: BeamSection) -> FloatArray:
         """See :class:`BeamShapes`."""
@@ -348,11 +346,3 @@ class Reddy(BeamShapes):
 def _inertia_of_the_mass_axis(section: BeamSection) -> FloatArray:
     arm = np.array([1.0, -section.mass_axis, 0.0])
     return np.asarray(section.mass_per_length * np.outer(arm, arm))
-
-
-BEAM_SHAPES: dict[str, BeamShapes] = {
-    "euler": EulerBernoulli(),
-    "timoshenko": Timoshenko(),
-    "reddy": Reddy(),
-}
-"""Beam theories by the names of the reference engine's elements."""

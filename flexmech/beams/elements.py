@@ -19,10 +19,6 @@ from flexmech.types import FloatArray
 __all__ = ["BeamElements"]
 
 
-# Exact to degree 9; products of quartics, and of squared cubics with a quadratic tension, have 8.
-_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
-
-
 @dataclass(frozen=True)
 class BeamElements:
     """Elements of one kind along a link, p coordinates a node.
@@ -63,8 +59,12 @@ class BeamElements:
         times = self.section.damping
         if not times.any:
             return np.zeros_like(self.neutral_stiffness)
-        of_strain = np.array([times.axial, times.bending, times.bending, times.shear])
-        return self._from_strains(of_strain[:, None] * self.shapes.strain_stiffness(self.section))
+        stiffness = self.shapes.strain_stiffness(self.section)
+        angles = len(stiffness) // 2 - 1
+        # Without a coordinate of its own, warping is a part of bending.
+        warping = times.of_warping if self.shapes.warping else times.bending
+        of_strain = [times.axial, times.bending, *[warping] * angles, *[times.shear] * angles]
+        return self._from_strains(np.array(of_strain)[:, None] * stiffness)
 
     @cached_property
     def mass(self) -> FloatArray:
@@ -152,17 +152,19 @@ class BeamElements:
 
     @cached_property
     def _inside(self) -> BeamFields:
-        """Fields at the Gauss points, each (e, 5, 2 p), by the neutral axis's nodes."""
-        places = np.tile((_POINTS + 1) / 2, len(self.length))
-        fields = self.shapes.fields(places, np.repeat(self.length, len(_POINTS)), self.section)
-        shape = (len(self.length), len(_POINTS), -1)
-        return BeamFields(*(values.reshape(shape) for values in vars(fields).values()))
+        """Fields at the g points of integration, each (e, g, 2 p), by the neutral axis's nodes."""
+        places = self._quadrature[0]
+        lengths = np.repeat(self.length, places.shape[1])
+        fields = self.shapes.fields(places.ravel(), lengths, self.section)
+        shape = (*places.shape, -1)
+        every = vars(fields).values()
+        return BeamFields(*(values.reshape((*values.shape[:-2], *shape)) for values in every))
 
     @cached_property
     def _along(self) -> FloatArray:
-        """Displacement along at the pins' axis, rotation and shear angle, (3, e, 5, 2 p)."""
+        """Displacement along at the pins' axis, rotation, shear angles, (2 + w, e, g, 2 p)."""
         fields = self._inside
-        return np.stack([self._at_pins_axis(fields), fields.rotation, fields.shear])
+        return np.stack([self._at_pins_axis(fields), fields.rotation, *fields.shears])
 
     def _at_pins_axis(self, fields: BeamFields) -> FloatArray:
         """Displacement along at the pins' axis, where rigid arms lead from the neutral axis."""
@@ -176,8 +178,12 @@ class BeamElements:
         )
 
     @cached_property
+    def _quadrature(self) -> tuple[FloatArray, FloatArray]:
+        return self.shapes.quadrature(self.length, self.section)
+
+    @property
     def _weights(self) -> FloatArray:
-        return self.length[:, None] / 2 * _WEIGHTS
+        return self._quadrature[1]
 
     def _moved(self, inertia: FloatArray) -> FloatArray:
         """Mass matrix of the motion along by ``inertia`` (3, 3) and of the deflection."""
@@ -185,7 +191,7 @@ class BeamElements:
         return self._quadratic(self._along, inertia) + self._quadratic(across, inertia[:1, :1])
 
     def _quadratic(self, fields: FloatArray, weight: FloatArray) -> FloatArray:
-        """Integral of ``fields^T weight fields``: fields (a, e, 5, 2 p), weight (a, a)."""
+        """Integral of ``fields^T weight fields``: fields (a, e, g, 2 p), weight (a, a)."""
         total = np.zeros((len(self.length), *2 * fields.shape[-1:]))
         for a, b in zip(*np.nonzero(weight), strict=True):
             left = (weight[a, b] * self._weights)[..., None] * fields[a]
@@ -193,12 +199,12 @@ class BeamElements:
         return total
 
     def _integral(self, values: FloatArray) -> FloatArray:
-        """Integral over each element of values (e, 5, ...) at the Gauss points."""
+        """Integral over each element of values (e, g, ...) at its points."""
         return np.asarray(np.einsum("eg,eg...->e...", self._weights, values))
 
     def _from_strains(self, stiffness: FloatArray) -> FloatArray:
         f = self._inside
-        strains = np.stack([f.axial_strain, f.curvature, f.shear_change, f.shear])
+        strains = np.stack([f.axial_strain, f.curvature, *f.shear_changes, *f.shears])
         return self._quadratic(strains, stiffness)
 
     def _at_the_pins(self, matrix: FloatArray) -> FloatArray:
@@ -210,9 +216,10 @@ class BeamElements:
     @cached_property
     def _unit_geometric(self) -> FloatArray:
         """Geometric stiffness of unit tension, by Legendre polynomial, (e, 3, 2 p, 2 p)."""
-        polynomials = np.stack([np.ones_like(_POINTS), _POINTS, (3 * _POINTS**2 - 1) / 2])
+        t = 2 * self._quadrature[0] - 1
+        polynomials = np.stack([np.ones_like(t), t, (3 * t**2 - 1) / 2])
         square = self._squared_slope
-        return np.stack([self._integral(p[:, None, None] * square) for p in polynomials], axis=1)
+        return np.stack([self._integral(p[..., None, None] * square) for p in polynomials], axis=1)
 
     @cached_property
     def _squared_slope(self) -> FloatArray:

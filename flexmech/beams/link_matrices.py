@@ -100,6 +100,7 @@ def build_chain(
         gyroscopic[u, u + 1] -= value
         gyroscopic[u + 1, u] += value
     last, held = size - per_node, np.array(shapes.clamped)
+    warping = np.array(shapes.warping, dtype=np.intp)
     model = LinkModel(
         name=name,
         mass=inertia,
@@ -118,6 +119,8 @@ def build_chain(
             nodes, per_node, slope=2, deflection=1 if shapes.stiff_in_shear else None
         ),
         fields=_rigid_fields(nodes, shapes),
+        start_warping=warping,
+        end_warping=last + warping,
     )
     return Chain(model, nodes, beams)
 

@@ -53,10 +53,11 @@ Engine = Annotated[choices.EngineChoice, Option(help="Which engine computes.")]
 Element = Annotated[
     choices.ElementName | None,
     Option(
-        help="Beam element: euler, timoshenko or reddy in the reference, ancf or "
-        "geometrically-exact in Exudyn; the other engine takes its element of the same theory. "
-        "Left out: euler and ancf, or timoshenko and geometrically-exact where a link's neutral "
-        "axis is off its pins."
+        help="Beam element: euler, timoshenko, reddy or zigzag in the reference, ancf or "
+        "geometrically-exact in Exudyn; the other engine takes its element of the nearest theory. "
+        "Left out: euler and ancf; where shear changes a frequency by more than 1 % or a link's "
+        "neutral axis is off its pins, geometrically-exact and timoshenko, or zigzag where the "
+        "warping of cross-sections does, as in sandwiches."
     ),
 ]
 Elements = Annotated[int, Option(min=1, max=choices.MOST_ELEMENTS, help="Elements on each link.")]

@@ -20,10 +20,16 @@ from flexmech.linear_system.quasi_static import (
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem, condense
 from flexmech.linear_system.tension import element_tensions
+from flexmech.linear_system.theory_comparison import (
+    NEGLIGIBLE,
+    TheoryComparison,
+    TheoryDifference,
+)
 
 __all__ = [
     "LOAD_STEPS",
     "MAX_ITERATIONS",
+    "NEGLIGIBLE",
     "PRESTRESS_LEVELS",
     "RELATIVE_RESIDUAL",
     "ROUND_OFF",
@@ -39,6 +45,8 @@ __all__ = [
     "RigidFields",
     "RotationTerms",
     "StressedLinks",
+    "TheoryComparison",
+    "TheoryDifference",
     "checked_mechanism",
     "component_modes",
     "condense",

@@ -276,6 +276,9 @@ def _boundary(topology: Topology, link: LinkModel) -> tuple[NDArray[np.bool_], d
     for pivot in topology.pivots:
         if pivot.held.link == link.name:
             fixed[link.end_displacement(pivot.held.end)] = True
+    for place in topology.joined_ends:
+        if place.link == link.name:
+            fixed[link.end_warping_of(place.end)] = True
     places = {place for pin in topology.pins for place in (pin.leader, pin.follower)}
     joined = {place.end for place in places if place.link == link.name}
     ends, count = {}, 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Sequence
 from typing import ClassVar, Self
 
@@ -14,6 +14,7 @@ from flexmech.errors import InputError
 from flexmech.linear_system.checks import checked_elements, checked_mechanism
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
 from flexmech.linear_system.convergence import ConvergenceOrders
+from flexmech.linear_system.element_kinds import ElementKinds
 from flexmech.linear_system.link_frames import RotationTerms
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.link_stretch import LinkStretch
@@ -34,7 +35,7 @@ SYSTEM_MODES = MODES + 2
 BATCH_BYTES = 32_000_000
 
 
-class Engine(ABC):
+class Engine(ElementKinds):
     """Turns a mechanism and crank positions into a :class:`LinearSystem`.
 
     An engine is a value: it does not change, and two that compute the same are equal.
@@ -46,9 +47,13 @@ class Engine(ABC):
     elements : int
         Finite elements a link.
     element : str, optional
-        Kind of beam element; one of ``element_kinds``, :meth:`default_element` by default.
+        Kind of beam element; one of ``element_kinds``. Left out: that of the beam theory which
+        the mechanism needs, see :meth:`default_element`.
     component_modes : bool
         Reduce each link to component modes (Craig-Bampton). Off: all coordinates.
+    modes : int
+        Natural frequencies for which an element that is left out must be fit. Analyses choose
+        it anew for those that they are asked for.
 
     Attributes
     ----------
@@ -65,9 +70,6 @@ class Engine(ABC):
     """
 
     name: ClassVar[str]
-    element_kinds: ClassVar[tuple[str, ...]]
-    counterparts: ClassVar[dict[str, str]]
-    """Of each element of another engine, this one's of the same beam theory or the nearest."""
     simulates: ClassVar[bool] = False
 
     def __init__(
@@ -76,10 +78,13 @@ class Engine(ABC):
         elements: int = 8,
         element: str | None = None,
         component_modes: bool = True,
+        modes: int = MODES,
     ) -> None:
         self.mechanism = checked_mechanism(mechanism)
         self.elements = checked_elements(elements)
-        self.element = self.default_element(mechanism) if element is None else element
+        check_count(modes, "modes")
+        self.modes = modes
+        self.element = self.default_element(mechanism, modes) if element is None else element
         if self.element not in self.element_kinds:
             raise InputError(
                 f"the {self.name} engine has no element {element!r}; "
@@ -96,6 +101,7 @@ class Engine(ABC):
         elements: int | None = None,
         element: str | None = None,
         component_modes: bool | None = None,
+        modes: int | None = None,
     ) -> Self:
         """Make the same engine with something changed.
 
@@ -106,6 +112,8 @@ class Engine(ABC):
         elements : int, optional
         element : str, optional
         component_modes : bool, optional
+        modes : int, optional
+            An element that was not asked for is chosen anew for them.
 
         Returns
         -------
@@ -121,6 +129,7 @@ class Engine(ABC):
             self.elements if elements is None else elements,
             self._element_asked if element is None else element,
             self.component_modes if component_modes is None else component_modes,
+            self.modes if modes is None else modes,
         )
 
     def unreduced(self) -> Self:
@@ -153,33 +162,15 @@ class Engine(ABC):
         """What decides over the results, besides the mechanism."""
         return self.elements, self.element, self.component_modes
 
-    @classmethod
-    def default_element(cls, mechanism: Mechanism) -> str:
-        """Kind of element if none is asked for.
+    def fit_for(self, modes: int) -> Self:
+        """The engine with an element fit for so many natural frequencies, if none was asked for."""
+        other = self.with_(modes=modes)
+        return self if other.element == self.element else other
 
-        The first, a slender beam. The second, one that shears, where the neutral axis or the
-        centre of mass of a link is off the pins' axis.
-        """
-        return cls.element_kinds[int(mechanism.is_eccentric)]
-
-    @classmethod
-    def element_like(cls, element: str) -> str:
-        """Kind of element of the beam theory of an element, its own or another engine's.
-
-        Parameters
-        ----------
-        element : str
-
-        Returns
-        -------
-        str
-
-        Raises
-        ------
-        KeyError
-            If no engine has the element.
-        """
-        return element if element in cls.element_kinds else cls.counterparts[element]
+    @property
+    def chooses_element(self) -> bool:
+        """Whether no element was asked for, so that the mechanism decides."""
+        return self._element_asked is None
 
     @property
     @abstractmethod

@@ -151,6 +151,9 @@ class LinkFrames:
         for pivot in self.topology.pivots:
             link = self.topology.index(pivot.held.link)
             self.targets[link][self.links[link].end_displacement(pivot.held.end)] = -1
+        for place in self.topology.joined_ends:
+            link = self.topology.index(place.link)
+            self.targets[link][self.links[link].end_warping_of(place.end)] = -1
 
     def _mark_followers(self) -> list[tuple[int, IntArray, int, IntArray]]:
         pairs = []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,9 @@ from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["EndMatrices", "LinkModel", "RigidFields", "inertia_loads"]
+
+
+NONE = np.zeros(0, dtype=np.intp)
 
 
 @dataclass(frozen=True)
@@ -90,6 +93,9 @@ class LinkModel:
         Rigid accelerations in these coordinates (of the unreduced link only).
     reduced_ends : EndMatrices, optional
         Of a reduced link; see :attr:`ends`.
+    start_warping, end_warping : ndarray of int, shape (k,)
+        Coordinates that a joint at that end holds, whatever its kind: its pin sits in a fitting
+        that keeps the cross-section plane.
     """
 
     name: str
@@ -108,6 +114,8 @@ class LinkModel:
     curvature: FloatArray
     fields: RigidFields
     reduced_ends: EndMatrices | None = None
+    start_warping: IntArray = field(default_factory=NONE.copy)
+    end_warping: IntArray = field(default_factory=NONE.copy)
 
     @property
     def ends(self) -> EndMatrices:
@@ -126,6 +134,10 @@ class LinkModel:
     def end_rotation_of(self, end: str) -> IntArray:
         """Coordinate of the rotation at ``"start"`` or ``"end"``."""
         return self.start_rotation if end == "start" else self.end_rotation
+
+    def end_warping_of(self, end: str) -> IntArray:
+        """Coordinate of the warping at ``"start"`` or ``"end"``; none in most elements."""
+        return self.start_warping if end == "start" else self.end_warping
 
     def end_basis(self, size: int, kept: dict[str, IntArray]) -> FloatArray:
         """Displacements of the ends alone, (n, size), from ``size`` reduced coordinates.
@@ -159,7 +171,6 @@ class LinkModel:
         def project(matrix: FloatArray) -> FloatArray:
             return basis.T @ matrix @ basis
 
-        none = np.zeros(0, dtype=np.intp)
         unit = self.end_basis(basis.shape[1], kept)
         ends = EndMatrices(
             mass=basis.T @ self.mass @ unit,
@@ -178,8 +189,10 @@ class LinkModel:
             is_axial=axial,
             start=kept["start"],
             end=kept["end"],
-            start_rotation=none,
-            end_rotation=none,
+            start_rotation=NONE,
+            end_rotation=NONE,
+            start_warping=NONE,
+            end_warping=NONE,
             shape=self.shape @ basis,
             curvature=self.curvature @ basis,
             reduced_ends=ends,

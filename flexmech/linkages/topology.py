@@ -112,6 +112,13 @@ class Topology:
         return places | {pivot.joint: pivot.held for pivot in self.pivots}
 
     @property
+    def joined_ends(self) -> frozenset[LinkEnd]:
+        """Link ends at a joint: all but free tips."""
+        held = [clamp.held for clamp in self.clamps] + [pivot.held for pivot in self.pivots]
+        pinned = [place for pin in self.pins for place in (pin.leader, pin.follower)]
+        return frozenset(held + pinned)
+
+    @property
     def joint_names(self) -> tuple[str, ...]:
         """Names of all joints: clamps, pins, pivots."""
         return tuple(self.joints)

@@ -55,6 +55,11 @@ class PlyDamping:
         """Whether anything is lost."""
         return self.longitudinal > 0 or self.transverse > 0 or self.shear > 0
 
+    @property
+    def by_direction(self) -> tuple[float, float, float]:
+        """Along the fibres, across them, and in shear."""
+        return self.longitudinal, self.transverse, self.shear
+
 
 @dataclass(frozen=True)
 class Ply:

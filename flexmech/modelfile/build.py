@@ -115,7 +115,7 @@ def _section(
         return _general(table, laminates)
     if isinstance(table, LaminateLinkTable):
         layers = LaminateSection(
-            laminates[table.laminate], table.out_of_plane_width, table.reduction
+            laminates[table.laminate], table.out_of_plane_width, table.reduction, table.twist
         )
         return _with_damping(BeamSection.of_laminate(layers), table)
     stated = materials[table.material]
@@ -131,7 +131,7 @@ def _general(table: GeneralLinkTable, laminates: Mapping[str, Laminate]) -> Beam
     layers = None
     if table.laminate is not None and table.out_of_plane_width is not None:
         layers = LaminateSection(
-            laminates[table.laminate], table.out_of_plane_width, table.reduction
+            laminates[table.laminate], table.out_of_plane_width, table.reduction, table.twist
         )
     loss, times = table.specific_damping, table.damping_times
     section = BeamSection(

@@ -64,6 +64,11 @@ class LaminateLinkTable(AnyLinkTable):
         default="narrow",
         description="'narrow': free to contract along the joint axes; 'wide': held from it",
     )
+    twist: Literal["free", "held"] | None = Field(
+        default=None,
+        description="Of off-axis plies that twist as they bend: 'held' by joints at both ends; "
+        "'free'. Left out: as the link's joints have it",
+    )
 
     def _check_frequency_alone(self) -> None:
         """Take the specific damping of the plies at that frequency."""
@@ -75,6 +80,9 @@ class DampingTimesTable(Table):
     axial: TimeOrZero = Field(description="Of stretching along the neutral axis")
     bending: TimeOrZero = Field(description="Of bending about it")
     shear: TimeOrZero = Field(description="Of shear")
+    warping: TimeOrZero | None = Field(
+        default=None, description="Of warping cross-sections; as of bending if left out"
+    )
 
 
 class SpecificDampingTable(Table):
@@ -83,6 +91,9 @@ class SpecificDampingTable(Table):
     axial: SpecificDamping = Field(description="Of stretching along the neutral axis")
     bending: SpecificDamping = Field(description="Of bending about it")
     shear: SpecificDamping = Field(description="Of shear")
+    warping: SpecificDamping | None = Field(
+        default=None, description="Of warping cross-sections; as of bending if left out"
+    )
 
 
 class GeneralLinkTable(AnyLinkTable):
@@ -128,6 +139,7 @@ class GeneralLinkTable(AnyLinkTable):
     )
     out_of_plane_width: Width | None = Field(default=None, description="With laminate")
     reduction: Literal["narrow", "wide"] = Field(default="narrow", description="With laminate")
+    twist: Literal["free", "held"] | None = Field(default=None, description="With laminate")
 
     @model_validator(mode="after")
     def _nothing_twice_or_alone(self) -> GeneralLinkTable:

@@ -8,7 +8,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from flexmech.choices import ELEMENTS, INTEGRATORS, Integrator
+from flexmech.beams import compare_theories
+from flexmech.choices import ELEMENTS, INTEGRATORS, MODES, Integrator
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     ConvergenceOrders,
@@ -16,6 +17,7 @@ from flexmech.linear_system import (
     LinkModel,
     Prestress,
     StressedLinks,
+    TheoryComparison,
     element_tensions,
     inertia_loads,
     refuse_large_displacements,
@@ -41,8 +43,9 @@ class ExudynEngine(Engine):
     Mass, stiffness and damping come from Exudyn's linearization, the quasi-static
     equilibrium from its static solver; the transformation to link frames is the one that
     all engines share. Parameters as for :class:`flexmech.linear_system.Engine`; the
-    element is ``"ancf"``, the default, or ``"geometrically-exact"``, which is the default and
-    the only one for sections whose neutral axis or centre of mass is off the pins' axis.
+    element is ``"ancf"``, the default of slender links, or ``"geometrically-exact"``, which is
+    the default where shear matters and the only one for sections whose neutral axis or centre
+    of mass is off the pins' axis.
 
     Raises
     ------
@@ -62,7 +65,9 @@ class ExudynEngine(Engine):
         "euler": "ancf",
         "timoshenko": "geometrically-exact",
         "reddy": "geometrically-exact",
+        "zigzag": "geometrically-exact",
     }
+    theories: ClassVar[dict[str, str]] = {"ancf": "euler", "geometrically-exact": "timoshenko"}
     simulates: ClassVar[bool] = True
 
     def __init__(
@@ -71,9 +76,15 @@ class ExudynEngine(Engine):
         elements: int = 8,
         element: str | None = None,
         component_modes: bool = True,
+        modes: int = MODES,
     ) -> None:
-        super().__init__(mechanism, elements, element, component_modes)
+        super().__init__(mechanism, elements, element, component_modes, modes)
         refuse_sections(mechanism, self.element)
+
+    @classmethod
+    def compare_theories(cls, mechanism: Mechanism, modes: int) -> TheoryComparison:
+        """See :meth:`Engine.compare_theories`: Exudyn's own beams converge too slowly for it."""
+        return compare_theories(mechanism, modes)
 
     def convergence(self, prestress: Prestress) -> ConvergenceOrders:
         """Both elements: fourth order in bending.

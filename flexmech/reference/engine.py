@@ -1,12 +1,13 @@
-"""The reference engine: plane beams of three theories on NumPy and SciPy alone."""
+"""The reference engine: plane beams of four theories on NumPy and SciPy alone."""
 
 from __future__ import annotations
 
 from functools import cached_property
 from typing import ClassVar
 
-from flexmech.beams.beam_shapes import BEAM_SHAPES
+from flexmech.beams.comparison import compare_theories
 from flexmech.beams.link_matrices import Chain, assemble_chain, build_chain
+from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.choices import ELEMENTS
 from flexmech.linear_system import (
     ConvergenceOrders,
@@ -16,11 +17,13 @@ from flexmech.linear_system import (
     LinkStretch,
     Prestress,
     StressedLinks,
+    TheoryComparison,
     element_tensions,
     inertia_loads,
     refuse_large_displacements,
 )
 from flexmech.linkages import RigidMotion
+from flexmech.mechanism import Mechanism
 from flexmech.reference.equilibrium import Equilibrium
 from flexmech.reference.stretch import chain_stretch
 from flexmech.types import FloatArray
@@ -32,7 +35,8 @@ class ReferenceEngine(Engine):
     """Beam elements with consistent mass, in link frames.
 
     Elements: ``euler`` (Euler-Bernoulli, without rotary inertia), ``timoshenko`` (shear and
-    rotary inertia) and ``reddy`` (third-order shear; sections whose layers are known).
+    rotary inertia), ``reddy`` (third-order shear; sections whose layers are known) and
+    ``zigzag`` (cross-sections that warp as their layers ask for, as of sandwiches).
 
     Prestress levels: ``none``; ``axial`` (Turcic & Midha 1984: tension of each element
     from the linear static solution, geometric stiffness of eq. 1.58); ``equilibrium``
@@ -53,6 +57,12 @@ class ReferenceEngine(Engine):
         "ancf": "euler",
         "geometrically-exact": "timoshenko",
     }
+    theories: ClassVar[dict[str, str]] = {theory: theory for theory in BEAM_SHAPES}
+
+    @classmethod
+    def compare_theories(cls, mechanism: Mechanism, modes: int) -> TheoryComparison:
+        """See :meth:`Engine.compare_theories`."""
+        return compare_theories(mechanism, modes)
 
     def convergence(self, prestress: Prestress) -> ConvergenceOrders:
         """Cubic elements: fourth order; second for links bent without load.

@@ -2,6 +2,7 @@
 
 from flexmech.sections.beam_reduction import REDUCTIONS, Reduction
 from flexmech.sections.beam_section import BeamSection
+from flexmech.sections.between_joints import sections_between_joints
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.hygrothermal import HygrothermalProfile, SwollenSection, swollen_section
 from flexmech.sections.laminate_section import (
@@ -11,10 +12,14 @@ from flexmech.sections.laminate_section import (
     ThroughThickness,
 )
 from flexmech.sections.third_order import ThirdOrder
+from flexmech.sections.twist import TWISTS, Twist
+from flexmech.sections.zigzag import WARPINGS, Zigzag
 
 __all__ = [
     "REDUCTIONS",
     "SHEAR_THEORIES",
+    "TWISTS",
+    "WARPINGS",
     "BeamSection",
     "DampingTimes",
     "HygrothermalProfile",
@@ -25,5 +30,8 @@ __all__ = [
     "SwollenSection",
     "ThirdOrder",
     "ThroughThickness",
+    "Twist",
+    "Zigzag",
+    "sections_between_joints",
     "swollen_section",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from flexmech.numbers import (
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.third_order import ThirdOrder
+from flexmech.sections.zigzag import Zigzag, rectangular_zigzag
 from flexmech.short_repr import short_repr
 from flexmech.units import (
     BENDING_STIFFNESS,
@@ -225,6 +227,17 @@ class BeamSection:
                 "section 'rectangle' or 'laminate', or choose element 'timoshenko'"
             )
         return self.layers.third_order
+
+    @cached_property
+    def zigzag(self) -> Zigzag:
+        """Integrals of the zigzag beam; a solid rectangle's where the layers are not known."""
+        ratio = self.bending_stiffness / self.shear_stiffness
+        if self.layers is None:
+            return rectangular_zigzag(self.in_plane_thickness, ratio)
+        # The section may be stated to be stiffer than its layers make it.
+        own = self.layers.bending_stiffness / self.layers.shear_stiffness
+        zigzag = self.layers.zigzag
+        return replace(zigzag, fall_off=zigzag.fall_off * np.sqrt(ratio / own))
 
     @property
     def is_eccentric(self) -> bool:

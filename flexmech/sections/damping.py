@@ -23,6 +23,9 @@ class DampingTimes:
     ----------
     axial, bending, shear : float
         Of the axial force, the bending moment about the neutral axis and the shear force.
+    warping : float, optional
+        Of what a change of the shear angle along the link asks for (zigzag and third-order
+        beams); as of bending where it is left out.
 
     Raises
     ------
@@ -33,10 +36,11 @@ class DampingTimes:
     axial: float = 0.0
     bending: float = 0.0
     shear: float = 0.0
+    warping: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("axial", "bending", "shear"):
-            check_number(getattr(self, name), "damping_time", "s", NOT_NEGATIVE)
+        for time in _stated(self).values():
+            check_number(time, "damping_time", "s", NOT_NEGATIVE)
 
     @classmethod
     def uniform(cls, time: float) -> DampingTimes:
@@ -46,16 +50,21 @@ class DampingTimes:
     @property
     def any(self) -> bool:
         """Whether anything is damped."""
-        return self.axial > 0 or self.bending > 0 or self.shear > 0
+        return any(time > 0 for time in _stated(self).values())
+
+    @property
+    def of_warping(self) -> float:
+        """Time of warping, stated or that of bending."""
+        return self.bending if self.warping is None else self.warping
 
     @property
     def is_uniform(self) -> bool:
         """Whether all deformations are damped alike."""
-        return self.axial == self.bending == self.shear
+        return self.axial == self.bending == self.shear == self.of_warping
 
     def to_table(self) -> TomlTable:
         """Table ``damping_times`` of a link in a model file."""
-        return {name: quantity(time, TIME) for name, time in asdict(self).items()}
+        return {name: quantity(time, TIME) for name, time in _stated(self).items()}
 
 
 @dataclass(frozen=True)
@@ -70,6 +79,8 @@ class SpecificDamping:
     ----------
     axial, bending, shear : float
         Of stretching along and bending about the neutral axis, and of shear.
+    warping : float, optional
+        Of warping, as in :class:`DampingTimes`.
 
     Raises
     ------
@@ -80,10 +91,11 @@ class SpecificDamping:
     axial: float
     bending: float
     shear: float
+    warping: float | None = None
 
     def __post_init__(self) -> None:
-        for name in ("axial", "bending", "shear"):
-            check_number(getattr(self, name), "specific damping", "", NOT_NEGATIVE)
+        for loss in _stated(self).values():
+            check_number(loss, "specific damping", "", NOT_NEGATIVE)
 
     def times(self, angular_frequency: float) -> DampingTimes:
         """Kelvin-Voigt times with the same loss at one angular frequency in rad/s.
@@ -106,8 +118,13 @@ class SpecificDamping:
         """
         check_number(angular_frequency, "damping frequency", "rad/s", POSITIVE)
         turn = 2 * np.pi * angular_frequency
-        return DampingTimes(self.axial / turn, self.bending / turn, self.shear / turn)
+        return DampingTimes(**{name: loss / turn for name, loss in _stated(self).items()})
 
     def to_table(self) -> TomlTable:
         """Table ``specific_damping`` of a link in a model file."""
-        return {name: quantity(loss, RATIO) for name, loss in asdict(self).items()}
+        return {name: quantity(loss, RATIO) for name, loss in _stated(self).items()}
+
+
+def _stated(damping: DampingTimes | SpecificDamping) -> dict[str, float]:
+    """Values by deformation, without those that are left out."""
+    return {name: value for name, value in asdict(damping).items() if value is not None}

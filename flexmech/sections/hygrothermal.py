@@ -147,10 +147,10 @@ def swollen_section(section: BeamSection, profile: HygrothermalProfile) -> Swoll
     free = _free_strains(slices, dry.reduction)
     grown = Laminate(tuple(s.swollen for s in slices))
     across = 1 + (free[0, 1] if dry.reduction == "narrow" else 0.0)
-    soft = LaminateSection(grown, dry.width * across, dry.reduction)
+    soft = LaminateSection(grown, dry.width * across, dry.reduction, dry.twist)
     elongation = float(free[0, 0] + soft.neutral_axis * free[1, 0])
     packed = tuple(s.packed(across * (1 + elongation)) for s in slices)
-    wet = LaminateSection(Laminate(packed), soft.width, dry.reduction)
+    wet = LaminateSection(Laminate(packed), soft.width, dry.reduction, dry.twist)
     return SwollenSection(
         _changed(section, dry, wet, curvature=-float(free[1, 0])), elongation, _water(slices)
     )

@@ -7,7 +7,7 @@ mid-plane, where the pins sit. Strains along the link are ``e - y kappa``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, get_args
 
@@ -23,10 +23,13 @@ from flexmech.sections.beam_reduction import (
     laminate_strains,
     reduced_stiffness,
     shear_across,
+    stiffness_by_powers,
 )
 from flexmech.sections.damping import SpecificDamping
 from flexmech.sections.plane_state import PlaneState, gauss_points, layer_of
 from flexmech.sections.third_order import ThirdOrder, parabolic_shear, third_order_of
+from flexmech.sections.twist import TWISTS, Twist, twist_restraint
+from flexmech.sections.zigzag import Zigzag, zigzag_of
 from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray
 from flexmech.units import LENGTH
@@ -72,11 +75,15 @@ class LaminateSection:
     reduction : {"narrow", "wide"}
         ``narrow``: no stress resultant across the link nor in-plane shear (plane stress);
         ``wide``: no strain across nor in-plane shear (plane strain, cylindrical bending).
+    twist : {"free", "held"}, optional
+        Of a narrow section whose off-axis plies twist as they bend: ``held`` where joints keep
+        both ends from turning about the link's axis (:mod:`flexmech.sections.twist`). Left out:
+        as the link's joints have it, and free where there is no link.
 
     Raises
     ------
     InputError
-        If the width is not positive or the reduction unknown.
+        If the width is not positive or the reduction or the twist unknown.
 
     Examples
     --------
@@ -92,11 +99,14 @@ class LaminateSection:
     laminate: Laminate
     width: float
     reduction: Reduction = "narrow"
+    twist: Twist | None = None
 
     def __post_init__(self) -> None:
         check_instance(self.laminate, Laminate, "laminate", "give Laminate(layers)")
         check_number(self.width, "width of a laminate section", "m", POSITIVE)
         check_choice(self.reduction, REDUCTIONS, "reduction")
+        if self.twist is not None:
+            check_choice(self.twist, TWISTS, "twist")
 
     def __repr__(self) -> str:
         width = f"{self.width * 1e3:.6g} mm wide"
@@ -159,18 +169,43 @@ class LaminateSection:
     @cached_property
     def third_order(self) -> ThirdOrder:
         """Integrals for Reddy's theory, reduced like the classical ones."""
-        return third_order_of(self.laminate, self.width, self.reduction)
+        return third_order_of(self.laminate, self.width, self.reduction, self.twist_restraint)
+
+    @property
+    def twists(self) -> bool:
+        """Whether bending twists the section, so that joints matter which hold the twist."""
+        return replace(self, twist="held").twist_restraint > 0
+
+    @cached_property
+    def twist_restraint(self) -> float:
+        """Where the section is between twist that is free (0) and none at all (1)."""
+        if self.twist != "held" or self.reduction == "wide":
+            return 0.0
+        matrix = stiffness_by_powers(self.laminate, (0, 1))
+        kept, free = [0, 3, 5], [1, 2, 4]
+        moved = np.linalg.solve(matrix[np.ix_(free, free)], matrix[np.ix_(free, kept)])
+        stiffness = matrix[np.ix_(kept, kept)] - matrix[np.ix_(kept, free)] @ moved
+        thickness = self.laminate.thickness
+        # A solid rectangle's kGA is 5/6 of G times its area.
+        shear = 1.2 * replace(self, twist="free").shear_stiffness / (self.width * thickness)
+        return twist_restraint(stiffness, thickness, self.width, shear)
+
+    @cached_property
+    def zigzag(self) -> Zigzag:
+        """Integrals for the zigzag beam, reduced like the classical ones."""
+        bent = self._state(self._strains(0.0, 1.0))
+        return zigzag_of(self.laminate, self.reduction, bent, self.twist_restraint)
 
     @cached_property
     def specific_damping(self) -> SpecificDamping:
-        """Specific damping capacity of stretching, bending and shear.
+        """Specific damping capacity of stretching, bending, shear and warping.
 
         Strain energies by ply and direction in the material's axes, each with its own
         capacity (Adams & Bacon 1973; Ni & Adams 1984). All shear through the thickness
         loses with the ply's capacity in shear.
         """
-        own = [layer.ply.specific_damping for layer in self.laminate.layers]
-        capacity = np.array([[d.longitudinal, d.transverse, d.shear] for d in own])
+        layers = self.laminate.layers
+        capacity = np.array([layer.ply.specific_damping.by_direction for layer in layers])
         sheared = np.zeros_like(capacity)
         sheared[:, 2] = self._shear_flexibility
         stretched = self._state(self._strains(1.0, 0.0)).energy_by_direction()
@@ -180,7 +215,7 @@ class LaminateSection:
             max(0.0, float(np.sum(capacity * energy) / energy.sum()))
             for energy in (stretched, bent, sheared)
         )
-        return SpecificDamping(axial, bending, shear)
+        return SpecificDamping(axial, bending, shear, self.zigzag.loss)
 
     def places(self, per_layer: int) -> FloatArray:
         """Places through each layer, its faces included.
@@ -270,16 +305,20 @@ class LaminateSection:
     def to_table(self, shared: SharedTables) -> TomlTable:
         """Keys of a link in a model file; the laminate is added to the shared tables."""
         laminate = shared.name_of("laminates", self.laminate.to_table(shared), "laminate")
+        twist = {} if self.twist is None else {"twist": self.twist}
         return {
             "laminate": laminate,
             "out_of_plane_width": quantity(self.width, LENGTH),
             "reduction": self.reduction,
+            **twist,
         }
 
     @cached_property
     def _classical(self) -> FloatArray:
         """Stiffness by mid-plane strain and its gradient in y, (2, 2)."""
-        matrix = self.width * reduced_stiffness(self.laminate, self.reduction, (0, 1))
+        restraint = self.twist_restraint
+        reduced = reduced_stiffness(self.laminate, self.reduction, (0, 1), restraint)
+        matrix = self.width * reduced
         # What rounding leaves of a symmetric stack's coupling would move its axis off the pins.
         if abs(matrix[0, 1]) < 1e-12 * np.sqrt(matrix[0, 0] * matrix[1, 1]):
             matrix[0, 1] = matrix[1, 0] = 0.0
@@ -293,7 +332,9 @@ class LaminateSection:
 
     def _state(self, strains: FloatArray) -> PlaneState:
         """The laminate under strain along the link and its gradient in y."""
-        return PlaneState(self.laminate, laminate_strains(self.laminate, self.reduction, strains))
+        restraint = self.twist_restraint
+        every = laminate_strains(self.laminate, self.reduction, strains, restraint=restraint)
+        return PlaneState(self.laminate, every)
 
     @cached_property
     def _shear_flexibility(self) -> FloatArray:

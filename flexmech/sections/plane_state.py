@@ -10,11 +10,7 @@ from flexmech.errors import InputError
 from flexmech.materials import Laminate
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["PlaneState", "gauss_points", "layer_of"]
-
-
-# Exact for the squares of shear stresses, which are quadratic in a layer.
-_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(3)
+__all__ = ["PlaneState", "energy_by_direction", "gauss_points", "layer_of"]
 
 
 @dataclass(frozen=True)
@@ -74,26 +70,48 @@ class PlaneState:
         return np.asarray(below[layer] + start[layer] * depth + slope[layer] * depth**2 / 2)
 
     def energy_by_direction(self) -> FloatArray:
-        """Twice the strain energy of each layer by the material's axes, (N, 3), in N/m.
-
-        Half the product of stress and strain along the fibres, across them and in shear,
-        over the area of the laminate (Adams & Bacon 1973; Ni & Adams 1984).
-        """
-        layers = self.laminate.layers
+        """Twice the strain energy of each layer by the material's axes, (N, 3), in N/m."""
         places, weights = gauss_points(self.laminate)
-        turns = np.stack([layer.strain_turn for layer in layers])
-        stiffness = np.stack([layer.ply.reduced_stiffness for layer in layers])
-        strain = np.einsum("nij,nmj->nmi", turns, self.strain(places))
-        stress = np.einsum("nij,nmj->nmi", stiffness, strain)
-        return np.asarray(np.einsum("nm,nmi,nmi->ni", weights, stress, strain))
+        return energy_by_direction(self.laminate, self.strain(places), weights)
 
 
-def gauss_points(laminate: Laminate) -> tuple[FloatArray, FloatArray]:
-    """Points in each layer and their weights, (N, 3) each, in m: exact up to the power 5."""
+def energy_by_direction(laminate: Laminate, strain: FloatArray, weights: FloatArray) -> FloatArray:
+    """Twice the strain energy of each layer by the material's axes.
+
+    Half the product of stress and strain along the fibres, across them and in shear, over the
+    area of the laminate (Adams & Bacon 1973; Ni & Adams 1984).
+
+    Parameters
+    ----------
+    laminate : Laminate
+    strain : ndarray, shape (N, m, 3)
+        Strains x, z and xz at points in each layer.
+    weights : ndarray, shape (N, m)
+        Of the points in an integral over the layer, in m.
+
+    Returns
+    -------
+    ndarray, shape (N, 3)
+        In N/m.
+    """
+    layers = laminate.layers
+    turns = np.stack([layer.strain_turn for layer in layers])
+    stiffness = np.stack([layer.ply.reduced_stiffness for layer in layers])
+    turned = np.einsum("nij,nmj->nmi", turns, strain)
+    stress = np.einsum("nij,nmj->nmi", stiffness, turned)
+    return np.asarray(np.einsum("nm,nmi,nmi->ni", weights, stress, turned))
+
+
+def gauss_points(laminate: Laminate, count: int = 3) -> tuple[FloatArray, FloatArray]:
+    """Points in each layer and their weights, (N, count) each, in m.
+
+    Exact up to the power ``2 count - 1``; the squares of shear stresses have 4.
+    """
     faces = laminate.boundaries
+    points, weights = np.polynomial.legendre.leggauss(count)
     half = np.diff(faces)[:, None] / 2
     middle = (faces[:-1] + faces[1:])[:, None] / 2
-    return middle + half * _POINTS, half * _WEIGHTS
+    return middle + half * points, half * weights
 
 
 def layer_of(laminate: Laminate, place: FloatArray) -> IntArray:

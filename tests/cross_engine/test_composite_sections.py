@@ -36,6 +36,7 @@ from flexmech.multibody.linearize import static_equilibrium
 from flexmech.sections import DampingTimes
 from flexmech.threads import one_thread
 from flexmech.time_domain import DrivenLinkage, LinkState, linear_run
+from tests.strategies import fourbar as slender_fourbar
 
 LINKS = ("crank", "coupler", "rocker")
 HEIGHT = 0.25 / 8
@@ -448,7 +449,8 @@ def test_cables_of_eccentric_sections_are_refused():
 
 
 def test_the_element_left_out_follows_the_sections():
-    assert ExudynEngine(fourbar(), 4).element == "ancf"
+    assert ExudynEngine(slender_fourbar(), 4).element == "ancf"
+    assert ExudynEngine(fourbar(), 4).element == "geometrically-exact"  # thick links
     for axes in ((0.1, 0.0), (0.0, 0.1)):
         engine = ExudynEngine(fourbar(axes, eccentric=("rocker",)), 4)
         assert engine.element == "geometrically-exact"

@@ -11,8 +11,8 @@ import pytest
 import scipy.linalg
 from numpy.typing import NDArray
 
-from flexmech.beams.beam_shapes import BEAM_SHAPES
 from flexmech.beams.link_matrices import build_chain
+from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.linkages import LinkMass
 from flexmech.materials import Laminate, Ply
 from flexmech.sections import BeamSection, LaminateSection

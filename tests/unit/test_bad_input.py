@@ -333,12 +333,12 @@ WRONG_COMMAND_LINES = [
     (["--engine", "ansys"], "--engine.*'reference', 'exudyn', 'both'"),
     (
         ["--element", "shell"],
-        "--element.*'euler', 'timoshenko', 'reddy', 'ancf', 'geometrically-exact'",
+        "--element.*'euler', 'timoshenko', 'reddy', 'zigzag', 'ancf', 'geometrically-exact'",
     ),
     (["--prestress", "some"], "--prestress.*'none', 'axial', 'equilibrium'"),
     (
         ["--engine", "reference", "--element", "ancf"],
-        "--element ancf .*engine, which has euler, timoshenko, reddy; choose --engine exudyn",
+        "--element ancf .*engine, which has euler, .*, reddy, zigzag; choose --engine exudyn",
     ),
     (["--engine", "reference", "--element", "geometrically-exact"], "choose --engine exudyn"),
     (["--engine", "exudyn", "--element", "euler"], "which has ancf, geometrically-exact"),

@@ -189,7 +189,7 @@ WRONG_COMMAND_LINES = [
     (["--engine", "ansys"], "--engine.*'reference', 'exudyn', 'both'"),
     (
         ["--engine", "reference", "--element", "ancf"],
-        "--element ancf .*engine, which has euler, timoshenko, reddy; choose --engine exudyn",
+        "--element ancf .*engine, which has euler, .*, reddy, zigzag; choose --engine exudyn",
     ),
     (["--engine", "exudyn", "--element", "euler"], "which has ancf, geometrically-exact"),
     (["another.toml"], "[Uu]nexpected extra argument"),

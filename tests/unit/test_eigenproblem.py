@@ -54,7 +54,7 @@ def test_a_solution_satisfies_the_quadratic_eigenproblem(aluminium):
 
 
 def test_more_modes_than_coordinates_are_refused(unit_arm):
-    system = ReferenceEngine(unit_arm(70), 1).linear_system(0.0)
+    system = ReferenceEngine(unit_arm(70), 1, "euler").linear_system(0.0)
     with pytest.raises(InputError, match="modes: 4 were asked for, the model has"):
         solve_modes(system, 4)
 

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.environment import environment_lines, state_name
 from flexmech.analyses.frequencies.dataset import joined, with_states
 from flexmech.analyses.frequencies.engine_map import map_engine
@@ -96,8 +97,8 @@ def moving_frequencies(
     >>> result.dataset["frequency"].shape
     (1, 2, 3, 4)
     """
-    engines = engines_of(engine)
     formulation = Formulation(prestress, rotation_terms, modes)
+    engines = engines_of(engine, modes)
     if crank_speeds is None:
         crank_speeds = operating_speeds(engines[0].mechanism)
     request = FrequencyRequest(
@@ -116,22 +117,30 @@ def moving_frequencies(
         )
     report = progress or (lambda label, done, total: None)
     if environment is None:
-        return MovingFrequencies(_in_one_state(engines, request, report)[0])
+        found = _in_one_state(engines, request, report)[0]
+        return MovingFrequencies(found.assign_attrs(theory_attributes(engines, modes)))
     mechanism = engines[0].mechanism
     lines = environment_lines(mechanism, environment)
-    exposed = [
-        each.with_(mechanism=mechanism_in_state(each.mechanism, environment)) for each in engines
-    ]
+    wet = mechanism_in_state(mechanism, environment)
+    exposed = [each.with_(mechanism=wet).fit_for(modes) for each in engines]
+    theories = theory_attributes(exposed, modes)
+    # The same elements in both states: only heat and moisture shall make a difference.
+    elements = [_finer(*pair) for pair in zip(engines, exposed, strict=True)]
+    exposed = [each.with_(element=e) for each, e in zip(exposed, elements, strict=True)]
     # First in the environment: what it refuses is refused before the long work.
     found, used = _in_one_state(exposed, request, report)
-    # The same elements in both states: only heat and moisture shall make a difference.
     dry = [
         each.with_(mechanism=mechanism, element=one.element, elements=one.elements)
         for each, one in zip(engines, used, strict=True)
     ]
     as_meshed = replace(request, tolerance=None)
     states = {"dry": _in_one_state(dry, as_meshed, report)[0], state_name(environment): found}
-    return MovingFrequencies(with_states(states, lines))
+    return MovingFrequencies(with_states(states, lines).assign_attrs(theories))
+
+
+def _finer(one: Engine, other: Engine) -> str:
+    """Of two like engines' elements, the one whose beam theory leaves out less."""
+    return max((one.element, other.element), key=one.element_kinds.index)
 
 
 def _in_one_state(

@@ -59,11 +59,12 @@ def natural_frequencies(
     >>> flexmech.natural_frequencies(engine, 0.0, modes=2).round(2)
     array([44.31, 48.08])
     """
+    formulation = Formulation(prestress, rotation_terms, modes)
     return frequencies_at(
-        engine_of(engine),
+        engine_of(engine).fit_for(modes),
         in_radians("crank_angle", crank_angle),
         checked_array(crank_speed, "crank_speed", "rad/s"),
-        Formulation(prestress, rotation_terms, modes),
+        formulation,
     )
 
 
@@ -135,7 +136,9 @@ def strain_energy_damping(
     >>> (100 * flexmech.strain_energy_damping(engine, 0.0, modes=2)).round(2)
     array([0.12, 0.1 ])
     """
-    loss = StrainEnergyDamping.of(engine_of(engine))
+    formulation = Formulation(prestress, rotation_terms, modes)
+    engine = engine_of(engine).fit_for(modes)
+    loss = StrainEnergyDamping.of(engine)
     if loss is None:
         raise InputError(
             "no section of this mechanism has specific damping, which damping by strain energy "
@@ -145,7 +148,7 @@ def strain_energy_damping(
         engine,
         in_radians("crank_angle", crank_angle),
         checked_array(crank_speed, "crank_speed", "rad/s"),
-        Formulation(prestress, rotation_terms, modes),
+        formulation,
     )
 
     def in_batch(batch: slice) -> FloatArray:

@@ -11,6 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
+from flexmech.analyses.beam_theory import theory_lines, theory_reason, theory_warnings
 from flexmech.analyses.frequencies import words
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
@@ -311,6 +312,7 @@ class MovingFrequencies(Result):
         data, unit = last.dataset, str(self.dataset.attrs.get("speed_unit", "rad/s"))
         title = f"natural frequencies, {data.attrs.get('mechanism', '')}"
         lines = [
+            *theory_lines(self.dataset.attrs),
             *words.error_lines(data),
             *words.tracking_lines(data),
             *words.vibration_lines(last.vibration_effect(), data),
@@ -322,7 +324,8 @@ class MovingFrequencies(Result):
         if "speed_effect" in self.dataset and "speed_effect" not in data:
             lines.append("effect of speed: not split by term, since links bend without load")
         table = words.extremes_table(last.extremes(), data, title)
-        return Summary((table, *lines), self._verdict(unit))
+        warnings = theory_warnings(self.dataset.attrs)
+        return Summary((table, *lines), self._verdict(unit), warnings)
 
     def _verdict(self, unit: str) -> str:
         """How far the engines differ at most, and where; or that only one ran."""
@@ -334,7 +337,8 @@ class MovingFrequencies(Result):
         return (
             f"engines: {first} and {second} differ by at most {found.relative_difference:.2e} of "
             f"the frequency, at {from_si(found.crank_speed, unit):.6g} {unit}, "
-            f"{np.degrees(found.crank_angle):.6g} deg, mode {found.mode}{self._meshes(found)}"
+            f"{np.degrees(found.crank_angle):.6g} deg, mode {found.mode}"
+            f"{theory_reason(self.dataset.attrs) or self._meshes(found)}"
         )
 
     def _meshes(self, found: EngineAgreement) -> str:

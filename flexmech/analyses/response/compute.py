@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.environment import environment_lines
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.provenance import with_units
@@ -78,11 +79,12 @@ def response(
     >>> [str(name) for name in run.dataset["deflection"].dims]
     ['engine', 'time', 'link']
     """
-    chosen, report = engines_of(engines), progress or (lambda label, done, total: None)
+    chosen = engines_of(engines, request.modes)
+    report = progress or (lambda label, done, total: None)
     lines = environment_lines(chosen[0].mechanism, environment)
     if environment is not None:
         wet = mechanism_in_state(chosen[0].mechanism, environment)
-        chosen = [engine.with_(mechanism=wet) for engine in chosen]
+        chosen = [engine.with_(mechanism=wet).fit_for(request.modes) for engine in chosen]
     mechanism = chosen[0].mechanism
     if request.start == "rigid" and mechanism.is_free_strained:
         raise InputError(
@@ -103,6 +105,7 @@ def response(
         if check_mesh:
             add_mesh_errors(dataset, [mesh_error(run, request, report) for run in runs])
     dataset.attrs["environment_lines"] = "\n".join(lines)
+    dataset.attrs |= theory_attributes(chosen, request.modes)
     return Response(with_units(dataset, "response"))
 
 

@@ -11,6 +11,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
+from flexmech.analyses.beam_theory import theory_lines, theory_warnings
 from flexmech.analyses.response import words
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
@@ -214,10 +215,12 @@ class Response(Result):
         title = f"peaks at {speed}, {data.attrs['mechanism']}"
         parts = (
             words.peak_table(peaks, float(data["crank_angle"][0]), title),
+            *theory_lines(data.attrs),
             *words.check_lines(data),
             *words.load_lines(peaks, data),
             *words.spectrogram_lines(data),
             *words.force_agreement_line(self.force_agreement(), data),
             *data.attrs["environment_lines"].splitlines(),
         )
-        return Summary(parts, words.agreement_line(self.agreement(), data))
+        verdict = words.agreement_line(self.agreement(), data)
+        return Summary(parts, verdict, theory_warnings(data.attrs))

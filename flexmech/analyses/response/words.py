@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.beam_theory import theory_reason
 from flexmech.analyses.summary import Table
 
 __all__ = [
@@ -180,7 +181,7 @@ def agreement_line(agreement: xr.DataArray | None, dataset: xr.Dataset) -> str:
         return f"engines: no comparison was made, only the {engines[0]} engine ran"
     return (
         f"engines: deflections of {engines[0]} and {engines[1]} differ by at most "
-        f"{_listed(agreement)} of the link's peak"
+        f"{_listed(agreement)} of the link's peak{theory_reason(dataset.attrs)}"
     )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.provenance import provenance, with_units
 from flexmech.analyses.requests import engine_of
@@ -88,10 +89,12 @@ def speed_sweep(
     if np.any(np.diff(speeds) <= 0):
         raise InputError("crank_speeds must increase; sort them and leave out repetitions")
     check_count(orders, "orders")
+    check_count(modes, "modes")
+    engine = engine_of(engine).fit_for(modes)
     peaks = []
     with one_thread():
         frequency = natural_frequencies(
-            engine_of(engine), sampled_turn(), modes=modes, prestress=engine.prestress_at_rest
+            engine, sampled_turn(), modes=modes, prestress=engine.prestress_at_rest
         )
         for number, speed in enumerate(speeds.tolist()):
             peaks.append(_peak(engine, speed, float(frequency.max()), modes, prestress))
@@ -114,6 +117,7 @@ def speed_sweep(
         },
         attrs={
             **provenance([engine]),
+            **theory_attributes([engine], modes),
             "engine": engine.name,
             "prestress": prestress,
             "speed_unit": speed_unit,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import pandas as pd
 
 from flexmech import plots
+from flexmech.analyses.beam_theory import theory_lines, theory_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.analyses.tables import table_over
@@ -82,4 +83,6 @@ class SpeedSweep(Result):
             for link in peaks["link"].values
         )
         title = f"greatest steady-state deflection, {self.dataset.attrs['mechanism']}"
-        return Summary((Table(title, ("link", "mm", f"at {unit}"), (rows,)),))
+        table = Table(title, ("link", "mm", f"at {unit}"), (rows,))
+        attributes = self.dataset.attrs
+        return Summary((table, *theory_lines(attributes)), warnings=theory_warnings(attributes))

@@ -1,0 +1,128 @@
+"""Which beam theory the engines follow, why, and what it leaves out: in words, for results."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from flexmech.linear_system import NEGLIGIBLE, Engine, TheoryComparison, TheoryDifference
+from flexmech.sections import TWISTS, BeamSection
+
+__all__ = ["theory_attributes", "theory_lines", "theory_reason", "theory_warnings"]
+
+LINES, WARNINGS, REASON = "beam_theory", "beam_theory_warnings", "beam_theory_difference"
+LEFT_OUT = {
+    "euler": "shear",
+    "timoshenko": "the warping of cross-sections",
+    "reddy": "how layers shear, each by its own stiffness",
+}
+
+
+def theory_attributes(engines: Sequence[Engine], modes: int) -> dict[str, str]:
+    """Attributes of a result: the theories chosen, what they leave out, and how they differ.
+
+    Parameters
+    ----------
+    engines : sequence of Engine
+        All of one mechanism.
+    modes : int
+        Natural frequencies that were asked for.
+
+    Returns
+    -------
+    dict of str to str
+        Empty texts where there is nothing to say.
+    """
+    first = engines[0]
+    comparison = first.compare_theories(first.mechanism, modes)
+    warnings = [_left_out(engine, comparison) for engine in engines]
+    warnings += [_twist(name, section) for name, section in first.mechanism.sections.items()]
+    reason = ""
+    if len(engines) > 1 and first.theory != engines[1].theory:
+        apart = comparison.difference(engines[1].theory, first.theory)
+        reason = (
+            f"their beam theories differ, {first.theory} and {engines[1].theory}: "
+            f"by up to {_percent(apart)} at rest"
+        )
+    return {
+        LINES: _choice([engine for engine in engines if engine.chooses_element], comparison),
+        WARNINGS: "\n".join(filter(None, warnings)),
+        REASON: reason,
+    }
+
+
+def theory_lines(attributes: Mapping[Any, Any]) -> list[str]:
+    """Lines of a summary on the choice of the beam theory; none for slender links."""
+    return str(attributes.get(LINES, "")).splitlines()
+
+
+def theory_warnings(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
+    """Warnings of what the beam theories leave out, a line an engine."""
+    return tuple(str(attributes.get(WARNINGS, "")).splitlines())
+
+
+def theory_reason(attributes: Mapping[Any, Any]) -> str:
+    """What an agreement of the engines ends with where their theories differ, else nothing."""
+    reason = attributes.get(REASON, "")
+    return f"; {reason}" if reason else ""
+
+
+def _choice(engines: Sequence[Engine], comparison: TheoryComparison) -> str:
+    """Why a beam that shears has been chosen; nothing where none has."""
+    if not engines or comparison.suitable == "euler":
+        return ""
+    shear = comparison.difference("euler", "timoshenko")
+    why = f"shear changes frequencies at rest by up to {_percent(shear)}"
+    if shear.value <= NEGLIGIBLE:
+        why = "the neutral axis or the centre of mass of a link is off its pins"
+    if comparison.suitable == "zigzag":
+        warping = comparison.difference("timoshenko", "zigzag")
+        why += f", the warping of cross-sections by up to {_percent(warping)}"
+    elements = ", ".join(f"{engine.element} ({engine.name})" for engine in engines)
+    return f"elements chosen: {elements}; {why}"
+
+
+def _left_out(engine: Engine, comparison: TheoryComparison) -> str:
+    """Bound of what an engine's theory leaves out; nothing where that is negligible."""
+    if engine.theory == "zigzag":
+        return ""
+    if comparison.difference("euler", "timoshenko").value <= NEGLIGIBLE:
+        return ""
+    found = comparison.difference(engine.theory, "zigzag")
+    if found.value <= NEGLIGIBLE:
+        return ""
+    bound = 100 * (found.value + NEGLIGIBLE)
+    return (
+        f"element {engine.element} ({engine.name}) leaves out {LEFT_OUT[engine.theory]}: its "
+        f"frequencies may be off by {bound:.3g} % (at rest {_percent(found)} from zigzag beams, "
+        f"and {100 * NEGLIGIBLE:g} % for what those leave out)"
+    )
+
+
+def _twist(link: str, section: BeamSection) -> str:
+    """What holding the twist of off-axis plies does to a link; nothing where that is negligible."""
+    layers = section.layers
+    if layers is None or not layers.twists:
+        return ""
+    free, held = (replace(layers, twist=twist).bending_stiffness for twist in TWISTS)
+    gain = float(np.sqrt(held / free)) - 1
+    if gain <= NEGLIGIBLE:
+        return ""
+    between = f"{free:.4g} N m^2 with its twist free and {held:.4g} with it held by both joints"
+    if layers.twist == "held":
+        return (
+            f"{link}: off-axis plies twist as they bend; of EI between {between}, the latter is "
+            "taken, which is right for its first bending mode; modes that turn both ends alike, "
+            f"as the second, may be {100 * gain:.3g} % too high"
+        )
+    return (
+        f"{link}: off-axis plies twist as they bend; of EI between {between}, the former is "
+        f"taken; where its ends cannot twist, its first mode is {100 * gain:.3g} % too low"
+    )
+
+
+def _percent(found: TheoryDifference) -> str:
+    return f"{100 * found.value:.3g} % (mode {found.mode})"
