@@ -14,6 +14,7 @@ __all__ = [
     "ComputationError",
     "FlexmechError",
     "InputError",
+    "is_plain",
     "one_line",
     "suggestion",
 ]
@@ -27,6 +28,7 @@ FAST = 100.0
 """In rad/s: of greater crank speeds turns a minute are told as well."""
 # Of characters that move a terminal's cursor, break a line, or turn the direction of writing.
 _UNSEEN = ("Cc", "Cf", "Cs", "Zl", "Zp")
+_BLANKS = str.maketrans("\n\r\t", "   ")
 
 
 class FlexmechError(Exception):
@@ -115,6 +117,12 @@ def one_line(text: str, most: int = MOST_CHARACTERS) -> str:
         ascii(character)[1:-1] if unicodedata.category(character) in _UNSEEN else character
         for character in text
     )
+
+
+def is_plain(text: str) -> bool:
+    """Whether a text has no characters that are not seen, but line breaks and tabulators."""
+    plain = text.translate(_BLANKS)
+    return one_line(plain, len(plain)) == plain
 
 
 def suggestion(got: str, known: Sequence[str]) -> str:

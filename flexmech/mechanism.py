@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape
 
-from flexmech.errors import InputError
+from flexmech.errors import InputError, is_plain
 from flexmech.linkages import (
     CouplerPoint,
     Linkage,
@@ -104,7 +104,7 @@ class Provenance:
     Raises
     ------
     InputError
-        If the name is empty.
+        If the name is empty, or a text holds control characters.
     """
 
     name: str = "mechanism"
@@ -113,13 +113,13 @@ class Provenance:
     sha256: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.name, str) and self.name.strip()):
+        if not (isinstance(self.name, str) and self.name.strip() and "\n" not in self.name):
             raise InputError(
-                f"name of a mechanism must be text that is not empty, got {self.name!r}; it "
-                "stands in titles"
+                "name of a mechanism must be one line of text that is not empty, got "
+                f"{self.name!r}; it stands in titles"
             )
         for text in (self.name, self.source, self.file):
-            if not isinstance(text, str) or "\0" in text:
+            if not (isinstance(text, str) and is_plain(text)):
                 raise InputError(f"name, source and file must be plain text, got {text!r}")
 
     def __repr__(self) -> str:

@@ -12,13 +12,12 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
-from flexmech.errors import InputError, one_line, suggestion
+from flexmech.errors import InputError, is_plain, one_line, suggestion
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.fields import QuantityField
 
 __all__ = ["Findings", "input_error", "known_name", "refuse_unseen_characters"]
 
-_BLANKS = str.maketrans("\n\r\t", "   ")
 # Of the errors of a file, and of the text of each.
 MOST_TOLD = 10
 MOST_CHARACTERS = 400
@@ -117,7 +116,7 @@ def refuse_unseen_characters(data: Mapping[str, Any], file: str) -> None:
     findings = [
         f"{key}: holds a control character, {one_line(text, 60)!r}; write plain text"
         for key, text in _texts(data, "")
-        if one_line(text.translate(_BLANKS), len(text)) != text.translate(_BLANKS)
+        if not is_plain(text)
     ]
     if findings:
         raise together(file, findings)

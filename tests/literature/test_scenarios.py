@@ -295,8 +295,8 @@ def test_hygrothermal_frequencies(scenario, tmp_path, capsys):
     # Nine days are not yet the end.
     assert np.all(evenly.change["all"][-1] < unevenly.change["all"][-1])
     for one in answer.agreement:
-        assert one.limit < 2e-3
-        assert one.limit < one.fine / 4
+        assert one.fine < 2e-4
+        assert one.fine < one.coarse / 4
     assert "engines differ by at most" in capsys.readouterr().out
     names = ["over_crank_angle", "by_moisture", "by_time"]
     assert_files(tmp_path, names, names)

@@ -297,8 +297,16 @@ def test_a_bad_laminate_ends_with_exit_code_2(tmp_path: Path) -> None:
     file = tmp_path / "bad.toml"
     good = COMPOSITE.read_text(encoding="utf-8")
     for old, new, message in (
-        ('thickness = "1 mm"', 'thickness = "-1 mm"', "plies.C.thickness: must be positive"),
-        ("poisson_ratio = 0.29", "poisson_ratio = 6", "plies.C: poisson_ratio of a ply must lie"),
+        (
+            'thickness = "1 mm"',
+            'thickness = "-1 mm"',
+            "2 errors: plies.C.thickness: must be positive",
+        ),
+        (
+            "poisson_ratio = 0.29",
+            "poisson_ratio = 6",
+            "2 errors: plies.C: poisson_ratio of a ply must",
+        ),
         ("[C*4/G*4]", "[C*4/K*4]", "laminates.carbon_on_glass: stacking '[C*4/K*4]' names"),
     ):
         file.write_text(good.replace(old, new), encoding="utf-8")
