@@ -59,3 +59,13 @@ def test_an_extreme_at_the_end_of_a_range_stays_there(aluminium):
     values = natural_frequencies(engine, angles)
     np.testing.assert_allclose(found["lowest"], values.min(axis=0), rtol=1e-6)
     np.testing.assert_allclose(found["highest"], values.max(axis=0), rtol=1e-6)
+
+
+def test_angles_far_apart_are_positions_and_no_curve(aluminium):
+    """The lowest of three positions 60 degrees apart is one of them, not what lies between."""
+    engine = ReferenceEngine(aluminium, 4)
+    angles = np.radians([30.0, 90.0, 150.0])
+    found = moving_frequencies(engine, angles, [0.0]).extremes().isel(engine=0, crank_speed=0)
+    values = natural_frequencies(engine, angles)
+    np.testing.assert_allclose(found["lowest"], values.min(axis=0), rtol=1e-6)
+    np.testing.assert_allclose(found["highest"], values.max(axis=0), rtol=1e-6)

@@ -26,6 +26,8 @@ LEAST_ERROR = 1e-8
 MOST_ROUNDS = 12
 # Distance of the angles to both sides over the width of the bracket.
 ASIDE = 1 / 16
+# Crank angles further apart than this, in rad, are single positions rather than a curve.
+MOST_STEP = np.radians(15.5)
 FULL_TURN = 2 * np.pi
 
 
@@ -108,7 +110,8 @@ def extremes_between(
 class _Brackets:
     """Three angles around each of b minima of t curves, and the values there.
 
-    What is not bracketed, a minimum at an end of the angles, has one angle three times.
+    What is not bracketed, a minimum at an end of the angles or between angles that are far apart,
+    has one angle three times.
 
     Parameters
     ----------
@@ -153,7 +156,8 @@ class _Brackets:
         minimum = ~(here > before) & ~(here > behind)
         place, curve = np.nonzero(minimum & (~(bound > least) | (here == least)))
         chosen = middle[place] + np.array([-1, 0, 1])[:, None]
-        chosen = np.where(np.isnan(angle[chosen]).any(axis=0), middle[place], chosen)
+        wide = ~(np.diff(angle[chosen], axis=0).max(axis=0) < MOST_STEP)  # or there is no step
+        chosen = np.where(wide, middle[place], chosen)
         return cls(angle[chosen], value[chosen, curve], curve, steepest[place, curve])
 
     def lowest(self) -> IntArray:

@@ -127,20 +127,26 @@ def damping_ratio_lines(dataset: xr.Dataset) -> list[str]:
     if "damping_ratio_reduction_error" not in dataset:
         return []
     ratio, over = dataset["damping_ratio"], ["engine", "crank_speed", "crank_angle"]
-    checked = ["engine", "crank_speed", "check_angle"]
-    columns = zip(
-        ratio["mode"].values,
-        ratio.min(over).values,
-        ratio.max(over).values,
-        dataset["damping_ratio_discretisation_error"].max(checked).values,
-        dataset["damping_ratio_reduction_error"].max(checked).values,
-        strict=True,
-    )
-    return [
-        f"damping ratio (Kelvin-Voigt) of mode {mode}: {low:.4g} to {high:.4g}; discretisation "
-        f"error (estimated) at most {mesh:.1e}, reduction error at most {reduction:.1e}"
-        for mode, low, high, mesh, reduction in columns
-    ]
+    at_checks = abs(ratio.sel(crank_angle=dataset["check_angle"]))
+    lines = []
+    for mode in ratio["mode"].values:
+        errors = []
+        for name in ("discretisation", "reduction"):
+            error = dataset[f"damping_ratio_{name}_error"].sel(mode=mode)
+            share = float((error / at_checks.sel(mode=mode)).max())
+            errors.append((float(error.max()), share))
+        (mesh, of_ratio), (reduction, of_reduced) = errors
+        # One digit more than is known, so that a ratio with an error of a tenth is not one digit.
+        places = 1 + int(np.floor(-np.log10(max(mesh + reduction, 10.0**-MOST_DECIMALS))))
+        low, high = (
+            float(each) for each in (ratio.sel(mode=mode).min(over), ratio.sel(mode=mode).max(over))
+        )
+        lines.append(
+            f"damping ratio (Kelvin-Voigt) of mode {mode}: {low:.{places}f} to {high:.{places}f}; "
+            f"discretisation error (estimated) at most {100 * of_ratio:.2g} % of it, reduction "
+            f"error at most {100 * of_reduced:.2g} % of it"
+        )
+    return lines
 
 
 def damping_lines(dataset: xr.Dataset) -> list[str]:
