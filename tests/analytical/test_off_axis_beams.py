@@ -1,9 +1,9 @@
 """Beams of off-axis plies: slender limits, and the twist that joints hold, in three dimensions.
 
 The frequencies in three-dimensional elasticity were computed for these tests with scikit-fem:
-27-node hexahedra, graded towards the edges of the width; for [30] of width 4 h a second mesh is 0.9 % away. End faces of
-pinned beams turn as rigid ones about the joint's axis alone, those of free beams are free. Length
-30 h, h = 4 mm, one material; by stack and width over h, in Hz.
+27-node hexahedra, graded towards the edges of the width; for [30] of width 4 h a second mesh is
+0.9 % away. The end faces of pinned beams turn as rigid ones about the joint's axis alone, those of
+free beams are free. Length 30 h, h = 4 mm, one material; by stack and width over h, in Hz.
 """
 
 from __future__ import annotations
