@@ -43,6 +43,7 @@ def test_discretisation_error_of_exudyn(aluminium, element):
     within_factor_two([ExudynEngine(aluminium, 8, element)], "none", 0.0, False)
 
 
+@pytest.mark.thorough
 def test_discretisation_error_with_point_masses(aluminium):
     loaded = Mechanism(
         aluminium.linkage,

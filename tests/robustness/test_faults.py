@@ -219,7 +219,11 @@ def test_a_signal_ends_a_run_in_one_line(delay: float, number: int, tmp_path: Pa
     assert not list(tmp_path.rglob(f"{PREFIX}*"))
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM], ids=["SIGINT", "SIGTERM"])
+@pytest.mark.parametrize(
+    "number",
+    [pytest.param(signal.SIGINT, marks=pytest.mark.thorough), signal.SIGTERM],
+    ids=["SIGINT", "SIGTERM"],
+)
 def test_a_signal_while_pictures_are_drawn_leaves_the_earlier_set(
     number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -68,7 +69,8 @@ def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgre
     """Map of one engine, on a mesh that is fine enough if the request has a tolerance.
 
     The elements are doubled until the estimated error of the mesh is within the tolerance, or
-    until another doubling would exceed :data:`MOST_ELEMENTS`.
+    until another doubling would exceed :data:`MOST_ELEMENTS`. Meshes that would be too coarse even
+    if the whole error fell with its highest order are passed over.
 
     Parameters
     ----------
@@ -90,7 +92,10 @@ def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgre
         if error <= request.tolerance:
             break
         logger.info("%d elements are off by %.1e", engine.elements, error)
-        engine = engine.with_(elements=2 * engine.elements)
+        order = engine.convergence(request.formulation.quasi_static_prestress).elastic
+        doublings = max(1, math.ceil(math.log2(error / request.tolerance) / order))
+        possible = int(math.log2(MOST_ELEMENTS / engine.elements))
+        engine = engine.with_(elements=engine.elements * 2 ** min(doublings, possible))
         found = _map_on_mesh(engine, request, report)
     return found
 
