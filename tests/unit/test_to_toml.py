@@ -420,5 +420,5 @@ def test_what_can_be_said_in_two_ways_is_kept_in_one():
         (1,),
     )
     assert read_back(mechanism) == mechanism
-    with pytest.raises(InputError, match="name of a mechanism must be text"):
+    with pytest.raises(InputError, match="name of a mechanism must be one line of text"):
         Provenance(" ")
