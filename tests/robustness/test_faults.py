@@ -47,6 +47,17 @@ def run(
     )
 
 
+@pytest.fixture(autouse=True)
+def _interruptible() -> Iterator[None]:
+    """Programs started here can be interrupted, also if these tests run in the background.
+
+    A shell lets its background jobs ignore SIGINT, and what these start inherits that.
+    """
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 def start(arguments: list[str]) -> subprocess.Popen[str]:
     environment = {**os.environ, "PYTHONPATH": str(MODELS.parent)}
     pipe = subprocess.PIPE
@@ -277,7 +288,7 @@ def test_a_killed_run_leaves_files_of_one_set_and_the_next_cleans_up(
         with writing(tmp_path, str(number)) as (writer,):
             time.sleep(chance.uniform(0.0, 0.05))
             writer.kill()
-            writer.wait()
+            writer.wait(timeout=60)
         check_one_set(tmp_path, whole=False)
         with moved_into(tmp_path) as temporary:
             (temporary / "below").mkdir()
@@ -296,7 +307,7 @@ def test_a_signal_never_cuts_a_set_in_two(number: int, kills: int, tmp_path: Pat
         with writing(tmp_path, str(mark)) as (writer,):
             time.sleep(chance.uniform(0.0, 0.05))
             writer.send_signal(number)
-            writer.wait()
+            writer.wait(timeout=60)
         check_one_set(tmp_path, whole=True)
 
 
@@ -308,7 +319,7 @@ def test_two_runs_in_one_folder_leave_the_set_of_one(tmp_path: Path) -> None:
             for writer in writers:
                 writer.send_signal(signal.SIGINT)
             for writer in writers:
-                writer.wait()
+                writer.wait(timeout=60)
         check_one_set(tmp_path, whole=True)
 
 
