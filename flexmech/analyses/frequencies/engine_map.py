@@ -20,7 +20,7 @@ from flexmech.analyses.frequencies.discretisation import (
     discretisation_error,
 )
 from flexmech.analyses.frequencies.eigenproblem import solve_modes
-from flexmech.analyses.frequencies.extremes import extremes_between
+from flexmech.analyses.frequencies.extremes import extremes_between, known_error
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along, systems_at
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
@@ -206,13 +206,12 @@ def _extremes(
     systems: Systems, request: FrequencyRequest, crank_speed: float, found: xr.Dataset
 ) -> dict[str, tuple[str, FloatArray]]:
     """Lowest and highest frequency of each mode, between the crank angles too."""
-    error = (found["discretisation_error"] + found["reduction_error"]).max("check_angle").values
     extremes = extremes_between(
         systems,
         request.crank_angles,
         crank_speed,
         found["frequency"].values,
-        error,
+        known_error(found).values,
         full_turn=request.full_turn,
     )
     return {field.name: ("mode", getattr(extremes, field.name)) for field in fields(extremes)}

@@ -11,13 +11,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Extremes", "extremes_between"]
+__all__ = ["Extremes", "extremes_between", "known_error"]
 
 # The change of an extreme by the last round over the error that is reported of it.
 SETTLED = 0.1
@@ -47,6 +48,22 @@ class Extremes:
     lowest_angle: FloatArray
     highest_frequency: FloatArray
     highest_angle: FloatArray
+
+
+def known_error(dataset: xr.Dataset) -> xr.DataArray:
+    """Relative error of each mode's frequencies by mesh and component modes, greatest of a turn.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        ``discretisation_error`` and ``reduction_error`` over ``check_angle`` and others.
+
+    Returns
+    -------
+    xarray.DataArray
+        Over the others.
+    """
+    return (dataset["discretisation_error"] + dataset["reduction_error"]).max("check_angle")
 
 
 def extremes_between(

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.analyses.summary import Table
 from flexmech.units import from_si
 
@@ -43,7 +44,7 @@ def extremes_table(extremes: xr.Dataset, dataset: xr.Dataset, title: str) -> Tab
         One row for each engine, speed and mode.
     """
     speed_unit = _unit(dataset)
-    error = (dataset["discretisation_error"] + dataset["reduction_error"]).max("check_angle")
+    error = known_error(dataset)
     between = "lowest_frequency" in dataset
 
     def row(engine: Any, speed: float, mode: int) -> tuple[str, ...]:
