@@ -14,6 +14,8 @@ __all__ = [
     "MODES",
     "MOST_ELEMENTS",
     "MOST_MODES",
+    "PAGE_WIDTHS",
+    "PICTURE_FORMATS",
     "PRESTRESS_LEVELS",
     "STARTS",
     "ElementName",
@@ -22,6 +24,8 @@ __all__ = [
     "ExudynElement",
     "Integrator",
     "MapPrestress",
+    "PageWidth",
+    "PictureFormat",
     "Prestress",
     "ReferenceElement",
     "Start",
@@ -56,6 +60,14 @@ STARTS: tuple[Start, ...] = get_args(Start)
 
 TemplateKind = Literal["four-bar", "composite-four-bar", "rotating-arm"]
 """Model files to start from."""
+
+PictureFormat = Literal["png", "pdf", "svg"]
+"""Files that a picture can be written into."""
+PICTURE_FORMATS: tuple[PictureFormat, ...] = get_args(PictureFormat)
+PageWidth = Literal["one-column", "two-column"]
+"""How much of a journal's page a picture takes."""
+PAGE_WIDTHS: dict[PageWidth, float] = {"one-column": 88.0, "two-column": 180.0}
+"""Width of a picture in mm. Columns of the usual journals are 84 to 90 mm wide."""
 
 ELEMENTS_A_LINK = 8
 """Finite elements on each link by default, where a map begins to refine."""

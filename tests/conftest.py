@@ -8,6 +8,7 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -33,10 +34,10 @@ def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
 
     save = Figure.savefig
 
-    def roughly(figure: Figure, path: Path, *, dpi: int) -> None:
-        assert dpi == 200
+    def roughly(figure: Figure, path: Path, *, dpi: int, **options: Any) -> None:
+        assert dpi == (200 if path.suffix == ".png" else 300)
         figure.set_layout_engine("none")
-        save(figure, path, dpi=30)
+        save(figure, path, dpi=30, **options)
 
     monkeypatch.setattr(Figure, "savefig", roughly)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -15,6 +15,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.netcdf import read_netcdf
 from flexmech.analyses.summary import Summary
+from flexmech.choices import PAGE_WIDTHS, PICTURE_FORMATS, PageWidth, PictureFormat
 from flexmech.errors import InputError
 from flexmech.files import given_path, moved_into
 
@@ -77,7 +78,33 @@ class Result(ABC):
         """What the NetCDF files hold, by their names without the ending."""
         return {self.stem: self.dataset}
 
-    def save(self, folder: str | Path, *, figures: bool = False) -> list[Path]:
+    @classmethod
+    def file_patterns(cls, formats: Collection[PictureFormat]) -> tuple[str, ...]:
+        """Patterns of all files that a result writes with pictures in formats.
+
+        Parameters
+        ----------
+        formats : collection of {"png", "pdf", "svg"}
+            None of them: no pictures.
+
+        Returns
+        -------
+        tuple of str
+        """
+        patterns: list[str] = []
+        for name in cls.files:
+            stem, picture, _ = name.rpartition(".png")
+            patterns += [f"{stem}.{each}" for each in formats] if picture else [name]
+        return tuple(patterns)
+
+    def save(
+        self,
+        folder: str | Path,
+        *,
+        figures: bool = False,
+        formats: Sequence[PictureFormat] = ("png",),
+        width: PageWidth = "two-column",
+    ) -> list[Path]:
         """Write CSV and NetCDF files, and pictures if they are wanted; all or none.
 
         Parameters
@@ -85,7 +112,11 @@ class Result(ABC):
         folder : str or Path
             Made if it is not there.
         figures : bool
-            Whether to write the pictures too, as PNG files.
+            Whether to write the pictures too.
+        formats : sequence of {"png", "pdf", "svg"}
+            Of the pictures: each is written in all of them.
+        width : {"one-column", "two-column"}
+            Width of the pictures on a journal's page: 88 or 180 mm.
 
         Returns
         -------
@@ -94,9 +125,11 @@ class Result(ABC):
         Raises
         ------
         InputError
-            If the folder cannot be written to.
+            If the folder cannot be written to, or a format or width is none of these.
         """
         folder, names = given_path(folder), []
+        if figures:
+            _check_pictures(formats, width)
         form = f"%.{self.significant_digits}g"
 
         def path(name: str) -> Path:
@@ -113,11 +146,12 @@ class Result(ABC):
             for name, dataset in self.datasets().items():
                 # In memory first: HDF5 brings the whole program down where a disk is full.
                 path(f"{name}.nc").write_bytes(dataset.to_netcdf(engine="h5netcdf"))
-            with warnings.catch_warnings():
+            with warnings.catch_warnings(), plots.page_width(PAGE_WIDTHS[width]):
                 # Letters of a name that the typeface lacks are shown as boxes.
                 warnings.filterwarnings("ignore", "Glyph .* missing", UserWarning)
                 for name, figure in self.figures().items() if figures else ():
-                    figure.savefig(path(f"{name}.png"), dpi=DOTS_PER_INCH)
+                    for each in dict.fromkeys(formats):
+                        plots.save_figure(figure, path(f"{name}.{each}"), dpi=DOTS_PER_INCH)
             for name, text in self.texts().items():
                 path(name).write_text(text, encoding="utf-8", newline="\n")
         return [folder / name for name in names]
@@ -169,3 +203,13 @@ class Result(ABC):
         except InputError:
             picture = ""  # there is nothing to draw; the summary says why
         return picture + self.summary()._repr_html_()
+
+
+def _check_pictures(formats: Sequence[str], width: str) -> None:
+    """Refuse formats that are not known, none, and other widths than those of a page."""
+    if isinstance(formats, str) or not formats or not set(formats) <= set(PICTURE_FORMATS):
+        known = ", ".join(map(repr, PICTURE_FORMATS))
+        raise InputError(f"formats: must be one or more of {known} in a list, got {formats!r}")
+    if width not in PAGE_WIDTHS:
+        known = " or ".join(map(repr, PAGE_WIDTHS))
+        raise InputError(f"width: must be {known}, got {width!r}")

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from flexmech.cli import options
 from flexmech.cli.deliver import deliver
+from flexmech.cli.pictures import asked_pictures
 
 
 def check(
-    model: options.Model, out: options.OptionalOut = None, no_plots: options.NoPlots = False
+    model: options.Model,
+    out: options.OptionalOut = None,
+    no_plots: options.NoPlots = False,
+    formats: options.Formats = "png",
+    width: options.Width = "two-column",
 ) -> None:
     """Print what was understood of a model file.
 
@@ -23,5 +28,5 @@ def check(
         lambda _: check_mechanism(ReferenceEngine(mechanism)),
         out,
         model=model,
-        draw=not no_plots,
+        pictures=asked_pictures(no_plots, formats, width),
     )

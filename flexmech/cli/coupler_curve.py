@@ -8,6 +8,7 @@ from flexmech.cli import options
 from flexmech.cli.arguments import parse_angles, parse_point
 from flexmech.cli.deliver import deliver
 from flexmech.cli.environment import parse_environment
+from flexmech.cli.pictures import asked_pictures
 
 
 def coupler_curve(
@@ -20,6 +21,8 @@ def coupler_curve(
     angles: options.Angles = "0:360:1",
     out: options.Out = Path("results"),
     no_plots: options.NoPlots = False,
+    formats: options.Formats = "png",
+    width: options.Width = "two-column",
 ) -> None:
     """Path of a point of the coupler, its crossings and cusps: dry, and in heat and moisture."""
     degrees = parse_angles(angles)
@@ -32,4 +35,10 @@ def coupler_curve(
     from flexmech.modelfile import load_mechanism
 
     request = load_mechanism(model), np.radians(degrees), given, environment
-    deliver(CouplerPaths, lambda _: coupler_paths(*request), out, model=model, draw=not no_plots)
+    deliver(
+        CouplerPaths,
+        lambda _: coupler_paths(*request),
+        out,
+        model=model,
+        pictures=asked_pictures(no_plots, formats, width),
+    )

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, TypeVar
 
 import typer
 
+from flexmech.choices import PICTURE_FORMATS
 from flexmech.cli.failures import naming, telling
+from flexmech.cli.pictures import PNG, Pictures
 from flexmech.cli.progress import progress_bar
 from flexmech.errors import one_line
 from flexmech.files import check_writable, given_path, matching, moved_into
@@ -31,7 +33,7 @@ def deliver(
     out: Path | None,
     *,
     model: Path | None = None,
-    draw: bool = True,
+    pictures: Pictures = PNG,
     speed_unit: str = "rad/s",
     further: Callable[[Found, Path, LabelledProgress | None], list[Path]] | None = None,
     remark: str = "",
@@ -48,8 +50,8 @@ def deliver(
         Folder for the files; None for no files.
     model : Path, optional
         Model file, which messages name.
-    draw : bool
-        Whether to write pictures.
+    pictures : Pictures
+        What pictures to write.
     speed_unit : str
         In which messages speak of crank speeds.
     further : callable, optional
@@ -66,7 +68,7 @@ def deliver(
     if out is not None:
         with naming("--out"):
             out = given_path(out)
-            check_writable(out, (name for name in kind.files if draw or not name.endswith(".png")))
+            check_writable(out, kind.file_patterns(pictures.formats))
     with progress_bar() as progress:
         with telling(model, speed_unit):
             result = compute(progress)
@@ -76,7 +78,12 @@ def deliver(
         files = []
         if out is not None:
             with naming("--out"), moved_into(out) as whole:
-                files = result.save(whole, figures=draw)
+                files = result.save(
+                    whole,
+                    figures=bool(pictures),
+                    formats=pictures.formats,
+                    width=pictures.width,
+                )
                 if further is not None:
                     files += further(result, whole, progress)
             files = [out / file.relative_to(whole) for file in files]
@@ -88,7 +95,7 @@ def deliver(
         else:
             _print_table(part)
     if out is not None:
-        _name_files(out, files, kind.files)
+        _name_files(out, files, kind.file_patterns(PICTURE_FORMATS))
     for warning in summary.warnings:
         typer.echo(f"warning: {warning}", err=True)
     if summary.verdict:

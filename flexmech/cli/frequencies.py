@@ -10,6 +10,7 @@ from flexmech.cli.arguments import parse_angles, parse_speeds, speed_remark
 from flexmech.cli.deliver import deliver
 from flexmech.cli.engines import make_engines
 from flexmech.cli.environment import parse_environment
+from flexmech.cli.pictures import asked_pictures
 
 
 def frequencies(
@@ -29,6 +30,8 @@ def frequencies(
     time: options.ExposureTime = None,
     out: options.Out = Path("results"),
     no_plots: options.NoPlots = False,
+    formats: options.Formats = "png",
+    width: options.Width = "two-column",
 ) -> None:
     """Moving natural frequencies of a mechanism.
 
@@ -63,7 +66,7 @@ def frequencies(
         ),
         out,
         model=model,
-        draw=not no_plots,
+        pictures=asked_pictures(no_plots, formats, width),
         speed_unit=unit,
         remark="" if given is None else speed_remark("--speeds", str(speeds), given.values),
     )

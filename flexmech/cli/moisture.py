@@ -7,6 +7,7 @@ from pathlib import Path
 from flexmech.cli import options
 from flexmech.cli.arguments import parse_percent, parse_temperature, parse_time
 from flexmech.cli.deliver import deliver
+from flexmech.cli.pictures import asked_pictures
 
 
 def moisture(
@@ -17,6 +18,8 @@ def moisture(
     link: options.Link = None,
     out: options.Out = Path("results"),
     no_plots: options.NoPlots = False,
+    formats: options.Formats = "png",
+    width: options.Width = "two-column",
 ) -> None:
     """Moisture profiles and uptake of the links in air of constant humidity, by diffusion."""
     humidity = parse_percent("--relative-humidity", relative_humidity)
@@ -28,5 +31,9 @@ def moisture(
 
     request = load_mechanism(model), humidity, seconds, kelvin, link
     deliver(
-        MoistureUptake, lambda _: moisture_uptake(*request), out, model=model, draw=not no_plots
+        MoistureUptake,
+        lambda _: moisture_uptake(*request),
+        out,
+        model=model,
+        pictures=asked_pictures(no_plots, formats, width),
     )

@@ -17,6 +17,14 @@ OptionalOut = Annotated[
     Option(help="Folder for CSV files and pictures; none if left out.", metavar="DIR"),
 ]
 NoPlots = Annotated[bool, Option("--no-plots", help="Write no pictures.")]
+Formats = Annotated[
+    str,
+    Option("--format", help="Formats of the pictures: png, pdf, svg or several.", metavar="LIST"),
+]
+Width = Annotated[
+    choices.PageWidth,
+    Option(help="Width of the pictures on a journal's page: 88 mm or 180 mm."),
+]
 Animate = Annotated[
     bool, Option("--animate", help="Write an animation: GIF, and MP4 where ffmpeg exists.")
 ]

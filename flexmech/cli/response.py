@@ -12,6 +12,7 @@ from flexmech.cli.deliver import deliver
 from flexmech.cli.engines import make_engines
 from flexmech.cli.environment import parse_environment
 from flexmech.cli.failures import naming
+from flexmech.cli.pictures import asked_pictures
 from flexmech.errors import InputError
 
 if TYPE_CHECKING:
@@ -40,6 +41,8 @@ def response(
     time: options.ExposureTime = None,
     out: options.Out = Path("results"),
     no_plots: options.NoPlots = False,
+    formats: options.Formats = "png",
+    width: options.Width = "two-column",
     animate: options.Animate = False,
 ) -> None:
     """The running mechanism in time.
@@ -95,7 +98,7 @@ def response(
         ),
         out,
         model=model,
-        draw=not no_plots,
+        pictures=asked_pictures(no_plots, formats, width),
         speed_unit=unit,
         further=animations,
         remark=remark,

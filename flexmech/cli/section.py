@@ -5,12 +5,15 @@ from __future__ import annotations
 from flexmech.cli import options
 from flexmech.cli.deliver import deliver
 from flexmech.cli.environment import parse_environment
+from flexmech.cli.pictures import asked_pictures
 
 
 def section(
     model: options.Model,
     out: options.OptionalOut = None,
     no_plots: options.NoPlots = False,
+    formats: options.Formats = "png",
+    width: options.Width = "two-column",
     link: options.Link = None,
     temperature_rise: options.TemperatureRise = None,
     moisture: options.Moisture = None,
@@ -33,5 +36,5 @@ def section(
         lambda _: section_profiles(mechanism, link, environment=environment),
         out,
         model=model,
-        draw=not no_plots,
+        pictures=asked_pictures(no_plots, formats, width),
     )

@@ -9,6 +9,7 @@ import typer
 from flexmech.cli import options
 from flexmech.cli.deliver import deliver
 from flexmech.cli.failures import reports_failures
+from flexmech.cli.pictures import asked_pictures
 
 study_app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
@@ -20,7 +21,12 @@ def studies() -> None:
 
 @study_app.command()
 @reports_failures
-def composites(out: options.Out = Path("results"), no_plots: options.NoPlots = False) -> None:
+def composites(
+    out: options.Out = Path("results"),
+    no_plots: options.NoPlots = False,
+    formats: options.Formats = "png",
+    width: options.Width = "two-column",
+) -> None:
     """Composite crank-rockers of Elamy et al. 2023.
 
     Six laminates, four linkages, three positions of the transmission angle.
@@ -31,5 +37,5 @@ def composites(out: options.Out = Path("results"), no_plots: options.NoPlots = F
         CompositeStudy,
         lambda progress: study_composites(progress=progress),
         out,
-        draw=not no_plots,
+        pictures=asked_pictures(no_plots, formats, width),
     )

@@ -36,6 +36,8 @@ from .speed_sweep import plot_speed_sweep as plot_speed_sweep
 from .style import LIGHT_GREY as LIGHT_GREY
 from .style import MID_GREY as MID_GREY
 from .style import figure_html as figure_html
+from .style import page_width as page_width
 from .style import publication_style as publication_style
+from .style import save_figure as save_figure
 from .transmission_angle import plot_transmission_angle as plot_transmission_angle
 from .vibration_effect import plot_vibration_effect as plot_vibration_effect

@@ -61,7 +61,7 @@ def plot_agreement(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
         for engine, line in zip(names_of(dataset, "engine"), ERRORS, strict=False):
             handles.append(line_handle(f"estimated error of {engine}", **line))
         first, second = (engine_label(dataset, engine) for engine in (0, 1))
-        drawn.header(handles, f"Frequencies of {second} against {first}")
+        drawn.header(handles, f"Frequencies of {second} against {first}", of=dataset)
         low, high = _decades(np.concatenate([difference.ravel(), error.ravel()]))
         for mode, axes in enumerate(drawn.panels):
             for number, values in enumerate(difference[mode]):

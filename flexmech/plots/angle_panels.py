@@ -17,7 +17,7 @@ from flexmech.plots.labels import engine_label, mode_label
 from flexmech.plots.layout import AxesLike, Layout, Sheet, sheet
 from flexmech.plots.reading import degrees
 from flexmech.plots.series import Look, few_points, line_handle, series_line, series_style
-from flexmech.plots.style import MID_GREY
+from flexmech.plots.style import MID_GREY, is_narrow
 from flexmech.types import FloatArray
 
 __all__ = [
@@ -40,6 +40,8 @@ ONE_MODE = "choose one mode (modes=1)"
 TWO_COLUMNS_FROM = 4
 # Least height of a panel with its heading, and least width for many ticks, in inches.
 PANEL_HEIGHT = 1.4
+# More panels on top of each other than these are flatter, so that a page holds them.
+MOST_TALL, FLAT_PANEL = 5, 1.1
 WIDE = 4.0
 
 
@@ -73,13 +75,14 @@ def angle_layout(sizes: Sequence[int], *, share_y: bool = False) -> Layout:
                 panels.append(axes)
         return panels
 
-    return Layout(len(sizes), rows * max(PANEL_HEIGHT, 1.9 - 0.3 * rows) + 0.5, make)
+    least = PANEL_HEIGHT if rows <= MOST_TALL else FLAT_PANEL
+    return Layout(len(sizes), rows * max(least, 1.9 - 0.3 * rows) + 0.5, make)
 
 
 def _columns(sizes: Sequence[int]) -> list[range]:
     """Panel numbers of each column; the first column is the taller one."""
     whole = range(len(sizes))
-    if len(sizes) == 1 or sum(sizes) < TWO_COLUMNS_FROM:
+    if len(sizes) == 1 or sum(sizes) < TWO_COLUMNS_FROM or is_narrow():
         return [whole]
     half = (sum(sizes) + 1) // 2
     cut = next(n for n, filled in enumerate(accumulate(sizes), start=1) if filled >= half)

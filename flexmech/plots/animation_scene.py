@@ -163,7 +163,7 @@ class Scene:
         """Draw what does not move, with room for the whole motion, the legend and the title."""
         motion = self._motion
         limits = sketch.limits(np.concatenate([motion.rigid, motion.deflected]))
-        height = linkage.height_of(limits, style.FIGURE_WIDTH, 2.0, 5.2) + TITLE_HEIGHT
+        height = linkage.height_of(limits, style.figure_width(), 2.0, 5.2) + TITLE_HEIGHT
         with sheet(grid(1, 1, height)) as drawn:
             drawn.header(handles, motion.title)
         figure, (self._axes,) = drawn.figure, drawn.panels

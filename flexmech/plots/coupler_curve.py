@@ -62,7 +62,7 @@ def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
             if kind in dataset["double_point_kind"].values:
                 look = {"color": "black", "ls": "", "marker": mark, "mfc": "none"}
                 handles.append(line_handle(kind + where, **look))
-        drawn.header(handles, f"Coupler curve, {dataset.attrs['mechanism']}")
+        drawn.header(handles, "Coupler curve", of=dataset)
         for axes in drawn.panels:
             axes.set_aspect("equal", adjustable="datalim")
             axes.set_box_aspect(1)
@@ -112,8 +112,7 @@ def plot_coupler_angles(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> F
     rows = 2 if len(states) > 1 else 1
     layout = grid(rows, 2, ANGLE_HEIGHT if rows > 1 else ANGLE_HEIGHT / 2 + 0.5, sharex=True)
     with sheet(layout, ax=ax) as drawn:
-        title = f"Angles of coupler and rocker, {dataset.attrs['mechanism']}"
-        drawn.header(series_handles(states), title)
+        drawn.header(series_handles(states), "Angles of coupler and rocker", of=dataset)
         for place, axes in enumerate(drawn.panels):
             row, link = divmod(place, 2)
             symbol = rf"$\theta_{link + 3}$"

@@ -56,7 +56,7 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
         handles = angle_panels.series_and_engines(dataset, speed_texts(dataset))
         if veering.any():
             handles.append(Patch(**STRIP, label="veering"))
-        drawn.header(handles)
+        drawn.header(handles, of=dataset)
         angle_panels.label_angles(drawn, angles, "Frequency (Hz)")
         for axes, group in zip(drawn.panels, groups, strict=True):
             axes.set_title(mode_label(dataset["mode"].values[group].tolist()))

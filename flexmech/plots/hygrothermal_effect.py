@@ -53,7 +53,8 @@ def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None)
         ]
         for number, text in enumerate(speed_texts(dataset)):
             handles.append(line_handle(text, color=series_style(number).color, linewidth=1.5))
-        drawn.header(handles, "Natural frequencies in two states of heat and moisture")
+        title = "Natural frequencies in two states of heat and moisture"
+        drawn.header(handles, title, of=dataset)
         for axes, speeds in zip(drawn.panels, frequency, strict=True):
             for number, states in enumerate(speeds):
                 for values, line in zip(states, LINES, strict=True):

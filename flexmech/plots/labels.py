@@ -13,6 +13,7 @@ from flexmech.units import ANGULAR_SPEED, from_si
 __all__ = [
     "engine_label",
     "link_label",
+    "mechanism_name",
     "mode_label",
     "run_title",
     "speed_label",
@@ -27,6 +28,15 @@ STARTS = {
     "equilibrium": "from the quasi-static equilibrium",
     "periodic": "on the periodic motion",
 }
+
+
+def mechanism_name(dataset: xr.Dataset) -> str:
+    """Name of the mechanism with a capital letter; empty where a dataset has none.
+
+    Dollar signs stay what they are, where matplotlib would see a formula.
+    """
+    name = str(dataset.attrs.get("mechanism", ""))
+    return (name[:1].upper() + name[1:]).replace("$", r"\$")
 
 
 def mode_label(numbers: Sequence[int]) -> str:

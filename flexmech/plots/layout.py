@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
+import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError
-from flexmech.plots.style import FIGURE_WIDTH, STYLE, new_figure, publication_style
+from flexmech.plots.labels import mechanism_name
+from flexmech.plots.style import figure_width, is_narrow, new_figure, publication_style
 
 __all__ = [
     "AxesLike",
@@ -23,6 +27,7 @@ __all__ = [
     "grid",
     "legend_columns",
     "sheet",
+    "wrapped",
 ]
 
 # Mean width of a letter of the font as a fraction of its size, on the safe side.
@@ -42,7 +47,13 @@ class Layout:
 
 
 def grid(
-    rows: int, columns: int, height: float, *, count: int | None = None, **options: Any
+    rows: int,
+    columns: int,
+    height: float,
+    *,
+    count: int | None = None,
+    narrow: int = 1,
+    **options: Any,
 ) -> Layout:
     """Panels in rows and columns; options are those of ``Figure.subplots``, as ``sharex=True``.
 
@@ -53,12 +64,21 @@ def grid(
         Of all rows in inches, without the header.
     count : int, optional
         Number of panels, where the last row is not full.
+    narrow : int
+        Columns at most on a narrow page, where the panels of a row go on in further rows.
 
     Returns
     -------
     Layout
     """
     number = rows * columns if count is None else count
+    if is_narrow() and columns > narrow:
+        before, columns = rows, narrow
+        rows = -(-number // columns)
+        height *= rows / before
+        if options.get("sharex") == "col":
+            # Panels of different columns stand under each other now.
+            options["sharex"] = False
 
     def make(figure: Figure) -> list[Axes]:
         panels = list(figure.subplots(rows, columns, squeeze=False, **options).flat)
@@ -85,7 +105,9 @@ class Sheet:
     panels: list[Axes]
     is_new: bool = True
 
-    def header(self, handles: Sequence[Artist], title: str = "") -> None:
+    def header(
+        self, handles: Sequence[Artist], title: str = "", *, of: xr.Dataset | None = None
+    ) -> None:
         """Put legend and title above the panels; the legend alone on the first of the user's.
 
         Entries run along the rows, as many a row as the figure's width holds.
@@ -95,20 +117,25 @@ class Sheet:
         handles : sequence of matplotlib.artist.Artist
             With their labels.
         title : str
-            Heading line; none by default.
+            Heading; none by default. Lines are broken where the figure ends.
+        of : Dataset, optional
+            Whose mechanism is named above the heading, if it has one.
         """
         if not self.is_new:
-            self.panels[0].legend(handles=handles)
+            if handles:
+                self.panels[0].legend(handles=handles)
             return
+        name, room = "" if of is None else mechanism_name(of), figure_width() - 0.1
+        lines = [line for text in (name, title) for line in wrapped(text, room)]
         columns = legend_columns([str(handle.get_label()) for handle in handles])
-        rows = -(-len(handles) // columns) + bool(title)
+        rows = -(-len(handles) // columns) + len(lines)
         self.figure.set_figheight(self.figure.get_figheight() + 0.12 + 0.165 * rows)
         self.figure.legend(
             # Matplotlib fills a legend column by column; every column but the last ones is full.
             handles=[handle for start in range(columns) for handle in handles[start::columns]],
             loc="outside upper center",
             ncols=columns,
-            title=title or None,
+            title="\n".join(lines) or None,
         )
 
     def label_x(self, label: str, which: slice = slice(None)) -> None:
@@ -180,15 +207,34 @@ def legend_columns(labels: list[str]) -> int:
 
     As few rows as possible, and these as equally filled as possible.
     """
-    em = STYLE["legend.fontsize"] / 72
-    around = STYLE["legend.handlelength"] + STYLE["legend.columnspacing"] + 0.8
+    with publication_style():
+        em = mpl.rcParams["legend.fontsize"] / 72
+        around = mpl.rcParams["legend.handlelength"] + mpl.rcParams["legend.columnspacing"] + 0.8
     widths = [(around + MEAN_LETTER * len(label)) * em for label in labels]
 
     def fits(columns: int) -> bool:
         needed: float = sum(max(widths[n::columns], default=0.0) for n in range(columns))
-        return needed <= FIGURE_WIDTH - 0.1
+        return needed <= figure_width() - 0.1
 
     count = max(len(labels), 1)
     most = next((n for n in range(count, 1, -1) if fits(n)), 1)
     balanced = -(-count // -(-count // most))
     return balanced if fits(balanced) else most
+
+
+def wrapped(text: str, width: float) -> list[str]:
+    """Lines of a heading that a width holds, broken at words, in letters of the style.
+
+    Parameters
+    ----------
+    text : str
+    width : float
+        In inches.
+
+    Returns
+    -------
+    list of str
+    """
+    with publication_style():
+        letters = int(width * 72 / (MEAN_LETTER * mpl.rcParams["legend.title_fontsize"]))
+    return textwrap.wrap(text, letters)

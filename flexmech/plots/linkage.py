@@ -14,6 +14,7 @@ from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from flexmech.plots import style
+from flexmech.plots.labels import mechanism_name
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import names_of, values_of
 from flexmech.plots.series import Look
@@ -229,13 +230,13 @@ def plot_linkage(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     sketch = LinkageSketch(links, joints[is_pin], joints[~is_pin])
     room = NAME_ROOM * sketch.size
     limits = sketch.limits(np.vstack([joints - room, joints + room]))
-    height = height_of(limits, style.FIGURE_WIDTH, LEAST_HEIGHT, MOST_HEIGHT)
+    height = height_of(limits, style.figure_width(), LEAST_HEIGHT, MOST_HEIGHT)
     with sheet(grid(1, 1, height), ax=ax) as drawn:
         (axes,) = drawn.panels
         sketch.frame(axes, limits)
         sketch.draw(axes, color="0.5", lw=2.0)
         sketch.draw_scale_bar(axes)
-        axes.set_title(str(dataset.attrs.get("mechanism", "")), loc="center")
+        axes.set_title(mechanism_name(dataset), loc="center")
         for name, place, pinned in zip(names_of(dataset, "joint"), joints, is_pin, strict=True):
             x, y = AWAY * _away(sketch, place, held=not pinned)
             axes.annotate(name, place, (x, y), textcoords="offset points", ha="center", va="center")

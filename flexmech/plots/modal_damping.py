@@ -58,7 +58,7 @@ def plot_modal_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     with sheet(layout, ax=ax, fewer="choose one speed (speeds=...)") as drawn:
         modes = [f"mode {mode}" for mode in dataset["mode"].values]
         handles = angle_panels.series_and_engines(dataset, modes)
-        drawn.header(handles, "Damping by modal strain energy")
+        drawn.header(handles, "Damping by modal strain energy", of=dataset)
         angle_panels.label_angles(drawn, angles, "Damping ratio (%)")
         for speed, (axes, text) in enumerate(zip(drawn.panels, speed_texts(dataset), strict=True)):
             axes.set_title(text)

@@ -19,7 +19,7 @@ from flexmech.types import FloatArray
 
 __all__ = ["plot_mode_shapes"]
 
-PANELS_A_ROW = 4
+PANELS_A_ROW, NARROW_ROW = 4, 2
 POINTS_A_STATION = 4
 # Largest displacement as drawn, over the linkage's size.
 ENLARGED_TO = 0.14
@@ -74,7 +74,8 @@ def plot_mode_shapes(
             f"Mode shapes at crank angle {np.degrees(angles[nearest]):.4g}° by "
             f"{engine_label(dataset)}, displacement enlarged"
         )
-        drawn.header([*handles, line_handle("rigid linkage", **RIGID)], title)
+        handles.append(line_handle("rigid linkage", **RIGID))
+        drawn.header(handles, title, of=dataset)
         texts = [_frequencies_text(one) for one in values_of(frequency, "mode", "crank_speed")]
         for mode, axes in enumerate(drawn.panels):
             sketch.frame(axes, limits)
@@ -115,11 +116,13 @@ def _smooth(deflected: FloatArray) -> FloatArray:
 def _layout(limits: Bbox, n_modes: int, n_speeds: int) -> Layout:
     """Panels of equal scale, with room for the frequencies in their headings."""
     columns = 3 if n_modes in (5, 6) else min(n_modes, PANELS_A_ROW)
+    if style.is_narrow():
+        columns = min(columns, NARROW_ROW)
     rows = -(-n_modes // columns)
     # Less the layout's padding between the panels.
-    panel = height_of(limits, style.FIGURE_WIDTH / columns - 0.2, 0.7, 2.6)
+    panel = height_of(limits, style.figure_width() / columns - 0.2, 0.7, 2.6)
     title = 0.2 + 0.17 * -(-n_speeds // 3)
-    return grid(rows, columns, rows * (panel + title), count=n_modes)
+    return grid(rows, columns, rows * (panel + title), count=n_modes, narrow=columns)
 
 
 def _frequencies_text(frequency: FloatArray) -> str:

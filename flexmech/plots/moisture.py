@@ -17,7 +17,7 @@ from flexmech.units import ZERO_CELSIUS, from_si
 
 __all__ = ["plot_moisture"]
 
-ROW_HEIGHT = 2.1
+ROW_HEIGHT, NARROW_ROW_HEIGHT = 2.1, 1.6
 # Formulas beside the finite volumes, by the numbers of their styles.
 LAWS = {1: ("short_time_uptake", "root of time"), 3: ("shen_springer_uptake", "Shen & Springer")}
 TIME_UNITS = ("day", "hour", "second")
@@ -45,12 +45,13 @@ def plot_moisture(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     unit = next((name for name in TIME_UNITS if from_si(end, name) >= 1), "second")
     attrs = dataset.attrs
     title = (
-        f"{attrs['mechanism']}: {100 * attrs['relative_humidity']:.4g} % relative humidity, "
+        f"Moisture at {100 * attrs['relative_humidity']:.4g} % relative humidity, "
         f"{attrs['temperature'] - ZERO_CELSIUS:.4g} °C"
     )
-    layout = grid(len(links), 2, ROW_HEIGHT * len(links) + 0.5, sharex="col")
+    row = NARROW_ROW_HEIGHT if style.is_narrow() else ROW_HEIGHT
+    layout = grid(len(links), 2, row * len(links) + 0.5, sharex="col")
     with sheet(layout, ax=ax) as drawn:
-        drawn.header(_handles(dataset, unit), title)
+        drawn.header(_handles(dataset, unit), title, of=dataset)
         drawn.label_x("Distance from the middle (mm)", slice(0, None, 2))
         drawn.label_x(rf"Root of time ($\sqrt{{\mathrm{{{unit}}}}}$)", slice(1, None, 2))
         for link, profile, uptake in zip(links, drawn.panels[::2], drawn.panels[1::2], strict=True):

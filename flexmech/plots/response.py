@@ -56,7 +56,7 @@ def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     shown += [("strain", name, STRAIN_UNITS) for name in strained]
     fewer = "choose one link that is watched at its tip (links=...)"
     with sheet(time_axis.time_layout(len(shown)), ax=ax, fewer=fewer) as drawn:
-        drawn.header(engine_lines(dataset), run_title(dataset))
+        drawn.header(engine_lines(dataset), run_title(dataset), of=dataset)
         time_axis.label_times(drawn, dataset)
         for axes, (quantity, link, units) in zip(drawn.panels, shown, strict=True):
             what = f"{link_label(dataset, link)}\n{quantity}"
@@ -92,7 +92,7 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             shown.append((*forces, FORCE_UNITS, f"Force at {joint},\n{component}"))
     with sheet(time_axis.time_layout(len(shown)), ax=ax) as drawn:
         handles = [*engine_lines(dataset), line_handle("rigid links", **RIGID)]
-        drawn.header(handles, _force_title(dataset))
+        drawn.header(handles, _force_title(dataset), of=dataset)
         time_axis.label_times(drawn, dataset)
         for axes, (elastic, rigid, units, what) in zip(drawn.panels, shown, strict=True):
             factor = draw_engines(axes, elastic, units, what)

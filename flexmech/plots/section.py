@@ -94,11 +94,12 @@ def plot_section(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         dataset = dataset.dropna(dimension, how="all", subset=["place"])
     runs, profiles = _runs(dataset), [_lines(dataset, *profile) for profile in PROFILES]
     named = len(runs) <= MOST_NAMES
-    layout = grid(2, 3, 2 * PANEL_HEIGHT + 0.9, sharey=True, gridspec_kw={"wspace": 0.06})
+    layout = grid(2, 3, 2 * PANEL_HEIGHT + 0.9, narrow=2, sharey=True, gridspec_kw={"wspace": 0.06})
     with sheet(layout, ax=ax) as drawn:
         link = str(dataset["link"].item()).capitalize()
         handles = _handles(dataset, set().union(*profiles), [] if named else runs)
-        drawn.header(handles, f"{link}: through the thickness under unit loads on the pins' axis")
+        title = f"{link}: through the thickness under unit loads on the pins' axis"
+        drawn.header(handles, title, of=dataset)
         stack = drawn.panels[LAYERS_PANEL]
         for axes in drawn.panels:
             edge = STACK_EDGE if axes is stack else 1.0

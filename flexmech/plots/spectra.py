@@ -24,6 +24,8 @@ ONE_LINK = "choose one link (links=...)"
 
 # What the axes of frequency and of harmonics take, in inches.
 AXES_HEIGHT = 0.9
+# What the labels take of the width.
+BESIDE_PANELS = 0.85
 # Frequencies drawn, as a multiple of the highest natural frequency.
 REACH = 1.3
 # Depth of a spectrum below its peak that is drawn.
@@ -35,8 +37,8 @@ BAND_EDGE = "#DDB450"
 ORDER_STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500)
 MOST_ORDERS = 16
 MOST_ORDER_LINES = 100
-# Least distance of two labels as a fraction of a panel's width.
-LABEL_ROOM = 0.024
+# Least distance of two labels in inches.
+LABEL_ROOM = 0.15
 
 DECIBELS = 60.0
 """Levels this far below the maximum are drawn as the darkest."""
@@ -70,7 +72,7 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         handles = engine_lines(dataset)
         if bands:
             handles.append(Patch(color=BAND_COLOR, lw=0, label="predicted natural frequencies"))
-        drawn.header(handles, run_title(dataset))
+        drawn.header(handles, run_title(dataset), of=dataset)
         for axes, link in zip(drawn.panels, links, strict=True):
             axes.set_xlim(0.0, limit)
             for band in bands.values():
@@ -109,7 +111,8 @@ def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     time = first["window_time"].values
     with sheet(_layout(len(links), 1.75, 2.4), ax=ax, fewer=ONE_LINK) as drawn:
         title = f"{run_title(dataset)}, by {engine_label(dataset)}"
-        drawn.header([line_handle("predicted natural frequencies", **PREDICTION)], title)
+        handles = [line_handle("predicted natural frequencies", **PREDICTION)]
+        drawn.header(handles, title, of=dataset)
         for axes, link in zip(drawn.panels, links, strict=True):
             mesh = _draw_levels(axes, first["spectrogram"].sel(link=link))
             predicted = values_of(first["natural_frequency"], "window_time", "mode")
@@ -175,7 +178,9 @@ def _label_bands(axes: Axes, bands: dict[int, tuple[float, float]]) -> None:
     limit = axes.get_xlim()[1]
     wanted = np.array([(low + high) / 2 / limit for low, high in bands.values()])
     look: Look = {"ha": "center", "va": "top", "fontsize": 8, "color": "0.25"}
-    for place, mode in zip(spread(wanted, LABEL_ROOM), bands, strict=True):
+    for place, mode in zip(
+        spread(wanted, LABEL_ROOM / (style.figure_width() - BESIDE_PANELS)), bands, strict=True
+    ):
         axes.text(place, 0.985, f"$f_{{{mode}}}$", transform=axes.transAxes, **look)
 
 
@@ -197,7 +202,8 @@ def _draw_spectra(axes: Axes, spectrum: xr.DataArray) -> str:
 def _order_axis(panels: list[Axes], turning: float, limit: float) -> None:
     """Axis of harmonics of the turning frequency in Hz on top, with lines down at some."""
     orders = limit / turning
-    step = int(scales.round_step(orders, MOST_ORDERS, ORDER_STEPS))
+    most = MOST_ORDERS // 2 if style.is_narrow() else MOST_ORDERS
+    step = int(scales.round_step(orders, most, ORDER_STEPS))
     labelled = np.arange(step, int(orders) + 1, step)
     top = panels[0].secondary_xaxis("top")
     top.set_xticks((labelled * turning).tolist(), [f"{order}" for order in labelled])

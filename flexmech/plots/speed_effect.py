@@ -61,7 +61,8 @@ def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
         # Coriolis is a name; the others are plain words.
         terms = [name.replace("coriolis", "Coriolis") for name in names_of(dataset, "term")]
         title = f"Change of frequency from rest to {speed}, by term"
-        drawn.header([line_handle("total", **total), *series_handles(terms, angles)], title)
+        handles = [line_handle("total", **total), *series_handles(terms, angles)]
+        drawn.header(handles, title, of=dataset)
         for axes, changes in zip(drawn.panels, effect, strict=True):
             axes.axhline(0.0, color=style.MID_GREY, lw=0.6, zorder=1)
             # Under the terms, so that a term which makes up the whole effect is seen on it.

@@ -31,8 +31,8 @@ ROW_HEIGHT = 0.2
 LABEL_POINTS = 7.0
 # Mean width of these letters as a fraction of their size: f, / and 1 are narrow.
 MEAN_LETTER = 0.5
-# What the panels have of the figure's width, on the safe side.
-PANEL_WIDTH = style.FIGURE_WIDTH - 0.85
+# What the panels leave of the figure's width in inches, on the safe side.
+BESIDE_PANELS = 0.85
 BAND_OPACITY = 0.18
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 ENDS = ["critical_speed_low", "critical_speed_high"]
@@ -72,8 +72,7 @@ def plot_speed_sweep(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     limits = _limits(factor * dataset["crank_speed"].values, "settled_peak" in dataset)
     bands = _bands(dataset, factor, limits)
     with sheet(_layout(len(links), len(bands)), ax=ax, fewer=ONE_LINK) as drawn:
-        title = f"Steady-state peak deflection of the {dataset.attrs['mechanism']}"
-        drawn.header(_handles(dataset, bands), title)
+        drawn.header(_handles(dataset, bands), "Steady-state peak deflection", of=dataset)
         for axes, link in zip(drawn.panels, links, strict=True):
             axes.set_xlim(*limits)
             for row, mode in enumerate(bands):
@@ -149,7 +148,7 @@ def _draw_strip(axes: Axes, bands: Bands) -> None:
     axes.yaxis.set_major_locator(NullLocator())
     axes.tick_params(bottom=False, labelbottom=False)
     low_edge, high_edge = axes.get_xlim()
-    inch = (high_edge - low_edge) / PANEL_WIDTH
+    inch = (high_edge - low_edge) / (style.figure_width() - BESIDE_PANELS)
     for row, mode in enumerate(bands):
         free = np.inf
         for number, (name, low, high) in enumerate(bands[mode]):

@@ -51,7 +51,7 @@ def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) 
             axes.axhspan(*wanted, color=style.LIGHT_GREY, zorder=0)
             words = attrs.get("wanted_label", "wanted range")
             handles.append(Patch(color=style.LIGHT_GREY, label=words))
-        drawn.header(handles, str(attrs.get("title", TITLE)))
+        drawn.header(handles, str(attrs.get("title", TITLE)), of=dataset)
         axes.axhline(90.0, color=style.MID_GREY, lw=0.6, zorder=1)
         for number, values in enumerate(curves):
             axes.plot(angles, values, **series_line(number))

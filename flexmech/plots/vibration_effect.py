@@ -60,7 +60,7 @@ def plot_vibration_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) ->
     layout = grid(len(ratios), 1, sum(ratios) + 0.5, sharex=True, height_ratios=ratios)
     with sheet(layout, ax=ax) as drawn:
         title = f"Natural frequencies at {speed}, {' and '.join(names)}"
-        drawn.header(_handles(modes, names), title)
+        drawn.header(_handles(modes, names), title, of=dataset)
         drawn.label_x("Crank angle (deg)")
         for mode, axes in enumerate(drawn.panels[:-1]):
             axes.set(title=mode_label(modes[mode : mode + 1]), ylabel="Frequency\n(Hz)")

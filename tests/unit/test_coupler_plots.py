@@ -57,7 +57,7 @@ class TestCouplerCurve:
     def test_double_points_are_counted_and_marked(self) -> None:
         dataset = coupler_dataset(states=2)
         figure = plot_coupler_curve(dataset)
-        assert heading(figure) == "Coupler curve, resin four-bar"
+        assert heading(figure) == "Resin four-bar\nCoupler curve"
         assert legend_texts(figure) == [
             "dry: 1 crunode, 1 cusp",
             "+80 K: 0 crunodes, 0 cusps",
@@ -107,7 +107,7 @@ class TestCouplerAngles:
             for state, color in (("dry", BLUE), ("+80 K", ORANGE)):
                 wanted = np.degrees(dataset["angle"].sel(link=link, state=state))
                 np.testing.assert_allclose(drawn(axes, color), wanted)
-        assert heading(figure) == "Angles of coupler and rocker, resin four-bar"
+        assert heading(figure) == "Resin four-bar\nAngles of coupler and rocker"
 
     def test_change_leaves_whole_turns_out(self) -> None:
         figure = plot_coupler_angles(coupler_dataset(states=2))
@@ -140,7 +140,7 @@ class TestMoisture:
             np.testing.assert_array_equal(line.get_ydata(), dataset[name].sel(link="coupler"))
         laws = ["finite volumes", "root of time", "Shen & Springer"]
         assert legend_texts(figure) == ["0.5 d", "4 d", *laws]
-        assert heading(figure) == "moist four-bar: 85 % relative humidity, 80 °C"
+        assert heading(figure) == "Moist four-bar\nMoisture at 85 % relative humidity, 80 °C"
         check_layout(figure, HALF_WIDTH_PANEL)
 
     def test_laws_that_say_nothing_are_not_in_the_legend(self) -> None:
@@ -214,7 +214,7 @@ class TestLinkage:
         dataset = linkage_dataset()
         figure = plot_linkage(dataset)
         (axes,) = figure.axes
-        assert axes.get_title() == "test linkage"
+        assert axes.get_title() == "Test linkage"
         assert [text.get_text() for text in axes.texts] == ["100 mm", "O2", "A", "B", "O4"]
         links = [line.get_xydata() for line in axes.lines if line.get_color() == "0.5"]
         np.testing.assert_array_equal(links, dataset["rigid_position"])

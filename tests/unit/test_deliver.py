@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +13,19 @@ import pytest
 import typer
 import xarray as xr
 from matplotlib.figure import Figure
+from PIL import Image
 from typer.testing import CliRunner
 
+from flexmech import plots
 from flexmech.analyses import Result, Summary, Table
+from flexmech.choices import PAGE_WIDTHS
+from flexmech.cli.application import COMMANDS
 from flexmech.cli.deliver import deliver
 from flexmech.cli.failures import reports_failures
+from flexmech.cli.pictures import PNG, Pictures, asked_pictures
+from flexmech.cli.study import composites
 from flexmech.errors import ComputationError, FlexmechError, InputError
+from tests.unit.plot_data import linkage_dataset
 
 TABLE = Table("sizes", ("name", "size"), ((("a", "1"), ("b", "20")), (("c", "3"),)), caption="mm")
 
@@ -36,12 +45,13 @@ class Sizes(Result):
         return {"sizes": self.plot()}
 
     def plot(self, *, ax: Any = None) -> Figure:
-        return Figure(figsize=(1, 1))
+        return plots.plot_linkage(linkage_dataset())
 
     def summary(self) -> Summary:
         return Summary((TABLE, "a line"), "the verdict")
 
 
+NO_PICTURES = asked_pictures(True, "png", "two-column")
 SIZES = Sizes(xr.Dataset({"size": ("place", [1.0, 2.0])}, attrs={"mechanism": "model"}))
 
 
@@ -49,7 +59,7 @@ def run(
     out: Path | None,
     failure: BaseException | None = None,
     *,
-    draw: bool = True,
+    pictures: Pictures = PNG,
     unit: str = "rad/s",
 ) -> Any:
     app = typer.Typer()
@@ -62,7 +72,7 @@ def run(
     @app.command()
     @reports_failures
     def command() -> None:
-        deliver(Sizes, compute, out, draw=draw, speed_unit=unit)
+        deliver(Sizes, compute, out, pictures=pictures, speed_unit=unit)
 
     return CliRunner().invoke(app, [])
 
@@ -86,6 +96,53 @@ def test_files_are_written_and_named_and_the_verdict_comes_last(tmp_path: Path) 
     assert [(row[1], row[3]) for row in rows] == [("a", "1"), ("b", "20"), ("c", "3")]
 
 
+def test_pictures_are_written_in_all_formats_asked_for(tmp_path: Path) -> None:
+    result = run(tmp_path, pictures=asked_pictures(False, "svg, .PDF,svg", "one-column"))
+    assert result.exit_code == 0
+    assert names(tmp_path) == ["below/sizes.csv", "sizes.csv", "sizes.nc", "sizes.pdf", "sizes.svg"]
+    assert "sizes.pdf" in result.stdout
+    # Then another run in another format: what lies there is told.
+    assert "from an earlier run, not of this one: sizes.pdf, sizes.svg" in run(tmp_path).stdout
+
+
+def test_pictures_have_the_width_asked_for(tmp_path: Path) -> None:
+    for width, millimetres in PAGE_WIDTHS.items():
+        run(tmp_path, pictures=asked_pictures(False, "png", width))
+        with Image.open(tmp_path / "sizes.png") as picture:
+            assert picture.width == pytest.approx(millimetres / 25.4 * 200, abs=1)
+
+
+@pytest.mark.parametrize("formats", ["gif", "", "png,,pdf", "pdf svg", "png;pdf"])
+def test_formats_that_are_none_are_refused(formats: str) -> None:
+    with pytest.raises(InputError, match=r"^--format: .* choose from png, pdf, svg"):
+        asked_pictures(False, formats, "two-column")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"formats": "png"}, "formats: must be one or more of 'png', 'pdf', 'svg' in a list"),
+        ({"formats": ()}, "formats: must be"),
+        ({"formats": ("png", "eps")}, "formats: must be"),
+        ({"width": "80 mm"}, "width: must be 'one-column' or 'two-column', got '80 mm'"),
+    ],
+)
+def test_formats_and_widths_are_checked_in_python(
+    wrong: dict[str, Any], message: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InputError, match=message):
+        SIZES.save(tmp_path, figures=True, **wrong)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("command", [*COMMANDS, composites], ids=lambda command: command.__name__)
+def test_every_command_that_draws_has_all_options_of_pictures(
+    command: Callable[..., None],
+) -> None:
+    asked = {"no_plots", "formats", "width"} & set(inspect.signature(command).parameters)
+    assert len(asked) in (0, 3)
+
+
 def test_without_a_folder_it_prints_alone(tmp_path: Path) -> None:
     result = run(None)
     assert result.exit_code == 0
@@ -96,7 +153,7 @@ def test_without_a_folder_it_prints_alone(tmp_path: Path) -> None:
 def test_what_lies_there_from_an_earlier_run_is_named(tmp_path: Path) -> None:
     (tmp_path / "picture_crank.png").write_bytes(b"old")
     (tmp_path / "notes.txt").write_text("mine")
-    result = run(tmp_path, draw=False)
+    result = run(tmp_path, pictures=NO_PICTURES)
     assert "from an earlier run, not of this one: picture_crank.png" in result.stdout
     assert "sizes.png" not in names(tmp_path)
 
@@ -153,7 +210,7 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_work(tmp_path: Pa
         assert result.stderr.startswith("error: --out: ")
         assert message in result.stderr
     # Where no pictures are asked for, none can be in the way.
-    assert run(taken, draw=False).exit_code == 0
+    assert run(taken, pictures=NO_PICTURES).exit_code == 0
 
 
 def test_a_summary_is_a_text_and_a_page() -> None:

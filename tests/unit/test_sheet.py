@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +16,14 @@ from PIL import Image
 from flexmech import plots
 from flexmech.errors import InputError
 from flexmech.plots import chosen
-from tests.unit.figure_checks import check_texts, heading, legend_texts, panels
+from tests.unit.figure_checks import (
+    check_layout,
+    check_texts,
+    heading,
+    legend_texts,
+    panels,
+    shown_texts,
+)
 from tests.unit.plot_data import (
     coupler_dataset,
     frequency_dataset,
@@ -113,6 +121,13 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
 }
 
 
+OF_SEVERAL_MECHANISMS = {
+    plots.plot_composite_damping,
+    plots.plot_composite_frequencies,
+    plots.plot_laminate_factors,
+}
+
+
 def check_same_lines(axes: Axes, other: Axes) -> None:
     for line, wanted in zip(axes.lines, other.lines, strict=True):
         np.testing.assert_array_equal(line.get_xdata(), wanted.get_xdata())
@@ -191,6 +206,56 @@ class TestAxesOfTheUser:
         assert plots.plot_frequencies(frequency_dataset(), ax=left.subplots(2, 2)) is figure
 
 
+class TestPageWidth:
+    @pytest.mark.parametrize("plot", FIGURES, ids=lambda plot: plot.__name__)
+    def test_every_figure_can_be_read_in_one_column(self, plot: Plot) -> None:
+        """And names its mechanism, whatever the name is."""
+        make, count = FIGURES[plot]
+        with plots.page_width(88):
+            figure = plot(make().assign_attrs(mechanism="weaver's $1 loom"))
+        assert figure.get_figwidth() * 25.4 == pytest.approx(88)
+        # A page of a journal is about 240 mm high.
+        assert figure.get_figheight() * 25.4 < 240
+        assert len(panels(figure)) >= count
+        check_layout(figure)
+        smallest = min(text.get_fontsize() for text in shown_texts(figure))
+        assert smallest >= 6.5
+        named = any(r"Weaver's \$1 loom" in text.get_text() for text in shown_texts(figure))
+        assert named is (plot not in OF_SEVERAL_MECHANISMS)
+
+    def test_the_width_ends_with_its_context(self) -> None:
+        with plots.page_width(88):
+            pass
+        figure = plots.plot_linkage(linkage_dataset())
+        assert figure.get_figwidth() * 25.4 == pytest.approx(180)
+
+    @pytest.mark.parametrize("wrong", [0.0, 30.0, 1e4, float("nan")])
+    def test_other_widths_are_refused(self, wrong: float) -> None:
+        with pytest.raises(InputError, match="page width: must lie between 80 and 400 mm"):
+            plots.page_width(wrong).__enter__()
+
+
+class TestFiles:
+    @staticmethod
+    def saved(path: Path) -> bytes:
+        figure = plots.plot_transmission_angle(transmission_dataset().assign_attrs(mechanism="a"))
+        plots.save_figure(figure, path, dpi=50)
+        return path.read_bytes()
+
+    def test_letters_of_a_pdf_are_embedded_truetype(self, tmp_path: Path) -> None:
+        content = self.saved(tmp_path / "a.pdf")
+        assert b"/Type3" not in content
+        assert b"/CIDFontType2" in content
+        assert b"/FontFile2" in content
+
+    def test_letters_of_an_svg_are_text(self, tmp_path: Path) -> None:
+        assert ">Transmission angle (deg)<" in self.saved(tmp_path / "a.svg").decode()
+
+    @pytest.mark.parametrize("kind", ["pdf", "svg"])
+    def test_the_same_result_gives_the_same_file(self, kind: str, tmp_path: Path) -> None:
+        assert self.saved(tmp_path / f"a.{kind}") == self.saved(tmp_path / f"b.{kind}")
+
+
 class TestChosen:
     def test_single_values_and_lists(self) -> None:
         dataset = frequency_dataset()
@@ -248,7 +313,7 @@ def test_speeds_are_in_the_unit_of_the_user() -> None:
     assert "at \N{MINUS SIGN}191 rpm" in heading(plots.plot_vibration_effect(vibrating))
     run = response_dataset(speed=300 * rpm).assign_attrs(speed_unit="rpm")
     for plot in (plots.plot_response, plots.plot_forces, plots.plot_spectrum):
-        assert heading(plot(run)).startswith("Response at 300 rpm")
+        assert heading(plot(run)).startswith("Aluminium four-bar\nResponse at 300 rpm")
     both = in_two_states().assign_attrs(speed_unit="rpm")
     assert "95.49 rpm" in legend_texts(plots.plot_hygrothermal_effect(both))
 
