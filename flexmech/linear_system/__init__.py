@@ -2,7 +2,11 @@
 
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.linear_system.checks import checked_mechanism
-from flexmech.linear_system.component_modes import ComponentModes, component_modes
+from flexmech.linear_system.component_modes import (
+    GREAT_DETAIL,
+    ComponentModes,
+    component_modes,
+)
 from flexmech.linear_system.convergence import ConvergenceOrders
 from flexmech.linear_system.engine import Engine
 from flexmech.linear_system.link_frames import LinkDamping, LinkFrames, RotationTerms
@@ -27,6 +31,7 @@ from flexmech.linear_system.theory_comparison import (
 )
 
 __all__ = [
+    "GREAT_DETAIL",
     "LOAD_STEPS",
     "MAX_ITERATIONS",
     "NEGLIGIBLE",

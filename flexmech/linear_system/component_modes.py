@@ -14,6 +14,13 @@ shapes and modes these are in equilibrium only if all deformations have one damp
 following end's displacement turns against its link while the rest of the link does not: in
 the frozen equations that is a velocity of the end alone, and the link's static answer to its
 damping is the end's static shape without the end itself.
+
+A deep bow and strong damping ask for more. Where a link has turned by theta, its axis tilts with
+``cos(theta) w' - sin(theta) u'``, and sections that keep turning with ``w'`` would be bent against
+it within every element: spurious stiffness that grows with the square of the number of elements.
+The sections' own turn is held by the highest modes of the mesh, in which they turn while the axis
+rests. A reduction in great detail has them, condensed like the axial ones; and what damping answers
+at a following end moves by itself there.
 """
 
 from __future__ import annotations
@@ -29,7 +36,7 @@ from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import Topology
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["ComponentModes", "ReducedLink", "component_modes"]
+__all__ = ["GREAT_DETAIL", "ComponentModes", "ReducedLink", "component_modes"]
 
 
 # Modes of the held links are kept up to this multiple of the frequency of the highest
@@ -43,6 +50,11 @@ CONDENSED_AXIAL_MODES = 12
 # What one damping time for all of a link leaves of its damping forces is round-off if the
 # answer to it is smaller than this part of the shape that it comes from.
 ANSWER_FLOOR = 1e-6
+GREAT_DETAIL = 8.0
+"""Of a reduction whose sections turn against the axis, for deep bows and strong damping."""
+# They turn with so many of the highest modes, or with one in so many where a mesh has few.
+TURNING_MODES = 8
+TURNING_PART = 4
 
 
 @dataclass(frozen=True)
@@ -124,7 +136,8 @@ def component_modes(
         Whether the links may bow (prestress ``equilibrium``), so that condensed axial
         modes are wanted.
     detail : float
-        Multiplies the frequencies up to which modes are kept and the number condensed.
+        Multiplies the frequencies up to which modes are kept and the number condensed. From
+        :data:`GREAT_DETAIL` on sections turn against the axis besides.
     axial_modes : int, optional
         Axial modes of each link besides the static shapes, where they couple; chosen by
         ``detail`` where it is left out.
@@ -147,7 +160,15 @@ def component_modes(
     turning = fastest != 0
     return ComponentModes(
         tuple(
-            _reduce(h, bending_cutoff, axial_cutoff, condensed, damped=damped, turning=turning)
+            _reduce(
+                h,
+                bending_cutoff,
+                axial_cutoff,
+                condensed,
+                damped=damped,
+                turning=turning,
+                great_detail=detail >= GREAT_DETAIL,
+            )
             for h, damped in zip(held, answers, strict=True)
         )
     )
@@ -161,6 +182,7 @@ def _reduce(
     *,
     damped: bool,
     turning: bool,
+    great_detail: bool,
 ) -> ReducedLink:
     bending = held.bending[:, held.bending_frequency <= bending_cutoff]
     n_axial = int(np.sum(held.axial_frequency <= axial_cutoff))
@@ -172,14 +194,25 @@ def _reduce(
     if damped:
         shapes = np.concatenate([held.static, dynamic], axis=1)
         relief = np.concatenate([relief, _answers_to_damping(held, shapes)], axis=1)
+        if turning and great_detail:
+            relief = np.concatenate([relief, held.layers], axis=1)
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=1)
     candidates = held.axial[:, n_axial : max(n_axial, condensed_modes)]
+    if condensed_modes and great_detail:
+        candidates = np.concatenate([candidates, _turning_sections(held, bending)], axis=1)
     if damped and turning:
         candidates = np.concatenate([candidates, held.layers], axis=1)
     condensed = _complement(candidates, dynamic, mass)
     basis = np.concatenate([held.static, dynamic, condensed], axis=1)
     follows = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
     return ReducedLink(held.link.projected(basis, held.ends), basis, follows)
+
+
+def _turning_sections(held: _HeldLink, bending: FloatArray) -> FloatArray:
+    """Highest modes (n, m) of the mesh besides those of ``bending``, the lowest."""
+    every = held.bending.shape[1]
+    count = min(TURNING_MODES, every // TURNING_PART)
+    return held.bending[:, max(bending.shape[1], every - count) :]
 
 
 def _answers_to_damping(held: _HeldLink, shapes: FloatArray) -> FloatArray:

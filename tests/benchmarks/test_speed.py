@@ -185,6 +185,20 @@ def test_damped_map_against_undamped(aluminium, against):
     )
 
 
+@pytest.mark.parametrize("elements", [8, 16])
+def test_deep_bow(aluminium, against, elements):
+    """Damped and so fast that the links bow deeply: sections turn against the axis."""
+    sections = {n: s.with_damping_time(3e-4) for n, s in aluminium.sections.items()}
+    engine = ReferenceEngine(replace(aluminium, sections=sections), elements)
+    against(
+        f"damped, deeply bowed at 45 rad/s, {elements} elements, against unreduced",
+        lambda: moving_frequencies(engine, ANGLES[::5], [45.0]),
+        lambda: moving_frequencies(engine.unreduced(), ANGLES[::5], [45.0]),
+        rounds=1,
+        plain_rounds=1,
+    )
+
+
 def test_split_of_the_drawn_speed(aluminium, against):
     """The effect of speed by term, at the greatest speed against at all three."""
     engine = ReferenceEngine(aluminium, 8)

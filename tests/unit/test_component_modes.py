@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,9 @@ import scipy.linalg
 
 from flexmech import load_mechanism
 from flexmech.analyses import solve_modes
-from flexmech.linear_system import ComponentModes, LinearSystem, component_modes
+from flexmech.analyses.frequencies.formulation import Formulation, Systems
+from flexmech.analyses.frequencies.reduction import settled
+from flexmech.linear_system import GREAT_DETAIL, ComponentModes, LinearSystem, component_modes
 from flexmech.linear_system.link_frames import SystemMatrices
 from flexmech.linear_system.system import condense
 from flexmech.mechanism import Mechanism
@@ -204,6 +207,49 @@ def test_damping_of_several_times_in_a_link(models: Path) -> None:
     ]
     assert errors[0] > 3 * errors[1] > 9 * errors[2]
     assert errors[2] < 5e-6
+
+
+@pytest.mark.parametrize(
+    ("speed", "damping_time", "elements"),
+    [(45.0, 0.0, 8), (60.0, 0.0, 32), (33.0, 1e-3, 8), (60.0, 1e-3, 8), (60.0, 3e-4, 16)],
+)
+def test_deep_bows_and_strong_damping_in_great_detail(
+    aluminium: Mechanism, speed: float, damping_time: float, elements: int
+) -> None:
+    """Where no number of straight links' modes helps, and the less so the finer the mesh."""
+    sections = {n: s.with_damping_time(damping_time) for n, s in aluminium.sections.items()}
+    engine = ReferenceEngine(replace(aluminium, sections=sections), elements)
+    angles = np.radians([0.0, 30.0, 330.0])
+    exact = solve_modes(engine.unreduced().linear_system(angles, speed), 3)
+
+    def error(detail: float) -> float:
+        system = engine.linear_system(angles, speed, modes=3, detail=detail)
+        assert system.size < 40
+        found = solve_modes(system, 3)
+        ratio = np.abs(found.damping_ratio - exact.damping_ratio)
+        assert np.all(ratio <= 5e-4 * exact.damping_ratio + 1e-7) or detail < GREAT_DETAIL
+        return float(np.abs(found.frequency / exact.frequency - 1).max())
+
+    assert error(GREAT_DETAIL / 2) > 2e-5
+    assert error(GREAT_DETAIL) < 1.2e-5
+
+
+def test_random_damped_mechanisms_stay_reduced_at_high_speed() -> None:
+    """All but few, with the frequencies and damping ratios of all coordinates."""
+    details = []
+    for seed in range(8):
+        case = random_case(seed, damped=True)
+        speed = 2.5 * case.crank_speed
+        engine = ReferenceEngine(case.mechanism, 8, "euler")
+        checked = settled(Systems(engine, Formulation(modes=3)), case.crank_angles, speed)
+        whole = engine.unreduced().linear_system(case.crank_angles, speed)
+        exact = solve_modes(whole, 3)
+        np.testing.assert_allclose(checked.modes.frequency, exact.frequency, rtol=2.1e-5)
+        np.testing.assert_allclose(checked.modes.damping_ratio, exact.damping_ratio, rtol=1.1e-3)
+        if checked.system.size < whole.size / 2:
+            details.append(checked.systems.detail)
+    assert len(details) >= 7
+    assert details.count(GREAT_DETAIL) >= 2
 
 
 def test_condensation_keeps_what_is_first_order_in_the_eigenvalue() -> None:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.eigenproblem import Modes, solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.linear_system import LinearSystem, LinkFrames
+from flexmech.linear_system import GREAT_DETAIL, LinearSystem, LinkFrames
 from flexmech.types import FloatArray
 
 __all__ = ["CheckedModes", "ReductionError", "reduction_error", "settled"]
@@ -25,7 +25,7 @@ logger = logging.getLogger(__name__)
 REDUCTION_TOLERANCE = 2e-5
 RATIO_TOLERANCE = 1e-3
 RATIO_FLOOR = 1e-7
-DETAILS = (1.0, 2.0, 4.0)
+DETAILS = (1.0, 2.0, 4.0, GREAT_DETAIL)
 # Of unreduced matrices of one kind that are held at a time.
 MATRIX_BYTES = 4_000_000
 
