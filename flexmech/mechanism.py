@@ -290,14 +290,8 @@ class Mechanism:
             place = topology.joints[joint]
             if place.link == link and mass > 0:
                 points.append((0.0 if place.end == "start" else length, mass))
-        points.sort()
-        return LinkMass(
-            length=length,
-            mass_per_length=self.sections[link].mass_per_length,
-            point_positions=tuple(p for p, _ in points),
-            point_masses=tuple(m for _, m in points),
-            offset=self.sections[link].mass_axis,
-        )
+        section = self.sections[link]
+        return LinkMass.of_points(length, section.mass_per_length, points, section.mass_axis)
 
     def wetting_of(self, link: str) -> Wetting:
         """Where water enters a link."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexmech.cli.stopping import answer_signals
+from flexmech.cli.stopping import answer_signals, ignore_signals
 
 if TYPE_CHECKING:
     from typer import Typer
@@ -30,4 +30,7 @@ def main() -> None:
     answer_signals()
     from flexmech.cli.application import run
 
-    run()
+    try:
+        run()
+    finally:
+        ignore_signals()

@@ -9,7 +9,7 @@ from types import FrameType
 
 from flexmech.interruption import STOPPING, work_to_tidy
 
-__all__ = ["Stopped", "answer_signals", "interrupted_line"]
+__all__ = ["Stopped", "answer_signals", "ignore_signals", "interrupted_line"]
 
 _WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 # A progress bar hides the cursor; the line of the bar is cleared.
@@ -39,6 +39,12 @@ def answer_signals() -> None:
     for number in STOPPING:
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _stop)
+
+
+def ignore_signals() -> None:
+    """Let signals pass once the work is done: Python drops its handlers while it shuts down."""
+    for number in STOPPING:
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _stop(number: int, frame: FrameType | None) -> None:

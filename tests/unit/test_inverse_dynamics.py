@@ -245,3 +245,34 @@ def test_a_linkage_that_is_not_held_is_refused() -> None:
     loose = Topology(topology.links, (), topology.pivots, topology.pins)
     with pytest.raises(InputError, match="6 connection forces for 9 equations"):
         inverse_dynamics(loose, STEEL_LINKAGE.motion(0.3), steel_masses())
+
+
+@given(
+    length=numbers(0.05, 2),
+    places=st.lists(numbers(0, 1), max_size=6),
+    distance=numbers(0, 3e-3),
+    data=st.data(),
+)
+def test_points_that_are_close_move_together_and_keep_mass_and_centre(
+    length, places, distance, data
+):
+    """A second point lies close to each."""
+    places = [*places, *(min(1.0, place + distance) for place in places)]
+    weights = [data.draw(numbers(0.01, 2)) for _ in places]
+    points = [(length * place, weight) for place, weight in zip(places, weights, strict=True)]
+    given_mass = LinkMass(length, 0.3, *(tuple(x) for x in zip(*points, strict=True)))
+    apart = LinkMass.of_points(length, 0.3, points)
+    assert apart.moment(0) == pytest.approx(given_mass.moment(0), rel=1e-12)
+    assert apart.moment(1) == pytest.approx(given_mass.moment(1), rel=1e-12)
+    lost = abs(apart.moment(2) - given_mass.moment(2))
+    assert lost <= 2e-5 * sum(weights) * length**2
+    inner = sorted({x for x in apart.point_positions if 1e-9 < x / length < 1 - 1e-9})
+    gaps = np.diff([0.0, *inner, length])
+    assert gaps.min() >= length / 500 * (1 - 1e-9)
+
+
+def test_points_that_are_apart_stay():
+    points = [(0.3, 2.0), (0.0, 1.0), (0.1, 0.5), (1.0, 4.0)]
+    mass = LinkMass.of_points(1.0, 0.3, points, 0.2)
+    expected = ((0.0, 0.1, 0.3, 1.0), (1.0, 0.5, 2.0, 4.0))
+    assert mass == LinkMass(1.0, 0.3, *expected, 0.2)
