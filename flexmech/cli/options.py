@@ -31,6 +31,14 @@ Animate = Annotated[
 
 # Where, and at what speed.
 Angles = Annotated[str, Option(help="Crank angles in degrees: START:STOP:STEP, or a comma list.")]
+PostureAngle = Annotated[
+    str | None,
+    Option(
+        help="Crank angle of the picture and the natural frequencies in degrees. Left out: "
+        "frequencies at 0, and a picture in which the links stand apart.",
+        metavar="DEG",
+    ),
+]
 Speeds = Annotated[
     str | None,
     Option(

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 __all__ = ["linkage_positions", "shown_crank_angle"]
 
-# In degrees; the first at which the linkage can stand shows it best.
-SHOWN = (60.0, 0.0, 30.0, 90.0, 120.0, 180.0, 240.0, 300.0)
+# In degrees; the first at which the linkage can stand shows it best. Then every degree.
+SHOWN = (60.0, 0.0, 30.0, 90.0, 120.0, 180.0, 240.0, 300.0, *range(1, 360))
 
 
 def linkage_positions(linkage: Linkage, crank_angle: float) -> xr.Dataset:
@@ -80,7 +80,7 @@ def shown_crank_angle(linkage: Linkage) -> float:
     Raises
     ------
     InputError
-        If the linkage can stand at none of a dozen crank angles.
+        If the linkage can stand at no crank angle of whole degrees.
     """
     for degrees in SHOWN:
         try:
@@ -88,4 +88,4 @@ def shown_crank_angle(linkage: Linkage) -> float:
         except InputError:
             continue
         return float(np.radians(degrees))
-    raise InputError("the linkage can stand at no crank angle that was tried")
+    raise InputError("the linkage can stand at no crank angle of whole degrees; check its lengths")

@@ -27,8 +27,10 @@ __all__ = [
     "extent_of",
     "height_of",
     "joint_ends",
+    "name_joints",
     "places_of",
     "plot_linkage",
+    "round_length",
 ]
 
 RIGID: Look = {"color": "0.65", "lw": 0.9}
@@ -193,14 +195,12 @@ class LinkageSketch:
 
     def draw_scale_bar(self, axes: Axes) -> None:
         """Draw a bar of a round length in mm below the linkage, within the axes' limits."""
-        wanted = 0.3 * self.size * 1e3
-        decade = 10.0 ** np.floor(np.log10(wanted))
-        length = decade * max(step for step in (1, 2, 5) if step * decade <= wanted * (1 + 1e-9))
+        length = round_length(0.3 * self.size * 1e3)
         middle, height = sum(axes.get_xlim()) / 2, axes.get_ylim()[0] + 0.03 * self.size
         ends = [middle - length * 0.5e-3, middle + length * 0.5e-3]
         axes.plot(ends, [height, height], color="black", lw=1.6)
-        above = height + 0.012 * self.size
-        axes.text(middle, above, f"{length:g} mm", fontsize=7, ha="center")
+        look: Look = {"xytext": (0, 2), "textcoords": "offset points", "ha": "center"}
+        axes.annotate(f"{length:g} mm", (middle, height), fontsize=7, **look)
 
     def _support(self, place: FloatArray) -> tuple[float, float]:
         """Half the width of a support and its depth in m: that of the shaft is seen below a hub."""
@@ -237,10 +237,40 @@ def plot_linkage(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         sketch.draw(axes, color="0.5", lw=2.0)
         sketch.draw_scale_bar(axes)
         axes.set_title(mechanism_name(dataset), loc="center")
-        for name, place, pinned in zip(names_of(dataset, "joint"), joints, is_pin, strict=True):
-            x, y = AWAY * _away(sketch, place, held=not pinned)
-            axes.annotate(name, place, (x, y), textcoords="offset points", ha="center", va="center")
+        name_joints(axes, sketch, names_of(dataset, "joint"), joints, is_pin)
     return drawn.figure
+
+
+def name_joints(
+    axes: Axes,
+    sketch: LinkageSketch,
+    names: list[str],
+    places: FloatArray,
+    is_pin: NDArray[np.bool_],
+) -> None:
+    """Write names beside joints, away from links and supports.
+
+    Parameters
+    ----------
+    axes : Axes
+    sketch : LinkageSketch
+    names : list of str
+    places : ndarray, shape (joint, 2)
+        In m.
+    is_pin : ndarray of bool, shape (joint,)
+        Whether a joint is one between links; the others are held by the ground.
+    """
+    for name, place, pinned in zip(names, places, is_pin, strict=True):
+        offset = AWAY * _away(sketch, place, held=not pinned)
+        look: Look = {"textcoords": "offset points", "ha": "center", "va": "center", "zorder": 6}
+        look["bbox"] = {"fc": "white", "lw": 0, "alpha": 0.75, "pad": 0.5}
+        axes.annotate(name, place, tuple(offset), **look)
+
+
+def round_length(most: float) -> float:
+    """Longest of 1, 2 and 5 times a power of ten that is not above a length."""
+    decade = 10.0 ** np.floor(np.log10(most))
+    return float(decade * max(step for step in (1, 2, 5) if step * decade <= most * (1 + 1e-9)))
 
 
 def _away(sketch: LinkageSketch, place: FloatArray, *, held: bool) -> FloatArray:

@@ -510,3 +510,45 @@ def linkage_dataset(linkage: Linkage = FOURBAR, degrees: float = 60.0) -> xr.Dat
         },
         attrs={"mechanism": "test linkage"},
     )
+
+
+def mechanism_dataset(linkage: Linkage = FOURBAR, degrees: float = 60.0) -> xr.Dataset:
+    """A linkage with everything that a picture of a mechanism shows."""
+    dataset = linkage_dataset(linkage, degrees).drop_attrs().assign_attrs(mechanism="test linkage")
+    turn = np.radians(np.arange(0.0, 361.0, 5.0))
+    links, whole = dataset.sizes["link"], _rigid(linkage, turn)[0]
+    first = whole[:, 0, -1]
+    paths = {"tip": first}
+    if links > 1:
+        middle = whole[:, 1].mean(axis=1) + 0.3 * (whole[:, 1, -1] - first)[:, ::-1] * [-1.0, 1.0]
+        paths = {"A": first, "B": whole[:, 1, -1], "coupler point": middle}
+    thickness = 1e-3 * np.array([10.0, 8.0, 6.0])[:links]
+    part = np.linspace(-0.5, 0.5, 5) * thickness[:, None]
+    plies = np.array([["C", "C", "G", "C"], ["C", "C", "G", "G"], ["", "", "", ""]])[:links]
+    low, high = part[:, :-1].copy(), part[:, 1:].copy()
+    if links > 2:
+        # One section of one material, of which no width is known.
+        low[2], high[2] = [[part[2, 0], *[np.nan] * 3], [part[2, -1], *[np.nan] * 3]]
+    along = dataset["rigid_position"].isel(link=-1).mean("station").values
+    here = [
+        np.interp(np.radians(degrees), turn, each) for path in paths.values() for each in path.T
+    ]
+    dataset = dataset.assign(
+        in_plane_thickness=("link", thickness),
+        out_of_plane_width=("link", np.array([0.02, 0.025, np.nan])[:links]),
+        stacking=("link", ["[C*2/G/C]", "[C*2/G*2]", ""][:links]),
+        layer_low=(("link", "layer"), low),
+        layer_high=(("link", "layer"), high),
+        ply=(("link", "layer"), plies),
+        joint_mass=("joint", np.array([0.0, 0.04, 0.01, 0.0])[: dataset.sizes["joint"]]),
+        point_mass=("mass", [0.02]),
+        point_mass_position=(("mass", "component"), [along]),
+        posture_angle=np.radians(degrees),
+        path=(("path", "crank_angle", "component"), np.array(list(paths.values()))),
+        path_position=(("path", "component"), np.reshape(here, (-1, 2))),
+    ).assign_coords(path_name=("path", list(paths)), crank_angle=turn)
+    if isinstance(linkage, FourBar):
+        dataset["transmission_angle"] = ("crank_angle", linkage.transmission_angle(turn))
+        limits = np.array(linkage.transmission_angle_limits())
+        dataset["transmission_angle_limit"] = ("limit", limits)
+    return dataset

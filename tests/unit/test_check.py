@@ -11,15 +11,21 @@ import pytest
 from typer.testing import CliRunner
 
 from flexmech import (
+    BeamSection,
+    CouplerCurve,
     CouplerPoint,
     FourBar,
     InputError,
+    Material,
     Mechanism,
     PointMass,
     ReferenceEngine,
+    RotatingArm,
+    load_mechanism,
     natural_frequencies,
 )
 from flexmech.analyses.check import ModelCheck, check_mechanism
+from flexmech.analyses.check.remarks import remarks
 from flexmech.analyses.summary import Table
 from flexmech.cli import app
 
@@ -92,8 +98,9 @@ def test_numbers_are_those_of_the_mechanism(
         "coupler point: 160 mm from A, 35 deg",
     ):
         assert line in lines
-    assert lines[-1].startswith(f"{TITLE}: 4")
-    assert lines[-1].endswith("Hz (reference engine, 2 elements a link)")
+    assert lines[-2].startswith(f"{TITLE}: 4")
+    assert lines[-2].endswith("Hz (reference engine, 2 elements a link)")
+    assert lines[-1] == f"warning: {standing.remarks[0]}"
 
 
 def test_links_and_joints_are_where_the_linkage_has_them(standing: ModelCheck) -> None:
@@ -113,14 +120,76 @@ def test_links_and_joints_are_where_the_linkage_has_them(standing: ModelCheck) -
 
 
 def test_what_cannot_stand_at_angle_zero_is_known_even_so(locked: ModelCheck) -> None:
-    line = str(locked.summary()).splitlines()[-1]
+    line = str(locked.summary()).splitlines()[-2]
     assert line.startswith(f"{TITLE}: none (")
     assert "cannot be assembled at crank angle" in line
-    assert locked.figures() == {}
-    with pytest.raises(InputError, match="cannot be assembled at crank angle"):
-        locked.plot()
-    assert "cannot be assembled" in locked._repr_html_()
-    assert "<img" not in locked._repr_html_()
+    # It is drawn where it can stand, with gaps where it cannot.
+    assert np.degrees(locked.dataset["posture_angle"]) == pytest.approx(30.0)
+    stands = np.isfinite(locked.dataset["transmission_angle"].values)
+    drawn = np.isfinite(locked.dataset["path"]).all(("path", "component"))
+    np.testing.assert_array_equal(drawn, stands)
+    assert 0 < stands.sum() < 180
+    assert list(locked.figures()) == ["check"]
+
+
+def test_what_can_stand_nowhere_has_no_picture(aluminium: Mechanism) -> None:
+    # Between 0.2 and 0.4 degrees alone.
+    linkage = FourBar(ground=1.0, crank=1.0, coupler=0.005, rocker=0.002)
+    engine = ReferenceEngine(replace(aluminium, linkage=linkage), elements=2, element="euler")
+    none = check_mechanism(engine)
+    assert none.figures() == {}
+    with pytest.raises(InputError, match=r"no picture of the linkage: .* crank angle"):
+        none.plot()
+    assert "<img" not in none._repr_html_()
+
+
+def test_the_posture_is_at_the_angle_asked_for(aluminium: Mechanism) -> None:
+    engine = ReferenceEngine(aluminium, elements=2)
+    at = check_mechanism(engine, np.radians(200.0))
+    np.testing.assert_array_equal(
+        at.dataset["frequency"], natural_frequencies(engine, np.radians(200.0))
+    )
+    assert "at rest, crank angle 200 deg: " in str(at.summary())
+    moved = aluminium.linkage.motion(np.radians(200.0))
+    np.testing.assert_array_equal(
+        at.dataset["rigid_position"].sel(link="rocker"),
+        [moved.position(2, 0.0), moved.position(2, 0.2667)],
+    )
+    swinging = replace(aluminium, linkage=FourBar(0.254, 0.25, 0.1, 0.11))
+    with pytest.raises(InputError, match="cannot be assembled at crank angle 90"):
+        check_mechanism(ReferenceEngine(swinging, elements=2), np.pi / 2)
+
+
+def test_paths_go_through_the_posture(standing: ModelCheck, loaded_mechanism: Mechanism) -> None:
+    known, linkage = standing.dataset, loaded_mechanism.linkage
+    assert known["path_name"].values.tolist() == ["A", "B", "coupler point"]
+    (at,) = np.flatnonzero(np.isclose(known["crank_angle"], known["posture_angle"]))
+    np.testing.assert_allclose(known["path"][:, at], known["path_position"], rtol=1e-12)
+    assert isinstance(linkage, FourBar)
+    assert loaded_mechanism.coupler_point is not None
+    curve = CouplerCurve(linkage, loaded_mechanism.coupler_point)
+    np.testing.assert_allclose(known["path"][2], curve.position(known["crank_angle"].values))
+    pin = known["joint_position"].sel(joint="B")
+    np.testing.assert_allclose(known["path_position"][1], pin, atol=1e-12)
+
+
+def test_masses_stand_where_they_are(standing: ModelCheck) -> None:
+    known = standing.dataset
+    assert known["joint_mass"].values.tolist() == [0.0, 0.04, 0.02, 0.0]
+    rocker = known["rigid_position"].sel(link="rocker").values
+    from_start = np.hypot(*(known["point_mass_position"].values[0] - rocker[0]))
+    assert from_start == pytest.approx(0.1)
+    assert known["point_mass"].values.tolist() == [0.005]
+
+
+def test_layers_are_those_of_the_stack() -> None:
+    mechanism = load_mechanism(MODELS / "composite_fourbar.toml")
+    known = check_mechanism(ReferenceEngine(mechanism, elements=2)).dataset.sel(link="coupler")
+    there = np.isfinite(known["layer_low"].values)
+    assert known["ply"].values[there].tolist() == ["C"] * 4 + ["G"] * 4
+    np.testing.assert_allclose(known["layer_low"][there], 1e-3 * np.arange(-4, 4), atol=1e-15)
+    np.testing.assert_allclose(known["layer_high"][there], 1e-3 * np.arange(-3, 5), atol=1e-15)
+    assert known["stacking"].item() == "[C*4/G*4]"
 
 
 def test_the_linkage_is_drawn(standing: ModelCheck) -> None:
@@ -160,3 +229,91 @@ def test_the_command_writes_where_it_is_asked_to(
 def test_a_mechanism_is_no_engine(aluminium: Mechanism) -> None:
     with pytest.raises(InputError, match="an engine is needed"):
         check_mechanism(aluminium)  # type: ignore[arg-type]
+
+
+def general(section: BeamSection, **other: float) -> BeamSection:
+    """A section of which no layers are known."""
+    return replace(section, layers=None, specific_damping=None, **other)
+
+
+def unusual(aluminium: Mechanism) -> dict[str, Mechanism]:
+    """Mechanisms with one unusual number each, by the beginning of the remark on it."""
+    linkage, crank = FourBar(0.17, 0.06, 0.16, 0.14), aluminium.sections["crank"]
+    usual = replace(aluminium, linkage=linkage, operating_speeds=())
+    swinging = FourBar(0.254, 0.25, 0.1, 0.11)
+
+    def of(thickness: float = 1.6e-3, width: float = 0.025, **material: float) -> Mechanism:
+        stated = Material(**({"youngs_modulus": 70e9, "density": 2700.0} | material))
+        section = BeamSection.rectangle(stated, thickness, width)
+        return replace(usual, sections={**aluminium.sections, "coupler": section})
+
+    def with_crank(section: BeamSection) -> Mechanism:
+        return replace(usual, sections={**aluminium.sections, "crank": section})
+
+    return {
+        "coupler: Young's modulus 71 Pa is softer than rubber": of(youngs_modulus=71.0),
+        "coupler: Young's modulus 7e+13 Pa is stiffer than diamond": of(youngs_modulus=7e13),
+        "coupler: density 2.7 kg/m^3 is lighter than foam": of(density=2.7),
+        "coupler: density 2.7e+06 kg/m^3 is heavier than any metal": of(density=2.7e6),
+        "coupler: 16 m thick at a length of 160 mm is no slender beam": of(16.0),
+        "coupler: 0.1 mm thick at a length of 160 mm is a string": of(1e-4),
+        "coupler: 200 mm wide at a length of 160 mm: it bends as a plate": of(width=0.2),
+        "crank: EA and rho A are those of a material in which sound travels at": with_crank(
+            general(crank, mass_per_length=1e-6)
+        ),
+        "crank: EI over EA asks for a thickness of": with_crank(
+            general(crank, bending_stiffness=100 * crank.bending_stiffness)
+        ),
+        "joint A: a point mass of 40 kg is": replace(usual, joint_masses={"A": 40.0}),
+        "rocker at 100 mm: a point mass of 5 kg is": replace(
+            usual, link_masses=(PointMass("rocker", 0.1, 5.0),)
+        ),
+        "gravity of 0.00981 m/s^2": replace(usual, gravity=(0.0, -9.81e-3)),
+        "reference temperature -253.1 degC is unusual": replace(usual, reference_temperature=20.0),
+        "transmission angle 32.21 to 81.33 deg leaves 40 to 140 deg": replace(
+            aluminium, operating_speeds=()
+        ),
+        "the crank cannot turn fully (double-rocker)": replace(
+            usual, linkage=swinging, operating_speeds=(1.0,)
+        ),
+        "lengths from 2 mm to 170 mm: a ratio of 85": replace(
+            usual, linkage=replace(linkage, crank=0.002)
+        ),
+        "all links come into one line": replace(usual, linkage=replace(linkage, crank=0.12999)),
+        "operating speed 300 rad/s turns the crank 47.75 times a second": replace(
+            usual, operating_speeds=(300.0,)
+        ),
+        "crank: stretched by": replace(usual, operating_speeds=(7000.0,)),
+        "damping of up to": with_crank(crank.with_damping_ratio(0.5, frequency=50.0)),
+    }
+
+
+def test_each_unusual_number_is_remarked_on(aluminium: Mechanism) -> None:
+    frequency = np.array([50.0, 100.0])
+    for words, mechanism in unusual(aluminium).items():
+        found = remarks(mechanism, frequency)
+        assert any(line.startswith(words) for line in found), (words, found)
+        assert all("\n" not in line for line in found)
+
+
+def test_nothing_is_remarked_on_where_all_is_usual() -> None:
+    for name in ("composite_fourbar", "rotating_arm"):
+        mechanism = load_mechanism(MODELS / f"{name}.toml")
+        assert check_mechanism(ReferenceEngine(mechanism, elements=2)).remarks == ()
+
+
+def test_an_arm_is_remarked_on_too() -> None:
+    section = BeamSection.rectangle(Material(70e9, 2700.0), 0.1, 0.03)
+    arm = Mechanism(RotatingArm(0.3), {"arm": section}, operating_speeds=(1.0,))
+    (line,) = check_mechanism(ReferenceEngine(arm, elements=2)).remarks
+    assert line.startswith("arm: 100 mm thick at a length of 300 mm is no slender beam")
+
+
+def test_remarks_are_warnings_of_the_command(tmp_path: Path) -> None:
+    model = tmp_path / "soft.toml"
+    text = (MODELS / "rotating_arm.toml").read_text(encoding="utf-8")
+    model.write_text(text.replace('"70 GPa"', '"70 kPa"'), encoding="utf-8")
+    printed = CliRunner().invoke(app, ["check", str(model), "--angle", "30"])
+    assert printed.exit_code == 0, printed.output
+    assert "warning: arm: Young's modulus 7e+04 Pa is softer than rubber" in printed.stderr
+    assert "crank angle 30 deg" in printed.stdout

@@ -28,9 +28,11 @@ class ModelCheck(Result):
     Parameters
     ----------
     dataset : xarray.Dataset
-        ``length``, ``link_mass`` and the properties of the sections over (link), and at crank
-        angle 0 ``frequency`` (mode), ``rigid_position`` (link, station, component) and
-        ``joint_position`` (joint, component); without these where the linkage cannot stand there.
+        ``length``, ``link_mass`` and the properties of the sections over (link); ``frequency``
+        (mode) at ``frequency_angle``, if the linkage can stand there; and what the picture shows,
+        if it can stand somewhere: at ``posture_angle`` ``rigid_position`` (link, station,
+        component), ``joint_position`` (joint, component) and masses, over the turn ``path`` and
+        ``transmission_angle``, and the layers of the sections.
     """
 
     stem = "check"
@@ -49,17 +51,22 @@ class ModelCheck(Result):
         rows += [(f"mode {n}", "frequency", hz, "Hz") for n, hz in enumerate(frequencies, start=1)]
         return {"check": pd.DataFrame(rows, columns=["of", "quantity", "value", "unit"])}
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What an engineer would remark on: numbers that can be, and hardly are."""
+        return tuple(str(self.dataset.attrs.get("remarks", "")).splitlines())
+
     def figures(self) -> dict[str, Figure]:
-        """The linkage at crank angle 0, if it can stand there."""
+        """The mechanism, if it can stand anywhere."""
         return {"check": self.plot()} if "rigid_position" in self.dataset else {}
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
-        """Draw the linkage at crank angle 0.
+        """Draw the mechanism: posture and paths, sections to scale, and transmission angle.
 
         Parameters
         ----------
-        ax : matplotlib.axes.Axes, optional
-            Axes to draw in; of a new figure by default.
+        ax : sequence of matplotlib.axes.Axes, optional
+            Three, or two for an arm, which has no transmission angle; of a new figure by default.
 
         Returns
         -------
@@ -68,15 +75,15 @@ class ModelCheck(Result):
         Raises
         ------
         InputError
-            If the linkage cannot stand at crank angle 0.
+            If the linkage can stand at no crank angle, or the axes are too few or too many.
         """
         if "rigid_position" not in self.dataset:
             reason = self.dataset.attrs["without_frequencies"]
             raise InputError(f"no picture of the linkage: {reason}")
-        return plots.plot_linkage(self.dataset, ax=ax)
+        return plots.plot_mechanism(self.dataset, ax=ax)
 
     def summary(self) -> Summary:
-        """Source, geometry, links, masses, operation, heat and moisture, and frequencies."""
+        """Source, geometry, links, masses, operation, heat and moisture, frequencies, remarks."""
         attributes = self.dataset.attrs
         return Summary(
             (
@@ -87,7 +94,8 @@ class ModelCheck(Result):
                 self._link_table(),
                 *attributes["mechanism_lines"].splitlines(),
                 self._frequency_line(),
-            )
+            ),
+            warnings=self.remarks,
         )
 
     def _link_table(self) -> Table:
@@ -101,7 +109,8 @@ class ModelCheck(Result):
 
     def _frequency_line(self) -> str:
         attributes = self.dataset.attrs
-        title = "natural frequencies at rest, crank angle 0 deg"
+        angle = np.degrees(self.dataset["frequency_angle"].item())
+        title = f"natural frequencies at rest, crank angle {angle:.6g} deg"
         if "frequency" not in self.dataset:
             return f"{title}: none ({attributes['without_frequencies']})"
         listed = ", ".join(f"{frequency:.4f}" for frequency in self.dataset["frequency"].values)

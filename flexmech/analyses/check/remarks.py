@@ -1,0 +1,200 @@
+"""What an engineer would remark on in a mechanism: numbers that can be, and hardly are.
+
+What cannot be at all is refused where a number is read (:mod:`flexmech.plausible`); here are the
+ranges of what is usual. Sections without known layers are judged by what their stiffnesses and
+masses say together.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from flexmech.linkages import FourBar
+from flexmech.mechanism import Mechanism
+from flexmech.sections import BeamSection
+from flexmech.types import FloatArray
+from flexmech.units import ZERO_CELSIUS
+
+__all__ = ["remarks"]
+
+# Ashby, Materials Selection in Mechanical Design: foams and soft rubber, diamond.
+LEAST_MODULUS, MOST_MODULUS = 1e6, 1.1e12
+# Polymer foams, osmium.
+LEAST_DENSITY, MOST_DENSITY = 10.0, 2.3e4
+# Of longitudinal waves in a bar, m/s: rubber, diamond.
+LEAST_WAVE_SPEED, MOST_WAVE_SPEED = 10.0, 1.9e4
+# Below it shear and the ends govern: a link is no beam. Above it its own weight bends it.
+LEAST_SLENDERNESS, MOST_SLENDERNESS = 5.0, 1000.0
+LEAST_TRANSMISSION_ANGLE = math.radians(40.0)
+"""Alt's 40 degrees, as in Balli & Chand 2002, Mechanism and Machine Theory 37, 175-195."""
+MOST_LENGTH_RATIO = 20.0
+NEARLY_IN_LINE = 1e-3
+# Point masses over the mass of all links.
+MOST_ADDED = 20.0
+LEAST_GRAVITY, MOST_GRAVITY = 1.0, 30.0
+LEAST_TEMPERATURE, MOST_TEMPERATURE = 200.0, 500.0
+# Turns a second over the first natural frequency, and strain by inertia along a link.
+MOST_SPEED_RATIO, MOST_INERTIA_STRAIN = 1 / 3, 2e-3
+# Of the first mode.
+MOST_DAMPING_RATIO = 0.2
+
+
+def remarks(mechanism: Mechanism, frequency: FloatArray | None = None) -> tuple[str, ...]:
+    """Lines on numbers of a mechanism that are unusual, with what is usual.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    frequency : ndarray, optional
+        Natural frequencies at rest in Hz, ascending, where they are known.
+
+    Returns
+    -------
+    tuple of str
+        Empty where nothing stands out.
+    """
+    found = [*_on_sections(mechanism), *_on_masses(mechanism), *_on_environment(mechanism)]
+    if isinstance(mechanism.linkage, FourBar):
+        found += _on_four_bar(mechanism.linkage, mechanism.operating_speeds)
+    if frequency is not None and len(frequency) and frequency[0] > 0:
+        found += _on_first_frequency(mechanism, float(frequency[0]))
+    return tuple(found)
+
+
+def _on_sections(mechanism: Mechanism) -> Iterator[str]:
+    for link in mechanism.linkage.topology.links:
+        section = mechanism.sections[link.name]
+        yield from (f"{link.name}: {text}" for text in _on_material(section))
+        yield from (f"{link.name}: {text}" for text in _on_shape(section, link.length))
+
+
+def _on_material(section: BeamSection) -> Iterator[str]:
+    """On modulus and density, or on what a section without a width tells of them."""
+    if section.layers is None:
+        speed = math.sqrt(section.axial_stiffness / section.mass_per_length)
+        if not LEAST_WAVE_SPEED <= speed <= MOST_WAVE_SPEED:
+            yield (
+                f"EA and rho A are those of a material in which sound travels at {speed:.3g} m/s, "
+                f"usual are {LEAST_WAVE_SPEED:g} to {MOST_WAVE_SPEED:g} m/s; check their units"
+            )
+        return
+    area = section.layers.width * section.in_plane_thickness
+    modulus, density = section.axial_stiffness / area, section.mass_per_length / area
+    if not LEAST_MODULUS <= modulus <= MOST_MODULUS:
+        than = "softer than rubber" if modulus < LEAST_MODULUS else "stiffer than diamond"
+        yield f"Young's modulus {modulus:.4g} Pa is {than}; check its unit"
+    if not LEAST_DENSITY <= density <= MOST_DENSITY:
+        than = "lighter than foam" if density < LEAST_DENSITY else "heavier than any metal"
+        yield f"density {density:.4g} kg/m^3 is {than}; check its unit"
+
+
+def _on_shape(section: BeamSection, length: float) -> Iterator[str]:
+    """On thickness and width against the length, and thickness against the stiffness."""
+    thickness = section.in_plane_thickness
+    slenderness, size = length / thickness, f"{_mm(thickness)} thick at a length of {_mm(length)}"
+    if slenderness < LEAST_SLENDERNESS:
+        yield (
+            f"{size} is no slender beam (length over thickness {slenderness:.2g}, below "
+            f"{LEAST_SLENDERNESS:g}): beam theory says little of it"
+        )
+    elif slenderness > MOST_SLENDERNESS:
+        yield (
+            f"{size} is a string rather than a beam (length over thickness {slenderness:.4g}, "
+            f"above {MOST_SLENDERNESS:g})"
+        )
+    if section.layers is not None and section.layers.width > length:
+        yield (
+            f"{_mm(section.layers.width)} wide at a length of {_mm(length)}: it bends as a plate, "
+            "stiffer than a beam"
+        )
+    radius = math.sqrt(section.bending_stiffness / section.axial_stiffness)
+    if section.layers is None and not 0.1 * thickness <= radius <= 0.5 * thickness:
+        yield (
+            f"EI over EA asks for a thickness of {_mm(2 * radius)} to {_mm(math.sqrt(12) * radius)}"
+            f", {_mm(thickness)} is stated; strains at the surface depend on it"
+        )
+
+
+def _on_masses(mechanism: Mechanism) -> Iterator[str]:
+    links = mechanism.linkage.topology.links
+    own = sum(mechanism.sections[link.name].mass_per_length * link.length for link in links)
+    masses = {f"joint {name}": mass for name, mass in mechanism.joint_masses.items()}
+    masses |= {
+        f"{point.link} at {_mm(point.position)}": point.mass for point in mechanism.link_masses
+    }
+    for where, mass in masses.items():
+        if mass > MOST_ADDED * own:
+            yield (
+                f"{where}: a point mass of {mass:.4g} kg is {mass / own:.3g} times the mass of all "
+                "links; check its unit"
+            )
+
+
+def _on_environment(mechanism: Mechanism) -> Iterator[str]:
+    gravity = math.hypot(*mechanism.gravity)
+    if gravity and not LEAST_GRAVITY <= gravity <= MOST_GRAVITY:
+        yield f"gravity of {gravity:.4g} m/s^2: on earth it is 9.81 m/s^2; check its unit"
+    kelvin = mechanism.reference_temperature
+    if not LEAST_TEMPERATURE <= kelvin <= MOST_TEMPERATURE:
+        yield f"reference temperature {kelvin - ZERO_CELSIUS:.4g} degC is unusual; check its unit"
+
+
+def _on_four_bar(linkage: FourBar, speeds: tuple[float, ...]) -> Iterator[str]:
+    least, greatest = linkage.transmission_angle_limits()
+    if not linkage.crank_turns_fully:
+        # It ends where coupler and rocker are in line: its transmission angle says no more.
+        if speeds:
+            yield (
+                f"the crank cannot turn fully ({linkage.grashof_class}), and operating speeds are "
+                "stated"
+            )
+    elif min(least, math.pi - greatest) < LEAST_TRANSMISSION_ANGLE:
+        low, high = (f"{math.degrees(angle):.4g}" for angle in (least, greatest))
+        allowed = math.degrees(LEAST_TRANSMISSION_ANGLE)
+        yield (
+            f"transmission angle {low} to {high} deg leaves {allowed:g} to {180 - allowed:g} deg: "
+            "large forces in the pins and little motion for them; see flexmech synthesize"
+        )
+    lengths = sorted(linkage.lengths.values())
+    if lengths[-1] > MOST_LENGTH_RATIO * lengths[0]:
+        yield (
+            f"lengths from {_mm(lengths[0])} to {_mm(lengths[-1])}: a ratio of "
+            f"{lengths[-1] / lengths[0]:.3g}; check their units"
+        )
+    apart = abs(lengths[0] + lengths[-1] - lengths[1] - lengths[2])
+    if apart < NEARLY_IN_LINE * lengths[-1]:
+        yield "all links come into one line, or nearly: small errors of lengths decide how it moves"
+
+
+def _on_first_frequency(mechanism: Mechanism, first: float) -> Iterator[str]:
+    """On crank speeds against the first natural frequency, and its damping."""
+    speed = max((abs(each) for each in mechanism.operating_speeds), default=0.0)
+    turns = speed / (2 * math.pi)
+    if turns > MOST_SPEED_RATIO * first:
+        yield (
+            f"operating speed {speed:.6g} rad/s turns the crank {turns:.4g} times a second, the "
+            f"first natural frequency is {first:.4g} Hz: below three times as much linkages ring "
+            "and links may buckle; check the unit of the speed"
+        )
+    for link in mechanism.linkage.topology.links[:1] if speed else ():
+        section = mechanism.sections[link.name]
+        strain = section.mass_per_length * (speed * link.length) ** 2 / section.axial_stiffness / 2
+        if strain > MOST_INERTIA_STRAIN:
+            yield (
+                f"{link.name}: stretched by {100 * strain:.2g} % at {speed:.6g} rad/s by its own "
+                "inertia, more than materials bear"
+            )
+    times = [section.damping.bending for section in mechanism.sections.values()]
+    ratio = float(np.max(times)) * math.pi * first
+    if ratio > MOST_DAMPING_RATIO:
+        yield (
+            f"damping of up to {100 * ratio:.3g} % of critical in the first mode, usual is below "
+            f"{100 * MOST_DAMPING_RATIO:g} %; check the damping time"
+        )
+
+
+def _mm(metres: float) -> str:
+    return f"{metres:.4g} m" if metres >= 1 else f"{metres * 1e3:.4g} mm"

@@ -1,0 +1,351 @@
+"""A mechanism on one sheet: posture and paths, sections to scale, and transmission angle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch, Polygon, Rectangle
+from matplotlib.transforms import Bbox
+
+from flexmech.plots import scales, style
+from flexmech.plots.layout import AxesLike, Layout, sheet
+from flexmech.plots.linkage import LinkageSketch, height_of, name_joints, round_length
+from flexmech.plots.reading import degrees, names_of, values_of
+from flexmech.plots.series import Look, line_handle, series_style
+from flexmech.types import FloatArray
+
+__all__ = ["plot_mechanism"]
+
+POSTURE_HEIGHT = (1.7, 3.4)
+ROW_HEIGHT = 2.2
+# What the numbers along the transmission angle take of the width.
+AXIS_INCHES = 0.6
+# Room for the names around the joints over the linkage's size.
+NAME_ROOM = 0.06
+# Room below for the scale bar, over the height.
+BAR_ROOM = 0.05
+LINK: Look = {"fc": "0.88", "ec": "0.35", "lw": 0.7, "zorder": 0.9, "joinstyle": "round"}
+AXIS: Look = {"color": "0.35", "lw": 0.5, "ls": (0.0, (6.0, 2.0, 1.5, 2.0))}
+PIN_PATH: Look = {"color": style.MID_GREY, "lw": 0.6}
+POINT_PATH: Look = {"color": series_style(0).color, "lw": 1.3}
+COUPLER: Look = {"fc": series_style(0).color, "alpha": 0.12, "lw": 0, "zorder": 0.6}
+MASS: Look = {"color": series_style(1).color, "marker": "o", "alpha": 0.75}
+# Area of the greatest point mass's mark in square points.
+LARGEST_MARK = 110.0
+# Greys of plies in the order in which they come, apart enough to be told.
+PLY_GREYS = ("0.92", "0.72", "0.52", "0.82", "0.62")
+WHOLE_FRAME: Look = {"fc": "none", "ec": "0.35", "lw": 0.7}
+UNKNOWN_WIDTH: Look = {"fc": "none", "ec": "0.35", "lw": 0.7, "ls": (0.0, (3.0, 2.0))}
+TEXT_POINTS, LINE_INCHES = 7.0, 0.13
+# Of the panel of sections: share of the width that sections have, and height of the scale bar.
+DRAWN, BAR_INCHES = 0.42, 0.32
+# More layers than these are told by their greys alone.
+MOST_EDGES = 60
+USUAL = (40.0, 140.0)
+
+
+def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw a mechanism: posture with paths, sections to scale, transmission angle over the turn.
+
+    The links are as thick as they are in the plane of the linkage, at the scale of the bar below
+    them. Sections stand with the plane's thickness upward and the width along the joint axes to
+    the right, all at one scale, with the layers of their stacks.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``ModelCheck`` result that has a posture; m, kg and rad.
+    ax : sequence of Axes, optional
+        The user's: three, or two where there is no transmission angle. Left out: a new figure is
+        made.
+
+    Returns
+    -------
+    Figure
+    """
+    joints = values_of(dataset["joint_position"], "joint", "component")
+    is_pin = dataset["joint_kind"].values == "pin"
+    links = values_of(dataset["rigid_position"], "link", "station", "component")
+    sketch = LinkageSketch(links, joints[is_pin], joints[~is_pin])
+    limits = _limits(sketch, dataset, joints)
+    stacks = _Stacks.of(dataset.assign(grey=_greys(dataset)))
+    turns = "transmission_angle" in dataset
+    with sheet(_layout(limits, stacks.height, turns), ax=ax) as drawn:
+        drawn.header(_handles(dataset), of=dataset)
+        posture, sections, *rest = drawn.panels
+        angle = np.degrees(dataset["posture_angle"].item())
+        posture.set_title(f"Posture at crank angle {angle:.4g}°")
+        sketch.frame(posture, limits)
+        _draw_links(posture, dataset, links)
+        _draw_paths(posture, dataset)
+        sketch.draw(posture, **AXIS)
+        _draw_masses(posture, dataset, joints)
+        sketch.draw_scale_bar(posture)
+        name_joints(posture, sketch, names_of(dataset, "joint"), joints, is_pin)
+        _draw_sections(sections, stacks)
+        for axes in rest:
+            _draw_transmission_angle(axes, dataset)
+    return drawn.figure
+
+
+def _limits(sketch: LinkageSketch, dataset: xr.Dataset, joints: FloatArray) -> Bbox:
+    """Of the posture with its paths, the names of its joints and the thickness of its links."""
+    room = NAME_ROOM * sketch.size
+    inside = [joints - room, joints + room]
+    if "path" in dataset:
+        inside.append(values_of(dataset["path"], "path", "crank_angle", "component"))
+    ends = values_of(dataset["rigid_position"], "link", "station", "component")
+    half = values_of(dataset["in_plane_thickness"], "link")[:, None, None] / 2
+    inside += [ends - half, ends + half]
+    limits = sketch.limits(np.concatenate([points.reshape(-1, 2) for points in inside]))
+    # Paths may be much larger than the linkage, which the room for the scale bar is made for.
+    low = limits.y0 - BAR_ROOM * limits.height
+    return Bbox.from_extents(limits.x0, low, limits.x1, limits.y1)
+
+
+def _layout(limits: Bbox, sections: float, turns: bool) -> Layout:
+    """The posture above, what else there is below it: side by side, or stacked if narrow."""
+    wide = style.figure_width()
+    # In one column the posture stands over the axis of the transmission angle.
+    beside = AXIS_INCHES if turns and style.is_narrow() else 0.1
+    posture = height_of(limits, wide - beside, *POSTURE_HEIGHT) + 0.25
+    below = [sections + 0.25] + [ROW_HEIGHT] * turns
+    rows = [posture, *below] if style.is_narrow() else [posture, max(below)]
+    columns = 1 if style.is_narrow() else len(below)
+
+    def make(figure: Figure) -> list[Axes]:
+        cells = figure.add_gridspec(len(rows), columns, height_ratios=rows)
+        first = figure.add_subplot(cells[0, :])
+        places = [divmod(number, columns) for number in range(len(below))]
+        return [first, *(figure.add_subplot(cells[1 + row, place]) for row, place in places)]
+
+    return Layout(1 + len(below), sum(rows), make)
+
+
+def _handles(dataset: xr.Dataset) -> list[Artist]:
+    """Legend entries of paths, masses, plies and the usual transmission angles."""
+    handles: list[Artist] = []
+    names = names_of(dataset, "path_name") if "path" in dataset else []
+    pins = [name for name in names if not _is_point(name)]
+    if pins:
+        what = f"path of the {pins[0]}" if pins == ["tip"] else f"paths of {' and '.join(pins)}"
+        handles.append(line_handle(what, **PIN_PATH))
+    handles += [
+        line_handle(f"path of the {name}", marker="o", markersize=4, **POINT_PATH)
+        for name in names
+        if _is_point(name)
+    ]
+    if (masses := _masses(dataset)).any():
+        largest = f"point mass (largest {1e3 * masses.max():.4g} g)"
+        handles.append(line_handle(largest, ls="", markersize=6, mew=0, **MASS))
+    plies = _plies(dataset)
+    for ply, grey in plies.items() if len(plies) > 1 else ():
+        handles.append(Patch(fc=grey, ec=style.MID_GREY, lw=0.6, label=ply.replace("$", r"\$")))
+    if "transmission_angle" in dataset:
+        usual = f"usual transmission angle, {USUAL[0]:g}° to {USUAL[1]:g}°"
+        handles.append(Patch(color=style.LIGHT_GREY, lw=0, label=usual))
+    return handles
+
+
+def _is_point(name: str) -> bool:
+    """Whether a path is that of a point of the coupler."""
+    return name.startswith("coupler")
+
+
+def _draw_links(axes: Axes, dataset: xr.Dataset, links: FloatArray) -> None:
+    """Links as thick as they are."""
+    for link, thickness in zip(links, dataset["in_plane_thickness"].values, strict=True):
+        along = (link[-1] - link[0]) / np.hypot(*(link[-1] - link[0]))
+        aside = thickness / 2 * np.array([-along[1], along[0]])
+        corners = [link[0] + aside, link[-1] + aside, link[-1] - aside, link[0] - aside]
+        axes.add_patch(Polygon(corners, **LINK))
+
+
+def _draw_paths(axes: Axes, dataset: xr.Dataset) -> None:
+    """Paths over the turn, and the coupler's triangle up to its point."""
+    if "path" not in dataset:
+        return
+    paths = values_of(dataset["path"], "path", "crank_angle", "component")
+    for name, path, place in zip(
+        names_of(dataset, "path_name"), paths, dataset["path_position"].values, strict=True
+    ):
+        if not _is_point(name):
+            axes.plot(*path.T, **PIN_PATH, zorder=0.7)
+            continue
+        axes.plot(*path.T, **POINT_PATH, zorder=2.0)
+        pins = dataset["rigid_position"].sel(link="coupler").values[[0, -1]]
+        axes.add_patch(Polygon([*pins, place], **COUPLER))
+        axes.plot(*place, "o", color=POINT_PATH["color"], ms=4, zorder=5)
+
+
+def _masses(dataset: xr.Dataset) -> FloatArray:
+    """All point masses in kg: of the joints, then along links."""
+    masses = [dataset["joint_mass"].values.astype(float)]
+    if "point_mass" in dataset:
+        masses.append(dataset["point_mass"].values.astype(float))
+    return np.concatenate(masses)
+
+
+def _draw_masses(axes: Axes, dataset: xr.Dataset, joints: FloatArray) -> None:
+    """Point masses as discs whose areas are as the masses."""
+    masses = _masses(dataset)
+    places = joints
+    if "point_mass" in dataset:
+        along = values_of(dataset["point_mass_position"], "mass", "component")
+        places = np.vstack([joints, along])
+    there = masses > 0
+    if there.any():
+        areas = LARGEST_MARK * masses[there] / masses.max()
+        x, y = places[there].T
+        axes.scatter(x, y, s=areas, linewidths=0, zorder=3, **MASS)
+
+
+@dataclass(frozen=True)
+class _Row:
+    """One section in the panel of sections.
+
+    Parameters
+    ----------
+    texts : list of str
+        Lines beside it.
+    width : float
+        In mm; not a number where none is known.
+    layers : list of (float, float, str)
+        Lower and upper face in mm, and grey.
+    """
+
+    texts: list[str]
+    width: float
+    layers: list[tuple[float, float, str]]
+
+    @property
+    def thickness(self) -> float:
+        """In mm."""
+        return self.layers[-1][1] - self.layers[0][0]
+
+    @property
+    def least_height(self) -> float:
+        """Of its lines in inches."""
+        return LINE_INCHES * (len(self.texts) + 0.4)
+
+
+@dataclass(frozen=True)
+class _Stacks:
+    """Sections under each other in a panel, at one scale.
+
+    Parameters
+    ----------
+    width, height : float
+        Of the panel in inches.
+    scale : float
+        Millimetres an inch of the panel.
+    rows : list of _Row
+    """
+
+    width: float
+    height: float
+    scale: float
+    rows: list[_Row]
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset) -> _Stacks:
+        """Fit the sections of a dataset into a panel."""
+        wide = style.figure_width() - 0.5
+        if not style.is_narrow() and "transmission_angle" in dataset:
+            wide /= 2
+        letters = int(wide * (1 - DRAWN) * 72 / (0.62 * TEXT_POINTS))
+        rows = [_row(dataset.sel(link=name), letters) for name in names_of(dataset, "link")]
+        widest = max((row.width for row in rows if np.isfinite(row.width)), default=0.0)
+        room = ROW_HEIGHT - 0.25 - BAR_INCHES
+        height = max(room, 1.1 * sum(row.least_height for row in rows))
+        # As large as the width allows, and smaller until the rows fit.
+        scale = max(widest / (DRAWN * wide), max(row.thickness for row in rows) / height)
+        while sum(cls._height(row, scale) for row in rows) > height:
+            scale *= 1.05
+        height = sum(cls._height(row, scale) for row in rows)
+        return cls(wide, height + BAR_INCHES, scale, rows)
+
+    @staticmethod
+    def _height(row: _Row, scale: float) -> float:
+        """Of a row in inches."""
+        return max(row.thickness / scale, row.least_height) + LINE_INCHES / 2
+
+    def heights(self) -> list[float]:
+        """Of the rows in mm of the panel."""
+        return [self.scale * self._height(row, self.scale) for row in self.rows]
+
+
+def _row(link: xr.Dataset, letters: int) -> _Row:
+    """A section with its name, its size and its stack, as far as a number of letters holds it."""
+    thick, width = (1e3 * link[one].item() for one in ("in_plane_thickness", "out_of_plane_width"))
+    across = f"{width:.4g} mm wide" if np.isfinite(width) else "width not stated"
+    texts = [str(link["link"].item()).capitalize(), f"{thick:.4g} mm thick, {across}"]
+    if stack := str(link["stacking"].item()):
+        shown = stack if len(stack) <= letters else f"{stack[: letters - 1]}…"
+        texts.append(shown.replace("$", r"\$"))
+    faces = zip(
+        *(link[one].values.tolist() for one in ("layer_low", "layer_high", "grey")), strict=True
+    )
+    return _Row(texts, width, [(1e3 * low, 1e3 * up, g) for low, up, g in faces if low < up])
+
+
+def _plies(dataset: xr.Dataset) -> dict[str, str]:
+    """Grey of each ply by name; a section of one material has one without a name."""
+    present = np.isfinite(dataset["layer_low"].values)
+    names = dict.fromkeys(dataset["ply"].values[present].tolist())
+    return {name: PLY_GREYS[n % len(PLY_GREYS)] for n, name in enumerate(names)}
+
+
+def _greys(dataset: xr.Dataset) -> xr.DataArray:
+    """Grey of each layer of each link."""
+    plies = _plies(dataset)
+    greys = [[plies.get(ply, "") for ply in link] for link in dataset["ply"].values.tolist()]
+    return dataset["ply"].copy(data=greys)
+
+
+def _draw_sections(axes: Axes, stacks: _Stacks) -> None:
+    """Sections under each other, what they are beside them, and a scale bar."""
+    across, top = stacks.width * stacks.scale, stacks.height * stacks.scale
+    axes.set(xlim=(0.0, across), ylim=(0.0, top), aspect="equal", anchor="NW")
+    axes.set_axis_off()
+    axes.set_title("Sections, the plane's thickness upward")
+    beside = (DRAWN + 0.04) * across
+    for row, height in zip(stacks.rows, stacks.heights(), strict=True):
+        middle, known = top - height / 2, np.isfinite(row.width)
+        drawn, lowest = row.width if known else DRAWN * across, row.layers[0][0]
+        base = middle - row.thickness / 2
+        for low, high, grey in row.layers:
+            corner = (0.0, base + low - lowest)
+            edge: Look = {"ec": "0.35", "lw": 0.25 if 1 < len(row.layers) <= MOST_EDGES else 0}
+            axes.add_patch(Rectangle(corner, drawn, high - low, fc=grey, **edge))
+        frame = WHOLE_FRAME if known else UNKNOWN_WIDTH
+        axes.add_patch(Rectangle((0.0, base), drawn, row.thickness, clip_on=False, **frame))
+        words = "\n".join(row.texts)
+        axes.text(beside, middle, words, fontsize=TEXT_POINTS, va="center", linespacing=1.25)
+        top -= height
+    line, length = LINE_INCHES * stacks.scale, round_length(DRAWN * across)
+    axes.plot([0.0, length], [0.3 * line] * 2, color="black", lw=1.6)
+    axes.text(0.0, 0.5 * line, f"{length:g} mm", fontsize=TEXT_POINTS, va="bottom")
+
+
+def _draw_transmission_angle(axes: Axes, dataset: xr.Dataset) -> None:
+    """Transmission angle over the turn, with the usual range and where the posture is."""
+    angles = degrees(dataset["crank_angle"])
+    values = np.degrees(dataset["transmission_angle"].values.astype(float))
+    axes.axhspan(*USUAL, color=style.LIGHT_GREY, lw=0, zorder=0)
+    axes.axhline(90.0, color=style.MID_GREY, lw=0.6, zorder=1)
+    axes.plot(angles, values, color="black")
+    posture = np.degrees(dataset["posture_angle"].item()) % 360.0
+    axes.plot(posture, np.interp(posture, angles, values), "o", color="black", ms=4, zorder=3)
+    low, high = np.degrees(dataset["transmission_angle_limit"].values.astype(float)).tolist()
+    axes.set_title(f"Transmission angle {low:.3g}° to {high:.3g}°")
+    lowest, highest = min(low, USUAL[0]) - 8.0, max(high, USUAL[1]) + 8.0
+    axes.set_yticks([tick for tick in (0.0, 40.0, 90.0, 140.0, 180.0) if lowest < tick < highest])
+    axes.set_ylim(lowest, highest)
+    scales.crank_angle_axis(axes, angles, narrow=True)
+    axes.set(xlabel="Crank angle (deg)", ylabel="Transmission angle (deg)")
