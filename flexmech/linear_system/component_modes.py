@@ -18,9 +18,9 @@ damping is the end's static shape without the end itself.
 A deep bow and strong damping ask for more. Where a link has turned by theta, its axis tilts with
 ``cos(theta) w' - sin(theta) u'``, and sections that keep turning with ``w'`` would be bent against
 it within every element: spurious stiffness that grows with the square of the number of elements.
-The sections' own turn is held by the highest modes of the mesh, in which they turn while the axis
-rests. A reduction in great detail has them, condensed like the axial ones; and what damping answers
-at a following end moves by itself there.
+Where it is stretched by epsilon, its axis tilts less by that part, and sections that shear resist.
+A reduction in great detail lets sections turn while the axis rests, in a few smooth ways that are
+condensed like the axial modes; and what damping answers at a following end moves by itself there.
 """
 
 from __future__ import annotations
@@ -52,9 +52,9 @@ CONDENSED_AXIAL_MODES = 12
 ANSWER_FLOOR = 1e-6
 GREAT_DETAIL = 8.0
 """Of a reduction whose sections turn against the axis, for deep bows and strong damping."""
-# They turn with so many of the highest modes, or with one in so many where a mesh has few.
-TURNING_MODES = 8
-TURNING_PART = 4
+# They turn in so many waves, or in one for so many nodes where a mesh has few.
+TURNING_WAVES = 8
+NODES_A_WAVE = 2
 
 
 @dataclass(frozen=True)
@@ -199,7 +199,7 @@ def _reduce(
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=1)
     candidates = held.axial[:, n_axial : max(n_axial, condensed_modes)]
     if condensed_modes and great_detail:
-        candidates = np.concatenate([candidates, _turning_sections(held, bending)], axis=1)
+        candidates = np.concatenate([candidates, _turning_sections(held)], axis=1)
     if damped and turning:
         candidates = np.concatenate([candidates, held.layers], axis=1)
     condensed = _complement(candidates, dynamic, mass)
@@ -208,11 +208,18 @@ def _reduce(
     return ReducedLink(held.link.projected(basis, held.ends), basis, follows)
 
 
-def _turning_sections(held: _HeldLink, bending: FloatArray) -> FloatArray:
-    """Highest modes (n, m) of the mesh besides those of ``bending``, the lowest."""
-    every = held.bending.shape[1]
-    count = min(TURNING_MODES, every // TURNING_PART)
-    return held.bending[:, max(bending.shape[1], every - count) :]
+def _turning_sections(held: _HeldLink) -> FloatArray:
+    """Shapes (n, m) whose sections turn and warp in waves along the link while its axis rests."""
+    link = held.link
+    of_sections = np.flatnonzero(~link.is_axial & (link.fields.across == 0))
+    nodes = np.count_nonzero(link.fields.across)
+    place = np.linspace(0, 1, nodes)
+    waves = np.cos(np.pi * place[:, None] * np.arange(min(TURNING_WAVES, nodes // NODES_A_WAVE)))
+    kinds = of_sections.reshape(nodes, -1)
+    shapes = np.zeros((link.size, kinds.shape[1], waves.shape[1]))
+    shapes[kinds, np.arange(kinds.shape[1])] = waves[:, None]
+    shapes[np.setdiff1d(np.arange(link.size), held.inner)] = 0.0
+    return shapes.reshape(link.size, -1)
 
 
 def _answers_to_damping(held: _HeldLink, shapes: FloatArray) -> FloatArray:
