@@ -212,7 +212,7 @@ def _turning_sections(held: _HeldLink) -> FloatArray:
     """Shapes (n, m) whose sections turn and warp in waves along the link while its axis rests."""
     link = held.link
     of_sections = np.flatnonzero(~link.is_axial & (link.fields.across == 0))
-    nodes = np.count_nonzero(link.fields.across)
+    nodes = int(np.count_nonzero(link.fields.across))
     place = np.linspace(0, 1, nodes)
     waves = np.cos(np.pi * place[:, None] * np.arange(min(TURNING_WAVES, nodes // NODES_A_WAVE)))
     kinds = of_sections.reshape(nodes, -1)
