@@ -17,6 +17,7 @@ from .layout import grid as grid
 from .layout import sheet as sheet
 from .linkage import plot_linkage as plot_linkage
 from .mechanism import plot_mechanism as plot_mechanism
+from .modal_damping import plot_damping_ratio as plot_damping_ratio
 from .modal_damping import plot_modal_damping as plot_modal_damping
 from .mode_shapes import plot_mode_shapes as plot_mode_shapes
 from .moisture import plot_moisture as plot_moisture

@@ -12,6 +12,7 @@ from flexmech.plots.labels import engine_label, speed_texts
 from flexmech.plots.layout import AxesLike
 from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.series import Look, line_handle, series_handles
+from flexmech.plots.speed_colours import colour_bar, has_many_speeds, speed_lines
 from flexmech.types import FloatArray
 
 __all__ = ["plot_agreement"]
@@ -57,18 +58,25 @@ def plot_agreement(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     angles, check_angles = (degrees(dataset[name]) for name in ("crank_angle", "check_angle"))
     difference, error = _relative_difference(dataset), _own_errors(dataset)
     with angle_panels.mode_panels(dataset, "Relative difference (-)", ax=ax, share_y=True) as drawn:
-        handles = series_handles(speed_texts(dataset), angles)
+        many = has_many_speeds(dataset)
+        handles = [] if many else series_handles(speed_texts(dataset), angles)
         for engine, line in zip(names_of(dataset, "engine"), ERRORS, strict=False):
             handles.append(line_handle(f"estimated error of {engine}", **line))
         first, second = (engine_label(dataset, engine) for engine in (0, 1))
         drawn.header(handles, f"Frequencies of {second} against {first}", of=dataset)
         low, high = _decades(np.concatenate([difference.ravel(), error.ravel()]))
         for mode, axes in enumerate(drawn.panels):
-            for number, values in enumerate(difference[mode]):
-                angle_panels.draw_line(axes, angles, values, number)
+            if many:
+                for values, look in zip(difference[mode], speed_lines(dataset), strict=True):
+                    axes.plot(angles, values, **look)
+            else:
+                for number, values in enumerate(difference[mode]):
+                    angle_panels.draw_line(axes, angles, values, number)
             for values, line in zip(error[mode], ERRORS, strict=False):
                 axes.plot(check_angles, values, **line, zorder=1.5, clip_on=False)
             scales.log_scale(axes, low, high)
+        if many:
+            colour_bar(drawn, dataset)
     return drawn.figure
 
 

@@ -23,6 +23,7 @@ from flexmech.types import FloatArray
 __all__ = [
     "ONE_MODE",
     "angle_layout",
+    "branch_lines",
     "draw_line",
     "draw_series",
     "label_angles",
@@ -174,7 +175,7 @@ def staggered(angles: FloatArray, number: int, total: int) -> slice:
     return slice(((2 * number + 1) * step) // (2 * total), None, step)
 
 
-def _branch_lines(values: FloatArray, branch: FloatArray) -> dict[int, FloatArray]:
+def branch_lines(values: FloatArray, branch: FloatArray) -> dict[int, FloatArray]:
     """Values along each branch over the angles; not a number where the branch is elsewhere.
 
     Parameters
@@ -216,7 +217,7 @@ def draw_series(
     dict of int to ndarray, shape (n,)
         The lines, by branch.
     """
-    lines = _branch_lines(values[0], branch)
+    lines = branch_lines(values[0], branch)
     for line in lines.values():
         draw_line(axes, angles, line, number)
     style, places = series_style(number), staggered(angles, number, total)

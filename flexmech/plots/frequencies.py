@@ -10,10 +10,11 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from flexmech.plots import angle_panels, scales, style
-from flexmech.plots.labels import mode_label, speed_texts, spread
+from flexmech.plots.labels import engine_label, mode_label, speed_texts, spread
 from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.reading import MAP, cell_edges, degrees, values_of
-from flexmech.plots.series import Look
+from flexmech.plots.series import Look, line_handle
+from flexmech.plots.speed_colours import colour_bar, has_many_speeds, speed_lines
 from flexmech.types import FloatArray
 
 __all__ = ["contiguous_runs", "mode_groups", "plot_frequencies"]
@@ -34,7 +35,8 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     has a panel with its own frequency axis. Modes between which a tracked branch passes
     (crossing or veering) share a panel, in which each line follows a branch and is numbered
     by it at its right end. The first engine is drawn as lines, the second as markers;
-    a grey strip on the crank-angle axis shows where veering was flagged.
+    a grey strip on the crank-angle axis shows where veering was flagged. More than five speeds
+    are coloured by a scale beside the panels, and the first engine is drawn alone.
 
     Parameters
     ----------
@@ -53,7 +55,11 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     veering = dataset["veering"].transpose(*MAP).values.astype(bool)[0]
     layout = angle_panels.angle_layout([len(group) for group in groups])
     with sheet(layout, ax=ax, fewer=angle_panels.ONE_MODE) as drawn:
-        handles = angle_panels.series_and_engines(dataset, speed_texts(dataset))
+        many = has_many_speeds(dataset)
+        if many:
+            handles = [line_handle(engine_label(dataset), color=style.MID_GREY)]
+        else:
+            handles = angle_panels.series_and_engines(dataset, speed_texts(dataset))
         if veering.any():
             handles.append(Patch(**STRIP, label="veering"))
         drawn.header(handles, of=dataset)
@@ -62,7 +68,12 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
             axes.set_title(mode_label(dataset["mode"].values[group].tolist()))
             scales.scale_y(axes, frequency[..., group], least_part=scales.FREQUENCY_BAND)
             _mark_veering(axes, angles, veering[..., group])
-            _draw_speeds(axes, angles, frequency[..., group], branch[0][..., group])
+            if many:
+                _draw_many(axes, angles, frequency[0][..., group], branch[0][..., group], dataset)
+            else:
+                _draw_speeds(axes, angles, frequency[..., group], branch[0][..., group])
+        if many:
+            colour_bar(drawn, dataset)
     return drawn.figure
 
 
@@ -123,6 +134,19 @@ def _draw_speeds(axes: Axes, angles: FloatArray, frequency: FloatArray, branch: 
         values = frequency[:, number]
         lines = angle_panels.draw_series(axes, angles, values, along[number], number, n_speeds)
         if number == 0 and n_modes > 1:
+            _number_branches(axes, lines)
+
+
+def _draw_many(
+    axes: Axes, angles: FloatArray, frequency: FloatArray, branch: FloatArray, dataset: xr.Dataset
+) -> None:
+    """Many speeds in one panel, in colours of a scale; both of shape (speed, angle, mode)."""
+    for number, look in enumerate(speed_lines(dataset)):
+        along = branch[number] if branch.shape[-1] > 1 else np.zeros_like(branch[number])
+        lines = angle_panels.branch_lines(frequency[number], along)
+        for line in lines.values():
+            axes.plot(angles, line, **look)
+        if number == 0 and branch.shape[-1] > 1:
             _number_branches(axes, lines)
 
 

@@ -11,6 +11,7 @@ from flexmech.plots.labels import speed_texts
 from flexmech.plots.layout import AxesLike
 from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.series import Look, line_handle, series_line, series_style
+from flexmech.plots.speed_colours import colour_bar, has_many_speeds, speed_lines
 
 __all__ = ["plot_hygrothermal_effect"]
 
@@ -51,13 +52,18 @@ def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None)
             line_handle(label, color=style.MID_GREY, **line)
             for label, line in zip(names_of(dataset, "state"), LINES, strict=True)
         ]
-        for number, text in enumerate(speed_texts(dataset)):
+        many = has_many_speeds(dataset)
+        looks = speed_lines(dataset) if many else []
+        for number, text in enumerate([] if many else speed_texts(dataset)):
             handles.append(line_handle(text, color=series_style(number).color, linewidth=1.5))
+            looks.append(series_line(number, angles))
         title = "Natural frequencies in two states of heat and moisture"
         drawn.header(handles, title, of=dataset)
         for axes, speeds in zip(drawn.panels, frequency, strict=True):
-            for number, states in enumerate(speeds):
+            for states, look in zip(speeds, looks, strict=True):
                 for values, line in zip(states, LINES, strict=True):
-                    axes.plot(angles, values, **(series_line(number, angles) | line))
+                    axes.plot(angles, values, **(look | line))
             scales.scale_y(axes, speeds, least_part=scales.FREQUENCY_BAND)
+        if many:
+            colour_bar(drawn, dataset)
     return drawn.figure

@@ -1,4 +1,4 @@
-"""Damping ratio by modal strain energy against crank angle."""
+"""Damping ratios against crank angle: by modal strain energy, and of Kelvin-Voigt damping."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from flexmech.plots.labels import speed_texts
 from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.reading import MAP, degrees, values_of
 
-__all__ = ["plot_modal_damping"]
+__all__ = ["plot_damping_ratio", "plot_modal_damping"]
 
 # More panels than these are too many to compare.
 MOST_SPEEDS = 6
@@ -49,8 +49,32 @@ def plot_modal_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
             "this result has no damping by modal strain energy: give the mechanism sections "
             "with specific damping, then compute moving_frequencies"
         )
+    return _draw(dataset, "strain_energy_damping", "Damping by modal strain energy", ax)
+
+
+def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the damping ratio -Re(lambda)/abs(lambda) of Kelvin-Voigt damping, one panel a speed.
+
+    As :func:`plot_modal_damping`. With rotation terms frozen eigenvalues have damping ratios of
+    either sign that are no damping; an undamped mechanism has these alone.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``MovingFrequencies`` result.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a speed. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    return _draw(dataset, "damping_ratio", "Kelvin-Voigt damping of frozen positions", ax)
+
+
+def _draw(dataset: xr.Dataset, name: str, title: str, ax: AxesLike | None) -> Figure:
     dataset = _few_speeds(dataset.sortby("crank_angle"))
-    percent = 100.0 * values_of(dataset["strain_energy_damping"], *MAP)
+    percent = 100.0 * values_of(dataset[name], *MAP)
     branch = values_of(dataset["branch_of_mode"], *MAP)[0]
     _, n_speeds, _, n_modes = percent.shape
     angles = degrees(dataset["crank_angle"])
@@ -58,7 +82,7 @@ def plot_modal_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     with sheet(layout, ax=ax, fewer="choose one speed (speeds=...)") as drawn:
         modes = [f"mode {mode}" for mode in dataset["mode"].values]
         handles = angle_panels.series_and_engines(dataset, modes)
-        drawn.header(handles, "Damping by modal strain energy", of=dataset)
+        drawn.header(handles, title, of=dataset)
         angle_panels.label_angles(drawn, angles, "Damping ratio (%)")
         for speed, (axes, text) in enumerate(zip(drawn.panels, speed_texts(dataset), strict=True)):
             axes.set_title(text)

@@ -13,8 +13,9 @@ from flexmech.plots import angle_panels, style
 from flexmech.plots.labels import engine_label, mode_label, speed_texts
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
 from flexmech.plots.linkage import RIGID, LinkageSketch, height_of, joint_ends, places_of
-from flexmech.plots.reading import values_of
+from flexmech.plots.reading import highest_speed, values_of
 from flexmech.plots.series import line_handle, series_handle, series_line
+from flexmech.plots.speed_colours import has_many_speeds
 from flexmech.types import FloatArray
 
 __all__ = ["plot_mode_shapes"]
@@ -34,8 +35,9 @@ def plot_mode_shapes(
     """Draw each mode on the linkage, with the shape at every crank speed on top of another.
 
     As Kumar and Chandrakar's Figures 1.7-1.9 and 2.3-2.8: the rigid linkage in grey and the
-    deflected one, enlarged. A complex shape is turned in phase until its largest component
-    is real, and its real part is drawn; signs are those that match the first speed.
+    deflected one, enlarged; of more than five speeds that at the highest. A complex shape is
+    turned in phase until its largest component is real, and its real part is drawn; signs are
+    those that match the first speed.
 
     Parameters
     ----------
@@ -50,6 +52,11 @@ def plot_mode_shapes(
     -------
     Figure
     """
+    speed = ""
+    if has_many_speeds(dataset):
+        place, text = highest_speed(dataset)
+        dataset = dataset.isel(crank_speed=[place])
+        speed = f"{text} and "
     angles = dataset["check_angle"].values.astype(float)
     nearest = 0 if check_angle is None else int(np.argmin(np.abs(angles - check_angle)))
     first = dataset.isel(engine=0)
@@ -71,7 +78,7 @@ def plot_mode_shapes(
             for number, text in enumerate(speed_texts(dataset))
         ]
         title = (
-            f"Mode shapes at crank angle {np.degrees(angles[nearest]):.4g}° by "
+            f"Mode shapes at {speed}crank angle {np.degrees(angles[nearest]):.4g}° by "
             f"{engine_label(dataset)}, displacement enlarged"
         )
         handles.append(line_handle("rigid linkage", **RIGID))

@@ -16,6 +16,7 @@ __all__ = [
     "cell_edges",
     "degrees",
     "fitting_unit",
+    "highest_speed",
     "names_of",
     "values_of",
 ]
@@ -56,8 +57,15 @@ def cell_edges(centres: FloatArray) -> FloatArray:
 
 def at_highest_speed(dataset: xr.Dataset) -> tuple[xr.Dataset, str]:
     """The dataset at the greatest crank speed in either sense, and that speed as text."""
-    fastest = dataset.isel(crank_speed=int(np.argmax(np.abs(dataset["crank_speed"].values))))
-    return fastest, speed_text(dataset, float(fastest["crank_speed"]))
+    place, text = highest_speed(dataset)
+    return dataset.isel(crank_speed=place), text
+
+
+def highest_speed(dataset: xr.Dataset) -> tuple[int, str]:
+    """Place of the greatest crank speed in either sense, and that speed as text."""
+    speeds = dataset["crank_speed"].values.astype(float)
+    place = int(np.argmax(np.abs(speeds)))
+    return place, speed_text(dataset, float(speeds[place]))
 
 
 def fitting_unit(values: FloatArray, units: Units) -> tuple[float, str]:

@@ -10,12 +10,16 @@ from flexmech.errors import InputError
 from flexmech.plots import angle_panels, scales, style
 from flexmech.plots.layout import AxesLike
 from flexmech.plots.reading import at_highest_speed, degrees, names_of, values_of
-from flexmech.plots.series import Look, few_points, line_handle, series_handles
+from flexmech.plots.series import Look, few_points, line_handle, series_line
+from flexmech.types import FloatArray
 
 __all__ = ["plot_speed_effect"]
 
 # Narrowest y axis in Hz: far below what can be measured, far above round-off.
 LEAST_BAND = 2e-4
+# A term whose greatest change is a smaller part of that of the total in every mode is small.
+SMALL_PART = 0.01
+SMALL: Look = {"color": style.MID_GREY, "linewidth": 0.8, "linestyle": (0.0, (1.0, 1.0))}
 
 
 def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -24,7 +28,8 @@ def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     The terms are those of the linkage's equation of motion in link frames: geometric
     stiffness of the axial forces, shift of configuration to the equilibrium, Coriolis,
     centripetal and tangential terms, switched on one after another; black is their sum, the
-    frequency at speed minus that at rest.
+    frequency at speed minus that at rest. Terms that stay below a hundredth of the total in every
+    mode share one look and one entry of the legend.
 
     Parameters
     ----------
@@ -61,7 +66,14 @@ def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
         # Coriolis is a name; the others are plain words.
         terms = [name.replace("coriolis", "Coriolis") for name in names_of(dataset, "term")]
         title = f"Change of frequency from rest to {speed}, by term"
-        handles = [line_handle("total", **total), *series_handles(terms, angles)]
+        small = _small(effect)
+        handles = [line_handle("total", **total)]
+        for number, term in enumerate(terms):
+            if number not in small:
+                handles.append(line_handle(term, **series_line(number, angles)))
+        if small:
+            words = ", ".join(terms[number] for number in small)
+            handles.append(line_handle(f"{words} (below 1 % of the total)", **SMALL))
         drawn.header(handles, title, of=dataset)
         for axes, changes in zip(drawn.panels, effect, strict=True):
             axes.axhline(0.0, color=style.MID_GREY, lw=0.6, zorder=1)
@@ -69,6 +81,17 @@ def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
             whole = changes.sum(axis=0)
             axes.plot(angles, whole, **total, zorder=1.9)
             for number, change in enumerate(changes):
-                angle_panels.draw_line(axes, angles, change, number)
+                if number in small:
+                    axes.plot(angles, change, **SMALL, zorder=1.8)
+                else:
+                    angle_panels.draw_line(axes, angles, change, number)
             scales.scale_y(axes, np.vstack([changes, whole, 0.0 * angles]), least=LEAST_BAND)
     return drawn.figure
+
+
+def _small(effect: FloatArray) -> list[int]:
+    """Terms below a hundredth of the total in every mode; shape (mode, term, crank_angle)."""
+    greatest = np.abs(effect.sum(axis=1)).max(axis=-1)
+    parts = np.abs(effect).max(axis=-1)
+    small: list[int] = np.flatnonzero((parts < SMALL_PART * greatest[:, None]).all(axis=0)).tolist()
+    return small

@@ -76,8 +76,12 @@ def page_width(millimetres: float) -> Iterator[None]:
 
     Examples
     --------
+    >>> mechanism = flexmech.load_mechanism("models/rotating_arm.toml")
+    >>> check = flexmech.check_mechanism(flexmech.ReferenceEngine(mechanism))
     >>> with flexmech.plots.page_width(88):
-    ...     figure = result.plot()
+    ...     figure = check.plot()
+    >>> round(figure.get_figwidth() * 25.4)
+    88
     """
     if not LEAST_WIDTH <= millimetres <= MOST_WIDTH:
         raise InputError(

@@ -7,16 +7,25 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 
+from flexmech.analyses import MovingFrequencies
 from flexmech.errors import InputError
-from flexmech.plots import plot_agreement, plot_frequencies, plot_mode_shapes, plot_speed_effect
+from flexmech.plots import (
+    plot_agreement,
+    plot_damping_ratio,
+    plot_frequencies,
+    plot_mode_shapes,
+    plot_speed_effect,
+)
 from flexmech.plots.frequencies import contiguous_runs, mode_groups
 from flexmech.plots.labels import speed_label
 from flexmech.plots.layout import legend_columns
 from flexmech.plots.series import SERIES_STYLES
-from tests.unit.figure_checks import check_layout, heading, legend_texts, lines_in
+from tests.unit.figure_checks import check_layout, heading, legend_texts, lines_in, panels
 from tests.unit.plot_data import FULL_TURN, TERMS, arm_dataset, frequency_dataset
 
 ALL_PLOTS = (plot_frequencies, plot_speed_effect, plot_mode_shapes, plot_agreement)
@@ -26,6 +35,13 @@ SIX_SPEEDS = (-20.0, -10.0, 0.0, 5.0, 10.0, 20.0)
 @pytest.fixture(scope="module")
 def dataset() -> xr.Dataset:
     return frequency_dataset()
+
+
+def grey_lines(axes: Axes) -> list[Line2D]:
+    """Lines of what shares one look."""
+    return [
+        line for line in axes.lines if line.get_color() == "0.45" and line.get_linewidth() == 0.8
+    ]
 
 
 def y_label(figure: Figure) -> str:
@@ -176,6 +192,94 @@ class TestSpeedEffect:
     def test_refuses_a_result_without_terms(self) -> None:
         with pytest.raises(InputError, match="speed_effect=True"):
             plot_speed_effect(frequency_dataset(speed_effect=False))
+
+    def test_terms_below_a_hundredth_share_a_look_and_a_legend_entry(self) -> None:
+        small = frequency_dataset(speeds=(0.0, 20.0))
+        total = float(abs(small["speed_effect"].sum("term")).max())
+        for number in (2, 4):
+            small["speed_effect"][number] = 1e-4 * total * np.cos(small["crank_angle"])
+        figure = plot_speed_effect(small)
+        assert "Coriolis, tangential (below 1 % of the total)" in legend_texts(figure)
+        assert not {"Coriolis", "tangential"} & set(legend_texts(figure))
+        for mode, axes in enumerate(figure.axes):
+            wanted = small["speed_effect"].isel(crank_speed=1, mode=mode, term=[2, 4])
+            for line, values in zip(grey_lines(axes), wanted, strict=True):
+                np.testing.assert_array_equal(line.get_ydata(), values)
+            # The others keep the styles of their places.
+            np.testing.assert_array_equal(
+                lines_in(axes, 3, len(FULL_TURN))[0],
+                small["speed_effect"].isel(crank_speed=1, mode=mode, term=3),
+            )
+        check_layout(figure)
+
+    def test_a_term_that_matters_in_one_mode_has_its_own_entry(self) -> None:
+        some = frequency_dataset(speeds=(0.0, 20.0))
+        some["speed_effect"][2, ..., :3] = 0.0
+        assert "Coriolis" in legend_texts(plot_speed_effect(some))
+
+
+class TestManySpeeds:
+    SPEEDS = tuple(np.linspace(-10.0, 50.0, 7))
+
+    @pytest.fixture(scope="class")
+    @classmethod
+    def many(cls) -> xr.Dataset:
+        return frequency_dataset(cls.SPEEDS, crossing=True).assign_attrs(speed_unit="rpm")
+
+    @pytest.mark.parametrize("plot", [plot_frequencies, plot_agreement])
+    def test_colours_grow_lighter_with_speed_and_no_point_is_marked(self, plot, many) -> None:
+        figure = plot(many)
+        (bar,) = [axes for axes in figure.axes if axes.get_label() == "<colorbar>"]
+        assert bar.get_ylabel() == "Crank speed (rpm)"
+        # Of the dataset's -10 to 50 rad/s.
+        assert bar.get_ylim() == pytest.approx([-300 / np.pi, 1500 / np.pi])
+        assert not any("rpm" in text for text in legend_texts(figure))
+        for axes in panels(figure):
+            coloured = [line for line in axes.lines if not isinstance(line.get_color(), str)]
+            lightness = [np.dot(line.get_color()[:3], [0.3, 0.59, 0.11]) for line in coloured]
+            assert len(lightness) >= len(self.SPEEDS)
+            assert lightness == sorted(lightness)
+            assert {line.get_marker() for line in coloured} == {""}
+        check_layout(figure)
+
+    def test_lines_are_the_first_engine_s_at_every_speed(self, many: xr.Dataset) -> None:
+        lines = plot_frequencies(many).axes[1].lines
+        wanted = many["frequency"].isel(engine=0, mode=2)
+        assert len(lines) == len(self.SPEEDS)
+        for line, values in zip(lines, wanted, strict=True):
+            np.testing.assert_array_equal(line.get_ydata(), values)
+
+    def test_mode_shapes_are_those_of_the_highest_speed(self, many: xr.Dataset) -> None:
+        figure = plot_mode_shapes(many)
+        assert "at 477.5 rpm and crank angle 0°" in heading(figure).replace("\n", " ")
+        assert legend_texts(figure) == ["477.5 rpm", "rigid linkage"]
+        frequency = float(many["frequency"][0, -1, 0, 0])
+        assert figure.axes[0].get_title("center") == f"Mode 1\n{frequency:.2f} Hz"
+        check_layout(figure)
+
+    def test_five_speeds_have_styles_of_their_own(self) -> None:
+        figure = plot_frequencies(frequency_dataset(self.SPEEDS[:5]))
+        assert not [axes for axes in figure.axes if axes.get_label() == "<colorbar>"]
+
+
+class TestKelvinVoigtDamping:
+    def test_lines_are_the_damping_ratios_by_speed_and_mode(self) -> None:
+        damped = frequency_dataset(engines=("reference",))
+        values = 0.01 + 0.001 * np.cos(damped["crank_angle"] * damped["mode"])
+        damped["damping_ratio"] = values * (1 + damped["crank_speed"]) + 0 * damped["damping_ratio"]
+        figure = plot_damping_ratio(damped)
+        for speed, axes in enumerate(figure.axes):
+            for mode in range(4):
+                (drawn,) = lines_in(axes, mode, len(FULL_TURN))
+                wanted = 100 * damped["damping_ratio"].isel(engine=0, crank_speed=speed, mode=mode)
+                np.testing.assert_allclose(drawn, wanted, rtol=1e-12)
+        assert "Kelvin-Voigt" in heading(figure)
+
+    def test_it_is_drawn_where_there_is_such_damping(self) -> None:
+        undamped = frequency_dataset(engines=("reference",), modes=1)
+        assert "damping_ratio" not in MovingFrequencies(undamped).figures()
+        estimated = undamped.assign(damping_ratio_reduction_error=undamped["discretisation_error"])
+        assert "damping_ratio" in MovingFrequencies(estimated).figures()
 
 
 class TestModeShapes:

@@ -109,6 +109,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_laminate_factors: (composite_study, 1),
     plots.plot_linkage: (linkage_dataset, 1),
     plots.plot_mechanism: (mechanism_dataset, 3),
+    plots.plot_damping_ratio: (frequency_dataset, 3),
     plots.plot_modal_damping: (damped, 3),
     plots.plot_mode_shapes: (frequency_dataset, 4),
     plots.plot_moisture: (moisture_dataset, 4),

@@ -36,6 +36,7 @@ FILES = (
     "speed_effect.png",
     "vibration_effect.png",
     "damping.png",
+    "damping_ratio.png",
     "mode_shapes.png",
     "agreement.png",
 )
@@ -262,6 +263,8 @@ class MovingFrequencies(Result):
             ("speed_effect", "speed_effect", plots.plot_speed_effect),
             ("quasi_static_frequency", "vibration_effect", plots.plot_vibration_effect),
             ("strain_energy_damping", "damping", plots.plot_modal_damping),
+            # Estimated where there is Kelvin-Voigt damping alone.
+            ("damping_ratio_reduction_error", "damping_ratio", plots.plot_damping_ratio),
         ):
             if variable in data:
                 figures[name] = draw(data)
