@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -24,7 +24,7 @@ from flexmech.analyses.frequencies.extremes import extremes_between, known_error
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along, systems_at
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
-from flexmech.analyses.frequencies.reduction import CheckedModes, settled
+from flexmech.analyses.frequencies.reduction import ReductionError, settled
 from flexmech.analyses.frequencies.refinement import Positions
 from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.analyses.frequencies.tracking import Tracker
@@ -70,7 +70,8 @@ def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgre
 
     The elements are doubled until the estimated error of the mesh is within the tolerance, or
     until another doubling would exceed :data:`MOST_ELEMENTS`. Meshes that would be too coarse even
-    if the whole error fell with its highest order are passed over.
+    if the whole error fell with its highest order are passed over. The error is estimated first:
+    along all crank angles modes are solved for on the last mesh alone.
 
     Parameters
     ----------
@@ -84,11 +85,9 @@ def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgre
     -------
     EngineMap
     """
-    found = _map_on_mesh(engine, request, report)
-    if request.tolerance is None:
-        return found
-    while 2 * engine.elements <= MOST_ELEMENTS:
-        error = float(found.dataset["discretisation_error"].max())
+    checks = _checked_speeds(engine, request)
+    while request.tolerance is not None and 2 * engine.elements <= MOST_ELEMENTS:
+        error = max(float(check.discretisation_error.max()) for check in checks)
         if error <= request.tolerance:
             break
         logger.info("%d elements are off by %.1e", engine.elements, error)
@@ -96,20 +95,68 @@ def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgre
         doublings = max(1, math.ceil(math.log2(error / request.tolerance) / order))
         possible = int(math.log2(MOST_ELEMENTS / engine.elements))
         engine = engine.with_(elements=engine.elements * 2 ** min(doublings, possible))
-        found = _map_on_mesh(engine, request, report)
-    return found
+        checks = _checked_speeds(engine, request)
+    return _map_on_mesh(engine, request, checks, report)
 
 
-def _map_on_mesh(engine: Engine, request: FrequencyRequest, report: LabelledProgress) -> EngineMap:
-    """Map of one engine, speed by speed; a speed begins with the branches of the one before."""
+@dataclass(frozen=True)
+class _CheckedSpeed:
+    """What the check angles tell of one speed, without the matrices.
+
+    Parameters
+    ----------
+    systems : Systems
+        With as many component modes as they need.
+    shapes : ndarray, shape (c, m, n_links, n_stations, 2)
+        Of the modes asked for and spare ones.
+    reduction_error : ReductionError
+    discretisation_error : ndarray, shape (c, modes)
+    """
+
+    systems: Systems
+    shapes: NDArray[Any]
+    reduction_error: ReductionError
+    discretisation_error: FloatArray
+
+
+def _checked_speeds(engine: Engine, request: FrequencyRequest) -> list[_CheckedSpeed]:
+    """Reductions and errors at each speed."""
+    asked, angles, checks = _answered_by(engine, request), _check_angles(request), []
+    for speed in asked.crank_speeds.tolist():
+        checked = settled(systems_at(engine, asked, speed), angles, speed, SPARE_MODES)
+        checks.append(
+            _CheckedSpeed(
+                checked.systems,
+                checked.system.displacements(checked.modes.vectors),
+                checked.reduction_error,
+                discretisation_error(checked.systems, angles, speed),
+            )
+        )
+    return checks
+
+
+def _answered_by(engine: Engine, request: FrequencyRequest) -> FrequencyRequest:
+    """What an engine can answer: about the quasi-static state if it does not simulate."""
     still = replace(request, formulation=request.formulation.quasi_static)
-    asked = request if engine.simulates else still
+    return request if engine.simulates else still
+
+
+def _check_angles(request: FrequencyRequest) -> FloatArray:
+    return request.crank_angles[check_angle_indices(request.crank_angles, request.full_turn)]
+
+
+def _map_on_mesh(
+    engine: Engine,
+    request: FrequencyRequest,
+    checks: Sequence[_CheckedSpeed],
+    report: LabelledProgress,
+) -> EngineMap:
+    """Map of one engine, speed by speed; a speed begins with the branches of the one before."""
+    asked = _answered_by(engine, request)
     angles, modes = asked.crank_angles, asked.formulation.modes
-    where = check_angle_indices(angles, asked.full_turn)
     losses = StrainEnergyDamping.of(engine)
     numbering: IntArray | None = None
     start_shapes: NDArray[Any] | None = None
-    used: list[Systems] = []
     parts, done = [], 0
 
     def advance(count: int) -> None:
@@ -117,26 +164,24 @@ def _map_on_mesh(engine: Engine, request: FrequencyRequest, report: LabelledProg
         done += count
         report(engine.name, done, len(asked.crank_speeds) * len(angles))
 
-    for speed in asked.crank_speeds.tolist():
-        checked = settled(systems_at(engine, asked, speed), angles[where], speed, SPARE_MODES)
-        systems = checked.systems
-        used.append(systems)
-        shapes = checked.system.displacements(checked.modes.vectors)
+    for speed, check in zip(asked.crank_speeds.tolist(), checks, strict=True):
+        systems, shapes = check.systems, check.shapes
         if start_shapes is not None:
             numbering = same_shapes(start_shapes, shapes[0], numbering)
         start_shapes = shapes[0]
-        along = _along_angles(checked, asked, speed, Tracker(numbering), losses, advance)
+        count = shapes.shape[1]
+        along = _along_angles(systems, count, asked, speed, Tracker(numbering), losses, advance)
         errors = {
-            "discretisation_error": discretisation_error(systems, angles[where], speed),
-            "reduction_error": checked.reduction_error.frequency,
+            "discretisation_error": check.discretisation_error,
+            "reduction_error": check.reduction_error.frequency,
             "mode_shape": _scaled_parts(shapes[:, :modes]),
         }
         if systems.is_damped:
             errors |= {
                 "damping_ratio_discretisation_error": damping_ratio_discretisation_error(
-                    systems, angles[where], speed
+                    systems, _check_angles(request), speed
                 ),
-                "damping_ratio_reduction_error": checked.reduction_error.damping_ratio,
+                "damping_ratio_reduction_error": check.reduction_error.damping_ratio,
             }
         over_checks = {name: (OVER_CHECKS[: v.ndim], v) for name, v in errors.items()}
         part = along.isel(mode=slice(modes)).assign(over_checks)
@@ -144,27 +189,30 @@ def _map_on_mesh(engine: Engine, request: FrequencyRequest, report: LabelledProg
             part = part.assign(_extremes(systems, asked, speed, part))
         parts.append(part)
     dataset = xr.concat(parts, pd.Index(asked.crank_speeds, name="crank_speed"), join="inner")
+    used = tuple(check.systems for check in checks)
     if request.formulation.prestress == "trajectory":
         quasi_static = dataset["frequency"]
         if engine.simulates:
-            calm = [replace(s, formulation=still.formulation, running=None) for s in used]
+            still = request.formulation.quasi_static
+            calm = [replace(s, formulation=still, running=None) for s in used]
             pairs = zip(calm, asked.crank_speeds.tolist(), strict=True)
             values = [frequencies_along(s, angles, speed) for s, speed in pairs]
             quasi_static = quasi_static.copy(data=np.stack(values))
         dataset["quasi_static_frequency"] = quasi_static
-    return EngineMap(tuple(used), dataset)
+    return EngineMap(used, dataset)
 
 
 def _along_angles(
-    checked: CheckedModes,
+    systems: Systems,
+    count: int,
     request: FrequencyRequest,
     crank_speed: float,
     tracker: Tracker,
     losses: StrainEnergyDamping | None,
     advance: Callable[[int], None],
 ) -> xr.Dataset:
-    """Modes along the crank angles, batch by batch: tracked, spare ones among them."""
-    systems, count, parts = checked.systems, checked.modes.count, []
+    """So many modes along the crank angles, batch by batch: tracked, spare ones among them."""
+    parts = []
     asked = request.formulation.modes
 
     def between(crank_angles: FloatArray) -> Positions:
