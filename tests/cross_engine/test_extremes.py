@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from flexmech import ExudynEngine, ReferenceEngine, moving_frequencies, natural_frequencies
+from flexmech import (
+    ExudynEngine,
+    ReferenceEngine,
+    load_mechanism,
+    moving_frequencies,
+    natural_frequencies,
+)
+from flexmech.analyses.frequencies import extremes
 from tests.random_mechanisms import random_case
 
 GRID = np.radians(np.arange(0, 361, 5.0))
@@ -69,3 +76,34 @@ def test_angles_far_apart_are_positions_and_no_curve(aluminium):
     values = natural_frequencies(engine, angles)
     np.testing.assert_allclose(found["lowest"], values.min(axis=0), rtol=1e-6)
     np.testing.assert_allclose(found["highest"], values.max(axis=0), rtol=1e-6)
+
+
+def test_flat_curves_are_not_searched(models, monkeypatch):
+    """An arm has the same frequencies at every angle: minima by round-off are none."""
+    engine = ReferenceEngine(load_mechanism(models / "rotating_arm_slender_70.toml"), 8)
+
+    def refuse(*_):
+        raise AssertionError("searched")
+
+    monkeypatch.setattr(extremes, "solve_frequencies", refuse)
+    data = moving_frequencies(engine, GRID, [4.0]).dataset
+    least = data["frequency"].min("crank_angle").values
+    np.testing.assert_array_equal(data["lowest_frequency"].values, least)
+
+
+def test_only_the_mesh_that_is_fine_enough_is_mapped(models):
+    """Of the coarser ones the errors are asked for alone: progress runs once."""
+    engine = ReferenceEngine(load_mechanism(models / "aluminium_fourbar.toml"), 2, "euler")
+    steps = []
+    result = moving_frequencies(
+        engine,
+        GRID,
+        [0.0, 20.0],
+        tolerance=1e-3,
+        progress=lambda _, done, total: steps.append((done, total)),
+    )
+    assert result.dataset["elements"].item() > 2
+    assert result.dataset["discretisation_error"].max() <= 1e-3
+    dones = [done for done, _ in steps]
+    assert dones == sorted(set(dones))
+    assert steps[-1] == (2 * len(GRID), 2 * len(GRID))

@@ -103,8 +103,8 @@ def extremes_between(
     brackets = _Brackets.on_grid(crank_angles, sign * frequency[:, mode], full_turn)
     mode, sign = mode[brackets.curve], sign[brackets.curve]
     allowed = SETTLED * np.maximum(error, LEAST_ERROR)[mode] * np.abs(brackets.value[1])
-    # A parabola over whole steps may be wrong: each is tried once.
-    gained = np.where(brackets.has_width, np.inf, 0.0)
+    # A parabola over whole steps may be wrong: each is tried once, unless the curve is flat.
+    gained = np.where(brackets.has_width & brackets.may_fall(), np.inf, 0.0)
     for _ in range(MOST_ROUNDS):
         vertex, gain = brackets.parabola()
         these = np.flatnonzero((np.maximum(gain, gained) > allowed) & brackets.may_be_lowest())
@@ -187,6 +187,12 @@ class _Brackets:
         least = self.value[1, self.lowest()][self.curve]
         bound = _lower_bound(self.value[0], self.value[2], self.slope, self.angle)
         return np.asarray(np.minimum(bound, self.value[1]) <= least)
+
+    def may_fall(self) -> NDArray[np.bool_]:
+        """Which may come below their own value by more than round-off, at such slopes; (b,)."""
+        here = self.value[1]
+        bound = _lower_bound(self.value[0], self.value[2], self.slope, self.angle)
+        return np.asarray(bound < here - LEAST_ERROR * np.abs(here))
 
     @property
     def has_width(self) -> NDArray[np.bool_]:
