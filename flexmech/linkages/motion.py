@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from flexmech.numbers import checked_array
 from flexmech.short_repr import shapes, short_repr
@@ -78,6 +78,20 @@ class RigidMotion:
 
     def __repr__(self) -> str:
         return short_repr(self, *shapes(self))
+
+    def at(self, which: NDArray[np.bool_]) -> RigidMotion:
+        """Motion in some of the positions.
+
+        Parameters
+        ----------
+        which : ndarray of bool, shape (...)
+
+        Returns
+        -------
+        RigidMotion
+            Batch of shape (B,).
+        """
+        return RigidMotion(*(getattr(self, field.name)[which] for field in fields(self)))
 
     def position(self, link: int, x: float) -> FloatArray:
         """Ground position of the point at ``x`` along a link; shape (..., 2)."""

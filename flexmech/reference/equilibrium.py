@@ -54,6 +54,16 @@ class _State:
         """No displacement, nothing solved yet."""
         return cls(np.zeros(shape), np.zeros(shape[0]), np.zeros(0), np.zeros(shape[0], dtype=bool))
 
+    def with_part(self, which: IntArray, part: _State) -> _State:
+        """The state with some positions replaced; all of them at first."""
+        if len(which) == len(self.z):
+            return part
+        for own, new in ((self.z, part.z), (self.error, part.error)):
+            own[which] = new
+        self.factors[..., which] = part.factors
+        self.converged[which] = part.converged
+        return self
+
 
 @dataclass(frozen=True)
 class _Loads:
@@ -62,6 +72,10 @@ class _Loads:
     outer: FloatArray
     extra: list[FloatArray]
     swelling: float
+
+    def at(self, which: NDArray[np.bool_]) -> _Loads:
+        """Those of some positions."""
+        return _Loads(self.outer[which], [e[which] for e in self.extra], self.swelling)
 
 
 class Equilibrium:
@@ -128,8 +142,9 @@ class Equilibrium:
         raise AssertionError("unreachable")
 
     def _newton(self, motion: RigidMotion, z: FloatArray, loads: _Loads) -> _State:
-        """Newton's method from displacements z; positions that have converged rest."""
-        converged = np.zeros(len(z), dtype=bool)
+        """Newton's method from displacements z; the positions that have converged drop out."""
+        state = _State.unloaded(z.shape)
+        which = np.arange(len(z))
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             residual, band = self._out_of_balance(motion, z, loads)
             error = np.abs(residual).max(axis=1, initial=0.0)
@@ -137,16 +152,20 @@ class Equilibrium:
                 factors = banded.factorize(band)
                 change = np.empty_like(z)
                 change[:, self._order] = banded.solve(factors, residual.T[self._order]).T
-                change[converged] = 0.0
+                change[state.converged[which]] = 0.0
                 turned = np.abs(change * self._turned_by).max(axis=1, initial=0.0)
                 last = turned <= LAST_STEP
                 z = z + np.where(last[:, None], change, 0.0)
-                converged |= last
-                if converged.all():
+                state = state.with_part(which, _State(z, error, factors, last))
+                if last.all():
                     break
                 change[last] = 0.0
+                if 2 * np.count_nonzero(last) > len(last):
+                    rest = ~last
+                    which, motion, loads = which[rest], motion.at(rest), loads.at(rest)
+                    z, change, error = z[rest], change[rest], error[rest]
                 z, residual, band, error = self._advance(motion, z, change, loads, error)
-        return _State(z, error, factors, converged)
+        return state
 
     def response(
         self, displacement: Sequence[FloatArray], extra: Sequence[FloatArray]

@@ -133,3 +133,18 @@ def test_only_an_engine_that_simulates_is_taken_as_a_simulator() -> None:
     assert simulator(exudyn) is exudyn
     with pytest.raises(InputError, match=r"reference engine does not simulate.*use the exudyn"):
         simulator(ReferenceEngine(fourbar(), 2))
+
+
+def test_equilibria_of_a_batch_are_those_of_single_positions(aluminium):
+    """Positions that Newton's method needs most steps for go on alone."""
+    engine = ReferenceEngine(aluminium, 8)
+    angles = np.radians(np.arange(0, 360, 15.0))
+    motion = aluminium.linkage.motion(angles, 60.0)
+    together = engine.stressed_links(motion, "equilibrium")
+    for number in range(len(angles)):
+        one = aluminium.linkage.motion(angles[number : number + 1], 60.0)
+        alone = engine.stressed_links(one, "equilibrium")
+        for found, exact in zip(together.displacement, alone.displacement, strict=True):
+            np.testing.assert_allclose(found[number], exact[0], rtol=0, atol=1e-13)
+        for found, exact in zip(together.tangent, alone.tangent, strict=True):
+            np.testing.assert_allclose(found[number], exact[0], rtol=0, atol=1e-12 * exact.max())
