@@ -100,14 +100,16 @@ def parse_speeds(text: str) -> units.Quantities:
     return units.Quantities(tuple(speeds), found.unit)
 
 
-def parse_angles(text: str) -> list[float]:
-    """Crank angles of ``--angles``.
+def parse_angles(text: str, option: str = "--angles") -> list[float]:
+    """Crank angles of an option such as ``--angles``.
 
     Parameters
     ----------
     text : str
         ``START:STOP:STEP`` or a comma list; degrees unless a unit is given. See
         :func:`flexmech.units.parse_quantities`.
+    option : str
+        For messages.
 
     Returns
     -------
@@ -119,7 +121,7 @@ def parse_angles(text: str) -> list[float]:
     InputError
         If one is no angle, the range cannot be, or the list does not increase.
     """
-    with naming("--angles"):
+    with naming(option):
         angles = units.parse_quantities(text, CRANK_ANGLE, "deg", most=MOST_ANGLES).values
         if max(map(abs, angles)) > MOST_DEGREES:
             raise InputError(

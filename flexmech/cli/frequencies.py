@@ -18,6 +18,7 @@ def frequencies(
     speeds: options.Speeds = None,
     angles: options.Angles = "0:360:5",
     modes: options.Modes = MODES,
+    shapes_at: options.ShapesAt = None,
     engine: options.Engine = "both",
     element: options.Element = None,
     prestress: options.MapPrestress = "equilibrium",
@@ -40,6 +41,7 @@ def frequencies(
     """
     given = None if speeds is None else parse_speeds(speeds)
     crank_angles = parse_angles(angles)
+    shape_angles = None if shapes_at is None else parse_angles(shapes_at, "--shapes-at")
     environment = parse_environment(temperature_rise, moisture, relative_humidity, time)
 
     import numpy as np
@@ -62,6 +64,8 @@ def frequencies(
             environment=environment,
             speed_unit=unit,
             tolerance=tolerance if elements is None else None,
+            shapes_at=None if shape_angles is None else np.radians(shape_angles),
+            smooth=not no_plots,
             progress=progress,
         ),
         out,

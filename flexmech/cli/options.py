@@ -31,6 +31,14 @@ Animate = Annotated[
 
 # Where, and at what speed.
 Angles = Annotated[str, Option(help="Crank angles in degrees: START:STOP:STEP, or a comma list.")]
+ShapesAt = Annotated[
+    str | None,
+    Option(
+        help="Crank angles in degrees at which mode shapes are drawn, a picture each. Left out: "
+        "the first of --angles.",
+        metavar="LIST",
+    ),
+]
 PostureAngle = Annotated[
     str | None,
     Option(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from itertools import accumulate
 
 import numpy as np
@@ -22,6 +23,7 @@ from flexmech.types import FloatArray
 
 __all__ = [
     "ONE_MODE",
+    "Between",
     "angle_layout",
     "branch_lines",
     "draw_line",
@@ -195,8 +197,52 @@ def branch_lines(values: FloatArray, branch: FloatArray) -> dict[int, FloatArray
     return lines
 
 
+@dataclass(frozen=True)
+class Between:
+    """Points of a line between the crank angles of a map.
+
+    Parameters
+    ----------
+    angles : ndarray, shape (n,)
+        In degrees.
+    values, branch : ndarray, shape (n, mode)
+        In the panel's unit, and branches as those of the map; 0 where none is known.
+    """
+
+    angles: FloatArray
+    values: FloatArray
+    branch: FloatArray
+
+    def among(
+        self, angles: FloatArray, line: FloatArray, branch: int
+    ) -> tuple[FloatArray, FloatArray]:
+        """A line with the points of its branch among those of the map.
+
+        Parameters
+        ----------
+        angles, line : ndarray, shape (A,)
+        branch : int
+
+        Returns
+        -------
+        ndarray, ndarray
+        """
+        here = self.branch == branch
+        points = here.any(axis=1)
+        added = np.where(here, self.values, 0.0).sum(axis=1)[points]
+        along = np.concatenate([angles, self.angles[points]])
+        order = np.argsort(along, kind="stable")
+        return along[order], np.concatenate([line, added])[order]
+
+
 def draw_series(
-    axes: Axes, angles: FloatArray, values: FloatArray, branch: FloatArray, number: int, total: int
+    axes: Axes,
+    angles: FloatArray,
+    values: FloatArray,
+    branch: FloatArray,
+    number: int,
+    total: int,
+    between: Between | None = None,
 ) -> dict[int, FloatArray]:
     """Draw a series of modes: the first engine as lines, the others as marks at some angles.
 
@@ -211,6 +257,8 @@ def draw_series(
         Branch of each mode of the first engine; a line follows a branch.
     number, total : int
         Which series of how many.
+    between : Between, optional
+        Further points of the first engine's lines.
 
     Returns
     -------
@@ -218,8 +266,9 @@ def draw_series(
         The lines, by branch.
     """
     lines = branch_lines(values[0], branch)
-    for line in lines.values():
-        draw_line(axes, angles, line, number)
+    for of_branch, line in lines.items():
+        points = (angles, line) if between is None else between.among(angles, line, of_branch)
+        draw_line(axes, *points, number)
     style, places = series_style(number), staggered(angles, number, total)
     for engine in range(1, len(values)):
         look = _mark(style.marker, style.color, engine)

@@ -10,6 +10,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from flexmech.plots import angle_panels, scales, style
+from flexmech.plots.angle_panels import Between
 from flexmech.plots.labels import engine_label, mode_label, speed_texts, spread
 from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.reading import MAP, cell_edges, degrees, values_of
@@ -17,7 +18,7 @@ from flexmech.plots.series import Look, line_handle
 from flexmech.plots.speed_colours import colour_bar, has_many_speeds, speed_lines
 from flexmech.types import FloatArray
 
-__all__ = ["contiguous_runs", "mode_groups", "plot_frequencies"]
+__all__ = ["contiguous_runs", "mode_groups", "plot_frequencies", "points_between"]
 
 # Two modes whose bands are this close in ratio can exchange branches; modes further apart
 # only seem to, where the crank angles are too coarse to follow a branch.
@@ -64,14 +65,17 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
             handles.append(Patch(**STRIP, label="veering"))
         drawn.header(handles, of=dataset)
         angle_panels.label_angles(drawn, angles, "Frequency (Hz)")
+        between = points_between(dataset)
         for axes, group in zip(drawn.panels, groups, strict=True):
             axes.set_title(mode_label(dataset["mode"].values[group].tolist()))
             scales.scale_y(axes, frequency[..., group], least_part=scales.FREQUENCY_BAND)
             _mark_veering(axes, angles, veering[..., group])
+            parts = axes, angles, frequency[..., group], branch[0][..., group]
+            of_group = [_of_modes(each, group) for each in between]
             if many:
-                _draw_many(axes, angles, frequency[0][..., group], branch[0][..., group], dataset)
+                _draw_many(*parts, of_group, speed_lines(dataset))
             else:
-                _draw_speeds(axes, angles, frequency[..., group], branch[0][..., group])
+                _draw_speeds(*parts, of_group)
         if many:
             colour_bar(drawn, dataset)
     return drawn.figure
@@ -125,27 +129,68 @@ def _mark_veering(axes: Axes, angles: FloatArray, veering: NDArray[np.bool_]) ->
         axes.axvspan(edges[first], edges[last + 1], ymax=height, **STRIP, zorder=0)
 
 
-def _draw_speeds(axes: Axes, angles: FloatArray, frequency: FloatArray, branch: FloatArray) -> None:
+def points_between(dataset: xr.Dataset) -> list[Between]:
+    """Points of the first engine's lines between the crank angles, one entry a crank speed.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        With ``frequency_between`` and ``branch_between``, or without.
+
+    Returns
+    -------
+    list of Between
+        Without points where the dataset holds none.
+    """
+    count, modes = dataset.sizes["crank_speed"], dataset.sizes["mode"]
+    if "frequency_between" not in dataset:
+        nothing = np.zeros((0, modes))
+        return [Between(np.zeros(0), nothing, nothing)] * count
+    order = ("crank_speed", "between_angle", "mode")
+    values, branch = (values_of(dataset[f"{n}_between"], *order) for n in ("frequency", "branch"))
+    angles = degrees(dataset["between_angle"])
+    return [Between(angles, *each) for each in zip(values, branch, strict=True)]
+
+
+def _of_modes(between: Between, group: list[int]) -> Between:
+    """Points of some modes; those of one mode alone are one line, whatever their branches."""
+    values, branch = between.values[:, group], between.branch[:, group]
+    return Between(between.angles, values, branch if len(group) > 1 else np.zeros_like(branch))
+
+
+def _draw_speeds(
+    axes: Axes,
+    angles: FloatArray,
+    frequency: FloatArray,
+    branch: FloatArray,
+    between: list[Between],
+) -> None:
     """All speeds in one panel: frequency (engine, speed, angle, mode), branch without engine."""
     _, n_speeds, _, n_modes = frequency.shape
     # One mode alone is one line: sorted frequencies do not jump.
     along = branch if n_modes > 1 else np.zeros_like(branch)
     for number in range(n_speeds):
         values = frequency[:, number]
-        lines = angle_panels.draw_series(axes, angles, values, along[number], number, n_speeds)
+        series = along[number], number, n_speeds, between[number]
+        lines = angle_panels.draw_series(axes, angles, values, *series)
         if number == 0 and n_modes > 1:
             _number_branches(axes, lines)
 
 
 def _draw_many(
-    axes: Axes, angles: FloatArray, frequency: FloatArray, branch: FloatArray, dataset: xr.Dataset
+    axes: Axes,
+    angles: FloatArray,
+    frequency: FloatArray,
+    branch: FloatArray,
+    between: list[Between],
+    looks: list[Look],
 ) -> None:
-    """Many speeds in one panel, in colours of a scale; both of shape (speed, angle, mode)."""
-    for number, look in enumerate(speed_lines(dataset)):
+    """As with few speeds, each in its look, and of the first engine alone."""
+    for number, look in enumerate(looks):
         along = branch[number] if branch.shape[-1] > 1 else np.zeros_like(branch[number])
-        lines = angle_panels.branch_lines(frequency[number], along)
-        for line in lines.values():
-            axes.plot(angles, line, **look)
+        lines = angle_panels.branch_lines(frequency[0, number], along)
+        for of_branch, line in lines.items():
+            axes.plot(*between[number].among(angles, line, of_branch), **look)
         if number == 0 and branch.shape[-1] > 1:
             _number_branches(axes, lines)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
@@ -47,6 +48,13 @@ def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None)
     angles = degrees(dataset["crank_angle"])
     order = ("mode", "crank_speed", "state", "crank_angle")
     frequency = values_of(dataset["frequency"].isel(engine=0), *order)
+    drawn_at, lines = angles, frequency
+    if "frequency_between" in dataset:
+        between = values_of(dataset["frequency_between"], *order[:-1], "between_angle")
+        drawn_at = np.append(angles, degrees(dataset["between_angle"]))
+        sequence = np.argsort(drawn_at, kind="stable")
+        drawn_at = drawn_at[sequence]
+        lines = np.concatenate([frequency, between], axis=-1)[..., sequence]
     with angle_panels.mode_panels(dataset, "Natural frequency (Hz)", ax=ax) as drawn:
         handles = [
             line_handle(label, color=style.MID_GREY, **line)
@@ -59,10 +67,10 @@ def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None)
             looks.append(series_line(number, angles))
         title = "Natural frequencies in two states of heat and moisture"
         drawn.header(handles, title, of=dataset)
-        for axes, speeds in zip(drawn.panels, frequency, strict=True):
+        for axes, speeds in zip(drawn.panels, lines, strict=True):
             for states, look in zip(speeds, looks, strict=True):
                 for values, line in zip(states, LINES, strict=True):
-                    axes.plot(angles, values, **(look | line))
+                    axes.plot(drawn_at, values, **(look | line))
             scales.scale_y(axes, speeds, least_part=scales.FREQUENCY_BAND)
         if many:
             colour_bar(drawn, dataset)

@@ -26,11 +26,16 @@ POINTS_A_STATION = 4
 ENLARGED_TO = 0.14
 # An end that moves less than this part of the largest displacement in every mode is held.
 AT_REST = 1e-6
+NOT_SHOWN = ["crank_angle", "check_angle", "shape_angle"]
 SHAPE = ("crank_speed", "mode", "link", "station", "component")
 
 
 def plot_mode_shapes(
-    dataset: xr.Dataset, *, ax: AxesLike | None = None, check_angle: float | None = None
+    dataset: xr.Dataset,
+    *,
+    ax: AxesLike | None = None,
+    check_angle: float | None = None,
+    shape_angle: float | None = None,
 ) -> Figure:
     """Draw each mode on the linkage, with the shape at every crank speed on top of another.
 
@@ -47,6 +52,8 @@ def plot_mode_shapes(
         The user's, one a mode. Left out: a new figure is made.
     check_angle : float, optional
         Crank angle in rad; the nearest angle with stored shapes is taken. Default the first.
+    shape_angle : float, optional
+        Instead: the nearest of the crank angles in rad at which shapes were asked for.
 
     Returns
     -------
@@ -57,17 +64,15 @@ def plot_mode_shapes(
         place, text = highest_speed(dataset)
         dataset = dataset.isel(crank_speed=[place])
         speed = f"{text} and "
-    angles = dataset["check_angle"].values.astype(float)
-    nearest = 0 if check_angle is None else int(np.argmin(np.abs(angles - check_angle)))
-    first = dataset.isel(engine=0)
-    frequency = first["frequency"].sel(crank_angle=angles[nearest], method="nearest")
-    stored = first["mode_shape"].isel(check_angle=nearest)
+    shown = _stored(dataset, check_angle) if shape_angle is None else _asked(dataset, shape_angle)
+    frequency, stored = shown["frequency"], shown["shape"]
     real, imaginary = (values_of(stored.sel(part=part), *SHAPE) for part in ("real", "imaginary"))
     shapes = _real_shapes(real + 1j * imaginary)
-    rigid = values_of(dataset["rigid_position"], "check_angle", *SHAPE[2:])
+    # Ends that are together in every position are a joint.
+    rigid = values_of(shown["position"], "place", *SHAPE[2:])
     held = np.abs(shapes[..., [0, -1], :]).max(axis=(0, 1, -1)) <= AT_REST
-    pins, supports = (places_of(rigid[nearest], ends) for ends in joint_ends(rigid, held))
-    sketch = LinkageSketch(rigid[nearest], pins, supports)
+    pins, supports = (places_of(rigid[0], ends) for ends in joint_ends(rigid, held))
+    sketch = LinkageSketch(rigid[0], pins, supports)
     deflected = _smooth(sketch.links + ENLARGED_TO * sketch.size * shapes)
     limits = sketch.limits(deflected)
     n_speeds, n_modes = shapes.shape[:2]
@@ -78,7 +83,7 @@ def plot_mode_shapes(
             for number, text in enumerate(speed_texts(dataset))
         ]
         title = (
-            f"Mode shapes at {speed}crank angle {np.degrees(angles[nearest]):.4g}° by "
+            f"Mode shapes at {speed}crank angle {np.degrees(shown.attrs['angle']):.4g}° by "
             f"{engine_label(dataset)}, displacement enlarged"
         )
         handles.append(line_handle("rigid linkage", **RIGID))
@@ -95,6 +100,38 @@ def plot_mode_shapes(
                     axes.plot(*link.T, **line)
         sketch.draw_scale_bar(drawn.panels[0])
     return drawn.figure
+
+
+def _stored(dataset: xr.Dataset, check_angle: float | None) -> xr.Dataset:
+    """Shapes of the first engine at one of the map's check angles, that position first."""
+    angles = dataset["check_angle"].values.astype(float)
+    nearest = 0 if check_angle is None else int(np.argmin(np.abs(angles - check_angle)))
+    first = dataset.isel(engine=0)
+    order = [nearest, *(n for n in range(len(angles)) if n != nearest)]
+    position = first["rigid_position"].isel(check_angle=order).rename(check_angle="place")
+    shown = {
+        "frequency": first["frequency"].sel(crank_angle=angles[nearest], method="nearest"),
+        "shape": first["mode_shape"].isel(check_angle=nearest),
+    }
+    whole = xr.Dataset(
+        {name: each.drop_vars(NOT_SHOWN, errors="ignore") for name, each in shown.items()}
+    )
+    whole["position"] = position.drop_vars("place")
+    return whole.assign_attrs(angle=angles[nearest])
+
+
+def _asked(dataset: xr.Dataset, shape_angle: float) -> xr.Dataset:
+    """Shapes at one of the angles at which they were asked for, that position first."""
+    angles = dataset["shape_angle"].values.astype(float)
+    here = dataset.isel(shape_angle=int(np.argmin(np.abs(angles - shape_angle))))
+    others = dataset["rigid_position"].rename(check_angle="place").drop_vars("place")
+    position = xr.concat(
+        [here["asked_position"].drop_vars(NOT_SHOWN, errors="ignore"), others], "place"
+    )
+    return xr.Dataset(
+        {"frequency": here["asked_frequency"], "shape": here["asked_shape"], "position": position},
+        attrs={"angle": float(here["shape_angle"])},
+    )
 
 
 def _real_shapes(complex_shapes: NDArray[np.complex128]) -> FloatArray:

@@ -64,6 +64,8 @@ def test_defaults_are_those_of_the_manual(
         "environment": None,
         "speed_unit": "rad/s",
         "tolerance": 1e-3,
+        "shapes_at": None,
+        "smooth": False,
         "progress": None,
     }
     assert names(tmp_path / "results") == DATA

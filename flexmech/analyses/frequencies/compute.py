@@ -15,6 +15,7 @@ from flexmech.analyses.environment import environment_lines, state_name
 from flexmech.analyses.frequencies.dataset import joined, with_states
 from flexmech.analyses.frequencies.engine_map import map_engine
 from flexmech.analyses.frequencies.formulation import Formulation
+from flexmech.analyses.frequencies.pictured import drawn_between, shapes_asked_for
 from flexmech.analyses.frequencies.request import FrequencyRequest, operating_speeds
 from flexmech.analyses.frequencies.result import MovingFrequencies
 from flexmech.analyses.frequencies.speed_effect import speed_effect_terms
@@ -41,6 +42,8 @@ def moving_frequencies(
     environment: Environment | None = None,
     speed_unit: str = "rad/s",
     tolerance: float | None = None,
+    shapes_at: ArrayLike | None = None,
+    smooth: bool = False,
     progress: LabelledProgress | None = None,
 ) -> MovingFrequencies:
     """Tracked natural frequencies over crank angles and speeds, with their errors.
@@ -75,6 +78,12 @@ def moving_frequencies(
     tolerance : float, optional
         Estimated relative error of the frequencies by the mesh: each engine doubles its elements
         until it is met, up to 32 on each link. Left out: the engines' elements are kept.
+    shapes_at : array_like, optional
+        Crank angles in rad at which mode shapes are drawn, of the first engine. Left out: the
+        first crank angle.
+    smooth : bool
+        Also solve between the crank angles, with the first engine, where a line through them
+        would show corners; not with ``trajectory``.
     progress : callable, optional
         Called as ``progress(label, done, total)``.
 
@@ -108,6 +117,8 @@ def moving_frequencies(
         speed_effect,
         speed_unit,
         tolerance,
+        np.zeros(0) if shapes_at is None else np.asanyarray(shapes_at),
+        smooth and prestress != "trajectory",
     )
     if prestress == "trajectory" and not any(each.simulates for each in engines):
         names = " and ".join(each.name for each in engines)
@@ -133,7 +144,8 @@ def moving_frequencies(
         each.with_(mechanism=mechanism, element=one.element, elements=one.elements)
         for each, one in zip(engines, used, strict=True)
     ]
-    as_meshed = replace(request, tolerance=None)
+    between = found["between_angle"].values if "between_angle" in found else np.zeros(0)
+    as_meshed = replace(request, tolerance=None, smooth=between if request.smooth else False)
     states = {"dry": _in_one_state(dry, as_meshed, report)[0], state_name(environment): found}
     return MovingFrequencies(with_states(states, lines).assign_attrs(theories))
 
@@ -152,8 +164,13 @@ def _in_one_state(
         maps = [map_engine(engine, request, report) for engine in engines]
         if request.split_speeds.size and not engines[0].mechanism.is_free_strained:
             terms = speed_effect_terms(maps[0].systems, request, report)
+        first, pictured = maps[0], []
+        if not isinstance(request.smooth, bool) or request.smooth:
+            pictured.append(drawn_between(first.systems, request, first.dataset))
+        if len(request.shapes_at):
+            pictured.append(shapes_asked_for(first.systems, request))
     used = [
         engine.with_(elements=each.engine.elements)
         for engine, each in zip(engines, maps, strict=True)
     ]
-    return joined(used, request, [each.dataset for each in maps], terms), used
+    return joined(used, request, [each.dataset for each in maps], terms, pictured), used

@@ -23,6 +23,7 @@ def joined(
     request: FrequencyRequest,
     maps: Sequence[xr.Dataset],
     speed_effect: dict[str, FloatArray] | None,
+    pictured: Sequence[xr.Dataset] = (),
 ) -> xr.Dataset:
     """Join the maps of all engines, and label them.
 
@@ -33,6 +34,8 @@ def joined(
     maps : sequence of xarray.Dataset
         One for each engine; see :class:`flexmech.analyses.frequencies.engine_map.EngineMap`.
     speed_effect : dict of str to ndarray, shape (S, A, modes), or None
+    pictured : sequence of xarray.Dataset
+        What pictures of the first engine show besides.
 
     Returns
     -------
@@ -62,6 +65,8 @@ def joined(
         station=np.linspace(0.0, 1.0, positions.shape[2]),
         component=["x", "y"],
     )
+    for part in pictured:
+        dataset = dataset.merge(part)
     return with_units(dataset, "frequencies").assign_attrs(
         provenance(engines),
         prestress=formulation.prestress,

@@ -24,6 +24,7 @@ from flexmech.analyses.frequencies.extremes import extremes_between, known_error
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along, systems_at
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
+from flexmech.analyses.frequencies.pictured import scaled_parts
 from flexmech.analyses.frequencies.reduction import ReductionError, settled
 from flexmech.analyses.frequencies.refinement import Positions
 from flexmech.analyses.frequencies.request import FrequencyRequest
@@ -174,7 +175,7 @@ def _map_on_mesh(
         errors = {
             "discretisation_error": check.discretisation_error,
             "reduction_error": check.reduction_error.frequency,
-            "mode_shape": _scaled_parts(shapes[:, :modes]),
+            "mode_shape": scaled_parts(shapes[:, :modes]),
         }
         if systems.is_damped:
             errors |= {
@@ -263,11 +264,3 @@ def _extremes(
         full_turn=request.full_turn,
     )
     return {field.name: ("mode", getattr(extremes, field.name)) for field in fields(extremes)}
-
-
-def _scaled_parts(shapes: NDArray[Any]) -> FloatArray:
-    """Mode shapes as real and imaginary part, the largest displacement of each mode 1."""
-    amplitude = np.sqrt(np.sum(np.abs(shapes) ** 2, axis=-1))
-    largest = amplitude.max(axis=(-2, -1))[..., None, None, None]
-    scaled = shapes / np.where(largest > 0, largest, 1.0)
-    return np.stack([scaled.real, scaled.imag], axis=2)

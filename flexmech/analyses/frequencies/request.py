@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -20,6 +20,7 @@ FORMULATION = Formulation()
 # Each with the mode shape of three links at nine stations, 1 kB.
 MOST_FREQUENCIES = 4_000_000
 SPEEDS = (0.0, 10.0, 20.0)
+MOST_SHAPES = 72
 
 
 @dataclass(frozen=True, repr=False)
@@ -41,6 +42,11 @@ class FrequencyRequest:
     tolerance : float, optional
         Estimated relative error of the frequencies by the mesh up to which the elements given
         are refined; None keeps them.
+    shapes_at : ndarray, optional
+        Crank angles in rad at which mode shapes are wanted, of the first engine.
+    smooth : bool or ndarray
+        Whether to solve for the first engine between the crank angles too, where lines bend; or
+        at which crank angles in rad.
 
     Raises
     ------
@@ -59,6 +65,8 @@ class FrequencyRequest:
     speed_effect: bool | Literal["fastest"] = False
     speed_unit: str = "rad/s"
     tolerance: float | None = None
+    shapes_at: FloatArray = field(default_factory=lambda: np.zeros(0))
+    smooth: bool | FloatArray = False
 
     def __post_init__(self) -> None:
         angles = in_radians("crank_angles", self.crank_angles)
@@ -71,6 +79,10 @@ class FrequencyRequest:
             raise InputError("crank_angles must increase; sort them and leave out repetitions")
         if len(np.unique(speeds)) != len(speeds):
             raise InputError("crank_speeds repeats a speed; give each one once")
+        shapes_at = np.atleast_1d(in_radians("shapes_at", self.shapes_at))
+        if shapes_at.ndim != 1 or len(shapes_at) > MOST_SHAPES:
+            raise InputError(f"shapes_at must be a list of {MOST_SHAPES} crank angles at most")
+        object.__setattr__(self, "shapes_at", np.unique(shapes_at))
         if self.tolerance is not None:
             check_number(self.tolerance, "tolerance", bounds=POSITIVE)
         asked = len(angles) * len(speeds) * self.formulation.modes

@@ -38,6 +38,7 @@ FILES = (
     "damping.png",
     "damping_ratio.png",
     "mode_shapes.png",
+    "mode_shapes_*.png",
     "agreement.png",
 )
 
@@ -268,7 +269,11 @@ class MovingFrequencies(Result):
         ):
             if variable in data:
                 figures[name] = draw(data)
-        figures["mode_shapes"] = plots.plot_mode_shapes(data)
+        if "asked_shape" not in data:
+            figures["mode_shapes"] = plots.plot_mode_shapes(data)
+        for angle in data["shape_angle"].values if "asked_shape" in data else ():
+            name = f"mode_shapes_{np.degrees(angle):.6g}"
+            figures[name] = plots.plot_mode_shapes(data, shape_angle=float(angle))
         if data.sizes["engine"] > 1:
             figures["agreement"] = plots.plot_agreement(data)
         return figures
