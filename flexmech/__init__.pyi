@@ -6,6 +6,7 @@ from . import plots as plots
 from . import sections as sections
 from . import studies as studies
 from . import time_domain as time_domain
+from .analyses import CampbellDiagram as CampbellDiagram
 from .analyses import CouplerPaths as CouplerPaths
 from .analyses import CrankRockerSynthesis as CrankRockerSynthesis
 from .analyses import Formulation as Formulation
@@ -26,6 +27,7 @@ from .analyses import moving_frequencies as moving_frequencies
 from .analyses import natural_frequencies as natural_frequencies
 from .analyses import section_profiles as section_profiles
 from .analyses import strain_energy_damping as strain_energy_damping
+from .analyses.campbell import campbell as campbell
 from .analyses.response import response as response
 from .analyses.speed_sweep import speed_sweep as speed_sweep
 from .errors import ComputationError as ComputationError

@@ -1,3 +1,5 @@
+from .campbell import CampbellDiagram as CampbellDiagram
+from .campbell import CampbellRequest as CampbellRequest
 from .check import ModelCheck as ModelCheck
 from .check import check_mechanism as check_mechanism
 from .coupler_path import CouplerPaths as CouplerPaths

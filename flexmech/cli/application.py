@@ -11,6 +11,7 @@ from typing import Annotated, Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
+from flexmech.cli.campbell import campbell
 from flexmech.cli.check import check
 from flexmech.cli.coupler_curve import coupler_curve
 from flexmech.cli.failures import reports_failures
@@ -29,6 +30,7 @@ from flexmech.errors import FlexmechError, InputError, one_line
 # In the order of the help. The docstring of a command is what its help says.
 COMMANDS: tuple[Callable[..., None], ...] = (
     frequencies,
+    campbell,
     response,
     coupler_curve,
     moisture,

@@ -20,6 +20,8 @@ MOST_ANGLES = 100_000
 """More crank angles than this are taken for a slip of the keyboard."""
 MOST_SPEEDS = 10_000
 MOST_DEGREES = 2880
+MOST_ORDER = 1000
+"""Of the crank's speed in a Campbell diagram."""
 DOUBTFUL_SPEED = 200.0
 """In rad/s: a bare number beyond may be meant in turns a minute."""
 
@@ -136,6 +138,40 @@ def parse_angles(text: str, option: str = "--angles") -> list[float]:
                     "need be)"
                 )
     return list(angles)
+
+
+def parse_orders(text: str) -> list[int]:
+    """Orders of ``--orders``: ``START:STOP``, ``START:STOP:STEP`` or a comma list.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``"1:10"``, ``"2:12:2"`` or ``"1,2,4"``.
+
+    Returns
+    -------
+    list of int
+        Ascending.
+
+    Raises
+    ------
+    InputError
+        If one is no whole number from 1 on, or appears twice, or the range cannot be.
+    """
+    remedy = 'write whole numbers from 1 on: "1:10", or with a step "2:12:2", or a list "1,2,4"'
+    separator = ":" if ":" in text else ","
+    with naming("--orders"):
+        parts = [units.parse_number(part) for part in text.split(separator)]
+        if any(part != int(part) or not 1 <= part <= MOST_ORDER for part in parts):
+            raise InputError(f"got {text!r}; {remedy} (up to {MOST_ORDER})")
+        whole = [int(part) for part in parts]
+        if separator == ":":
+            if len(whole) not in (2, 3) or whole[1] < whole[0]:
+                raise InputError(f"got {text!r}, which is no range; {remedy}")
+            return list(range(whole[0], whole[1] + 1, *whole[2:]))
+        if len(set(whole)) < len(whole):
+            raise InputError(f"got {text!r}, which repeats an order; give each one once")
+        return sorted(whole)
 
 
 def parse_point(text: str) -> CouplerPoint:

@@ -56,6 +56,22 @@ Speeds = Annotated[
         metavar="LIST",
     ),
 ]
+CampbellSpeeds = Annotated[
+    str,
+    Option(
+        "--speeds",
+        help="Crank speeds: START:STOP:STEP or a comma list with one unit at the end, as in "
+        '"0:900:10 rpm"; rad/s if there is none.',
+        metavar="LIST",
+    ),
+]
+Orders = Annotated[
+    str,
+    Option(
+        help='Multiples of the crank\'s speed: START:STOP, or a comma list such as "1,2,4".',
+        metavar="LIST",
+    ),
+]
 Speed = Annotated[
     str,
     Option(
@@ -74,6 +90,10 @@ Point = Annotated[
 
 # Engines, and what they linearize.
 Engine = Annotated[choices.EngineChoice, Option(help="Which engine computes.")]
+CampbellEngine = Annotated[
+    choices.EngineChoice,
+    Option(help="Which engine computes; exudyn takes ten times as long, both stand side by side."),
+]
 Element = Annotated[
     choices.ElementName | None,
     Option(
@@ -118,6 +138,22 @@ MapPrestress = Annotated[
         help="none: elastic stiffness alone; axial: with the axial forces of the rigid motion; "
         "equilibrium: at the nonlinear quasi-static equilibrium; trajectory: in the states that "
         "Exudyn's settled simulation runs through, beside the quasi-static ones."
+    ),
+]
+Prestress = Annotated[
+    choices.Prestress,
+    Option(
+        help="none: elastic stiffness alone; axial: with the axial forces of the rigid motion; "
+        "equilibrium: at the nonlinear quasi-static equilibrium."
+    ),
+]
+PeriodicResponse = Annotated[
+    bool,
+    Option(
+        "--response",
+        help="Also the peaks of the periodic motion over the quasi-static ones: from a twentieth "
+        "of the greatest speed on, at a hundred of the speeds at most; about a third of a second "
+        "each, longer at low speeds.",
     ),
 ]
 RunPrestress = Annotated[

@@ -12,7 +12,7 @@ from flexmech.linear_system.engine import Engine
 from flexmech.linear_system.link_frames import LinkDamping, LinkFrames, RotationTerms
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
 from flexmech.linear_system.link_stretch import LinkStretch
-from flexmech.linear_system.position_errors import refuse_positions
+from flexmech.linear_system.position_errors import RefusedPositionsError, refuse_positions
 from flexmech.linear_system.quasi_static import (
     LOAD_STEPS,
     MAX_ITERATIONS,
@@ -47,6 +47,7 @@ __all__ = [
     "LinkModel",
     "LinkStretch",
     "Prestress",
+    "RefusedPositionsError",
     "RigidFields",
     "RotationTerms",
     "StressedLinks",

@@ -7,8 +7,36 @@ from numpy.typing import NDArray
 
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linkages import RigidMotion
+from flexmech.types import FloatArray
 
-__all__ = ["refuse_positions"]
+__all__ = ["RefusedPositionsError", "refuse_positions"]
+
+
+class RefusedPositionsError(ComputationError):
+    """Failure at some positions of a batch, with all of them that are known to fail.
+
+    Parameters
+    ----------
+    message : str
+        Names the first of them.
+    crank_speed : float, optional
+        Of the first, in rad/s.
+    crank_angles, crank_speeds : ndarray, shape (n,), optional
+        Of all, in rad and rad/s.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        crank_speed: float | None = None,
+        crank_angles: FloatArray | None = None,
+        crank_speeds: FloatArray | None = None,
+    ) -> None:
+        super().__init__(message, crank_speed=crank_speed)
+        none = np.empty(0)
+        self.crank_angles = none if crank_angles is None else crank_angles
+        self.crank_speeds = none if crank_speeds is None else crank_speeds
 
 
 def refuse_positions(
@@ -28,14 +56,16 @@ def refuse_positions(
 
     Raises
     ------
-    ComputationError
+    RefusedPositionsError
         If a position is refused.
     """
     if not refused.any():
         return
     first = int(np.argmax(refused))
     angle = np.degrees(motion.crank_angle[first])
-    raise ComputationError(
+    raise RefusedPositionsError(
         f"{what} at crank angle {angle:.6g} deg and crank speed {CRANK_SPEED}{advice}",
         crank_speed=float(motion.crank_speed[first]),
+        crank_angles=motion.crank_angle[refused],
+        crank_speeds=motion.crank_speed[refused],
     )

@@ -1,6 +1,7 @@
 from .agreement import plot_agreement as plot_agreement
 from .animation import mp4_available as mp4_available
 from .animation import write_animation as write_animation
+from .campbell import plot_campbell as plot_campbell
 from .choose import chosen as chosen
 from .composite_study import plot_composite_damping as plot_composite_damping
 from .composite_study import plot_composite_frequencies as plot_composite_frequencies

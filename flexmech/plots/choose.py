@@ -12,7 +12,14 @@ from flexmech.errors import InputError
 
 __all__ = ["chosen"]
 
-DIMENSIONS = {"engine": "engine", "modes": "mode", "speeds": "crank_speed", "links": "link"}
+DIMENSIONS = {
+    "engine": "engine",
+    "modes": "mode",
+    "speeds": "crank_speed",
+    "links": "link",
+    "branches": "branch",
+    "orders": "order",
+}
 SAME_SPEED = 1e-9
 """Relative difference up to which two speeds are the same."""
 
@@ -24,6 +31,8 @@ def chosen(
     modes: ArrayLike | None = None,
     speeds: ArrayLike | None = None,
     links: ArrayLike | None = None,
+    branches: ArrayLike | None = None,
+    orders: ArrayLike | None = None,
 ) -> xr.Dataset:
     """Part of a dataset that a figure shall show, in the order asked for.
 
@@ -39,6 +48,8 @@ def chosen(
         Crank speeds in rad/s.
     links : str or sequence of str, optional
         Names, such as ``"coupler"``.
+    branches, orders : int or sequence of int, optional
+        Numbers from 1.
 
     Returns
     -------
@@ -51,6 +62,7 @@ def chosen(
         If the dataset has no such engine, mode, speed or link.
     """
     asked = {"engine": engine, "modes": modes, "speeds": speeds, "links": links}
+    asked |= {"branches": branches, "orders": orders}
     places = {}
     for argument, wanted in asked.items():
         if wanted is not None:

@@ -381,6 +381,66 @@ def sweep_dataset(
     return dataset
 
 
+def campbell_dataset(
+    branches: int = 4, *, peaks: bool = True, gap: bool = True, engines: int = 1
+) -> xr.Dataset:
+    """Bands that widen with speed, three critical speeds, and speeds without a result."""
+    speed = np.linspace(0.0, 90.0, 31)
+    mean = np.array(MEANS[:branches]) * np.ones((engines, len(speed), 1))
+    half = mean * np.array(WAVES[:branches]) * (1 + speed[:, None] / 90)
+    if gap:
+        mean[:, -6:] = np.nan
+    names = list(ELEMENTS)[:engines]
+    over = ("engine", "crank_speed", "branch")
+    ends = 2 * np.pi * np.array([[42.0, 46.0], [21.0, 23.0], [45.0, 51.0]]) / [[5], [5], [9]]
+    dataset = xr.Dataset(
+        {
+            "lowest_frequency": (over, mean - half),
+            "mean_frequency": (over, mean),
+            "highest_frequency": (over, mean + half),
+            "solved": (over[:2], np.ones((engines, len(speed)), dtype=bool)),
+            "discretisation_error": (
+                ("engine", "check_speed", "branch"),
+                np.full((engines, 1, branches), 2.5e-4),
+            ),
+            "fit_error": ("engine", np.full(engines, 1e-4)),
+            "projection_error": ("engine", np.full(engines, 1e-8)),
+            "crossing_error": ("engine", np.full(engines, 1e-9)),
+            "critical_engine": ("critical", [names[0]] * 3),
+            "critical_order": ("critical", [5, 5, 9]),
+            "critical_branch": ("critical", [1, 1, 2]),
+            "critical_start": ("critical", ends[:, 0]),
+            "critical_end": ("critical", ends[:, 1]),
+            "critical_gap": ("critical", [0.0, 0.04, 0.0]),
+            "critical_starts_inside": ("critical", [False] * 3),
+            "critical_ends_inside": ("critical", [False, False, True]),
+            "gap_engine": ("gap", [names[0]] * gap),
+            "gap_first": ("gap", [75.0] * gap),
+            "gap_last": ("gap", [90.0] * gap),
+            "gap_count": ("gap", [6] * gap),
+            "gap_reason": ("gap", ["the linkage buckles"] * gap),
+        },
+        coords={
+            "engine": names,
+            "element": ("engine", [ELEMENTS[name] for name in names]),
+            "elements": ("engine", [8] * engines),
+            "crank_speed": speed,
+            "check_speed": [0.0],
+            "branch": np.arange(1, branches + 1),
+            "order": np.arange(1, 11),
+        },
+        attrs={"mechanism": "aluminium four-bar", "speed_unit": "rad/s"},
+    )
+    if peaks:
+        dataset["peak_ratio"] = (("response_speed", "link"), 1 + 3 * np.eye(3))
+        dataset = dataset.assign_coords(
+            response_speed=[20.0, 40.0, 60.0],
+            link=["crank", "coupler", "rocker"],
+            probe=("link", ["tip", "middle", "middle"]),
+        )
+    return dataset
+
+
 def vibration_dataset(
     modes: int = 4,
     engines: tuple[str, ...] = ("reference", "exudyn"),

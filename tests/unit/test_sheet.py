@@ -25,6 +25,7 @@ from tests.unit.figure_checks import (
     shown_texts,
 )
 from tests.unit.plot_data import (
+    campbell_dataset,
     coupler_dataset,
     frequency_dataset,
     linkage_dataset,
@@ -101,6 +102,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_agreement: (frequency_dataset, 4),
     plots.plot_composite_damping: (composite_study, 3),
     plots.plot_composite_frequencies: (composite_study, 3),
+    plots.plot_campbell: (campbell_dataset, 2),
     plots.plot_coupler_angles: (coupler_dataset, 2),
     plots.plot_coupler_curve: (coupler_dataset, 3),
     plots.plot_forces: (response_dataset, 5),

@@ -76,7 +76,9 @@ def discretisation_error(
     meshes = [engine, *(engine.with_(elements=n) for n in _companion_meshes(engine))]
     parts = np.stack(
         [
-            _effects(Systems(mesh, formulation, detail=systems.detail), crank_angles, levels)
+            _effects(
+                replace(systems, engine=mesh, fastest=None, running=None), crank_angles, levels
+            )
             for mesh in meshes
         ]
     )

@@ -8,7 +8,7 @@ and no more than a few for the bend of a curve where modes veer.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 import xarray as xr
@@ -18,7 +18,7 @@ from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Extremes", "extremes_between", "known_error"]
+__all__ = ["Extremes", "extremes_between", "extremes_of_speeds", "known_error"]
 
 # The change of an extreme by the last round over the error that is reported of it.
 SETTLED = 0.1
@@ -34,13 +34,13 @@ FULL_TURN = 2 * np.pi
 
 @dataclass(frozen=True)
 class Extremes:
-    """Lowest and highest frequencies of m modes at one crank speed.
+    """Lowest and highest frequencies of m modes, at one crank speed or at several.
 
     Parameters
     ----------
-    lowest_frequency, highest_frequency : ndarray, shape (m,)
+    lowest_frequency, highest_frequency : ndarray, shape (..., m)
         Hz.
-    lowest_angle, highest_angle : ndarray, shape (m,)
+    lowest_angle, highest_angle : ndarray, shape (..., m)
         rad, within the crank angles asked for; of a full turn, within the turn from the first.
     """
 
@@ -97,11 +97,50 @@ def extremes_between(
     -------
     Extremes
     """
-    count = frequency.shape[1]
+    speeds = np.array([crank_speed])
+    found = extremes_of_speeds(
+        systems, crank_angles, speeds, frequency[None], error, full_turn=full_turn
+    )
+    return Extremes(*(getattr(found, field.name)[0] for field in fields(found)))
+
+
+def extremes_of_speeds(
+    systems: Systems,
+    crank_angles: FloatArray,
+    crank_speeds: FloatArray,
+    frequency: FloatArray,
+    error: FloatArray,
+    *,
+    full_turn: bool,
+) -> Extremes:
+    """Extremes over a range of crank angles at several crank speeds at once.
+
+    Parameters
+    ----------
+    systems, crank_angles, error, full_turn
+        As of :func:`extremes_between`.
+    crank_speeds : ndarray, shape (S,)
+        rad/s.
+    frequency : ndarray, shape (S, A, m)
+
+    Returns
+    -------
+    Extremes
+        Arrays of shape (S, m).
+    """
+    speeds, _, count = frequency.shape
     # The highest frequency is the lowest of the negative ones.
-    mode, sign = np.tile(np.arange(count), 2), np.repeat([1.0, -1.0], count)
-    brackets = _Brackets.on_grid(crank_angles, sign * frequency[:, mode], full_turn)
-    mode, sign = mode[brackets.curve], sign[brackets.curve]
+    shape = (2, speeds, count)
+    sign, row, mode = (
+        np.broadcast_to(each, shape).ravel()
+        for each in (
+            np.array([1.0, -1.0])[:, None, None],
+            np.arange(speeds)[:, None],
+            np.arange(count),
+        )
+    )
+    brackets = _Brackets.on_grid(crank_angles, sign * frequency[row, :, mode].T, full_turn)
+    sign, row, mode = (each[brackets.curve] for each in (sign, row, mode))
     allowed = SETTLED * np.maximum(error, LEAST_ERROR)[mode] * np.abs(brackets.value[1])
     # A parabola over whole steps may be wrong: each is tried once, unless the curve is flat.
     gained = np.where(brackets.has_width & brackets.may_fall(), np.inf, 0.0)
@@ -111,7 +150,9 @@ def extremes_between(
         if not len(these):
             break
         trial = brackets.angles_near(vertex)[:, these]
-        found = solve_frequencies(systems.at(trial.ravel(), crank_speed), count)
+        at = np.broadcast_to(crank_speeds[row[these]], trial.shape)
+        batches = systems.batches(trial.ravel(), at.ravel())
+        found = np.concatenate([solve_frequencies(system, count) for system in batches])
         value = found.reshape(*trial.shape, count)[:, np.arange(len(these)), mode[these]]
         known = brackets.value[1].copy()
         brackets.narrow(these, trial, sign[these] * value)
@@ -120,7 +161,8 @@ def extremes_between(
     where, extreme = brackets.angle[1, lowest], (sign * brackets.value[1])[lowest]
     if full_turn:
         where = crank_angles[0] + np.mod(where - crank_angles[0], FULL_TURN)
-    return Extremes(extreme[:count], where[:count], extreme[count:], where[count:])
+    (low, high), (low_angle, high_angle) = extreme.reshape(shape), where.reshape(shape)
+    return Extremes(low, low_angle, high, high_angle)
 
 
 @dataclass

@@ -1,6 +1,6 @@
 """Steady-state deflection against crank speed, and critical speeds."""
 
-from flexmech.analyses.speed_sweep.compute import speed_sweep
+from flexmech.analyses.speed_sweep.compute import highest_frequency, speed_sweep, steady_peaks
 from flexmech.analyses.speed_sweep.result import SpeedSweep
 
-__all__ = ["SpeedSweep", "speed_sweep"]
+__all__ = ["SpeedSweep", "highest_frequency", "speed_sweep", "steady_peaks"]

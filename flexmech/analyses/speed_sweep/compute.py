@@ -26,13 +26,14 @@ from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.numbers import check_count, checked_array
 from flexmech.threads import one_thread
-from flexmech.time_domain import DrivenLinkage, periodic_turn
+from flexmech.time_domain import DrivenLinkage, VibrationState, periodic_turn
 from flexmech.types import FloatArray, LabelledProgress
 
-__all__ = ["speed_sweep"]
+__all__ = ["highest_frequency", "speed_sweep", "steady_peaks"]
 
 
 LEAST_STEPS = 720
+QUASI_STATIC_ANGLES = 360
 # A steady state shakes the lowest modes alone: fewer component modes than a start at speed.
 DETAIL = 2.0
 
@@ -93,11 +94,10 @@ def speed_sweep(
     engine = engine_of(engine).fit_for(modes)
     peaks = []
     with one_thread():
-        frequency = natural_frequencies(
-            engine, sampled_turn(), modes=modes, prestress=engine.prestress_at_rest
-        )
+        frequency = _at_rest(engine, modes)
         for number, speed in enumerate(speeds.tolist()):
-            peaks.append(_peak(engine, speed, float(frequency.max()), modes, prestress))
+            peak, _ = steady_peaks(engine, speed, float(frequency.max()), modes, prestress)
+            peaks.append(peak)
             if progress is not None:
                 progress("crank speeds", number + 1, len(speeds))
     order = np.arange(1, orders + 1)
@@ -126,12 +126,57 @@ def speed_sweep(
     return SpeedSweep(with_units(dataset, "speed_sweep"))
 
 
-def _peak(
+def steady_peaks(
     engine: Engine, speed: float, highest: float, modes: int, prestress: Prestress
-) -> FloatArray:
-    """Greatest deflection of each link over a turn of the periodic motion, (n_links,)."""
+) -> tuple[FloatArray, FloatArray]:
+    """Greatest deflections over a turn: of the periodic motion, and if nothing vibrated.
+
+    Parameters
+    ----------
+    engine : Engine
+    speed : float
+        Of the crank, rad/s, not zero.
+    highest : float
+        Greatest frequency in Hz that the time step resolves.
+    modes : int
+    prestress : {"none", "axial", "equilibrium"}
+
+    Returns
+    -------
+    ndarray, shape (n_links,)
+        Of the periodic motion, m.
+    ndarray, shape (n_links,)
+        Quasi-static, m.
+
+    Raises
+    ------
+    ComputationError
+        If there is no equilibrium, or no periodic motion.
+    """
     drive = CrankDrive(speed)
     steps = max(LEAST_STEPS, int(np.ceil(STEPS_PER_PERIOD * highest * drive.revolution_time)))
     linkage = DrivenLinkage(engine, drive, prestress, modes=modes, detail=DETAIL, with_energy=False)
-    deflection = deflections_of(engine, periodic_turn(linkage, steps))
-    return np.asarray(np.abs(deflection).max(axis=0), dtype=float)
+    moving = deflections_of(engine, periodic_turn(linkage, steps))
+    still = deflections_of(engine, _quasi_static_turn(linkage))
+    return np.abs(moving).max(axis=0), np.abs(still).max(axis=0)
+
+
+def highest_frequency(engine: Engine, modes: int) -> float:
+    """Greatest frequency in Hz of so many modes at rest, over the turn."""
+    return float(_at_rest(engine, modes).max())
+
+
+def _at_rest(engine: Engine, modes: int) -> FloatArray:
+    return natural_frequencies(
+        engine, sampled_turn(), modes=modes, prestress=engine.prestress_at_rest
+    )
+
+
+def _quasi_static_turn(linkage: DrivenLinkage) -> list[FloatArray]:
+    """Displacement of the engine's links along a turn under the loads alone."""
+    time = linkage.drive.revolution_time * np.arange(QUASI_STATIC_ANGLES) / QUASI_STATIC_ANGLES
+    equations = linkage.equations(time, still=True)
+    position = equations.quasi_static()
+    at_rest = VibrationState(position, np.zeros_like(position), np.zeros_like(position))
+    links = linkage.link_motion(equations, at_rest)
+    return [q @ basis.T for basis, (q, _, _) in zip(linkage.bases, links, strict=True)]

@@ -1,0 +1,145 @@
+"""Campbell diagram: which crank speeds make a natural frequency a multiple of the speed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.campbell.dataset import dataset_of
+from flexmech.analyses.campbell.engine_bands import engine_diagram
+from flexmech.analyses.campbell.request import ORDERS, CampbellRequest
+from flexmech.analyses.campbell.result import CampbellDiagram
+from flexmech.analyses.campbell.steady_response import response_speeds, steady_response
+from flexmech.analyses.frequencies import Formulation
+from flexmech.analyses.requests import engines_of
+from flexmech.choices import MODES, PRESTRESS_LEVELS, Prestress
+from flexmech.linear_system import Engine
+from flexmech.numbers import POSITIVE, check_choice, check_number
+from flexmech.threads import one_thread
+from flexmech.types import LabelledProgress
+
+__all__ = ["campbell"]
+
+# Every five degrees of a turn.
+TURN = np.radians(np.arange(0.0, 360.0, 5.0))
+
+
+def campbell(
+    engine: Engine | Sequence[Engine],
+    crank_speeds: ArrayLike,
+    *,
+    crank_angles: ArrayLike | None = None,
+    orders: ArrayLike = ORDERS,
+    modes: int = MODES,
+    prestress: Prestress = "equilibrium",
+    rotation_terms: bool = True,
+    response: bool = False,
+    speed_unit: str = "rad/s",
+    tolerance: float | None = None,
+    progress: LabelledProgress | None = None,
+) -> CampbellDiagram:
+    """Bands of the natural frequencies over crank speed, and where the crank's orders meet them.
+
+    The b-th branch is the b-th lowest natural frequency at each crank angle and speed: where two
+    come near each other and exchange their shapes they keep their order, so that the bands
+    change continuously with speed. Of many speeds some are solved for; between them runs a fit
+    that is refined until it predicts solutions that it has not seen within 3e-4. The ends of
+    critical speeds are solved for in any case.
+
+    Parameters
+    ----------
+    engine : Engine or sequence of Engine
+        Several engines give results side by side.
+    crank_speeds : array_like, shape (S,)
+        rad/s.
+    crank_angles : array_like, shape (A,), optional
+        Increasing, rad, over which the bands reach. Left out: a turn in steps of 5 degrees.
+    orders : array_like of int, shape (o,)
+        Multiples of the crank's speed.
+    modes : int
+        Number of branches.
+    prestress : {"none", "axial", "equilibrium"}
+    rotation_terms : bool
+        Terms of the turning link frames; off gives the frozen inertial form.
+    response : bool
+        Also find the periodic motion, with the first engine, and its peaks over the quasi-static
+        ones: from a twentieth of the greatest speed on, at a hundred of the speeds at most.
+    speed_unit : str
+        In which the result speaks of crank speeds, such as ``"rpm"``.
+    tolerance : float, optional
+        Estimated relative error of the frequencies by the mesh: each engine doubles its elements
+        until it is met at the lowest speed, up to 32 on each link; the error at higher speeds is
+        told. Left out: the engines' elements are kept.
+    progress : callable, optional
+        Called as ``progress(label, done, total)``.
+
+    Returns
+    -------
+    CampbellDiagram
+        A speed without equilibrium is a gap in it, with the reason.
+
+    Raises
+    ------
+    InputError
+        If the request makes no sense or the linkage cannot reach a crank angle.
+    ComputationError
+        If there is no result at any of the speeds.
+
+    Examples
+    --------
+    >>> engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/aluminium_fourbar.toml"))
+    >>> result = flexmech.campbell(engine, [24.0, 27.0, 30.0], orders=[9, 10], modes=1)
+    >>> result.critical_speeds()[["order", "branch", "from_rad_s", "to_rad_s"]].round(2)
+       order  branch  from_rad_s  to_rad_s
+    0      9       1       29.48     30.00
+    1     10       1       26.72     29.61
+    """
+    engines = engines_of(engine, modes)
+    if tolerance is not None:
+        check_number(tolerance, "tolerance", bounds=POSITIVE)
+    check_choice(prestress, PRESTRESS_LEVELS, "prestress")
+    request = CampbellRequest(
+        np.asanyarray(crank_speeds),
+        TURN if crank_angles is None else np.asanyarray(crank_angles),
+        np.asanyarray(orders),
+        Formulation(prestress, rotation_terms, modes),
+        speed_unit,
+    )
+    report = progress or (lambda label, done, total: None)
+    with one_thread():
+        diagrams = []
+        for each in engines:
+            count = _Counter(report, each.name, len(request.crank_speeds))
+            diagrams.append(engine_diagram(each, request, tolerance, count, speed_unit))
+            count.finish()
+        steady = None
+        if response:
+            first = diagrams[0]
+            solved = request.crank_speeds[first.sampled.exists[first.places]]
+            speeds = response_speeds(solved)
+            count = _Counter(report, "periodic motion", len(speeds))
+            steady = steady_response(first.engine, speeds, prestress, count, speed_unit)
+    dataset = dataset_of(diagrams, request, steady)
+    return CampbellDiagram(dataset.assign_attrs(theory_attributes(engines, modes)))
+
+
+@dataclass
+class _Counter:
+    """Progress over crank speeds, of which not all need to be solved for."""
+
+    report: LabelledProgress
+    label: str
+    total: int
+    done: int = 0
+
+    def __call__(self, count: int = 1) -> None:
+        self.done = min(self.done + count, self.total)
+        self.report(self.label, self.done, self.total)
+
+    def finish(self) -> None:
+        """Nothing is left to do."""
+        self(self.total)

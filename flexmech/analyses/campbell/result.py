@@ -1,0 +1,143 @@
+"""The result of a Campbell diagram: bands, critical speeds, gaps, tables and the picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from flexmech import plots
+from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.campbell import words
+from flexmech.analyses.result import Result
+from flexmech.analyses.summary import Summary, Table
+from flexmech.analyses.tables import table_over
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+__all__ = ["CampbellDiagram"]
+
+
+class CampbellDiagram(Result):
+    """Natural frequencies over crank speed, each a band over the turn, and critical speeds.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        ``lowest_frequency``, ``mean_frequency`` and ``highest_frequency`` in Hz over (engine,
+        crank_speed, branch), not a number where there is no solution; ``critical_...`` over
+        ``critical`` and ``gap_...`` over ``gap``; ``peak_ratio`` over (response_speed, link)
+        where the periodic motion was asked for.
+    """
+
+    stem = "campbell"
+    hallmark = "critical_order"
+    files = (
+        "campbell.csv",
+        "critical_speeds.csv",
+        "response_peaks.csv",
+        "campbell.nc",
+        "campbell.png",
+    )
+
+    def bands(self) -> pd.DataFrame:
+        """Bands, one row for each engine, crank speed and branch; gaps have none.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        data = self.dataset
+        table = table_over(
+            *("engine", "crank_speed", "branch"),
+            engine=data["engine"],
+            crank_speed_rad_s=data["crank_speed"],
+            branch=data["branch"],
+            lowest_Hz=data["lowest_frequency"],
+            mean_Hz=data["mean_frequency"],
+            highest_Hz=data["highest_frequency"],
+        )
+        return table.dropna(ignore_index=True)
+
+    def critical_speeds(self) -> pd.DataFrame:
+        """Ranges of speed in which an order of the crank meets a branch, one row for each.
+
+        Of an order that meets a branch nowhere but comes as near as a tenth, there is a row with
+        the nearest speed twice and a relative gap above zero.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        columns = {
+            "engine": "engine",
+            "order": "order",
+            "branch": "branch",
+            "from_rad_s": "start",
+            "to_rad_s": "end",
+            "nearest_relative_gap": "gap",
+        }
+        data = self.dataset
+        return pd.DataFrame({name: data[f"critical_{of}"].values for name, of in columns.items()})
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """``campbell``, ``critical_speeds``, and ``response_peaks`` if there are any."""
+        tables = {self.stem: self.bands(), "critical_speeds": self.critical_speeds()}
+        if "peak_ratio" in self.dataset:
+            ratio = self.dataset["peak_ratio"]
+            columns = {
+                f"{link}_peak_over_quasi_static": ratio.sel(link=link)
+                for link in ratio["link"].values
+            }
+            speed = ratio["response_speed"]
+            tables["response_peaks"] = table_over(
+                "response_speed", crank_speed_rad_s=speed, **columns
+            )
+        return tables
+
+    def plot(
+        self,
+        *,
+        ax: plots.AxesLike | None = None,
+        branches: int | Sequence[int] | None = None,
+        orders: int | Sequence[int] | None = None,
+    ) -> Figure:
+        """Draw the bands against crank speed, the orders as rays, and the critical speeds.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes or sequence of them, optional
+            One; two where there are peaks of the periodic motion.
+        branches, orders : int or sequence of int, optional
+            These alone.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If something chosen is not there, or the axes are too few or too many.
+        """
+        data = plots.chosen(self.dataset, branches=branches, orders=orders)
+        shown = np.isin(data["critical_branch"], data["branch"]) & np.isin(
+            data["critical_order"], data["order"]
+        )
+        return plots.plot_campbell(data.isel(critical=np.flatnonzero(shown)), ax=ax)
+
+    def summary(self) -> Summary:
+        """Critical speeds, gaps with their reasons, and errors."""
+        data = self.dataset
+        parts: tuple[Table | str, ...] = (
+            words.critical_table(data),
+            *theory_lines(data.attrs),
+            *words.gap_lines(data),
+            *words.error_lines(data),
+            *words.response_lines(data),
+        )
+        return Summary(parts, words.verdict(data), theory_warnings(data.attrs))

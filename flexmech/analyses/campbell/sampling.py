@@ -1,0 +1,226 @@
+"""Bands at many speeds from solutions at few of them.
+
+Branches are smooth in speed but for bends, where a band's end passes from one crank angle to
+another. Between solved speeds runs the cubic through the four nearest. A speed in the middle
+between two is predicted, then solved: where both differ by more than the tolerance the halves are
+divided in turn.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.analyses.campbell.bands import Bands, BandSolver
+from flexmech.analyses.campbell.fit import band_fit
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["FIT_TOLERANCE", "SampledBands", "runs", "sampled_bands", "speed_grid"]
+
+FIT_TOLERANCE = 3e-4
+"""Relative difference of a predicted and a solved frequency up to which a fit is accepted."""
+# So few speeds are all solved, for they cost little.
+ALL_SOLVED = 13
+FIRST_SOLVED = 9
+# The crank speed is divided into at least so many steps, in each of which crossings are looked for.
+LEAST_STEPS = 128
+# Speeds that are tried at a time in search of those without a solution.
+TRIED = 6
+
+
+@dataclass(frozen=True)
+class SampledBands:
+    """Bands on a grid of speeds; m branches.
+
+    Parameters
+    ----------
+    crank_speed : ndarray, shape (G,)
+        Ascending, rad/s.
+    values : ndarray, shape (G, 3, m)
+        Lowest, mean and highest frequency in Hz; not a number where there is no solution.
+    solved : Bands
+        At those of the speeds that were solved for.
+    fit_error : float
+        Greatest relative difference of fit and solution at speeds that were not used in the
+        fit; 0 where nothing is fitted.
+    """
+
+    crank_speed: FloatArray
+    values: FloatArray
+    solved: Bands
+    fit_error: float
+
+    @property
+    def exists(self) -> NDArray[np.bool_]:
+        """Where there is a solution, shape (G,)."""
+        return np.isfinite(self.values[:, 0, 0])
+
+    @property
+    def stretches(self) -> list[IntArray]:
+        """Places of neighbouring speeds with solutions, without a gap between them."""
+        return runs(self.exists)
+
+
+def speed_grid(crank_speeds: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Crank speeds and as many between them as the search for crossings needs.
+
+    Parameters
+    ----------
+    crank_speeds : ndarray, shape (S,)
+        Ascending.
+
+    Returns
+    -------
+    ndarray, shape (G,)
+    ndarray of int, shape (S,)
+        Places of the crank speeds on it.
+    """
+    count = len(crank_speeds)
+    parts = 1 if count == 1 else -(-LEAST_STEPS // (count - 1))
+    places = np.arange(count) * parts
+    between = np.arange((count - 1) * parts + 1) / parts
+    grid = np.interp(between, np.arange(count), crank_speeds)
+    grid[places] = crank_speeds
+    return grid, places
+
+
+def sampled_bands(solver: BandSolver, crank_speeds: FloatArray) -> tuple[SampledBands, IntArray]:
+    """Bands at crank speeds and between them.
+
+    Parameters
+    ----------
+    solver : BandSolver
+    crank_speeds : ndarray, shape (S,)
+        Ascending, rad/s.
+
+    Returns
+    -------
+    SampledBands
+    ndarray of int, shape (S,)
+        Places of the crank speeds on its grid.
+    """
+    grid, places = speed_grid(crank_speeds)
+    failed = _failing(solver, grid, places)
+    first = places
+    if len(places) > ALL_SOLVED:
+        alive = places[~failed[places]]
+        ends = np.linspace(0, len(alive) - 1, FIRST_SOLVED)
+        first = alive[np.unique(np.round(ends).astype(np.intp))]
+    solved = solver.solve(grid[first[~failed[first]]])
+    # Each interval between neighbours is divided once at least.
+    fine: set[tuple[int, int]] = set()
+    error = 0.0
+    while True:
+        failed = _failing_beyond(solver, grid, failed)
+        here = np.searchsorted(grid, solved.crank_speed)
+        wanted, owners = [], []
+        for low, high in _intervals(here, failed):
+            if (low, high) not in fine:
+                wanted.append((low + high) // 2)
+                owners.append((low, high))
+        if not wanted:
+            break
+        middle = np.array(wanted)
+        guess = _fitted(grid, here, solved.values, failed, middle)
+        found = solver.solve(grid[middle])
+        for place, (low, high), predicted in zip(middle.tolist(), owners, guess, strict=True):
+            row = np.flatnonzero(found.crank_speed == grid[place])
+            if not len(row) or not np.isfinite(predicted).all():
+                continue
+            off = float(np.max(np.abs(predicted / found.values[row[0]] - 1)))
+            if off <= FIT_TOLERANCE:
+                fine |= {(low, place), (place, high)}
+                error = max(error, off)
+        solved = solved.with_(found)
+    here = np.searchsorted(grid, solved.crank_speed)
+    values = _fitted(grid, here, solved.values, failed, np.arange(len(grid)))
+    values[here] = solved.values
+    return SampledBands(grid, values, solved, error), places
+
+
+def _intervals(solved: IntArray, failed: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Pairs of known places with unknown ones between them."""
+    known = np.union1d(solved, np.flatnonzero(failed)).tolist()
+    pairs = pairwise(known)
+    return [(low, high) for low, high in pairs if high - low > 1]
+
+
+def _failing(solver: BandSolver, grid: FloatArray, asked: IntArray) -> NDArray[np.bool_]:
+    """Which places of the grid have no solution where the greatest speed asked for has none.
+
+    Solutions that fail take long, so that speeds are tried where one has failed already. What
+    passes may fail elsewhere.
+    """
+    failed = np.zeros(len(grid), dtype=bool)
+    ends = np.unique(asked[[0, -1]])
+    failed[ends] = solver.probe(grid[ends])
+    passed = np.zeros(len(grid), dtype=bool)
+    passed[ends] = ~failed[ends]
+    while (unknown := _between_unlike(failed, passed)).size:
+        some = unknown[np.unique(np.linspace(0, unknown.size - 1, TRIED).astype(np.intp))]
+        failed[some] = solver.probe(grid[some])
+        passed[some] = ~failed[some]
+    inside = np.array(
+        [n for low, high in _pairs(failed | passed) if failed[low] and failed[high]
+         for n in range(low + 1, high)],
+        dtype=np.intp,
+    )  # fmt: skip
+    if inside.size:
+        failed[inside] = solver.probe(grid[inside])
+    return failed
+
+
+def _failing_beyond(
+    solver: BandSolver, grid: FloatArray, failed: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """The failures, those among them that were met since, and speeds between two of them."""
+    failed = failed | solver.failed(grid)
+    for low, high in _pairs(failed):
+        between = np.arange(low + 1, high)
+        if len(between) and not np.isin(grid[between], solver.solved_speeds).any():
+            failed[between] = solver.probe(grid[between])
+    return failed
+
+
+def _between_unlike(failed: NDArray[np.bool_], passed: NDArray[np.bool_]) -> IntArray:
+    """Places between one that has failed and one that has passed."""
+    for low, high in _pairs(failed | passed):
+        if failed[low] != failed[high] and high - low > 1:
+            return np.arange(low + 1, high)
+    return np.arange(0)
+
+
+def _pairs(known: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    places = np.flatnonzero(known).tolist()
+    return list(pairwise(places))
+
+
+def runs(flags: NDArray[np.bool_]) -> list[IntArray]:
+    """Places of each unbroken run of true values."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
+    return [np.arange(start, stop) for start, stop in edges.reshape(-1, 2)]
+
+
+def _fitted(
+    grid: FloatArray,
+    solved: IntArray,
+    values: FloatArray,
+    failed: NDArray[np.bool_],
+    places: IntArray,
+) -> FloatArray:
+    """Values (P, ...) at places of the grid by the solved ones between the same gaps.
+
+    Not a number at failures and beyond the solved speeds.
+    """
+    found = np.full((len(places), *values.shape[1:]), np.nan)
+    for stretch in runs(~failed):
+        own = np.isin(solved, stretch)
+        nodes = solved[own]
+        if not len(nodes):
+            continue
+        inside = (places >= nodes[0]) & (places <= nodes[-1])
+        found[inside] = band_fit(grid[nodes], values[own], grid[places[inside]])
+    return found

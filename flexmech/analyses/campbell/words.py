@@ -1,0 +1,160 @@
+"""What a Campbell diagram says: the table of critical speeds and the lines below it."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.beam_theory import theory_reason
+from flexmech.analyses.summary import Table
+from flexmech.units import from_si
+
+__all__ = ["critical_table", "error_lines", "gap_lines", "response_lines", "verdict"]
+
+
+def critical_table(dataset: xr.Dataset) -> Table:
+    """Ranges of speed in which an order meets a branch, grouped by engine and branch."""
+    unit = _unit(dataset)
+    names = [str(name) for name in dataset["engine"].values]
+    groups = []
+    for engine in names:
+        for branch in dataset["branch"].values.tolist():
+            own = (dataset["critical_engine"] == engine) & (dataset["critical_branch"] == branch)
+            rows = dataset.isel(critical=np.flatnonzero(own))
+            error = float(dataset["discretisation_error"].sel(engine=engine, branch=branch).max())
+            group = tuple(
+                _row(rows.isel(critical=n), unit, error) for n in range(rows.sizes["critical"])
+            )
+            groups += [group] if group else []
+    met = dataset["critical_gap"].values == 0
+    captions = []
+    if not groups:
+        captions.append(f"no order meets a branch from {_speeds(dataset)}")
+    if dataset["critical_starts_inside"].any() or dataset["critical_ends_inside"].any():
+        captions.append("<, >: the order is inside the branch's band already or still there")
+    if not met.all():
+        captions.append("nearest: the order meets the branch nowhere and is this far from it")
+    return Table(
+        f"critical speeds, {dataset.attrs.get('mechanism', '')}",
+        ("engine", "branch", "order", f"from {unit}", f"to {unit}", "nearest"),
+        tuple(groups),
+        caption="; ".join(captions),
+    )
+
+
+def gap_lines(dataset: xr.Dataset) -> list[str]:
+    """Crank speeds without a result, and why."""
+    unit, lines = _unit(dataset), []
+    for n in range(dataset.sizes["gap"]):
+        gap = dataset.isel(gap=n)
+        first, last = (
+            f"{from_si(float(gap[f'gap_{end}']), unit):.6g}" for end in ("first", "last")
+        )
+        where = f"at {first} {unit}" if first == last else f"from {first} to {last} {unit}"
+        count = int(gap["gap_count"])
+        lines.append(
+            f"gap: {gap['gap_engine'].item()} has no result {where} "
+            f"({count} speed{'' if count == 1 else 's'}): {gap['gap_reason'].item()}"
+        )
+    return lines
+
+
+def error_lines(dataset: xr.Dataset) -> list[str]:
+    """Errors of the frequencies by mesh and fit, and of the critical speeds."""
+    lines, unit = [], _unit(dataset)
+    for n, name in enumerate(dataset["engine"].values):
+        own = dataset.isel(engine=n)
+        exists = np.isfinite(own["lowest_frequency"].isel(branch=0).values)
+        solved, count = int(own["solved"].sum()), int(exists.sum())
+        line = (
+            f"errors, {name}: mesh ({int(own['elements'])} elements a link, estimated) at most "
+            f"{_by_speed(own, unit)} of the frequency"
+        )
+        if float(own["fit_error"]) > 0:
+            line += (
+                f"; fit in speed, at speeds that it was not made of, at most "
+                f"{float(own['fit_error']):.1e} ({solved} of {count} speeds solved)"
+            )
+        lines.append(
+            f"{line}; ends of critical speeds solved to {float(own['crossing_error']):.0e}"
+        )
+    return lines
+
+
+def response_lines(dataset: xr.Dataset) -> list[str]:
+    """Speeds of the periodic motion, and where its peaks are highest."""
+    if "peak_ratio" not in dataset:
+        return []
+    unit, ratio = _unit(dataset), dataset["peak_ratio"]
+    speeds = from_si(1.0, unit) * ratio["response_speed"].values
+    lines = [f"periodic motion: at {len(speeds)} speeds"]
+    if len(speeds):
+        lines[0] += f" from {speeds[0]:.6g} to {speeds[-1]:.6g} {unit}, by the first engine"
+        for link in ratio["link"].values:
+            along = ratio.sel(link=link).values
+            place = int(np.argmax(along))
+            lines.append(
+                f"{link}: peak at most {along[place]:.3g} times the quasi-static one, at "
+                f"{speeds[place]:.6g} {unit}"
+            )
+    reasons = str(dataset.attrs.get("without_periodic_motion", "")).splitlines()
+    if reasons:
+        lines.append(f"without periodic motion: {len(reasons)} speeds, first {reasons[0]}")
+    return lines
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """How far two engines' bands differ; or that only one ran."""
+    names = [str(name) for name in dataset["engine"].values]
+    if len(names) < 2:
+        return f"engines: no comparison was made, only the {names[0]} engine ran"
+    parts = ("lowest_frequency", "mean_frequency", "highest_frequency")
+    values = np.stack([dataset[part].values[:2] for part in parts], axis=-1)
+    apart = np.abs(values[1] / values[0] - 1)
+    if not np.isfinite(apart).any():
+        return "engines: no comparison is possible, at no speed have both a result"
+    speed, branch, _ = np.unravel_index(int(np.nanargmax(apart)), apart.shape)
+    unit = _unit(dataset)
+    where = from_si(float(dataset["crank_speed"][speed]), unit)
+    return (
+        f"engines: {names[0]} and {names[1]} differ by at most {float(np.nanmax(apart)):.2e} of "
+        f"the frequency, at {where:.6g} {unit}, branch {branch + 1}{theory_reason(dataset.attrs)}"
+    )
+
+
+def _by_speed(dataset: xr.Dataset, unit: str) -> str:
+    """Error of the mesh at each of the speeds checked, such as "1e-04 at 0, 2e-04 at 20 rad/s"."""
+    errors = dataset["discretisation_error"].max("branch").values
+    speeds = [f"{from_si(float(w), unit):.6g}" for w in dataset["check_speed"].values]
+    pairs = [f"{e:.1e} at {w}" for e, w in zip(errors, speeds, strict=True) if np.isfinite(e)]
+    return f"{', '.join(pairs)} {unit}"
+
+
+def _row(critical: xr.Dataset, unit: str, error: float) -> tuple[str, ...]:
+    ends = [from_si(float(critical[f"critical_{end}"]), unit) for end in ("start", "end")]
+    start, end = (_known(value, error) for value in ends)
+    gap = float(critical["critical_gap"])
+    if gap > 0:
+        end, nearest = "", f"{100 * gap:.1f} %"
+    else:
+        nearest = ""
+        start = f"< {start}" if bool(critical["critical_starts_inside"]) else start
+        end = f"> {end}" if bool(critical["critical_ends_inside"]) else end
+    engine = str(critical["critical_engine"].item())
+    branch, order = (int(critical[f"critical_{name}"]) for name in ("branch", "order"))
+    return engine, str(branch), str(order), start, end, nearest
+
+
+def _known(value: float, error: float) -> str:
+    """A speed with the digits that a relative error leaves known."""
+    digits = int(np.clip(np.floor(-np.log10(max(error, 1e-6))) + 1, 3, 6))
+    return f"{value:.{digits}g}" if value < 10**digits else f"{value:.0f}"
+
+
+def _unit(dataset: xr.Dataset) -> str:
+    return str(dataset.attrs.get("speed_unit", "rad/s"))
+
+
+def _speeds(dataset: xr.Dataset) -> str:
+    unit, speeds = _unit(dataset), dataset["crank_speed"].values
+    return f"{from_si(float(speeds[0]), unit):.6g} to {from_si(float(speeds[-1]), unit):.6g} {unit}"

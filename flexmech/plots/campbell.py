@@ -1,0 +1,219 @@
+"""Campbell diagram: bands of natural frequencies over crank speed, under the crank's orders."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator
+
+from flexmech.plots import scales, style
+from flexmech.plots.labels import engine_label, link_label, speed_unit
+from flexmech.plots.layout import AxesLike, Layout, grid, sheet
+from flexmech.plots.reading import names_of, values_of
+from flexmech.plots.series import Look, line_handle, series_line, series_style
+from flexmech.types import FloatArray
+from flexmech.units import from_si
+
+__all__ = ["plot_campbell"]
+
+BANDS_HEIGHT, PEAKS_HEIGHT = 3.9, 1.7
+# The two axes of speed, in inches.
+AXES_HEIGHT = 0.9
+RPM = 30 / np.pi
+TIMES = "\N{MULTIPLICATION SIGN}"
+ROOM = 1.06
+"""Of the frequency axis over the highest band."""
+BAND: Look = {"alpha": 0.28, "lw": 0}
+RAY: Look = {"color": "0.72", "lw": 0.6, "zorder": 1}
+CRITICAL: Look = {"color": "0.1", "lw": 1.8, "solid_capstyle": "round", "zorder": 4}
+# A speed without width, where a band has none.
+POINT: Look = {"color": "0.1", "marker": "o", "ms": 3.2, "ls": "", "zorder": 4}
+GAP: Look = {"facecolor": "0.94", "edgecolor": "0.75", "hatch": "////", "lw": 0}
+OTHER_ENGINE: Look = {"color": "0.25", "lw": 0.7, "ls": (0.0, (4.0, 2.0)), "zorder": 3}
+LABEL_POINTS = 7.0
+# Least distance of two labels of orders as parts of the axes.
+APART_UP, APART_ALONG = 0.033, 0.028
+# Ends of a critical speed nearer to each other than this, relatively, are drawn as a point.
+NO_WIDTH = 1e-4
+FEW_DECADES = 2.3
+BOTH = "choose nothing, or give two Axes: one for the bands and one for the peaks"
+
+
+def plot_campbell(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw bands of natural frequencies against crank speed, and where orders meet them.
+
+    Filled is a branch from its lowest to its highest frequency over the crank angles; the line in
+    it is the mean. Grey rays are the orders, multiples of the crank's turns per second; the dark
+    part of a ray is inside a band: these are critical speeds. Hatched are speeds without a
+    result. Where there are peaks of the periodic motion, they stand below over the quasi-static
+    ones. Of further engines the bands' ends and means are dashed lines.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``CampbellDiagram`` result; frequencies in Hz, speeds in rad/s.
+    ax : Axes or sequence of Axes, optional
+        The user's: one, or two where there are peaks of the periodic motion. Left out: a new
+        figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    unit = speed_unit(dataset)
+    factor = from_si(1.0, unit)
+    peaks = "peak_ratio" in dataset
+    with sheet(_layout(peaks), ax=ax, fewer=BOTH) as drawn:
+        title = f"Campbell diagram of the {dataset.attrs['mechanism']}"
+        drawn.header(_handles(dataset, peaks), title)
+        bands = drawn.panels[0]
+        _limit(bands, dataset, factor)
+        _draw_bands(bands, dataset, factor)
+        _draw_rays(bands, dataset, factor)
+        _draw_critical(bands, dataset, factor)
+        bands.set_ylabel("Natural frequency (Hz)")
+        for axes in drawn.panels:
+            _draw_gaps(axes, dataset, factor, labelled=axes is bands)
+        if peaks:
+            _draw_peaks(drawn.panels[1], dataset, factor)
+        drawn.label_x(f"Crank speed ({unit})")
+        other, ratio = ("rad/s", 1.0 / factor) if unit == "rpm" else ("rpm", RPM / factor)
+        there_and_back = (lambda speed: ratio * speed, lambda speed: speed / ratio)
+        upper = bands.secondary_xaxis("top", functions=there_and_back)
+        upper.set_xlabel(f"Crank speed ({other})")
+    return drawn.figure
+
+
+def _layout(peaks: bool) -> Layout:
+    heights = [BANDS_HEIGHT, PEAKS_HEIGHT] if peaks else [BANDS_HEIGHT]
+    height = sum(heights) + AXES_HEIGHT
+    return grid(len(heights), 1, height, sharex=True, height_ratios=heights)
+
+
+def _limit(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
+    """Axes that hold the speeds asked for and all bands."""
+    speeds = factor * dataset["crank_speed"].values
+    low, high = float(speeds.min()), float(speeds.max())
+    axes.set_xlim((low - 1.0, high + 1.0) if low == high else (low, high))
+    highest = float(np.nanmax(dataset["highest_frequency"].values))
+    axes.set_ylim(0.0, ROOM * highest)
+    scales.plain_numbers(axes)
+
+
+def _draw_bands(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
+    speed = factor * dataset["crank_speed"].values
+    lowest, mean, highest = (
+        values_of(dataset[f"{name}_frequency"], "engine", "branch", "crank_speed")
+        for name in ("lowest", "mean", "highest")
+    )
+    for branch in range(lowest.shape[1]):
+        color = series_style(branch).color
+        axes.fill_between(speed, lowest[0, branch], highest[0, branch], color=color, **BAND)
+        # Of a band without width or of a single speed the filling does not show.
+        for edge in (lowest, highest):
+            axes.plot(speed, edge[0, branch], color=color, lw=0.5)
+        axes.plot(speed, mean[0, branch], **series_line(branch, speed), zorder=3)
+        for other in range(1, len(lowest)):
+            for values in (lowest, mean, highest):
+                axes.plot(speed, values[other, branch], **OTHER_ENGINE)
+
+
+def _draw_rays(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
+    """Orders from corner to edge, each labelled where it leaves the axes."""
+    (left, right), (_, top) = axes.get_xlim(), axes.get_ylim()
+    speed = np.union1d(np.linspace(left, right, 3), [min(max(0.0, left), right)])
+    across, along = -np.inf, np.inf
+    look: Look = {"fontsize": LABEL_POINTS, "color": style.MID_GREY, "textcoords": "offset points"}
+    for order in sorted(dataset["order"].values.tolist()):
+        ray = order * np.abs(speed) / factor / (2 * np.pi)
+        axes.plot(speed, ray, **RAY, scaley=False, scalex=False)
+        if ray[-1] <= top:
+            if ray[-1] - across >= APART_UP * top:
+                across = float(ray[-1])
+                text = (right, across)
+                axes.annotate(f"{order}{TIMES}", text, xytext=(3, 0), va="center", **look)
+            continue
+        leaves = 2 * np.pi * top / order * factor
+        if left < leaves <= along - APART_ALONG * (right - left):
+            along = leaves
+            # Inside the axes, to the left of the ray: above stands the other axis of speed.
+            axes.annotate(
+                f"{order}{TIMES}", (along, top), xytext=(-2, -3), ha="right", va="top", **look
+            )
+
+
+def _draw_critical(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
+    """The parts of rays inside bands, by the first engine."""
+    first = str(dataset["engine"].values[0])
+    met = (dataset["critical_engine"].values == first) & (dataset["critical_gap"].values == 0)
+    for place in np.flatnonzero(met).tolist():
+        own = dataset.isel(critical=place)
+        ends = np.array([float(own["critical_start"]), float(own["critical_end"])])
+        ray = float(own["critical_order"]) * np.abs(ends) / (2 * np.pi)
+        wide = ends[1] - ends[0] > NO_WIDTH * np.abs(ends).max()
+        axes.plot(factor * ends, ray, **(CRITICAL if wide else POINT))
+
+
+def _draw_gaps(axes: Axes, dataset: xr.Dataset, factor: float, *, labelled: bool) -> None:
+    """Speeds without a result by the first engine, as far as the next ones with one."""
+    exists = np.isfinite(values_of(dataset["lowest_frequency"], "engine", "crank_speed", "branch"))
+    exists, speed = exists[0, :, 0], factor * dataset["crank_speed"].values
+    for low, high in _missing(exists):
+        left, right = speed[max(low - 1, 0)], speed[min(high + 1, len(speed) - 1)]
+        axes.axvspan(left, right, **GAP, zorder=0)
+        if labelled:
+            middle = (left + right) / 2
+            box = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
+            text = "no equilibrium" if right - left > 0.2 * np.ptp(axes.get_xlim()) else "gap"
+            where = (middle, 0.5)
+            across = axes.get_xaxis_transform()
+            center: Look = {"ha": "center", "va": "center", "bbox": box, "zorder": 5}
+            axes.text(*where, text, transform=across, fontsize=LABEL_POINTS, **center)
+
+
+def _missing(exists: FloatArray) -> list[tuple[int, int]]:
+    """First and last place of each run of speeds without a result."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[1], exists.astype(int), [1]])))
+    return [(int(start), int(stop) - 1) for start, stop in edges.reshape(-1, 2)]
+
+
+def _draw_peaks(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
+    """Peaks of the periodic motion over the quasi-static ones, on a logarithmic axis."""
+    speed, links = factor * dataset["response_speed"].values, names_of(dataset, "link")
+    ratio = values_of(dataset["peak_ratio"], "link", "response_speed")
+    # The colours that no branch has, so far as there are any.
+    first = dataset.sizes["branch"]
+    for number in range(len(links)):
+        axes.plot(speed, ratio[number], **series_line(first + number, speed))
+    axes.set_ylabel("Peak deflection over\nquasi-static peak")
+    if ratio.size:
+        low, high = min(0.9, 0.9 * float(ratio.min())), max(2.0, 1.25 * float(ratio.max()))
+        scales.log_scale(axes, low, high)
+        few = np.log10(high / low) <= FEW_DECADES
+        subs = (1.0, 2.0, 5.0) if few else (1.0,)
+        axes.yaxis.set_major_locator(LogLocator(subs=subs, numticks=9))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.axhline(1.0, **RAY)
+
+
+def _handles(dataset: xr.Dataset, peaks: bool) -> list[Artist]:
+    speeds, branches = dataset["crank_speed"].values, dataset["branch"].values.tolist()
+    handles = [
+        line_handle(f"branch {branch}", **series_line(number, speeds))
+        for number, branch in enumerate(branches)
+    ]
+    handles.append(Patch(color=style.MID_GREY, **BAND, label="lowest to highest"))
+    handles.append(line_handle("order", **RAY))
+    handles.append(line_handle("critical speed", **CRITICAL))
+    for other in range(1, dataset.sizes["engine"]):
+        handles.append(line_handle(engine_label(dataset, other), **OTHER_ENGINE))
+    if peaks:
+        at, first = dataset["response_speed"].values, len(branches)
+        for number, link in enumerate(names_of(dataset, "link")):
+            name = link_label(dataset, link).lower()
+            handles.append(line_handle(name, **series_line(first + number, at)))
+    return handles

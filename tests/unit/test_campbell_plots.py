@@ -1,0 +1,51 @@
+"""The Campbell diagram shows the dataset's numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexmech.plots import plot_campbell
+from tests.unit.figure_checks import check_texts, legend_texts
+from tests.unit.plot_data import campbell_dataset
+
+
+@pytest.mark.parametrize("branches", [1, 4])
+@pytest.mark.parametrize("engines", [1, 2])
+@pytest.mark.parametrize("peaks", [False, True])
+def test_texts_do_not_touch(branches: int, engines: int, peaks: bool) -> None:
+    check_texts(plot_campbell(campbell_dataset(branches, engines=engines, peaks=peaks)))
+
+
+def test_bands_and_means_are_the_numbers() -> None:
+    dataset = campbell_dataset(gap=False, peaks=False)
+    axes = plot_campbell(dataset).axes[0]
+    drawn = [np.asarray(line.get_ydata()) for line in axes.lines]
+    for name in ("lowest", "mean", "highest"):
+        for wanted in dataset[f"{name}_frequency"].values[0].T:
+            assert any(len(y) == len(wanted) and np.array_equal(y, wanted) for y in drawn)
+
+
+def test_critical_speeds_lie_on_their_rays() -> None:
+    axes = plot_campbell(campbell_dataset(peaks=False)).axes[0]
+    thick = [
+        line for line in axes.lines if line.get_linewidth() > 1.7 and line.get_color() == "0.1"
+    ]
+    ends = [(line.get_xdata(), line.get_ydata()) for line in thick]
+    assert len(ends) == 2  # a near miss is none
+    for (speed, frequency), order in zip(ends, (5, 9), strict=True):
+        np.testing.assert_allclose(frequency, order * np.asarray(speed) / (2 * np.pi))
+
+
+def test_speeds_and_gaps_are_in_the_users_unit() -> None:
+    dataset = campbell_dataset(peaks=False).assign_attrs(speed_unit="rpm")
+    axes = plot_campbell(dataset).axes[0]
+    assert axes.get_xlabel() == "Crank speed (rpm)"
+    np.testing.assert_allclose(axes.get_xlim(), (0.0, 90.0 * 30 / np.pi))
+    assert "no equilibrium" in [text.get_text() for text in axes.texts]
+
+
+def test_the_legend_names_each_thing_once() -> None:
+    texts = legend_texts(plot_campbell(campbell_dataset(engines=2)))
+    assert len(texts) == len(set(texts))
+    assert {"branch 1", "order", "critical speed", "exudyn (ancf)"} <= set(texts)
