@@ -9,6 +9,7 @@ from flexmech.cli import options
 from flexmech.cli.arguments import parse_angles, parse_orders, parse_speeds, speed_remark
 from flexmech.cli.deliver import deliver
 from flexmech.cli.engines import make_engines
+from flexmech.cli.pictures import asked_pictures
 
 
 def campbell(
@@ -26,6 +27,8 @@ def campbell(
     response: options.PeriodicResponse = False,
     out: options.Out = Path("results"),
     no_plots: options.NoPlots = False,
+    formats: options.Formats = "png",
+    width: options.Width = "two-column",
 ) -> None:
     """Which crank speeds to avoid: a Campbell diagram.
 
@@ -63,7 +66,7 @@ def campbell(
         ),
         out,
         model=model,
-        draw=not no_plots,
+        pictures=asked_pictures(no_plots, formats, width),
         speed_unit=given.unit,
         remark=speed_remark("--speeds", speeds, given.values),
     )

@@ -21,6 +21,7 @@ from flexmech.units import from_si
 __all__ = ["plot_campbell"]
 
 BANDS_HEIGHT, PEAKS_HEIGHT = 3.9, 1.7
+NARROW_BANDS_HEIGHT = 3.0
 # The two axes of speed, in inches.
 AXES_HEIGHT = 0.9
 RPM = 30 / np.pi
@@ -68,8 +69,7 @@ def plot_campbell(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     factor = from_si(1.0, unit)
     peaks = "peak_ratio" in dataset
     with sheet(_layout(peaks), ax=ax, fewer=BOTH) as drawn:
-        title = f"Campbell diagram of the {dataset.attrs['mechanism']}"
-        drawn.header(_handles(dataset, peaks), title)
+        drawn.header(_handles(dataset, peaks), "Campbell diagram", of=dataset)
         bands = drawn.panels[0]
         _limit(bands, dataset, factor)
         _draw_bands(bands, dataset, factor)
@@ -89,7 +89,8 @@ def plot_campbell(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
 
 
 def _layout(peaks: bool) -> Layout:
-    heights = [BANDS_HEIGHT, PEAKS_HEIGHT] if peaks else [BANDS_HEIGHT]
+    bands = NARROW_BANDS_HEIGHT if style.is_narrow() else BANDS_HEIGHT
+    heights = [bands, PEAKS_HEIGHT] if peaks else [bands]
     height = sum(heights) + AXES_HEIGHT
     return grid(len(heights), 1, height, sharex=True, height_ratios=heights)
 
@@ -168,7 +169,7 @@ def _draw_gaps(axes: Axes, dataset: xr.Dataset, factor: float, *, labelled: bool
         if labelled:
             middle = (left + right) / 2
             box = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
-            text = "no equilibrium" if right - left > 0.2 * np.ptp(axes.get_xlim()) else "gap"
+            text = "no result" if right - left > 0.2 * np.ptp(axes.get_xlim()) else "gap"
             where = (middle, 0.5)
             across = axes.get_xaxis_transform()
             center: Look = {"ha": "center", "va": "center", "bbox": box, "zorder": 5}

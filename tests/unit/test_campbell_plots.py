@@ -42,7 +42,7 @@ def test_speeds_and_gaps_are_in_the_users_unit() -> None:
     axes = plot_campbell(dataset).axes[0]
     assert axes.get_xlabel() == "Crank speed (rpm)"
     np.testing.assert_allclose(axes.get_xlim(), (0.0, 90.0 * 30 / np.pi))
-    assert "no equilibrium" in [text.get_text() for text in axes.texts]
+    assert "no result" in [text.get_text() for text in axes.texts]
 
 
 def test_the_legend_names_each_thing_once() -> None:
