@@ -14,6 +14,9 @@ from flexmech.sections import TWISTS, BeamSection
 __all__ = ["theory_attributes", "theory_lines", "theory_reason", "theory_warnings"]
 
 LINES, WARNINGS, REASON = "beam_theory", "beam_theory_warnings", "beam_theory_difference"
+# Theories from the coarsest on. Of the two that shear as a whole, either may be the closer one.
+LEAVES_OUT_LESS = ("euler", "timoshenko", "reddy", "zigzag")
+SHEARS = {"timoshenko", "reddy"}
 LEFT_OUT = {
     "euler": "shear",
     "timoshenko": "the warping of cross-sections",
@@ -45,7 +48,7 @@ def theory_attributes(engines: Sequence[Engine], modes: int) -> dict[str, str]:
         apart = comparison.difference(engines[1].theory, first.theory)
         reason = (
             f"their beam theories differ, {first.theory} and {engines[1].theory}: "
-            f"by up to {_percent(apart)} at rest"
+            f"by up to {_percent(apart)} at rest{_more_complete(first, engines[1])}"
         )
     return {
         LINES: _choice([engine for engine in engines if engine.chooses_element], comparison),
@@ -122,6 +125,14 @@ def _twist(link: str, section: BeamSection) -> str:
         f"{link}: off-axis plies twist as they bend; of EI between {between}, the former is "
         f"taken; where its ends cannot twist, its first mode is {100 * gain:.3g} % too low"
     )
+
+
+def _more_complete(first: Engine, second: Engine) -> str:
+    """Which of two engines to trust: that whose theory leaves out less."""
+    coarse, fine = sorted((first, second), key=lambda engine: LEAVES_OUT_LESS.index(engine.theory))
+    if {coarse.theory, fine.theory} == SHEARS:
+        return ""
+    return f"; trust {fine.name}, whose beams do not leave out {LEFT_OUT[coarse.theory]}"
 
 
 def _percent(found: TheoryDifference) -> str:

@@ -18,6 +18,7 @@ from flexmech.cli.failures import reports_failures
 from flexmech.cli.frequencies import frequencies
 from flexmech.cli.moisture import moisture
 from flexmech.cli.new import new
+from flexmech.cli.printing import prints_as_asked
 from flexmech.cli.response import response
 from flexmech.cli.schema import schema
 from flexmech.cli.section import section
@@ -28,7 +29,7 @@ from flexmech.cli.synthesize import synthesize
 from flexmech.errors import FlexmechError, InputError, one_line
 
 # In the order of the help. The docstring of a command is what its help says.
-COMMANDS: tuple[Callable[..., None], ...] = (
+DELIVERING: tuple[Callable[..., None], ...] = (
     frequencies,
     campbell,
     response,
@@ -37,9 +38,8 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     section,
     synthesize,
     check,
-    new,
-    schema,
 )
+WRITING: tuple[Callable[..., None], ...] = (new, schema)
 
 # What typer raises on wrong command lines; it has no public name for their common base.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
@@ -81,7 +81,6 @@ app = typer.Typer(
     help="Moving natural frequencies and running response of flexible linkages, by two "
     "independent engines.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     # Plain help: rich takes half a second to import, and its boxes break error messages.
     rich_markup_mode=None,
@@ -113,7 +112,9 @@ def options(
     """Options of flexmech itself, before any command."""
 
 
-for command in COMMANDS:
+for command in DELIVERING:
+    app.command()(reports_failures(prints_as_asked(command)))
+for command in WRITING:
     app.command()(reports_failures(command))
 app.add_typer(study_app, name="study")
 

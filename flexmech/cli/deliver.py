@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-import typer
-
 from flexmech.choices import PICTURE_FORMATS
 from flexmech.cli.failures import naming, telling
 from flexmech.cli.pictures import PNG, Pictures
+from flexmech.cli.printing import Report
 from flexmech.cli.progress import progress_bar
 from flexmech.errors import one_line
 from flexmech.files import check_writable, given_path, matching, moved_into
 
 if TYPE_CHECKING:
-    from flexmech.analyses import Result, Table
+    from flexmech.analyses import Result
     from flexmech.types import LabelledProgress
 
-WIDTH_OF_PIPES = 100
 # Of a folder with more files than these its own name is printed.
 MOST_FILES_NAMED = 30
 Found = TypeVar("Found", bound="Result")
@@ -87,28 +84,11 @@ def deliver(
                 if further is not None:
                     files += further(result, whole, progress)
             files = [out / file.relative_to(whole) for file in files]
-    if remark:
-        typer.echo(remark)
-    for part in summary.parts:
-        if isinstance(part, str):
-            _print_lines(part)
-        else:
-            _print_table(part)
-    if out is not None:
-        _name_files(out, files, kind.file_patterns(PICTURE_FORMATS))
-    for warning in summary.warnings:
-        typer.echo(f"warning: {warning}", err=True)
-    if summary.verdict:
-        _print_lines(summary.verdict)
+    lines = () if out is None else _file_lines(out, files, kind.file_patterns(PICTURE_FORMATS))
+    Report(summary, tuple(files), lines, remark).print()
 
 
-def _print_lines(text: str) -> None:
-    """Print lines in which names cannot move the cursor."""
-    for line in text.split("\n"):
-        typer.echo(one_line(line, most=len(line)))
-
-
-def _name_files(out: Path, files: list[Path], patterns: Iterable[str]) -> None:
+def _file_lines(out: Path, files: list[Path], patterns: Iterable[str]) -> tuple[str, ...]:
     """Name the files of a run, and those that lie beside them from an earlier one.
 
     Parameters
@@ -126,25 +106,8 @@ def _name_files(out: Path, files: list[Path], patterns: Iterable[str]) -> None:
         else str(file)
         for file in files
     )
-    _print_lines("files: " + ", ".join(dict.fromkeys(map(one_line, names))))
+    lines = ["files: " + ", ".join(dict.fromkeys(map(one_line, names)))]
     stale = [str(path.relative_to(out)) for path in matching(out, patterns) if path not in files]
     if stale:
-        _print_lines(f"from an earlier run, not of this one: {', '.join(map(one_line, stale))}")
-
-
-def _print_table(table: Table) -> None:
-    """Print with rich, at a fixed width where stdout is no terminal."""
-    from rich.console import Console
-    from rich.markup import escape
-    from rich.table import Table as RichTable
-
-    drawn = RichTable(title=escape(one_line(table.title)), caption=escape(table.caption) or None)
-    for number, heading in enumerate(table.headings):
-        words = number < table.text_columns
-        # A cut name would lose what stands behind it.
-        drawn.add_column(heading, justify="left" if words else "right", overflow="fold")
-    for group in table.groups:
-        for row in group:
-            drawn.add_row(*(escape(one_line(cell)) for cell in row))
-        drawn.add_section()
-    Console(width=None if sys.stdout.isatty() else WIDTH_OF_PIPES).print(drawn)
+        lines.append(f"from an earlier run, not of this one: {', '.join(map(one_line, stale))}")
+    return tuple(lines)

@@ -10,6 +10,7 @@ from flexmech.cli import options
 from flexmech.cli.deliver import deliver
 from flexmech.cli.failures import reports_failures
 from flexmech.cli.pictures import asked_pictures
+from flexmech.cli.printing import prints_as_asked
 
 study_app = typer.Typer(no_args_is_help=True, rich_markup_mode=None)
 
@@ -21,6 +22,7 @@ def studies() -> None:
 
 @study_app.command()
 @reports_failures
+@prints_as_asked
 def composites(
     out: options.Out = Path("results"),
     no_plots: options.NoPlots = False,

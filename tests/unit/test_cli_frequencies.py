@@ -160,9 +160,19 @@ def test_the_last_line_says_how_far_the_engines_differ(tmp_path: Path) -> None:
     dataset = frequency_dataset()
     dataset["frequency"][1] = dataset["frequency"][0]
     dataset["frequency"][1, 2, 27, 2] = dataset["frequency"][0, 2, 27, 2] * (1 + 3.21e-5)
-    assert MovingFrequencies(dataset).summary().verdict == (
+    line = (
         "engines: reference and exudyn differ by at most 3.21e-05 of the frequency, at 20 rad/s, "
         "135 deg, mode 3"
+    )
+    for error, judged in (
+        (2e-5, ", within their estimated errors (2.0e-05 of reference and 2.0e-05 of exudyn)"),
+        (1e-5, ", which is beyond their estimated errors (1.0e-05 of reference and 1.0e-05 of "),
+    ):
+        dataset["discretisation_error"][:], dataset["reduction_error"][:] = error, 0.0
+        assert MovingFrequencies(dataset).summary().verdict.startswith(line + judged)
+    dataset["discretisation_error"][1] /= 2
+    assert (
+        "; trust exudyn, whose error is the smaller" in MovingFrequencies(dataset).summary().verdict
     )
     alone = MovingFrequencies(frequency_dataset(engines=("exudyn",)))
     assert alone.summary().verdict == (

@@ -49,12 +49,16 @@ def short_response() -> Response:
 def two_responses(short_response: Response) -> Response:
     """The same, and a second engine whose deflections are all 1 % larger."""
     first = short_response.dataset
-    second = first.assign_coords(engine=["exudyn"], element=("engine", ["ancf"]))
+    second = first.assign_coords(
+        engine=["exudyn"], element=("engine", ["ancf"]), nonlinear=("engine", [True])
+    )
     second["deflection"] = 1.01 * second["deflection"]
     second["step"] = 2 * second["step"]
     of_engines = [name for name in first if "engine" in first[name].dims]
     both = xr.concat([first[of_engines], second[of_engines]], "engine")
-    return Response(xr.merge([first.drop_vars(["engine", "element", *of_engines]), both]))
+    return Response(
+        xr.merge([first.drop_vars(["engine", "element", "nonlinear", *of_engines]), both])
+    )
 
 
 @pytest.fixture
@@ -195,10 +199,14 @@ def test_a_saved_run_says_the_same(short_response: Response, tmp_path: Path) -> 
 def test_the_last_line_compares_the_engines(
     short_response: Response, two_responses: Response
 ) -> None:
-    summary = two_responses.summary()
+    summary, data = two_responses.summary(), short_response.dataset
+    reference = f"{float(data['step_error'][0] + data['reduction_error'][0]):.1e}"
     assert summary.verdict == (
         "engines: deflections of reference and exudyn differ by at most 9.9e-03 (crank), "
         "9.9e-03 (coupler), 9.9e-03 (rocker) of the link's peak"
+        f", which is beyond their estimated errors, {reference} (reference), {reference} (exudyn); "
+        "trust reference, whose errors are the smaller; --check-mesh gives the error by the mesh, "
+        "which is not among them"
     )
     table: Any = summary.parts[0]
     assert [row[:2] for group in table.groups for row in group] == [
@@ -208,6 +216,26 @@ def test_the_last_line_compares_the_engines(
     ]
     assert short_response.summary().verdict == (
         "engines: no comparison was made, only the reference engine ran"
+    )
+
+
+def test_engines_that_agree_have_one_block_of_the_table(two_responses: Response) -> None:
+    data = two_responses.dataset.copy(deep=True)
+    data["step_error"][:] = 0.006
+    summary = Response(data).summary()
+    assert summary.verdict.endswith("of the link's peak, within their estimated errors")
+    table: Any = summary.parts[0]
+    assert [row[:2] for group in table.groups for row in group] == [
+        ("both", link) for link in ("crank", "coupler", "rocker")
+    ]
+
+
+def test_of_deep_bows_the_nonlinear_engine_is_trusted(two_responses: Response) -> None:
+    data = two_responses.dataset.copy(deep=True)
+    bow = 0.05 * float(data["length"].sel(link="crank"))
+    data["deflection"] *= bow / float(abs(data["deflection"].sel(link="crank")).max())
+    assert (
+        "trust exudyn, which follows displacements of any size" in Response(data).summary().verdict
     )
 
 

@@ -246,7 +246,7 @@ def test_rectangles_are_sections_of_one_layer() -> None:
     assert value_of(result.stdout, "12 EI / (b h^3) (GPa)") == [200]
     assert value_of(result.stdout, "specific damping, axial (%)") == ["not known"]
     # Largest shear stress of a rectangle: 3/2 of the mean.
-    assert f"{1.5 / (4.25e-3 * 6.1e-3):.4g}" in result.stdout
+    assert f"{1.5e-3 / (4.25e-3 * 6.1e-3):.4g}" in result.stdout  # kPa
 
 
 def test_layers_are_printed_from_the_highest_down() -> None:
@@ -261,7 +261,14 @@ def test_layers_are_printed_from_the_highest_down() -> None:
     inside = coupler.layers.stresses(coupler.layers.places(2), 0.0, 1.0, 1.0)
     # Of eight layers: faces and middle of the upper four, then of the lower four.
     pick = ([7, 6, 4, 3, 1, 0], [1, 0, 0, 1, 1, 0])
-    for column, values in ((4, inside.strain), (5, inside.normal_stress), (6, inside.shear_stress)):
+    assert "(1e-6)" in table
+    assert "(MPa)" in table
+    assert "(kPa)" in table
+    for column, values in (
+        (4, 1e6 * inside.strain),
+        (5, 1e-6 * inside.normal_stress),
+        (6, 1e-3 * inside.shear_stress),
+    ):
         expected = pytest.approx(values[pick], rel=1e-3, abs=1e-9 * np.abs(values).max())
         assert [float(row[column]) for row in cells] == expected
 

@@ -19,7 +19,7 @@ from typer.testing import CliRunner
 from flexmech import plots
 from flexmech.analyses import Result, Summary, Table
 from flexmech.choices import PAGE_WIDTHS
-from flexmech.cli.application import COMMANDS
+from flexmech.cli.application import DELIVERING
 from flexmech.cli.deliver import deliver
 from flexmech.cli.failures import reports_failures
 from flexmech.cli.pictures import PNG, Pictures, asked_pictures
@@ -135,7 +135,7 @@ def test_formats_and_widths_are_checked_in_python(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("command", [*COMMANDS, composites], ids=lambda command: command.__name__)
+@pytest.mark.parametrize("command", [*DELIVERING, composites], ids=lambda command: command.__name__)
 def test_every_command_that_draws_has_all_options_of_pictures(
     command: Callable[..., None],
 ) -> None:

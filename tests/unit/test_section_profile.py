@@ -85,7 +85,7 @@ def test_pictures_are_those_of_the_links_chosen(composite: Mechanism) -> None:
     title = "through the thickness under unit loads on the pins' axis"
     for figure, link in ((result.plot(), "Crank"), (result.plot("coupler"), "Coupler")):
         (legend,) = figure.legends
-        assert legend.get_title().get_text() == f"{link}: {title}"
+        assert legend.get_title().get_text() == f"Composite four-bar\n{link}: {title}"
     axes = Figure().subplots(2, 3)
     assert result.plot("coupler", ax=axes.ravel()) is axes[0, 0].figure
     assert all(one.lines for one in axes.ravel())
@@ -128,7 +128,12 @@ def test_runs_of_equal_layers_are_said_as_one() -> None:
     cells = np.array([[row[1:] for row in group[::-1]] for group in printed.groups[::-1]], float)
     np.testing.assert_allclose(cells[..., 0], 1e3 * places, atol=1e-12)
     bent = runs.stresses(places, 0.0, 1.0, 1.0)
-    for column, values in ((3, bent.strain), (4, bent.normal_stress), (5, bent.shear_stress)):
+    headings = [heading.split(" (")[1] for heading in printed.headings[4:]]
+    units = [{"1e-6)": 1e-6, "kPa)": 1e3, "MPa)": 1e6}[unit] for unit in headings]
+    for column, values, unit in zip(
+        (3, 4, 5), (bent.strain, bent.normal_stress, bent.shear_stress), units, strict=True
+    ):
+        values = values / unit
         np.testing.assert_allclose(
             cells[..., column], values, rtol=1e-3, atol=2e-9 * np.abs(values).max()
         )

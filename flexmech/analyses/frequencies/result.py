@@ -13,10 +13,10 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_reason, theory_warnings
 from flexmech.analyses.frequencies import words
+from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.analyses.tables import DEGREES, table_over
-from flexmech.choices import TOLERANCE
 from flexmech.errors import InputError
 from flexmech.units import from_si
 
@@ -346,22 +346,31 @@ class MovingFrequencies(Result):
             f"engines: {first} and {second} differ by at most {found.relative_difference:.2e} of "
             f"the frequency, at {from_si(found.crank_speed, unit):.6g} {unit}, "
             f"{np.degrees(found.crank_angle):.6g} deg, mode {found.mode}"
-            f"{theory_reason(self.dataset.attrs) or self._meshes(found)}"
+            f"{self._judged(found)}"
         )
 
-    def _meshes(self, found: EngineAgreement) -> str:
-        """Errors by the mesh where engines differ by more than they should; empty if not."""
-        if found.relative_difference <= TOLERANCE:
-            return ""
-        there = self._last.dataset.sel(crank_speed=found.crank_speed, mode=found.mode)
-        errors = there["discretisation_error"].max("check_angle").sel(engine=list(found.engines))
-        said = ", ".join(
-            f"{float(error):.1e} of {name} ({there['element'].sel(engine=name).item()})"
-            for name, error in zip(found.engines, errors, strict=True)
+    def _judged(self, found: EngineAgreement) -> str:
+        """Whether errors explain how far the engines differ; if not, which one to trust."""
+        data = self._last.dataset
+        there = data.sel(crank_speed=found.crank_speed, mode=found.mode)
+        error = known_error(data).sel(crank_speed=found.crank_speed, mode=found.mode)
+        errors = {name: float(error.sel(engine=name)) for name in found.engines}
+        said = " and ".join(f"{errors[name]:.1e} of {name}" for name in found.engines)
+        if found.relative_difference <= sum(errors.values()) + 10.0**-words.MOST_DECIMALS:
+            return f", within their estimated errors ({said})"
+        reason = theory_reason(self.dataset.attrs)
+        if reason:
+            return reason
+        effect = self._last.vibration_effect()
+        if effect is not None:
+            moving = str(abs(effect).max(DIMS[1:]).idxmax("engine").item())
+            return f"; trust {moving}, whose links are in the states of the running motion"
+        better = min(errors, key=lambda name: errors[name])
+        kinds = ", ".join(f"{there['element'].sel(engine=n).item()} ({n})" for n in found.engines)
+        return (
+            f", which is beyond their estimated errors ({said}); trust {better}, whose error is "
+            f"the smaller: the elements are {kinds}"
         )
-        whole = float(errors.sum())
-        cause = "explain it" if whole > found.relative_difference / 2 else "do not explain it"
-        return f"; the errors of the meshes, {said}, {cause}"
 
 
 def _rows(**columns: xr.DataArray) -> pd.DataFrame:

@@ -15,6 +15,7 @@ __all__ = [
     "change_lines",
     "damping_lines",
     "damping_ratio_lines",
+    "engines_agree",
     "error_lines",
     "extremes_table",
     "tracking_lines",
@@ -22,6 +23,8 @@ __all__ = [
 ]
 
 MOST_DECIMALS = 6
+# What stands for the engines where they agree.
+TOGETHER = ("both", "all")
 
 
 def extremes_table(extremes: xr.Dataset, dataset: xr.Dataset, title: str) -> Table:
@@ -41,29 +44,52 @@ def extremes_table(extremes: xr.Dataset, dataset: xr.Dataset, title: str) -> Tab
     Returns
     -------
     Table
-        One row for each engine, speed and mode.
+        One row for each speed and mode where the engines agree within their errors, and one for
+        each engine where they do not.
     """
     speed_unit = _unit(dataset)
     error = known_error(dataset)
     between = "lowest_frequency" in dataset
 
-    def row(engine: Any, speed: float, mode: int) -> tuple[str, ...]:
+    def row(engine: Any, label: str, speed: float, mode: int) -> tuple[str, ...]:
         where = {"engine": engine, "crank_speed": speed, "mode": mode}
         place, relative = extremes.sel(where), float(error.sel(where))
-        cells = [str(engine), _speed(speed, speed_unit), str(mode)]
+        cells = [label, _speed(speed, speed_unit), str(mode)]
         for extreme in ("lowest", "highest"):
             angle = place[f"{extreme}_angle"]
             cells.append(_known_digits(float(place[extreme]), relative))
             cells.append(f"{np.degrees(float(angle)):.1f}" if between else _degrees(angle))
         return tuple(cells)
 
+    engines = [str(engine) for engine in extremes["engine"].values]
+    groups = []
+    for speed in extremes["crank_speed"].values:
+        here = {"crank_speed": speed}
+        shown = [(engine, engine) for engine in engines]
+        if len(engines) > 1 and engines_agree(extremes.sel(here), error.sel(here)):
+            sharpest = engines[int(error.sel(here).max("mode").argmin("engine"))]
+            shown = [(sharpest, TOGETHER[len(engines) > 2])]
+        groups += [
+            tuple(row(engine, label, speed, mode) for mode in extremes["mode"].values)
+            for engine, label in shown
+        ]
     headings = ("engine", speed_unit, "mode", "lowest Hz", "at deg", "highest Hz", "at deg")
-    groups = tuple(
-        tuple(row(engine, speed, mode) for mode in extremes["mode"].values)
-        for engine in extremes["engine"].values
-        for speed in extremes["crank_speed"].values
-    )
-    return Table(title, headings, groups)
+    return Table(title, headings, tuple(groups))
+
+
+def engines_agree(extremes: xr.Dataset, error: xr.DataArray) -> bool:
+    """Whether extremes of all engines differ by no more than their errors together.
+
+    Parameters
+    ----------
+    extremes : xarray.Dataset
+        ``lowest`` and ``highest`` in Hz, over engine and others.
+    error : xarray.DataArray
+        Relative, over the same.
+    """
+    first, errors = extremes.isel(engine=0), error.isel(engine=0) + error + 10.0**-MOST_DECIMALS
+    apart = (abs(extremes[name] / first[name] - 1) for name in ("lowest", "highest"))
+    return all(bool((each <= errors).all()) for each in apart)
 
 
 def _known_digits(value: float, error: float) -> str:

@@ -56,10 +56,12 @@ def build_dataset(
     dataset = xr.concat(parts, names, join="exact").merge(_rigid_values(first, motion))
     dataset = dataset.assign_coords(
         element=("engine", [engine.element for engine in engines]),
+        nonlinear=("engine", [engine.simulates for engine in engines]),
         time=time,
         crank_angle=("time", motion.crank_angle),
         link=list(topology.link_names),
         probe=("link", measurements.probes(first)),
+        length=("link", [link.length for link in topology.links]),
         joint=list(topology.joint_names),
         joint_kind=("joint", list(topology.joint_kinds)),
         station=np.linspace(0.0, 1.0, dataset.sizes["station"]),

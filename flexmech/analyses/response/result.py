@@ -212,9 +212,10 @@ class Response(Result):
         """Peaks and how far they can be trusted; the last line compares the engines."""
         data, peaks, unit = self.dataset, self.peaks(), self.dataset.attrs["speed_unit"]
         speed = f"{from_si(data.attrs['crank_speed'], unit):.6g} {unit}"
-        title = f"peaks at {speed}, {data.attrs['mechanism']}"
+        title, agreement = f"peaks at {speed}, {data.attrs['mechanism']}", self.agreement()
+        trusted = words.standing_for_all(agreement, data)
         parts = (
-            words.peak_table(peaks, float(data["crank_angle"][0]), title),
+            words.peak_table(peaks, float(data["crank_angle"][0]), title, trusted),
             *theory_lines(data.attrs),
             *words.check_lines(data),
             *words.load_lines(peaks, data),
@@ -222,5 +223,5 @@ class Response(Result):
             *words.force_agreement_line(self.force_agreement(), data),
             *data.attrs["environment_lines"].splitlines(),
         )
-        verdict = words.agreement_line(self.agreement(), data)
+        verdict = words.agreement_line(agreement, data)
         return Summary(parts, verdict, theory_warnings(data.attrs))

@@ -13,19 +13,25 @@ from flexmech.analyses.summary import Table
 __all__ = [
     "agreement_line",
     "check_lines",
+    "deflection_errors",
     "force_agreement_line",
     "load_lines",
     "peak_table",
     "spectrogram_lines",
+    "standing_for_all",
     "supported",
 ]
 
 MOST_DIGITS = 4
+# Deflection over a link's length beyond which linear kinematics shows.
+LARGE_BOW = 0.01
 # A crank angle this close below a whole turn, in turns, is the turn's end.
 _WHOLE_TURN = 1e-9
 
 
-def peak_table(peaks: xr.Dataset, start: float, title: str) -> Table:
+def peak_table(
+    peaks: xr.Dataset, start: float, title: str, trusted: tuple[str, str] | None = None
+) -> Table:
     """Peak deflection and strain of each link, and where the crank stands then.
 
     Parameters
@@ -35,6 +41,8 @@ def peak_table(peaks: xr.Dataset, start: float, title: str) -> Table:
     start : float
         Crank angle at time zero in rad.
     title : str
+    trusted : (str, str), optional
+        Engine that stands for all, where they agree, and what it is called then.
 
     Returns
     -------
@@ -42,20 +50,19 @@ def peak_table(peaks: xr.Dataset, start: float, title: str) -> Table:
         One row for each engine and link.
     """
 
-    def row(engine: str, link: str) -> tuple[str, ...]:
+    def row(engine: str, label: str, link: str) -> tuple[str, ...]:
         peak = peaks.sel(engine=engine, link=link)
         place = str(peak["probe"].item())
         degrees, turn = _crank(float(peak["deflection_angle"]), start)
         # A clamped link is bent most at its clamp; strain in its middle is no peak.
         strain = f"{1e6 * float(peak['strain']):.4g}" if place == "middle" else "-"
         deflection = f"{1e3 * float(peak['deflection']):.5g}"
-        return (engine, link, place, deflection, f"{degrees:.6g}", str(turn), strain)
+        return (label, link, place, deflection, f"{degrees:.6g}", str(turn), strain)
 
     headings = ("engine", "link", "place", "deflection mm", "at deg", "turn", "strain 1e-6")
     links = [str(link) for link in peaks["link"].values]
-    groups = tuple(
-        tuple(row(str(engine), link) for link in links) for engine in peaks["engine"].values
-    )
+    shown = [trusted] if trusted else [(str(e), str(e)) for e in peaks["engine"].values]
+    groups = tuple(tuple(row(*engine, link) for link in links) for engine in shown)
     return Table(title, headings, groups, text_columns=3)
 
 
@@ -174,15 +181,57 @@ def spectrogram_lines(dataset: xr.Dataset) -> list[str]:
     return ["spectrogram: none, the run is too short for its window; ask for more --revolutions"]
 
 
+def deflection_errors(dataset: xr.Dataset) -> xr.DataArray:
+    """Errors of the deflections over their peak by all causes that are known, over engine."""
+    causes = ("step_error", "reduction_error", "mesh_error")
+    return sum((dataset[name] for name in causes if name in dataset), xr.DataArray(0.0))
+
+
+def standing_for_all(agreement: xr.DataArray | None, dataset: xr.Dataset) -> tuple[str, str] | None:
+    """The engine of the smallest errors where two agree within them, and what stands for both."""
+    if agreement is None:
+        return None
+    errors = deflection_errors(dataset)
+    if float(agreement.max()) > float(errors[:2].sum()):
+        return None
+    return str(errors.idxmin("engine").item()), "both"
+
+
 def agreement_line(agreement: xr.DataArray | None, dataset: xr.Dataset) -> str:
-    """Say how far the engines differ at most, link by link; or that there is no comparison."""
+    """Say how far the engines differ at most, link by link; or that there is no comparison.
+
+    Where that is more than their errors, also which one to trust.
+    """
     engines = dataset["engine"].values
     if agreement is None:
         return f"engines: no comparison was made, only the {engines[0]} engine ran"
-    return (
+    line = (
         f"engines: deflections of {engines[0]} and {engines[1]} differ by at most "
-        f"{_listed(agreement)} of the link's peak{theory_reason(dataset.attrs)}"
+        f"{_listed(agreement)} of the link's peak"
     )
+    if standing_for_all(agreement, dataset):
+        return f"{line}, within their estimated errors"
+    return f"{line}{theory_reason(dataset.attrs) or _whom_to_trust(dataset)}"
+
+
+def _whom_to_trust(dataset: xr.Dataset) -> str:
+    """Of engines that differ by more than their errors."""
+    bow = abs(dataset["deflection"]).max(("engine", "time")) / dataset["length"]
+    nonlinear = dataset["nonlinear"].astype(bool)
+    simulated = dataset["engine"].values[nonlinear.values]
+    if float(bow.max()) > LARGE_BOW and len(simulated) == 1:
+        link, most = bow.idxmax("link").item(), 100 * float(bow.max())
+        return (
+            f"; trust {simulated[0]}, which follows displacements of any size: {link} deflects by "
+            f"up to {most:.2g} % of its length, and linear equations leave the joints where the "
+            "rigid linkage has them"
+        )
+    errors = deflection_errors(dataset)
+    better = f"trust {errors.idxmin('engine').item()}, whose errors are the smaller"
+    if "mesh_error" not in dataset:
+        better += "; --check-mesh gives the error by the mesh, which is not among them"
+    said = _listed(errors)
+    return f", which is beyond their estimated errors, {said}; {better}"
 
 
 def force_agreement_line(agreement: xr.Dataset | None, dataset: xr.Dataset) -> list[str]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 
@@ -12,6 +14,8 @@ from flexmech.types import FloatArray
 
 __all__ = ["layer_tables", "property_table"]
 
+STRAIN = ((1e-6, "1e-6"),)
+STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
 # What rounding leaves of a zero, over the largest value of its column.
 _ZERO = 1e-9
 
@@ -57,10 +61,12 @@ def layer_tables(profile: xr.Dataset) -> list[Table]:
 
 
 def _layer_table(profile: xr.Dataset, title: str) -> Table:
-    columns = [_without_noise(1e3 * profile["place"].values)]
-    columns += [
-        _without_noise(profile[name].sel(load=load).values) for _, name, load in STORED["inside"]
-    ]
+    headings, columns = ["layer", "y (mm)"], [_without_noise(1e3 * profile["place"].values)]
+    for heading, name, load in STORED["inside"]:
+        values = _without_noise(profile[name].sel(load=load).values)
+        factor, unit = _readable_unit(values, STRAIN if name == "strain" else STRESSES)
+        headings.append(f"{heading} ({unit})")
+        columns.append(values / factor)
     stack, runs = _stack(profile), profile["run"].values
     groups = []
     # The highest layer stands at the top, as in the link.
@@ -77,8 +83,13 @@ def _layer_table(profile: xr.Dataset, title: str) -> Table:
                 for word, row in zip(("", label, ""), cells, strict=True)
             )
         )
-    headings = ("layer", "y (mm)", *(heading for heading, *_ in STORED["inside"]))
-    return Table(title, headings, tuple(groups))
+    return Table(title, tuple(headings), tuple(groups))
+
+
+def _readable_unit(values: FloatArray, units: Sequence[tuple[float, str]]) -> tuple[float, str]:
+    """The greatest unit in which the largest value is one at least, or the least of them."""
+    largest = np.abs(values).max()
+    return next(((factor, name) for factor, name in units if largest >= factor), units[-1])
 
 
 def _without_noise(values: FloatArray) -> FloatArray:
