@@ -103,7 +103,8 @@ def _is_small(change: FloatArray, acceleration: FloatArray) -> bool:
     """Whether the last change is small against accelerations; both of shape (m, n)."""
     with np.errstate(over="ignore", invalid="ignore"):
         size, whole = (np.einsum("mn,mn->m", a, a).max() for a in (change, acceleration))
-    return bool(size <= LAST_CHANGE**2 * whole)
+    # Passes that diverge overflow in both.
+    return bool(np.isfinite(whole) and size <= LAST_CHANGE**2 * whole)
 
 
 def _fixed_passes(

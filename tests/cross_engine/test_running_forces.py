@@ -56,6 +56,10 @@ def slender_crank_rocker():
     )
 
 
+# Deflection over length up to which linear kinematics does.
+SMALL_BOW = 0.02
+
+
 def half_the_axial(engine):
     return lowest_axial_frequency(engine, np.linspace(0.0, 2 * np.pi, 73)) / 2
 
@@ -131,11 +135,18 @@ def test_random_mechanisms(seed):
 @pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(12))
 def test_more_random_mechanisms(seed):
-    """With the steps that a run chooses for itself."""
+    """With the steps that a run chooses for itself.
+
+    The reference's joints stay where the rigid linkage has them: deflections differ where a link
+    deflects by some per cent of its length.
+    """
     case = random_case(seed, damped=True)
     engines = [ReferenceEngine(case.mechanism), ExudynEngine(case.mechanism)]
     run = response(engines, ResponseRequest(CrankDrive(case.crank_speed), 1.0, 360))
-    assert float(run.agreement().max()) < 1e-2
+    lengths = [link.length for link in case.mechanism.linkage.topology.links]
+    bow = np.abs(run.dataset["deflection"]).max(["engine", "time"]).values / lengths
+    agreement = float(run.agreement().max())
+    assert agreement < (1e-2 if bow.max() < SMALL_BOW else 3 * bow.max())
     agreement = run.force_agreement()
     assert float(agreement["peak_joint_force"].max()) < 2e-2
     assert float(agreement["peak_driving_torque"]) < 2e-2
