@@ -38,9 +38,10 @@ def write_animation(
     """Write a moving picture of the last revolution of a run, as a GIF or an MP4.
 
     The undeformed linkage is grey, the deflected one blue, with its elastic displacements
-    enlarged; the path of the coupler's middle (or of an arm's tip) is drawn as far as it has
-    got. Frames are stored samples, at equal intervals and at most 120: a vibration with less
-    than two frames a period shows a wrong period, though right amplitudes.
+    enlarged as the legend says. The path of the coupler point (else of the coupler's middle, or
+    of an arm's tip) is drawn as far as it has got, with displacements as they are. Frames are
+    stored samples, at equal intervals and at most 120: a vibration with less than two frames a
+    period shows a wrong period, though right amplitudes.
 
     Parameters
     ----------

@@ -45,8 +45,8 @@ class EnlargedMotion:
         In s and rad.
     rigid, deflected : ndarray, shape (n, link, station, 2)
         In m, the latter with enlarged displacements.
-    traced : tuple of int
-        Link and station whose path is drawn.
+    path : ndarray, shape (n, 2)
+        Places of the point whose path is drawn, in m, its displacement as it is.
     trace_name, run_name : str
         What is traced and what is running, in words.
     enlargement : float
@@ -57,7 +57,7 @@ class EnlargedMotion:
     angle: FloatArray
     rigid: FloatArray
     deflected: FloatArray
-    traced: tuple[int, int]
+    path: FloatArray
     trace_name: str
     run_name: str
     enlargement: float
@@ -87,8 +87,7 @@ class EnlargedMotion:
         if enlargement is None:
             enlargement = _round_enlargement(linkage.extent_of(rigid), elastic)
         links = names_of(turn, "link")
-        link = links.index("coupler") if "coupler" in links else len(links) - 1
-        probe = str(turn["probe"].values[link])
+        path, traced = _true_path(turn, rigid + elastic, links)
         name = str(dataset.attrs["mechanism"])
         name = name[:1].upper() + name[1:]
         return cls(
@@ -96,8 +95,8 @@ class EnlargedMotion:
             angle=angle[shown],
             rigid=rigid,
             deflected=rigid + enlargement * elastic,
-            traced=(link, rigid.shape[2] // 2 if probe == "middle" else -1),
-            trace_name=f"path of the {links[link]}'s {probe}",
+            path=path,
+            trace_name=f"true path of the {traced}",
             run_name=f"{name} at {speed_text(dataset)}, {engine_label(dataset)}",
             enlargement=enlargement,
         )
@@ -117,6 +116,34 @@ class EnlargedMotion:
         slower = self.frames.size / FRAMES_A_SECOND / seconds if seconds > 0 else 1.0
         pace = f", {slower:.2g} times slower than real" if slower > 1.05 else ""
         return self.run_name + pace
+
+
+def _true_path(turn: xr.Dataset, places: FloatArray, links: list[str]) -> tuple[FloatArray, str]:
+    """Places of the coupler point, of the coupler's middle or of an arm's tip, and its name.
+
+    The coupler point is carried by the straight line between the coupler's pins.
+
+    Parameters
+    ----------
+    turn : Dataset
+    places : ndarray, shape (n, link, station, 2)
+        Of the deflected links in m.
+    links : list of str
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+    str
+    """
+    link = links.index("coupler") if "coupler" in links else len(links) - 1
+    if "coupler_point_distance" in turn.attrs:
+        start, end = places[:, link, 0], places[:, link, -1]
+        along = np.arctan2(*(end - start).T[::-1]) + turn.attrs["coupler_point_angle"]
+        away = np.stack([np.cos(along), np.sin(along)], axis=-1)
+        return start + turn.attrs["coupler_point_distance"] * away, "coupler point"
+    probe = str(turn["probe"].values[link])
+    station = places.shape[2] // 2 if probe == "middle" else -1
+    return places[:, link, station], f"{links[link]}'s {probe}"
 
 
 def _round_enlargement(extent: float, elastic: FloatArray) -> float:
@@ -145,6 +172,7 @@ class Scene:
         self._rigid = self._lines(label="rigid linkage", **linkage.RIGID, zorder=1)
         self._trace = Line2D([], [], label=motion.trace_name, color=orange, lw=1.0, zorder=2)
         self._deflected = self._lines(label=enlarged, color=blue, lw=2.2, zorder=3)
+        self._point = Line2D([], [], color="black", marker="o", ms=3.5, ls="", zorder=5)
         self._joints = Line2D([], [], **(linkage.JOINT | {"ms": 5}), zorder=4)
         ends = motion.rigid[:, :, [0, -1]]
         rests = np.ptp(ends, axis=0).max(axis=-1) <= SAME_PLACE * linkage.extent_of(ends)
@@ -162,7 +190,8 @@ class Scene:
     def _open(self, sketch: linkage.LinkageSketch, handles: list[Line2D]) -> None:
         """Draw what does not move, with room for the whole motion, the legend and the title."""
         motion = self._motion
-        limits = sketch.limits(np.concatenate([motion.rigid, motion.deflected]))
+        shown = (motion.rigid, motion.deflected, motion.path)
+        limits = sketch.limits(np.concatenate([places.reshape(-1, 2) for places in shown]))
         height = linkage.height_of(limits, style.figure_width(), 2.0, 5.2) + TITLE_HEIGHT
         with sheet(grid(1, 1, height)) as drawn:
             drawn.header(handles, motion.title)
@@ -176,7 +205,7 @@ class Scene:
         if sketch.hub_radius:
             self._axes.plot(0, 0, **linkage.JOINT, zorder=4)
         self._clock = self._axes.set_title("time")
-        lines = [*self._rigid, self._trace, *self._deflected, self._joints]
+        lines = [*self._rigid, self._trace, *self._deflected, self._joints, self._point]
         for line in lines:
             self._axes.add_line(line)
         self._moving = [*lines, self._clock]
@@ -195,7 +224,8 @@ class Scene:
         for lines, links in ((self._rigid, rigid), (self._deflected, deflected)):
             for line, link in zip(lines, links, strict=True):
                 line.set_data(*link.T)
-        self._trace.set_data(*motion.deflected[: sample + 1, *motion.traced].T)
+        self._trace.set_data(*motion.path[: sample + 1].T)
+        self._point.set_data(*motion.path[sample : sample + 1].T)
         self._joints.set_data(*linkage.places_of(deflected, self._ends).T)
         turned = round(float(np.degrees(motion.angle[sample]))) % 360
         angle = str(turned).rjust(3, FIGURE_SPACE)

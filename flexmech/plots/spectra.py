@@ -5,6 +5,7 @@ from __future__ import annotations
 import matplotlib.patheffects as effects
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
@@ -16,7 +17,8 @@ from flexmech.plots.labels import engine_label, link_label, run_title, spread
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
 from flexmech.plots.reading import LENGTH_UNITS, cell_edges, fitting_unit, names_of, values_of
 from flexmech.plots.response import engine_lines
-from flexmech.plots.series import Look, line_handle, series_line
+from flexmech.plots.series import Look, line_handle, series_line, series_style
+from flexmech.types import FloatArray
 
 __all__ = ["ONE_LINK", "plot_spectrogram", "plot_spectrum"]
 
@@ -39,6 +41,8 @@ MOST_ORDERS = 16
 MOST_ORDER_LINES = 100
 # Least distance of two labels in inches.
 LABEL_ROOM = 0.15
+# Least distance of the names of two lines over the height of a panel.
+NAME_ROOM = 0.09
 
 DECIBELS = 60.0
 """Levels this far below the maximum are drawn as the darkest."""
@@ -50,6 +54,8 @@ PREDICTION: Look = {"color": "white", "lw": 0.8, "ls": (0.0, (4.0, 5.0)), "path_
 def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the amplitude spectrum of each link's deflection, one panel a link.
 
+    Of a periodic motion the amplitudes stand as stems at the orders of the crank, those of
+    further engines as open marks; what is between the orders, as thin lines, does not repeat.
     Shaded bands are the ranges that the predicted natural frequencies pass through over the
     run; the axis on top counts the harmonics of the crank's turning frequency.
 
@@ -69,7 +75,8 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     within = dataset.sel(spectrum_frequency=slice(0.0, limit))
     bands, links = _bands(dataset), names_of(dataset, "link")
     with sheet(_layout(len(links), 1.5, 2.2), ax=ax, fewer=ONE_LINK) as drawn:
-        handles = engine_lines(dataset)
+        turns = int(dataset.attrs.get("spectrum_turns", 0))
+        handles = _stem_handles(dataset) if turns else engine_lines(dataset)
         if bands:
             handles.append(Patch(color=BAND_COLOR, lw=0, label="predicted natural frequencies"))
         drawn.header(handles, run_title(dataset), of=dataset)
@@ -78,7 +85,7 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             for band in bands.values():
                 # The edge line keeps a frequency that hardly moves visible.
                 axes.axvspan(*band, fc=BAND_COLOR, ec=BAND_EDGE, lw=0.5, zorder=0)
-            unit = _draw_spectra(axes, within["spectrum"].sel(link=link))
+            unit = _draw_spectra(axes, within["spectrum"].sel(link=link), turns)
             axes.set_ylabel(f"{link_label(dataset, link)}\namplitude ({unit})")
         _label_bands(drawn.panels[0], bands)
         _order_axis(drawn.panels, abs(float(dataset.attrs["crank_speed"])) / (2 * np.pi), limit)
@@ -111,6 +118,8 @@ def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     time = first["window_time"].values
     with sheet(_layout(len(links), 1.75, 2.4), ax=ax, fewer=ONE_LINK) as drawn:
         title = f"{run_title(dataset)}, by {engine_label(dataset)}"
+        if note := dataset.attrs.get("spectrogram_note"):
+            title += f"; {note}"
         handles = [line_handle("predicted natural frequencies", **PREDICTION)]
         drawn.header(handles, title, of=dataset)
         for axes, link in zip(drawn.panels, links, strict=True):
@@ -119,6 +128,7 @@ def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
             axes.plot(time, predicted, **PREDICTION, marker="." if time.size == 1 else "")
             axes.set_ylim(0.0, _highest_frequency(dataset, "window_frequency"))
             scales.plain_numbers(axes)
+            _name_lines(axes, predicted[-1], names_of(dataset, "mode"))
             axes.set_ylabel(f"{link_label(dataset, link)}\nfrequency (Hz)")
         time_axis.angle_axis(drawn.panels[0], dataset)
         drawn.label_x("Time (s)")
@@ -128,6 +138,19 @@ def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
         bar.set_label(f"Level relative to {of_what} (dB)")
         bar.outline.set_linewidth(0.6)
     return drawn.figure
+
+
+def _name_lines(axes: Axes, ends: FloatArray, modes: list[str]) -> None:
+    """Write f1, f2, ... at the right ends of lines, apart from each other."""
+    low, high = axes.get_ylim()
+    inside = [(end, mode) for end, mode in zip(ends, modes, strict=True) if low < end < high]
+    least = NAME_ROOM * (high - low)
+    places = spread(np.array([end for end, _ in inside]), least)
+    look: Look = {"ha": "right", "va": "center", "fontsize": 7, "color": "white", "zorder": 5}
+    look |= {"xycoords": ("axes fraction", "data"), "annotation_clip": False}
+    for place, (_, mode) in zip(places, inside, strict=True):
+        at = min(max(float(place), low + least / 2), high - least / 2)
+        axes.annotate(f"$f_{{{mode}}}$", (0.992, at), path_effects=RIM, **look)
 
 
 def _layout(links: int, panel: float, least: float) -> Layout:
@@ -184,11 +207,34 @@ def _label_bands(axes: Axes, bands: dict[int, tuple[float, float]]) -> None:
         axes.text(place, 0.985, f"$f_{{{mode}}}$", transform=axes.transAxes, **look)
 
 
-def _draw_spectra(axes: Axes, spectrum: xr.DataArray) -> str:
-    """Spectra of the engines on a logarithmic axis; the unit of its numbers."""
+def _draw_spectra(axes: Axes, spectrum: xr.DataArray, turns: int) -> str:
+    """Spectra of the engines on a logarithmic axis; the unit of its numbers.
+
+    Parameters
+    ----------
+    axes : Axes
+    spectrum : DataArray
+        With dims engine and spectrum_frequency, in m.
+    turns : int
+        Of a periodic motion, whose orders stand so many frequencies apart; else 0.
+
+    Returns
+    -------
+    str
+    """
     amplitude = values_of(spectrum, "engine", "spectrum_frequency")
     factor, unit = fitting_unit(amplitude, LENGTH_UNITS)
     highest = factor * float(np.nanmax(amplitude, initial=0.0)) or 1.0
+    if turns:
+        amplitude = amplitude[:, turns:]
+        frequency = spectrum["spectrum_frequency"].values[turns:]
+        at_orders = factor * amplitude[:, ::turns]
+        least = np.nanmin(at_orders, initial=highest)
+        lowest = float(np.clip(least, highest * 10.0**-DECADES, 0.1 * highest))
+        scales.log_scale(axes, lowest, highest * (highest / lowest) ** HEADROOM)
+        for number, values in enumerate(factor * amplitude):
+            _draw_stems(axes, frequency, values, turns, number)
+        return unit
     width = 1.1 if amplitude.shape[1] < 150 else 0.8
     for number, values in enumerate(factor * amplitude):
         wider = 1.4 if number < len(amplitude) - 1 else 1.0
@@ -197,6 +243,36 @@ def _draw_spectra(axes: Axes, spectrum: xr.DataArray) -> str:
     lowest = np.clip(factor * np.nanmin(amplitude), highest * 10.0**-DECADES, 0.1 * highest)
     scales.log_scale(axes, lowest, highest * (highest / lowest) ** HEADROOM)
     return unit
+
+
+def _draw_stems(
+    axes: Axes, frequency: FloatArray, values: FloatArray, turns: int, number: int
+) -> None:
+    """Amplitudes at the orders, and what is between them; the first one is order 1."""
+    color, look = series_style(number).color, _stem_mark(number)
+    if number == 0:
+        axes.vlines(frequency[::turns], axes.get_ylim()[0], values[::turns], color=color, lw=0.8)
+    axes.plot(frequency[::turns], values[::turns], **look, clip_on=True, zorder=3)
+    if turns > 1:
+        between = np.where(np.arange(len(values)) % turns, values, np.nan)
+        # A line that ends beside each order.
+        axes.plot(frequency, between, color=color, lw=0.5, alpha=0.7, zorder=1.5)
+
+
+def _stem_mark(number: int) -> Look:
+    style_ = series_style(number)
+    fill = style_.color if number == 0 else "white"
+    size = 2.6 if number == 0 else 3.6
+    look: Look = {"ls": "", "marker": style_.marker, "ms": size, "color": style_.color}
+    return look | {"mfc": fill if number == 0 else "none", "mew": 0.8}
+
+
+def _stem_handles(dataset: xr.Dataset) -> list[Artist]:
+    """Legend entries of engines whose amplitudes are marks at the orders."""
+    return [
+        line_handle(f"{engine_label(dataset, n)}, at orders", **_stem_mark(n))
+        for n in range(dataset.sizes["engine"])
+    ]
 
 
 def _order_axis(panels: list[Axes], turning: float, limit: float) -> None:

@@ -157,16 +157,35 @@ class TestPicture:
             np.testing.assert_array_equal(np.transpose(scene._rigid[link].get_data()), rigid[link])
         assert legend_label(scene) == "displacement enlarged 15 times"
 
-    def test_path_is_that_of_the_coupler_s_middle(self) -> None:
+    def test_path_is_the_true_one_of_the_coupler_s_middle(self) -> None:
+        """However much the displacements of the links are enlarged."""
         dataset = response_dataset()
-        scene, motion = scene_of(dataset)
+        scene, _ = scene_of(dataset, enlargement=40.0)
         scene.picture(9)
-        wanted = dataset["rigid_position"] + motion.enlargement * dataset["displacement"].isel(
-            engine=1
-        )
+        wanted = dataset["rigid_position"] + dataset["displacement"].isel(engine=1)
         wanted = wanted.sel(link="coupler").isel(station=10, time=slice(10))
         drawn = np.transpose(scene._trace.get_data())
         np.testing.assert_allclose(drawn, wanted.transpose("time", "component"), rtol=1e-14)
+        np.testing.assert_array_equal(np.transpose(scene._point.get_data()), drawn[-1:])
+        assert scene._trace.get_label() == "true path of the coupler's middle"
+
+    def test_path_of_a_coupler_point_is_carried_by_the_line_of_the_pins(self) -> None:
+        point = {"coupler_point_distance": 0.16, "coupler_point_angle": np.radians(35)}
+        dataset = response_dataset().assign_attrs(point)
+        # Both pins moved and the coupler turned: the point with them.
+        dataset["displacement"][:, :, 1, -1] += np.array([2e-3, -3e-3])
+        scene, _ = scene_of(dataset)
+        scene.picture(9)
+        drawn = np.transpose(scene._trace.get_data())
+        places = (dataset["rigid_position"] + dataset["displacement"].isel(engine=1)).sel(
+            link="coupler"
+        )
+        start, end = (places.isel(station=n, time=slice(10)).values for n in (0, -1))
+        to_point, along = drawn - start, end - start
+        np.testing.assert_allclose(np.hypot(*to_point.T), 0.16)
+        turned = np.arctan2(*to_point.T[::-1]) - np.arctan2(*along.T[::-1])
+        np.testing.assert_allclose(np.degrees(np.mod(turned, 2 * np.pi)), 35.0)
+        assert scene._trace.get_label() == "true path of the coupler point"
 
     def test_time_and_angle_are_those_of_the_sample(self) -> None:
         scene, _ = scene_of(response_dataset())
@@ -206,7 +225,7 @@ class TestPicture:
         assert hub.radius == pytest.approx(0.025)
         assert hub.center == (0, 0)
         assert support_tips(scene) == [[0.0, 0.0]]
-        assert scene._trace.get_label() == "path of the arm's tip"
+        assert scene._trace.get_label() == "true path of the arm's tip"
 
     @pytest.mark.parametrize("linkage", [FOURBAR, ARM])
     def test_nothing_leaves_the_picture(self, linkage: Linkage) -> None:

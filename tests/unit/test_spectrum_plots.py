@@ -87,7 +87,53 @@ class TestSpectrum:
         np.testing.assert_allclose(places, [0.151, 0.201, 0.251, 0.5], atol=1e-12)
 
 
+class TestPeriodicSpectrum:
+    @pytest.mark.parametrize("turns", [1, 2])
+    def test_amplitudes_stand_at_the_orders(self, turns: int) -> None:
+        periodic = response_dataset(float(turns), start="periodic", spectrogram=False)
+        periodic = periodic.assign_attrs(spectrum_turns=turns)
+        figure = plot_spectrum(periodic)
+        turning = 20 / (2 * np.pi)
+        for axes, link in zip(panels(figure), periodic["link"].values, strict=True):
+            wanted = 1e3 * periodic["spectrum"].sel(link=link)[:, turns::turns]
+            marked = [line for line in axes.lines if line.get_linestyle() == "None"]
+            for line, values in zip(marked, wanted, strict=True):
+                np.testing.assert_array_equal(line.get_ydata(), values)
+                orders = line.get_xdata() / turning
+                np.testing.assert_allclose(orders, np.arange(1, len(orders) + 1), rtol=2e-3)
+            (stems,) = axes.collections
+            tops = [segment[1, 1] for segment in stems.get_segments()]
+            np.testing.assert_array_equal(tops, wanted[0])
+            lines = [
+                line
+                for line in axes.lines
+                if line.get_linestyle() == "-" and line.get_color() in COLORS
+            ]
+            assert len(lines) == (2 if turns > 1 else 0)
+            for line in lines:
+                assert np.isnan(line.get_ydata()[::turns]).all()
+        assert legend_texts(figure)[:2] == [
+            "reference (euler), at orders",
+            "exudyn (ancf), at orders",
+        ]
+        check_layout(figure, FULL_WIDTH_PANEL)
+
+
 class TestSpectrogram:
+    def test_lines_are_named_and_the_heading_says_what_is_told_apart(
+        self, dataset: xr.Dataset
+    ) -> None:
+        note = "window 0.1 s, resolution 20 Hz: cannot tell f1 and f2 (nearest 3 Hz) apart"
+        figure = plot_spectrogram(dataset.assign_attrs(spectrogram_note=note))
+        assert note in heading(figure).replace("\n", " ")
+        ends = dataset["natural_frequency"].isel(engine=0, window_time=-1).values
+        for axes in panels(figure):
+            names = {text.get_text(): text.xy[1] for text in axes.texts}
+            assert list(names) == ["$f_{1}$", "$f_{2}$", "$f_{3}$", "$f_{4}$"]
+            # f1 and f2 are close: their names are moved apart, the others stand at their lines.
+            assert names["$f_{2}$"] - names["$f_{1}$"] > 15
+            np.testing.assert_allclose([names["$f_{3}$"], names["$f_{4}$"]], ends[2:], atol=1e-9)
+
     def test_levels_are_the_dataset_s(self, dataset: xr.Dataset) -> None:
         figure = plot_spectrogram(dataset)
         assert y_labels(figure)[2] == "Rocker middle frequency (Hz)"

@@ -12,15 +12,24 @@ from flexmech.analyses.provenance import provenance
 from flexmech.analyses.response import measurements
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.run import EngineRun, RunError
-from flexmech.analyses.response.spectra import amplitude_spectrum, spectrogram
+from flexmech.analyses.response.spectra import (
+    WHOLE_PERIODS,
+    amplitude_spectrum,
+    resolution_note,
+    spectrogram,
+    window_duration,
+)
 from flexmech.analyses.stations import rigid_positions
 from flexmech.linear_system import Engine
 from flexmech.linkages import RigidMotion, inverse_dynamics
+from flexmech.types import FloatArray
 
 __all__ = ["add_mesh_errors", "build_dataset"]
 
 # Spectra reach this far above the highest natural frequency asked for.
 SPECTRUM_REACH = 1.5
+# Positions at which the length of the spectrogram's window is chosen.
+PREDICTIONS = 145
 
 
 def build_dataset(
@@ -48,8 +57,11 @@ def build_dataset(
     engines, time = [run.engine for run in runs], request.sample_time()
     first, topology = engines[0], engines[0].mechanism.linkage.topology
     motion = request.drive.motion(first.mechanism.linkage, time)
+    duration = _window(first, request, lowest)
     parts = [
-        _history(run, motion, refinement).merge(_spectra(run, request, refinement, lowest, highest))
+        _history(run, motion, refinement).merge(
+            _spectra(run, request, refinement, (lowest, highest), duration)
+        )
         for run in runs
     ]
     names = xr.DataArray([engine.name for engine in engines], dims="engine", name="engine")
@@ -67,6 +79,14 @@ def build_dataset(
         station=np.linspace(0.0, 1.0, dataset.sizes["station"]),
         component=["x", "y"],
     )
+    if "spectrogram" in dataset:
+        step = float(dataset["window_frequency"][1] - dataset["window_frequency"][0])
+        predicted = dataset["natural_frequency"].transpose(..., "mode").values
+        note = resolution_note(predicted.reshape(-1, request.modes), 1 / step)
+        dataset = dataset.assign_attrs(spectrogram_note=note)
+    if (point := first.mechanism.coupler_point) is not None:
+        place = {"coupler_point_distance": point.distance, "coupler_point_angle": point.angle}
+        dataset = dataset.assign_attrs(place)
     return dataset.assign_attrs(
         provenance(engines),
         crank_speed=request.drive.speed,
@@ -77,7 +97,23 @@ def build_dataset(
         integrator=request.integrator,
         prestress=request.prestress,
         force_band=runs[0].band,
+        spectrum_turns=whole_turns(request),
     )
+
+
+def whole_turns(request: ResponseRequest) -> int:
+    """Whole turns of a run on the periodic motion, whose spectrum stands at the orders alone.
+
+    Parameters
+    ----------
+    request : ResponseRequest
+
+    Returns
+    -------
+    int
+        0 for other runs, and for shorter ones.
+    """
+    return int(request.revolutions + 1e-9) if request.start == "periodic" else 0
 
 
 def _history(run: EngineRun, motion: RigidMotion, refinement: int) -> xr.Dataset:
@@ -141,25 +177,46 @@ def _rigid_values(engine: Engine, motion: RigidMotion) -> xr.Dataset:
     )
 
 
+def _predicted(engine: Engine, request: ResponseRequest, time: FloatArray) -> FloatArray:
+    """Natural frequencies at times at the final speed; shape (time, mode) in Hz."""
+    drive, formulation = request.drive, Formulation(request.prestress, modes=request.modes)
+    return frequencies_at(engine, drive.crank_angle(time), drive.speed, formulation)
+
+
+def _window(engine: Engine, request: ResponseRequest, lowest: float) -> float:
+    """Length of the spectrogram's window in s, the same for all engines."""
+    ends = request.drive.run_up_time, float(request.sample_time()[-1])
+    time = np.linspace(*ends, PREDICTIONS)
+    return window_duration(time, _predicted(engine, request, time), lowest)
+
+
 def _spectra(
-    run: EngineRun, request: ResponseRequest, refinement: int, lowest: float, highest: float
+    run: EngineRun,
+    request: ResponseRequest,
+    refinement: int,
+    range_of_interest: tuple[float, float],
+    duration: float,
 ) -> xr.Dataset:
     """Spectra of a run at its final speed; in time as well where it is long enough."""
+    lowest, highest = range_of_interest
     drive, interval = request.drive, request.sample_interval / refinement
     steady = run.trajectory.time >= drive.run_up_time - 1e-12
     signals = measurements.deflections(run.engine, run.trajectory)[steady].T
     up_to = SPECTRUM_REACH * highest
     frequency, amplitude = amplitude_spectrum(signals, interval, up_to)
+    if turns := whole_turns(request):
+        # Of what repeats every turn, over whole turns: lines at the orders.
+        last = signals[:, -turns * request.samples * refinement :]
+        frequency, amplitude = amplitude_spectrum(last, interval, up_to, WHOLE_PERIODS)
     spectra = xr.Dataset(
         {"spectrum": (("link", "spectrum_frequency"), amplitude)},
         coords={"spectrum_frequency": frequency},
     )
-    moving = spectrogram(signals, interval, lowest, up_to)
+    moving = spectrogram(signals, interval, lowest, up_to, duration)
     if moving is None:
         return spectra
     middle = moving.time + drive.run_up_time
-    formulation = Formulation(request.prestress, modes=request.modes)
-    prediction = frequencies_at(run.engine, drive.crank_angle(middle), drive.speed, formulation)
+    prediction = _predicted(run.engine, request, middle)
     spectra["spectrogram"] = ("link", "window_frequency", "window_time"), moving.amplitude
     spectra["natural_frequency"] = ("window_time", "mode"), prediction
     return spectra.assign_coords(

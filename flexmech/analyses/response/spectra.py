@@ -9,10 +9,15 @@ from scipy.signal import ShortTimeFFT, get_window, periodogram
 
 from flexmech.types import FloatArray
 
-__all__ = ["Spectrogram", "amplitude_spectrum", "spectrogram"]
+__all__ = ["Spectrogram", "amplitude_spectrum", "resolution_note", "spectrogram", "window_duration"]
 
 
 WINDOW = "hann"
+WHOLE_PERIODS = "boxcar"
+"""Window of signals that repeat: over whole periods none is needed."""
+# Distance of two frequencies that a Hann window tells apart, over one by its length: half the
+# width of its main lobe.
+TOLD_APART = 2.0
 # Length of the moving window in periods of the lowest natural frequency: shorter, and
 # neighbouring frequencies merge; longer, and they have moved on meanwhile.
 PERIODS_IN_WINDOW = 6.0
@@ -40,9 +45,9 @@ class Spectrogram:
 
 
 def amplitude_spectrum(
-    signals: FloatArray, interval: float, up_to: float
+    signals: FloatArray, interval: float, up_to: float, window: str = WINDOW
 ) -> tuple[FloatArray, FloatArray]:
-    """Single-sided amplitude spectrum of whole signals under a Hann window.
+    """Single-sided amplitude spectrum of whole signals under a window.
 
     Parameters
     ----------
@@ -51,6 +56,9 @@ def amplitude_spectrum(
         Between samples in s.
     up_to : float
         Highest frequency wanted in Hz.
+    window : str
+        Hann's; ``"boxcar"`` is none, for whole periods without their last sample, whose
+        amplitudes are then those of the Fourier series.
 
     Returns
     -------
@@ -60,14 +68,18 @@ def amplitude_spectrum(
         Amplitudes in the signals' unit; the mean is taken off.
     """
     frequency, power = periodogram(
-        signals, 1 / interval, window=WINDOW, detrend="constant", scaling="spectrum"
+        signals, 1 / interval, window=window, detrend="constant", scaling="spectrum"
     )
     wanted = frequency <= up_to
     return frequency[wanted], np.sqrt(2 * power[:, wanted])
 
 
 def spectrogram(
-    signals: FloatArray, interval: float, lowest: float, up_to: float
+    signals: FloatArray,
+    interval: float,
+    lowest: float,
+    up_to: float,
+    duration: float | None = None,
 ) -> Spectrogram | None:
     """Spectra under a Hann window that moves along the signals.
 
@@ -80,13 +92,16 @@ def spectrogram(
         Lowest natural frequency in Hz, which sets the window's length.
     up_to : float
         Highest frequency wanted in Hz.
+    duration : float, optional
+        Length of the window in s instead.
 
     Returns
     -------
     Spectrogram or None
         None where the signals are shorter than the window.
     """
-    length = max(LEAST_WINDOW, round(PERIODS_IN_WINDOW / (lowest * interval)))
+    duration = duration or PERIODS_IN_WINDOW / lowest
+    length = max(LEAST_WINDOW, round(duration / interval))
     count = signals.shape[1]
     if count < length:
         return None
@@ -103,3 +118,65 @@ def spectrogram(
         frequency=transform.f[wanted],
         amplitude=amplitude[:, wanted],
     )
+
+
+def window_duration(time: FloatArray, frequency: FloatArray, lowest: float) -> float:
+    """Length of a window that tells the first two natural frequencies apart, if one can.
+
+    It must be long enough for their distance, and so short that they move by less than half of
+    it meanwhile, and that the run holds two of it.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Evenly spaced, in s.
+    frequency : ndarray, shape (n, m)
+        Predicted natural frequencies in Hz, ascending.
+    lowest : float
+        Lowest natural frequency in Hz.
+
+    Returns
+    -------
+    float
+        In s; six periods of the lowest frequency where none can, or where these suffice.
+    """
+    shortest = PERIODS_IN_WINDOW / lowest
+    if frequency.shape[1] < 2 or len(time) < 2:
+        return shortest
+    apart = frequency[:, 1] - frequency[:, 0]
+    # Apart all the time, or else for half of it.
+    for gap in (float(apart.min()), float(np.median(apart))):
+        wanted = TOLD_APART / gap if gap > 0 else np.inf
+        if wanted <= shortest:
+            return shortest
+        if wanted <= float(time[-1] - time[0]) / 2:
+            points = min(len(time), int(np.ceil(wanted / (time[1] - time[0]))) + 1)
+            passed = np.lib.stride_tricks.sliding_window_view(frequency[:, :2], points, axis=0)
+            if float(np.ptp(passed, axis=-1).max()) <= gap / 2:
+                return wanted
+    return shortest
+
+
+def resolution_note(frequency: FloatArray, duration: float) -> str:
+    """Say which neighbouring natural frequencies a window tells apart.
+
+    Parameters
+    ----------
+    frequency : ndarray, shape (n, m)
+        Predicted, in Hz, ascending.
+    duration : float
+        Length of the window in s.
+
+    Returns
+    -------
+    str
+    """
+    resolved = TOLD_APART / duration
+    note = f"window {duration:.3g} s, resolution {resolved:.3g} Hz"
+    nearest = np.diff(frequency, axis=1).min(axis=0)
+    merged = [
+        f"f{n} and f{n + 1} (nearest {gap:.3g} Hz)"
+        for n, gap in enumerate(nearest.tolist(), start=1)
+        if gap < resolved
+    ]
+    return f"{note}: cannot tell {', '.join(merged)} apart" if merged else note

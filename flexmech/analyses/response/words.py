@@ -175,9 +175,10 @@ def supported(value: float, error: float) -> str:
 
 
 def spectrogram_lines(dataset: xr.Dataset) -> list[str]:
-    """Say that there is no spectrogram, where there is none."""
+    """Say what the spectrogram tells apart, or that there is none."""
     if "spectrogram" in dataset:
-        return []
+        note = dataset.attrs.get("spectrogram_note")
+        return [f"spectrogram: {note}"] if note else []
     return ["spectrogram: none, the run is too short for its window; ask for more --revolutions"]
 
 
