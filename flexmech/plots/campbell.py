@@ -35,6 +35,7 @@ CRITICAL: Look = {"color": "0.1", "lw": 1.8, "solid_capstyle": "round", "zorder"
 POINT: Look = {"color": "0.1", "marker": "o", "ms": 3.2, "ls": "", "zorder": 4}
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.75", "hatch": "////", "lw": 0}
 OTHER_ENGINE: Look = {"color": "0.25", "lw": 0.7, "ls": (0.0, (4.0, 2.0)), "zorder": 3}
+PEAK_GREYS = ("0.1", "0.35", "0.55")
 LABEL_POINTS = 7.0
 # Least distance of two labels of orders as parts of the axes.
 APART_UP, APART_ALONG = 0.033, 0.028
@@ -186,10 +187,8 @@ def _draw_peaks(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
     """Peaks of the periodic motion over the quasi-static ones, on a logarithmic axis."""
     speed, links = factor * dataset["response_speed"].values, names_of(dataset, "link")
     ratio = values_of(dataset["peak_ratio"], "link", "response_speed")
-    # The colours that no branch has, so far as there are any.
-    first = dataset.sizes["branch"]
     for number in range(len(links)):
-        axes.plot(speed, ratio[number], **series_line(first + number, speed))
+        axes.plot(speed, ratio[number], **_link_look(number))
     axes.set_ylabel("Peak deflection over\nquasi-static peak")
     if ratio.size:
         low, high = min(0.9, 0.9 * float(ratio.min())), max(2.0, 1.25 * float(ratio.max()))
@@ -213,8 +212,13 @@ def _handles(dataset: xr.Dataset, peaks: bool) -> list[Artist]:
     for other in range(1, dataset.sizes["engine"]):
         handles.append(line_handle(engine_label(dataset, other), **OTHER_ENGINE))
     if peaks:
-        at, first = dataset["response_speed"].values, len(branches)
         for number, link in enumerate(names_of(dataset, "link")):
             name = link_label(dataset, link).lower()
-            handles.append(line_handle(name, **series_line(first + number, at)))
+            handles.append(line_handle(name, **_link_look(number)))
     return handles
+
+
+def _link_look(number: int) -> Look:
+    """Line of a link's peaks: greys, for the colours are those of the branches."""
+    color = PEAK_GREYS[number % len(PEAK_GREYS)]
+    return {"color": color, "ls": series_style(number).linestyle, "lw": 1.1}
