@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmech import ReferenceEngine, moving_frequencies
+from flexmech import ReferenceEngine, campbell, load_mechanism, moving_frequencies
 from flexmech.threads import one_thread
 
 CASES = [("none", 0.0), ("equilibrium", 20.0)]
@@ -52,3 +52,13 @@ def test_damped_links_at_speed(aluminium, note, elements):
     mechanism = replace(aluminium, sections=sections)
     seconds, peak = measure(mechanism, np.linspace(0, 2 * np.pi, 73), elements, "equilibrium", 20.0)
     note(f"damped, equilibrium: 73 angles, {elements} elements", seconds, peak)
+
+
+@pytest.mark.parametrize("name", ["aluminium", "composite"])
+def test_campbell_of_two_hundred_speeds(note, models, name):
+    """By a fit in speed: all speeds one by one would take three times as long."""
+    engine = ReferenceEngine(load_mechanism(models / f"{name}_fourbar.toml"))
+    speeds = np.linspace(0.0, 900.0 * np.pi / 30, 200)
+    start = time.process_time()
+    campbell(engine, speeds)
+    note(f"campbell: {name}, 200 speeds to 900 rpm (CPU)", time.process_time() - start, np.nan)
