@@ -28,6 +28,7 @@ from .analyses import natural_frequencies as natural_frequencies
 from .analyses import section_profiles as section_profiles
 from .analyses import strain_energy_damping as strain_energy_damping
 from .analyses.campbell import campbell as campbell
+from .analyses.response import exudyn_system as exudyn_system
 from .analyses.response import response as response
 from .analyses.speed_sweep import speed_sweep as speed_sweep
 from .errors import ComputationError as ComputationError
@@ -54,6 +55,7 @@ from .mechanism import Mechanism as Mechanism
 from .mechanism import PointMass as PointMass
 from .modelfile import load_mechanism as load_mechanism
 from .multibody import ExudynEngine as ExudynEngine
+from .multibody import ExudynSystem as ExudynSystem
 from .reference import ReferenceEngine as ReferenceEngine
 from .sections import BeamSection as BeamSection
 from .sections import LaminateSection as LaminateSection

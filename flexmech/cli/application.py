@@ -14,6 +14,7 @@ from typer.core import TyperGroup
 from flexmech.cli.campbell import campbell
 from flexmech.cli.check import check
 from flexmech.cli.coupler_curve import coupler_curve
+from flexmech.cli.export import export
 from flexmech.cli.failures import reports_failures
 from flexmech.cli.frequencies import frequencies
 from flexmech.cli.moisture import moisture
@@ -33,6 +34,7 @@ DELIVERING: tuple[Callable[..., None], ...] = (
     frequencies,
     campbell,
     response,
+    export,
     coupler_curve,
     moisture,
     section,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,9 +10,8 @@ from flexmech.cli import arguments, options
 from flexmech.cli.deliver import deliver
 from flexmech.cli.engines import make_engines
 from flexmech.cli.environment import parse_environment
-from flexmech.cli.failures import naming
 from flexmech.cli.pictures import asked_pictures
-from flexmech.errors import InputError
+from flexmech.cli.running import parse_request
 
 if TYPE_CHECKING:
     from flexmech.analyses import Response
@@ -50,40 +48,29 @@ def response(
     Deflections, strains, driving torque and joint forces at constant crank speed: a table, CSV
     and NetCDF files, pictures and an animation; dry, or in heat and moisture.
     """
-    crank_speed, unit = arguments.parse_speed(speed)
-    turns = arguments.parse_revolutions(revolutions)
-    run_up_time, time_step = arguments.parse_run_up(run_up), arguments.parse_step(step)
+    request = parse_request(
+        speed,
+        revolutions,
+        run_up,
+        step,
+        samples=samples,
+        start=start,
+        modes=modes,
+        integrator=integrator,
+        prestress=prestress,
+    )
     environment = parse_environment(temperature_rise, moisture, relative_humidity, time)
-    if start == "periodic" and run_up_time:
-        raise InputError(
-            "--start periodic needs a constant crank speed; leave --run-up out, or choose "
-            "--start rigid or equilibrium"
-        )
 
     from flexmech.analyses import response as analysis
-    from flexmech.linkages import CrankDrive
     from flexmech.modelfile import load_mechanism
     from flexmech.plots import mp4_available
 
     mechanism = load_mechanism(model)
-    with naming("--revolutions, --samples, --run-up"):
-        request = analysis.ResponseRequest(
-            CrankDrive(crank_speed, run_up_time),
-            turns,
-            samples,
-            start,
-            modes=modes,
-            integrator=integrator,
-            prestress=prestress,
-            speed_unit=unit,
-        )
-    with naming("--step"):
-        request = replace(request, step=time_step)
 
     def animations(result: Response, folder: Path, progress: LabelledProgress | None) -> list[Path]:
         return result.save_animations(folder, progress) if animate else []
 
-    remark = arguments.speed_remark("--speed", speed, [crank_speed])
+    remark = arguments.speed_remark("--speed", speed, [request.drive.speed])
     if animate and not mp4_available():
         alone = "animation: a GIF alone, for MP4 needs ffmpeg; install it and run again"
         remark = "\n".join(line for line in (remark, alone) if line)
@@ -99,7 +86,7 @@ def response(
         out,
         model=model,
         pictures=asked_pictures(no_plots, formats, width),
-        speed_unit=unit,
+        speed_unit=request.speed_unit,
         further=animations,
         remark=remark,
     )

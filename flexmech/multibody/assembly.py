@@ -17,7 +17,7 @@ from flexmech.mesh import node_positions
 from flexmech.multibody.arms import Arms, LinkArms
 from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.beams import BEAM_KINDS
-from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.node_bodies import NodeBodies, point_masses_at
 from flexmech.types import FloatArray
 
@@ -32,8 +32,7 @@ class LinkPart:
     ----------
     positions : ndarray, shape (e + 1,)
         Node positions along the link in m.
-    nodes, elements : list of int
-        Exudyn's numbers.
+    nodes, elements : list of ItemNumber
     coordinates : slice
         Where the link's coordinates are in the system's.
     arms : Arms, optional
@@ -44,8 +43,8 @@ class LinkPart:
     """
 
     positions: FloatArray
-    nodes: list[int]
-    elements: list[int]
+    nodes: list[ItemNumber]
+    elements: list[ItemNumber]
     coordinates: slice
     arms: Arms | None = None
     bodies: NodeBodies | None = None
@@ -67,7 +66,9 @@ class LinkAssembly:
 
     Attributes
     ----------
+    items : SystemItems
     mbs : exudyn.MainSystem
+        Its system.
     sections : list of BeamSection
     parts : list of LinkPart
         In the topology's order, as the sections.
@@ -83,8 +84,8 @@ class LinkAssembly:
         self.topology = mechanism.linkage.topology
         self.sections = [mechanism.sections[name] for name in self.topology.link_names]
         self.kind: BeamKind = BEAM_KINDS[kind]
-        self._container = load_exudyn().SystemContainer()
-        self.mbs: Any = self._container.AddSystem()
+        self.items = SystemItems()
+        self.mbs = self.items.mbs
         self.base = self.topology.index(self.topology.clamps[0].held.link)
         self.parts = self._add_links(elements)
         self.size = self.parts[-1].coordinates.stop
@@ -113,7 +114,7 @@ class LinkAssembly:
         """The link that an end belongs to."""
         return self.parts[self.topology.index(place.link)]
 
-    def end_node(self, place: LinkEnd) -> tuple[int, int]:
+    def end_node(self, place: LinkEnd) -> tuple[ItemNumber, int]:
         """Node number at a link end and the first of its coordinates."""
         part = self.part_of(place)
         if place.end == "start":
@@ -125,90 +126,125 @@ class LinkAssembly:
         positions = self.part_of(place).positions
         return np.array([positions[0 if place.end == "start" else -1], 0.0])
 
-    def add_fixed_coordinate(self) -> int:
+    def add_fixed_coordinate(self) -> ItemNumber:
         """Add a coordinate that stays zero; returns its marker."""
-        items = load_exudyn().itemInterface
-        ground = self.mbs.AddNode(items.NodePointGround())
-        return int(self.mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=ground, coordinate=0)))
+        ground = self.items.add("NodePointGround", "ground_node")
+        return self.items.add(
+            "MarkerNodeCoordinate", "ground_coordinate", nodeNumber=ground, coordinate=0
+        )
 
-    def add_constraint(self, fixed: int, node: int, coordinate: int, **offset: Any) -> int:
+    def add_constraint(
+        self, name: str, fixed: ItemNumber, node: ItemNumber, coordinate: int, **offset: Any
+    ) -> ItemNumber:
         """Keep a node's coordinate at an offset from the fixed one.
 
         Further arguments go to Exudyn's constraint and prescribe the offset; it is zero without.
 
         Parameters
         ----------
-        fixed : int
+        name : str
+        fixed : ItemNumber
             Marker of :meth:`add_fixed_coordinate`.
-        node, coordinate : int
-            Exudyn's number of the node, and which of its coordinates.
+        node : ItemNumber
+        coordinate : int
+            Which of the node's coordinates.
 
         Returns
         -------
-        int
-            Exudyn's number of the constraint.
+        ItemNumber
         """
-        items = load_exudyn().itemInterface
-        marker = self.mbs.AddMarker(
-            items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate)
+        marker = self.items.add(
+            "MarkerNodeCoordinate", f"{name}_coordinate", nodeNumber=node, coordinate=coordinate
         )
-        return int(
-            self.mbs.AddObject(items.CoordinateConstraint(markerNumbers=[fixed, marker], **offset))
-        )
+        return self.items.add("CoordinateConstraint", name, markerNumbers=[fixed, marker], **offset)
 
-    def add_pins(self) -> list[int]:
+    def add_pins(self) -> list[ItemNumber]:
         """Pin the links together; returns the pins' numbers in the topology's order."""
-        items = load_exudyn().itemInterface
         joints = []
         for pin in self.topology.pins:
+            name = f"pin_{pin.joint}"
+            self.items.begin(f"pin {pin.joint}")
             markers = [
-                self.add_end_marker(place)
+                self.add_end_marker(place, f"{name}_on_{place.link}")
                 for place in (self.topology.leader_of(pin.leader), pin.follower)
             ]
-            joints.append(int(self.mbs.AddObject(items.RevoluteJoint2D(markerNumbers=markers))))
+            joints.append(self.items.add("RevoluteJoint2D", name, markerNumbers=markers))
         return joints
 
-    def add_ground_pin(self, held: LinkEnd, place: list[float]) -> tuple[int, int]:
-        """Pin a link end to a point of the ground; returns the ground's number and the pin's."""
-        items = load_exudyn().itemInterface
-        ground = self.mbs.AddObject(items.ObjectGround(referencePosition=place))
-        markers = [
-            self.mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=ground)),
-            self.add_end_marker(held),
-        ]
-        pin = self.mbs.AddObject(items.RevoluteJoint2D(markerNumbers=markers))
-        return int(ground), int(pin)
+    def add_ground_pin(
+        self, name: str, held: LinkEnd, place: list[float]
+    ) -> tuple[ItemNumber, ItemNumber]:
+        """Pin a link end to a point of the ground.
 
-    def add_end_marker(self, place: LinkEnd) -> int:
+        Parameters
+        ----------
+        name : str
+            Of the pin.
+        held : LinkEnd
+        place : list of float
+            In m.
+
+        Returns
+        -------
+        ItemNumber
+            Of the ground.
+        ItemNumber
+            Of the pin.
+        """
+        items = self.items
+        ground = items.add("ObjectGround", f"{name}_ground", referencePosition=place)
+        markers = [
+            items.add("MarkerBodyPosition", f"{name}_on_ground", bodyNumber=ground),
+            self.add_end_marker(held, f"{name}_on_{held.link}"),
+        ]
+        return ground, items.add("RevoluteJoint2D", name, markerNumbers=markers)
+
+    def add_end_marker(self, place: LinkEnd, name: str) -> ItemNumber:
         """Add a marker of the point on the pins' axis at a link end."""
         part = self.part_of(place)
         if part.arms is not None:
-            return self.add_axis_point(part, 0 if place.end == "start" else -1)
-        items = load_exudyn().itemInterface
-        node = items.MarkerNodePosition(nodeNumber=self.end_node(place)[0])
-        return int(self.mbs.AddMarker(node))
+            return self.add_axis_point(part, 0 if place.end == "start" else -1, name)
+        return self.items.add("MarkerNodePosition", name, nodeNumber=self.end_node(place)[0])
 
-    def add_axis_point(self, part: LinkPart, number: int) -> int:
-        """Add a marker of the point on the pins' axis at a node of an eccentric link."""
+    def add_axis_point(self, part: LinkPart, number: int, name: str) -> ItemNumber:
+        """Add a marker of the point on the pins' axis at a node of an eccentric link.
+
+        Parameters
+        ----------
+        part : LinkPart
+        number : int
+            Of the node in the link.
+        name : str
+            Of the marker.
+
+        Returns
+        -------
+        ItemNumber
+        """
         assert part.arms is not None
         assert part.bodies is not None
-        items = load_exudyn().itemInterface
-        marker = items.MarkerBodyRigid(
+        return self.items.add(
+            "MarkerBodyRigid",
+            name,
             bodyNumber=part.bodies.numbers[number],
             localPosition=[0.0, -part.arms.length, 0.0],
         )
-        return int(self.mbs.AddMarker(marker))
 
     def _add_links(self, elements: int) -> list[LinkPart]:
         parts, start = [], 0
         for name, section in zip(self.topology.link_names, self.sections, strict=True):
             mass = self.mechanism.link_mass(name)
             positions = node_positions(mass.length, elements, mass.point_positions)
+            self.items.begin(f"{name}: nodes, in the undeformed link along the x axis")
             nodes = [
-                self.kind.add_node(self.mbs, float(x), section.neutral_axis) for x in positions
+                self.kind.add_node(self.items, f"{name}_node_{i}", float(x), section.neutral_axis)
+                for i, x in enumerate(positions)
             ]
+            self.items.begin(f"{name}: beam elements")
             beams = [
-                self.kind.add_element(self.mbs, nodes[i : i + 2], float(h), section)
+                self.kind.add_element(
+                    self.items, f"{name}_element_{i}", nodes[i : i + 2], float(h), section
+                )
                 for i, h in enumerate(np.diff(positions))
             ]
             stop = start + self.kind.per_node * len(nodes)
@@ -216,7 +252,7 @@ class LinkAssembly:
             bodies = None
             if not self.kind.carries_mass:
                 points = point_masses_at(self.mechanism, name, positions)
-                bodies = NodeBodies.added(self.mbs, nodes, positions, section, points)
+                bodies = NodeBodies.added(self.items, name, nodes, positions, section, points)
             parts.append(LinkPart(positions, nodes, beams, slice(start, stop), arms, bodies))
             start = stop
         return parts

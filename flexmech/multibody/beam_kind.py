@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.linear_system import RigidFields
+from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.strains import Strain
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray, IntArray
@@ -43,37 +44,45 @@ class BeamKind(ABC):
     carries_mass: bool
 
     @abstractmethod
-    def add_node(self, mbs: Any, x: float, y: float) -> int:
+    def add_node(self, items: SystemItems, name: str, x: float, y: float) -> ItemNumber:
         """Node of a link along the global x axis; returns its number.
 
         Parameters
         ----------
-        mbs : exudyn.MainSystem
+        items : SystemItems
+        name : str
         x, y : float
             Place along the link and distance of the neutral axis from the pins' axis in m.
 
         Returns
         -------
-        int
+        ItemNumber
         """
 
     @abstractmethod
-    def add_element(self, mbs: Any, nodes: list[int], length: float, section: BeamSection) -> int:
+    def add_element(
+        self,
+        items: SystemItems,
+        name: str,
+        nodes: list[ItemNumber],
+        length: float,
+        section: BeamSection,
+    ) -> ItemNumber:
         """Beam element between two nodes.
 
         Parameters
         ----------
-        mbs : exudyn.MainSystem
-        nodes : list of int
-            Exudyn's numbers of its two nodes.
+        items : SystemItems
+        name : str
+        nodes : list of ItemNumber
+            Of its two nodes.
         length : float
             In m.
         section : BeamSection
 
         Returns
         -------
-        int
-            Exudyn's number of the element.
+        ItemNumber
         """
 
     @abstractmethod
@@ -103,26 +112,24 @@ class BeamKind(ABC):
         """
 
     @abstractmethod
-    def add_axis_marker(self, mbs: Any, node: int, element: int, x: float) -> int:
+    def add_axis_marker(
+        self, items: SystemItems, name: str, node: ItemNumber, element: ItemNumber, x: float
+    ) -> ItemNumber:
         """Marker that turns with the beam's axis (its section if it shears) at a node.
 
         Parameters
         ----------
-        mbs : exudyn.MainSystem
-        node, element : int
-            Exudyn's numbers of the node and of the element that ends there.
+        items : SystemItems
+        name : str
+        node, element : ItemNumber
+            Of the node and of the element that ends there.
         x : float
             The node's distance from the element's start in m.
 
         Returns
         -------
-        int
-            Exudyn's number of the marker.
+        ItemNumber
         """
-
-    @abstractmethod
-    def align(self, node: FloatArray, angle: float) -> None:
-        """Turn a node's axis to an angle in rad, in place; the stretch stays."""
 
     @abstractmethod
     def strains(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from flexmech.linear_system import RigidFields
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.exact_beam import element_shear_damping_time, element_shear_stiffness
-from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.strains import Strain, cable_strains, exact_beam_strains
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
@@ -35,28 +34,31 @@ class AncfCable(BeamKind):
     turns_arms = False
     carries_mass = True
 
-    def add_node(self, mbs: Any, x: float, y: float) -> int:
+    def add_node(self, items: SystemItems, name: str, x: float, y: float) -> ItemNumber:
         """See :class:`BeamKind`."""
-        items = load_exudyn().itemInterface
-        return int(mbs.AddNode(items.NodePoint2DSlope1(referenceCoordinates=[x, y, 1.0, 0.0])))
+        return items.add("NodePoint2DSlope1", name, referenceCoordinates=[x, y, 1.0, 0.0])
 
-    def add_element(self, mbs: Any, nodes: list[int], length: float, section: BeamSection) -> int:
+    def add_element(
+        self,
+        items: SystemItems,
+        name: str,
+        nodes: list[ItemNumber],
+        length: float,
+        section: BeamSection,
+    ) -> ItemNumber:
         """See :class:`BeamKind`."""
-        items = load_exudyn().itemInterface
-        return int(
-            mbs.AddObject(
-                items.ObjectANCFCable2D(
-                    nodeNumbers=nodes,
-                    length=length,
-                    massPerLength=section.mass_per_length,
-                    bendingStiffness=section.bending_stiffness,
-                    axialStiffness=section.axial_stiffness,
-                    bendingDamping=section.damping.bending * section.bending_stiffness,
-                    axialDamping=section.damping.axial * section.axial_stiffness,
-                    referenceAxialStrain=section.free_strain,
-                    referenceCurvature=section.free_curvature,
-                )
-            )
+        return items.add(
+            "ObjectANCFCable2D",
+            name,
+            nodeNumbers=nodes,
+            length=length,
+            massPerLength=section.mass_per_length,
+            bendingStiffness=section.bending_stiffness,
+            axialStiffness=section.axial_stiffness,
+            bendingDamping=section.damping.bending * section.bending_stiffness,
+            axialDamping=section.damping.axial * section.axial_stiffness,
+            referenceAxialStrain=section.free_strain,
+            referenceCurvature=section.free_curvature,
         )
 
     def swell(self, mbs: Any, element: int, section: BeamSection, part: float) -> None:
@@ -98,16 +100,11 @@ class AncfCable(BeamKind):
         q[:, 2], q[:, 3] = cosine - 1, sine
         return q.ravel()
 
-    def add_axis_marker(self, mbs: Any, node: int, element: int, x: float) -> int:
+    def add_axis_marker(
+        self, items: SystemItems, name: str, node: ItemNumber, element: ItemNumber, x: float
+    ) -> ItemNumber:
         """See :class:`BeamKind`."""
-        items = load_exudyn().itemInterface
-        marker = items.MarkerBodyRigid(bodyNumber=element, localPosition=[x, 0.0, 0.0])
-        return int(mbs.AddMarker(marker))
-
-    def align(self, node: FloatArray, angle: float) -> None:
-        """See :class:`BeamKind`."""
-        stretch = math.hypot(1 + node[2], node[3])
-        node[2], node[3] = stretch * math.cos(angle) - 1, stretch * math.sin(angle)
+        return items.add("MarkerBodyRigid", name, bodyNumber=element, localPosition=[x, 0.0, 0.0])
 
     def strains(
         self, place: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
@@ -129,33 +126,36 @@ class GeometricallyExactBeam(BeamKind):
     turns_arms = True
     carries_mass = False
 
-    def add_node(self, mbs: Any, x: float, y: float) -> int:
+    def add_node(self, items: SystemItems, name: str, x: float, y: float) -> ItemNumber:
         """See :class:`BeamKind`."""
-        items = load_exudyn().itemInterface
-        return int(mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[x, y, 0.0])))
+        return items.add("NodeRigidBody2D", name, referenceCoordinates=[x, y, 0.0])
 
-    def add_element(self, mbs: Any, nodes: list[int], length: float, section: BeamSection) -> int:
+    def add_element(
+        self,
+        items: SystemItems,
+        name: str,
+        nodes: list[ItemNumber],
+        length: float,
+        section: BeamSection,
+    ) -> ItemNumber:
         """See :class:`BeamKind`."""
-        items = load_exudyn().itemInterface
         h = np.array([length])
         shear_stiffness = float(element_shear_stiffness(section, h)[0])
         shear_time = float(element_shear_damping_time(section, h)[0])
-        return int(
-            mbs.AddObject(
-                items.ObjectBeamGeometricallyExact2D(
-                    nodeNumbers=nodes,
-                    length=length,
-                    massPerLength=0.0,
-                    crossSectionInertia=0.0,
-                    bendingStiffness=section.bending_stiffness,
-                    axialStiffness=section.axial_stiffness,
-                    shearStiffness=shear_stiffness,
-                    bendingDamping=section.damping.bending * section.bending_stiffness,
-                    axialDamping=section.damping.axial * section.axial_stiffness,
-                    shearDamping=shear_time * shear_stiffness,
-                    referenceCurvature=section.free_curvature,
-                )
-            )
+        return items.add(
+            "ObjectBeamGeometricallyExact2D",
+            name,
+            nodeNumbers=nodes,
+            length=length,
+            massPerLength=0.0,
+            crossSectionInertia=0.0,
+            bendingStiffness=section.bending_stiffness,
+            axialStiffness=section.axial_stiffness,
+            shearStiffness=shear_stiffness,
+            bendingDamping=section.damping.bending * section.bending_stiffness,
+            axialDamping=section.damping.axial * section.axial_stiffness,
+            shearDamping=shear_time * shear_stiffness,
+            referenceCurvature=section.free_curvature,
         )
 
     def shape_functions(self, fraction: FloatArray, length: FloatArray) -> FloatArray:
@@ -182,14 +182,11 @@ class GeometricallyExactBeam(BeamKind):
         q[:, 2] = angle
         return q.ravel()
 
-    def add_axis_marker(self, mbs: Any, node: int, element: int, x: float) -> int:
+    def add_axis_marker(
+        self, items: SystemItems, name: str, node: ItemNumber, element: ItemNumber, x: float
+    ) -> ItemNumber:
         """See :class:`BeamKind`."""
-        items = load_exudyn().itemInterface
-        return int(mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=node)))
-
-    def align(self, node: FloatArray, angle: float) -> None:
-        """See :class:`BeamKind`."""
-        node[2] = angle
+        return items.add("MarkerNodeRigid", name, nodeNumber=node)
 
     def strains(
         self, place: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection

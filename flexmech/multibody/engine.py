@@ -25,6 +25,7 @@ from flexmech.linear_system import (
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beams import refuse_sections
+from flexmech.multibody.exudyn_system import ExudynSystem
 from flexmech.multibody.linearize import running_tangents, static_equilibrium
 from flexmech.multibody.running_model import RunningModel
 from flexmech.multibody.simulation import Simulation
@@ -194,6 +195,45 @@ class ExudynEngine(Engine):
         recorder = Recorder(sample_time, step, band)
         Simulation(model, step, steps, integrator).run(start, recorder, progress)
         return recorder.finish()
+
+    def running_system(
+        self,
+        drive: CrankDrive,
+        start: LinkState,
+        step: float,
+        steps: int,
+        *,
+        integrator: Integrator = "trapezoidal",
+        stride: int = 1,
+    ) -> ExudynSystem:
+        """Hand over the system that :meth:`simulate` runs, with named items and sensors.
+
+        Parameters
+        ----------
+        drive : CrankDrive
+        start : LinkState
+            State at time zero.
+        step : float
+            Time step in s.
+        steps : int
+        integrator : {"trapezoidal", "generalized-alpha"}
+        stride : int
+            Steps from one sample that the script writes to the next.
+
+        Returns
+        -------
+        ExudynSystem
+
+        Raises
+        ------
+        InputError
+            If the step or the integrator cannot be, or the start tears a joint.
+        """
+        check_number(step, "step", "s", POSITIVE)
+        check_choice(integrator, INTEGRATORS, "integrator")
+        model = RunningModel(self.mechanism, self.elements, self.element, drive, self.links)
+        simulation = Simulation(model, step, steps, integrator)
+        return ExudynSystem.of(simulation, drive, start, stride)
 
     def running_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]

@@ -23,12 +23,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
 from flexmech.mechanism import Mechanism
-from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.items import ItemNumber, Made, SystemItems
+from flexmech.multibody.user_functions import difference_mass
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
@@ -103,8 +103,8 @@ class NodeBodies:
 
     Parameters
     ----------
-    numbers : list of int
-        Exudyn's numbers of the bodies, node by node.
+    numbers : list of ItemNumber
+        Of the bodies, node by node.
     mass : ndarray, shape (e + 1,)
         In kg.
     centre : ndarray, shape (e + 1, 2)
@@ -113,7 +113,7 @@ class NodeBodies:
         See :class:`NodalMass`.
     """
 
-    numbers: list[int]
+    numbers: list[ItemNumber]
     mass: FloatArray
     centre: FloatArray
     segment: FloatArray
@@ -121,8 +121,9 @@ class NodeBodies:
     @classmethod
     def added(
         cls,
-        mbs: Any,
-        nodes: list[int],
+        items: SystemItems,
+        link: str,
+        nodes: list[ItemNumber],
         positions: FloatArray,
         section: BeamSection,
         point_masses: FloatArray,
@@ -131,9 +132,10 @@ class NodeBodies:
 
         Parameters
         ----------
-        mbs : exudyn.MainSystem
-        nodes : list of int
-            Exudyn's numbers.
+        items : SystemItems
+        link : str
+            Name of the link.
+        nodes : list of ItemNumber
         positions : ndarray, shape (e + 1,)
             Of the nodes along the link in m.
         section : BeamSection
@@ -144,27 +146,36 @@ class NodeBodies:
         -------
         NodeBodies
         """
-        items = load_exudyn().itemInterface
         own = NodalMass.of(section, positions, point_masses)
         at, pins = section.mass_axis - section.neutral_axis, -section.neutral_axis
         mass = own.share + point_masses
         across = own.share * at + point_masses * pins
         centre = np.stack([own.along, across], axis=1) / mass[:, None]
         inertia = own.rotary + own.segment + own.share * at**2 + point_masses * pins**2
+        items.begin(f"{link}: bodies at the nodes, which carry its mass and point masses")
         numbers = [
-            int(
-                mbs.AddObject(
-                    items.ObjectRigidBody2D(
-                        nodeNumber=node, mass=m, inertia=i, centerOfMass=[float(x), float(y)]
-                    )
-                )
+            items.add(
+                "ObjectRigidBody2D",
+                f"{link}_body_{number}",
+                nodeNumber=node,
+                mass=float(m),
+                inertia=float(i),
+                centerOfMass=[float(x), float(y)],
             )
-            for node, m, i, (x, y) in zip(nodes, mass, inertia, centre, strict=True)
+            for number, (node, m, i, (x, y)) in enumerate(
+                zip(nodes, mass, inertia, centre, strict=True)
+            )
         ]
-        difference = np.array([[1.0, -1.0], [-1.0, 1.0]])
-        for pair, velocity, spin in zip(pairwise(nodes), own.velocity, own.spin, strict=True):
-            matrix = np.kron(difference, np.diag([-velocity, -velocity, spin]))
-            mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=list(pair), massMatrix=matrix))
+        items.begin(f"{link}: mass by the differences between nodes, for fourth order")
+        differences = zip(pairwise(nodes), own.velocity, own.spin, strict=True)
+        for number, (pair, velocity, spin) in enumerate(differences):
+            matrix = Made(difference_mass, (-float(velocity), float(spin)))
+            items.add(
+                "ObjectGenericODE2",
+                f"{link}_difference_{number}",
+                nodeNumbers=list(pair),
+                massMatrix=matrix,
+            )
         return cls(numbers, mass, centre, own.segment)
 
 

@@ -11,25 +11,16 @@ from typing import Any
 import numpy as np
 
 from flexmech.errors import ComputationError, InputError
-from flexmech.linear_system import ROUND_OFF
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.moving_frames import MovingFrames
 from flexmech.multibody.running_model import RunningModel
+from flexmech.multibody.solver_settings import Setting, applied, solver_settings
 from flexmech.time_domain import Integrator, LinkState, Recorder, StepBlock
 from flexmech.types import FloatArray
 
-__all__ = ["SPECTRAL_RADIUS", "Simulation"]
+__all__ = ["Simulation"]
 
-
-# Generalized-alpha's damping of vibration much faster than the step: 1 none, 0 at once.
-SPECTRAL_RADIUS = 0.9
-
-# Out-of-balance force at which Newton's method stops, relative to that at the step's start.
-# Ten times more moves joint forces by 2e-6 of their peak, the energy error in its fifth digit.
-STEP_RESIDUAL = 1e-8
-# The tangent is kept from step to step until an iteration gains less than this factor.
-CONTRACTIVITY = 0.25
 
 # How far a start may tear a joint apart, relative to the length of all links.
 START_GAP = 1e-6
@@ -85,14 +76,15 @@ class Simulation:
         ComputationError
             If a step does not converge; names its time and the crank angle.
         """
-        self._set_start(start)
+        self.set_start(start)
         steps = _Steps(self, recorder, progress)
         self.model.assembly.mbs.SetPostStepUserFunction(steps.take)
+        settings = applied(self.settings())
         exudyn = load_exudyn()
         refused = False
         with contextlib.redirect_stdout(io.StringIO()):
             try:
-                self.model.assembly.mbs.SolveDynamic(self._settings())
+                self.model.assembly.mbs.SolveDynamic(settings)
             except (exudyn.SolverError, exudyn.InternalError):  # the latter if values overflow
                 refused = True
         if steps.failure is not None:
@@ -100,6 +92,11 @@ class Simulation:
         steps.hand_over()
         if refused or steps.last < self.steps:
             raise self._failure(steps.last + 1)
+
+    @property
+    def drifts(self) -> bool:
+        """Whether velocity constraints alone would let the clamp and pins on arms drift."""
+        return self.integrator == "trapezoidal"
 
     def block(
         self, time: FloatArray, position: FloatArray, velocity: FloatArray, multiplier: FloatArray
@@ -152,7 +149,25 @@ class Simulation:
     def _motion(self, time: FloatArray) -> RigidMotion:
         return self.model.drive.motion(self.model.assembly.mechanism.linkage, time)
 
-    def _set_start(self, start: LinkState) -> None:
+    def set_start(self, start: LinkState) -> tuple[FloatArray, FloatArray]:
+        """Give the system the state at time zero.
+
+        Parameters
+        ----------
+        start : LinkState
+
+        Returns
+        -------
+        ndarray, shape (total_size,)
+            Exudyn's coordinates.
+        ndarray, shape (total_size,)
+            Their rates.
+
+        Raises
+        ------
+        InputError
+            If the start does not keep the joints together.
+        """
         batch = [[values[None] for values in part] for part in (start.displacement, start.rate)]
         position, velocity = self._frames.to_absolute(self._motion(np.zeros(1)), *batch)
         gap = self.model.greatest_gap(position[0])
@@ -162,32 +177,13 @@ class Simulation:
                 f"the start displaces link ends that a joint holds by {gap:.3g} m (at most "
                 f"{allowed:.3g} m); take a start whose displacements agree at the joints"
             )
-        self.model.set_start(position[0], velocity[0])
+        return self.model.set_start(position[0], velocity[0])
 
-    def _settings(self) -> Any:
-        exudyn = load_exudyn()
-        settings = exudyn.SimulationSettings()
-        settings.solution.file.write = False
-        settings.solution.sensors.active = False
-        settings.linearSolver.solverType = exudyn.LinearSolverType.EigenSparse
-        stepping = settings.timeIntegration
-        stepping.adaptiveStep = False
-        stepping.automaticStepSize = False
-        stepping.verboseMode = 0
-        stepping.numberOfSteps = self.steps
-        stepping.endTime = self.steps * self.step
-        stepping.newton.useModifiedNewton = True
-        stepping.newton.modifiedNewtonContractivity = CONTRACTIVITY
-        stepping.newton.relativeTolerance = STEP_RESIDUAL
-        stepping.newton.absoluteTolerance = ROUND_OFF * self.model.assembly.nodal_force_scale
-        # A first iteration may meet forces a million times those of the step.
-        stepping.newton.adaptInitialResidual = False
-        if self.integrator == "trapezoidal":
-            stepping.generalizedAlpha.useNewmark = True
-            stepping.generalizedAlpha.useIndex2Constraints = True
-        else:
-            stepping.generalizedAlpha.spectralRadius = SPECTRAL_RADIUS
-        return settings
+    def settings(self) -> dict[str, Setting]:
+        """Settings of the solver, by their paths in ``exudyn.SimulationSettings``."""
+        return solver_settings(
+            self.step, self.steps, self.integrator, self.model.assembly.nodal_force_scale
+        )
 
     def _failure(self, number: int) -> ComputationError:
         """What to say of a step that did not converge."""
@@ -212,11 +208,11 @@ class _Steps:
         self._recorder = recorder
         self._progress = progress
         self._out = sys.stdout
-        # Velocity constraints alone would let the clamp and pins on arms drift.
-        self._drifts = simulation.integrator == "trapezoidal"
         self._first = self._count = 0
         size = simulation.model.total_size
         multipliers = simulation.model.multiplier_count
+        # Exudyn's own: it adds up steps, and the shaft stands where that time has it.
+        self._time: FloatArray = np.empty(BLOCK_STEPS)
         self._position: FloatArray = np.empty((BLOCK_STEPS, size))
         self._velocity: FloatArray = np.empty((BLOCK_STEPS, size))
         self._multiplier: FloatArray = np.empty((BLOCK_STEPS, multipliers))
@@ -248,13 +244,12 @@ class _Steps:
         count = self._count
         if count < 2:
             return
-        blocks = (self._position, self._velocity, self._multiplier)
-        position, velocity, multiplier = (values[:count] for values in blocks)
+        blocks = (self._time, self._position, self._velocity, self._multiplier)
+        time, position, velocity, multiplier = (values[:count].copy() for values in blocks)
         finite = np.isfinite([position.sum(1), velocity.sum(1), multiplier.sum(1)]).all(axis=0)
         if not finite.all():
             first_bad = self._first + int(np.argmin(finite))
             raise _step_error(self._simulation, first_bad, "the values are not finite")
-        time = self._simulation.step * (self._first + np.arange(count, dtype=np.float64))
         links = slice(0, self._simulation.model.assembly.size)
         self._recorder.add(
             self._simulation.block(time, position[:, links], velocity[:, links], multiplier)
@@ -266,9 +261,10 @@ class _Steps:
     def _copy(self, data: Any, time: float) -> None:
         row = self._count
         position = data.GetODE2Coordinates()
-        if self._drifts:
-            self._simulation.model.put_joints_in_place(position, time)
+        if self._simulation.drifts:
+            self._simulation.model.joints.put_in_place(position, time)
             data.SetODE2Coordinates(position)
+        self._time[row] = time
         self._position[row] = position
         self._velocity[row] = data.GetODE2Coordinates_t()
         self._multiplier[row] = data.GetAECoordinates()

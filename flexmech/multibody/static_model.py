@@ -13,7 +13,7 @@ from flexmech.linear_system import free_load
 from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.items import ItemNumber
 from flexmech.types import FloatArray
 
 __all__ = ["StaticModel"]
@@ -38,8 +38,8 @@ class StaticModel:
 
     def __init__(self, mechanism: Mechanism, elements: int, kind: str) -> None:
         self.assembly = LinkAssembly(mechanism, elements, kind)
-        self._arm_loads: list[tuple[int, int]] = []
-        self._grounds: list[tuple[int, int, float]] = []
+        self._arm_loads: list[tuple[ItemNumber, int]] = []
+        self._grounds: list[tuple[ItemNumber, int, float]] = []
         self._loads = self._add_loads()
         self._offsets = self._add_supports()
         self.assembly.add_pins()
@@ -98,9 +98,9 @@ class StaticModel:
             for element in link.elements if section.is_free_strained else ():
                 assembly.kind.swell(assembly.mbs, element, section, part)
 
-    def _add_loads(self) -> int:
+    def _add_loads(self) -> ItemNumber:
         """One object that carries forces on every coordinate and the point masses."""
-        assembly, items = self.assembly, load_exudyn().itemInterface
+        assembly = self.assembly
         mass = np.zeros((assembly.size, assembly.size))
         for link, part in enumerate(assembly.parts):
             at = part.coordinates.start + assembly.kind.per_node * np.arange(len(part.nodes))
@@ -109,18 +109,22 @@ class StaticModel:
             if part.arms is None:
                 continue
             for number, first in enumerate(at):
-                marker = assembly.add_axis_point(part, number)
-                load = items.LoadForceVector(markerNumber=marker, loadVector=[0.0, 0.0, 0.0])
-                self._arm_loads.append((int(assembly.mbs.AddLoad(load)), int(first)))
+                name = f"load_{link}_{number}"
+                marker = assembly.add_axis_point(part, number, f"{name}_point")
+                load = assembly.items.add(
+                    "LoadForceVector", name, markerNumber=marker, loadVector=[0.0, 0.0, 0.0]
+                )
+                self._arm_loads.append((load, int(first)))
         every = [node for part in assembly.parts for node in part.nodes]
-        carrier = items.ObjectGenericODE2(
+        return assembly.items.add(
+            "ObjectGenericODE2",
+            "loads",
             nodeNumbers=every,
             massMatrix=mass if mass.any() else None,
             forceVector=np.zeros(assembly.size),
         )
-        return int(assembly.mbs.AddObject(carrier))
 
-    def _add_supports(self) -> list[tuple[int, int]]:
+    def _add_supports(self) -> list[tuple[ItemNumber, int]]:
         """Hold clamped and pivoted coordinates; returns constraints and what they hold."""
         assembly = self.assembly
         fixed = assembly.add_fixed_coordinate()
@@ -131,13 +135,17 @@ class StaticModel:
             if assembly.part_of(pivot.held).arms is None:
                 held.append((pivot.held, (0, 1)))
             else:
-                ground = assembly.add_ground_pin(pivot.held, [0.0, 0.0, 0.0])[0]
+                ground = assembly.add_ground_pin(
+                    f"pivot_{pivot.joint}", pivot.held, [0.0, 0.0, 0.0]
+                )[0]
                 first, x = assembly.end_node(pivot.held)[1], assembly.reference_place(pivot.held)[0]
                 self._grounds.append((ground, first, float(x)))
         offsets = []
         for place, coordinates in held:
             node, first = assembly.end_node(place)
             for coordinate in coordinates:
-                constraint = assembly.add_constraint(fixed, node, coordinate)
+                constraint = assembly.add_constraint(
+                    f"support_{node.name}_{coordinate}", fixed, node, coordinate
+                )
                 offsets.append((constraint, first + coordinate))
         return offsets

@@ -1,6 +1,7 @@
-"""The linkage running: response in time at constant crank speed."""
+"""The linkage running: response in time at constant crank speed, and its Exudyn system."""
 
 from flexmech.analyses.response.compute import response
+from flexmech.analyses.response.exudyn_system import exudyn_system
 from flexmech.analyses.response.measurements import deflections, deflections_of, probes
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.result import Response
@@ -10,6 +11,7 @@ __all__ = [
     "ResponseRequest",
     "deflections",
     "deflections_of",
+    "exudyn_system",
     "probes",
     "response",
 ]

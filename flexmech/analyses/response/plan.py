@@ -1,0 +1,144 @@
+"""What is settled before a run: engines in their environment, samples, and the band of forces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.analyses.environment import environment_lines
+from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.analyses.requests import engines_of
+from flexmech.analyses.response.dataset import SPECTRUM_REACH
+from flexmech.analyses.response.request import MOST_SAMPLES, ResponseRequest
+from flexmech.analyses.turn import sampled_turn
+from flexmech.errors import InputError
+from flexmech.hygrothermal import Environment, mechanism_in_state
+from flexmech.linear_system import Engine
+from flexmech.time_domain import lowest_axial_frequency
+from flexmech.types import FloatArray
+
+__all__ = ["RunPlan", "engines_in_state", "planned"]
+
+
+# Samples in a period of the highest frequency of the spectra; two would be the limit.
+SAMPLES_PER_PERIOD = 2.5
+# Forces and torque count up to this part of the lowest frequency at which the links vibrate
+# along themselves: what rings faster depends on the time step and on how the start is idealized.
+FORCE_BAND = 0.5
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """Samples and bands of a run.
+
+    Parameters
+    ----------
+    refinement : int
+        Samples taken for each one asked for.
+    time : ndarray, shape (N,)
+        Of the samples taken, in s.
+    lowest, highest : float
+        Natural frequencies between which the spectra are of interest, in Hz.
+    band : float
+        Frequency in Hz up to which forces and torque count.
+    """
+
+    refinement: int
+    time: FloatArray
+    lowest: float
+    highest: float
+    band: float
+
+
+def engines_in_state(
+    engines: Engine | Sequence[Engine], request: ResponseRequest, environment: Environment | None
+) -> tuple[list[Engine], list[str]]:
+    """Engines that are fit for a request, of the mechanism as it is in its environment.
+
+    Parameters
+    ----------
+    engines : Engine or sequence of Engine
+        All of one mechanism.
+    request : ResponseRequest
+    environment : HygrothermalState or Exposure, optional
+
+    Returns
+    -------
+    list of Engine
+    list of str
+        What the environment does.
+
+    Raises
+    ------
+    InputError
+        If the linkage locks in the course of a turn, no engine is given, or links that bend
+        without load are to start straight.
+    """
+    chosen = engines_of(engines, request.modes)
+    lines = environment_lines(chosen[0].mechanism, environment)
+    if environment is not None:
+        wet = mechanism_in_state(chosen[0].mechanism, environment)
+        chosen = [engine.with_(mechanism=wet).fit_for(request.modes) for engine in chosen]
+    mechanism = chosen[0].mechanism
+    if request.start == "rigid" and mechanism.is_free_strained:
+        raise InputError(
+            "start rigid would hold links straight that are bent without any load, and then let "
+            "them ring; choose start equilibrium or periodic"
+        )
+    # A crank that cannot turn round shows itself here, before anything is computed.
+    mechanism.linkage.motion(request.drive.crank_angle(request.sample_time()), 1.0)
+    return chosen, lines
+
+
+def planned(engines: Sequence[Engine], request: ResponseRequest) -> RunPlan:
+    """Samples and bands of a run of these engines.
+
+    Parameters
+    ----------
+    engines : sequence of Engine
+    request : ResponseRequest
+
+    Returns
+    -------
+    RunPlan
+
+    Raises
+    ------
+    InputError
+        If the run holds more vibrations than samples can show.
+    ComputationError
+        If there are no natural frequencies at this speed.
+    """
+    lowest, highest = _predicted_range(engines, request)
+    refinement = _refinement(request, highest)
+    turn = sampled_turn(request.drive.start_angle)
+    band = FORCE_BAND * lowest_axial_frequency(engines[0], turn)
+    return RunPlan(refinement, request.sample_time(refinement), lowest, highest, band)
+
+
+def _predicted_range(engines: Sequence[Engine], request: ResponseRequest) -> tuple[float, float]:
+    """Lowest and highest natural frequency of interest, at rest over a turn, in Hz."""
+    first, turn = engines[0], sampled_turn(request.drive.start_angle)
+    frequency = natural_frequencies(
+        first, turn, modes=request.modes, prestress=first.prestress_at_rest, rotation_terms=False
+    )
+    for engine in engines:
+        # Frequencies at speed that cannot be computed show themselves before the long run.
+        natural_frequencies(
+            engine, turn, request.drive.speed, modes=request.modes, prestress=request.prestress
+        )
+    return float(frequency.min()), float(frequency.max())
+
+
+def _refinement(request: ResponseRequest, highest: float) -> int:
+    """Samples taken for each one asked for, so that the spectra's frequencies show."""
+    fastest = SAMPLES_PER_PERIOD * SPECTRUM_REACH * highest
+    if not fastest * request.duration <= MOST_SAMPLES:
+        raise InputError(
+            f"a run of {request.duration:.3g} s holds more vibrations of up to "
+            f"{SPECTRUM_REACH * highest:.3g} Hz than {MOST_SAMPLES} samples can show; ask for "
+            "fewer revolutions, or a higher crank speed"
+        )
+    return max(1, int(np.ceil(fastest * request.sample_interval)))

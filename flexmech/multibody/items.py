@@ -1,0 +1,168 @@
+"""An Exudyn system and the list of what it is made of.
+
+Every item is described once, by its type, its name and its values: the system gets it, and the
+list keeps it, from which a script can be written that makes the same system.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, Self
+
+import numpy as np
+
+from flexmech.multibody.library import load_exudyn
+
+__all__ = ["Choice", "Item", "ItemKind", "ItemNumber", "Made", "SystemItems"]
+
+ItemKind = Literal["node", "object", "marker", "load", "sensor"]
+_KINDS: dict[str, ItemKind] = {
+    "Node": "node",
+    "Marker": "marker",
+    "Load": "load",
+    "Sensor": "sensor",
+}
+
+
+class ItemNumber(int):
+    """Exudyn's number of an item, which knows what it is the number of.
+
+    Parameters
+    ----------
+    number : int
+    kind : {"node", "object", "marker", "load", "sensor"}
+    name : str
+    """
+
+    kind: ItemKind
+    name: str
+
+    def __new__(cls, number: int, kind: ItemKind, name: str) -> Self:
+        """Make the number."""
+        made = super().__new__(cls, number)
+        made.kind, made.name = kind, name
+        return made
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of Exudyn's own words, such as ``OutputVariableType.Position``.
+
+    Parameters
+    ----------
+    enumeration, name : str
+    """
+
+    enumeration: str
+    name: str
+
+    def chosen(self) -> Any:
+        """The word as Exudyn takes it."""
+        return getattr(getattr(load_exudyn(), self.enumeration), self.name)
+
+
+@dataclass(frozen=True)
+class Made:
+    """A value that a function makes of plain numbers, and that a script makes so too.
+
+    Parameters
+    ----------
+    function : callable
+        One of :data:`flexmech.multibody.user_functions.SHARED`.
+    arguments : tuple of float
+    """
+
+    function: Callable[..., Any]
+    arguments: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Item:
+    """One item of an Exudyn system.
+
+    Parameters
+    ----------
+    kind : {"node", "object", "marker", "load", "sensor"}
+    type : str
+        Name of its class in ``exudyn.itemInterface``.
+    name : str
+    number : int
+        Among the items of its kind.
+    values : mapping
+        What the class is given, besides the name.
+    subject : str
+        What it belongs to, such as ``"coupler: nodes"``.
+    """
+
+    kind: ItemKind
+    type: str
+    name: str
+    number: int
+    values: Mapping[str, Any]
+    subject: str
+
+
+class SystemItems:
+    """An Exudyn system that grows item by item.
+
+    Attributes
+    ----------
+    container : exudyn.SystemContainer
+    mbs : exudyn.MainSystem
+    listed : list of Item
+        In the order in which they were added.
+    """
+
+    def __init__(self) -> None:
+        self.container: Any = load_exudyn().SystemContainer()
+        self.mbs: Any = self.container.AddSystem()
+        self.listed: list[Item] = []
+        self._subject = ""
+
+    def begin(self, subject: str) -> None:
+        """Say what the items that follow belong to."""
+        self._subject = subject
+
+    def add(self, type_: str, name: str, **values: Any) -> ItemNumber:
+        """Add an item; all further arguments are what its class is given.
+
+        Parameters
+        ----------
+        type_ : str
+            Name of its class in ``exudyn.itemInterface``.
+        name : str
+
+        Returns
+        -------
+        ItemNumber
+        """
+        kind = _kind_of(type_)
+        make = getattr(load_exudyn().itemInterface, type_)
+        add = getattr(self.mbs, f"Add{kind.capitalize()}")
+        given = {key: _plain(value) for key, value in values.items()}
+        number = int(add(make(name=name, **given)))
+        self.listed.append(Item(kind, type_, name, number, values, self._subject))
+        return ItemNumber(number, kind, name)
+
+    def numbers(self, kind: ItemKind) -> dict[str, int]:
+        """Exudyn's numbers of all items of a kind, by their names."""
+        return {item.name: item.number for item in self.listed if item.kind == kind}
+
+
+def _kind_of(type_: str) -> ItemKind:
+    """Kind of an item by the name of its class; joints and constraints are objects."""
+    return next((kind for prefix, kind in _KINDS.items() if type_.startswith(prefix)), "object")
+
+
+def _plain(value: Any) -> Any:
+    """A value as Exudyn takes it."""
+    if isinstance(value, Made):
+        return value.function(*value.arguments)
+    if isinstance(value, Choice):
+        return value.chosen()
+    if isinstance(value, ItemNumber):
+        return int(value)
+    if isinstance(value, list | tuple):
+        return [_plain(part) for part in value]
+    return value.copy() if isinstance(value, np.ndarray) else value

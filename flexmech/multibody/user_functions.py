@@ -1,0 +1,244 @@
+"""What Exudyn calls while a linkage runs, and what prescribes the motion of its shaft.
+
+An exported script contains the text of these functions and classes as it stands here. They
+need nothing but ``math`` and plain numbers, so that what the program runs and what it exports
+are the same.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+__all__ = [
+    "SHARED",
+    "AxisPoint",
+    "HubClamp",
+    "Joints",
+    "Shaft",
+    "constraint_force",
+    "difference_mass",
+    "middle_deflection",
+]
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """Prescribed angle of the driven link at its clamp: constant speed after a run-up.
+
+    The run-up is cycloidal: its acceleration starts and ends at zero. Angles in rad.
+    """
+
+    start_angle: float
+    final_speed: float
+    run_up_time: float
+
+    def angle(self, t: float) -> float:
+        """Angle at a time in s."""
+        total = self.run_up_time
+        if not total:
+            return self.start_angle + self.final_speed * t
+        inside = min(t, total)
+        phase = 2 * math.pi * inside / total
+        rising = inside**2 / (2 * total)
+        rising -= total * (1 - math.cos(phase)) / (2 * math.pi) ** 2
+        return self.start_angle + self.final_speed * (rising + max(t - total, 0.0))
+
+    def speed(self, t: float) -> float:
+        """Angular speed at a time in s."""
+        if not self.run_up_time:
+            return self.final_speed
+        part = min(t / self.run_up_time, 1.0)
+        return self.final_speed * (part - math.sin(2 * math.pi * part) / (2 * math.pi))
+
+    def constraint_angle(self, mbs: Any, t: float, number: int, offset: float) -> float:
+        """User function of a constraint: its offset.
+
+        Parameters
+        ----------
+        mbs, t, number, offset
+            What Exudyn gives to a constraint.
+        """
+        return self.angle(t)
+
+    def constraint_speed(self, mbs: Any, t: float, number: int, offset: float) -> float:
+        """User function of a constraint: the time derivative of its offset.
+
+        Parameters
+        ----------
+        mbs, t, number, offset
+            What Exudyn gives to a constraint.
+        """
+        return self.speed(t)
+
+    def tip_deflection(
+        self, mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any
+    ) -> list[float]:
+        """Sensor: distance of a clamped link's tip from the tangent at its clamp.
+
+        The sensors are the positions of its start and its end.
+
+        Parameters
+        ----------
+        mbs, t, sensors, factors, configuration
+            What Exudyn gives to a sensor.
+        """
+        x0, y0, _ = mbs.GetSensorValues(sensors[0], configuration)
+        x1, y1, _ = mbs.GetSensorValues(sensors[1], configuration)
+        angle = self.angle(t)
+        return [math.cos(angle) * (y1 - y0) - math.sin(angle) * (x1 - x0)]
+
+
+@dataclass(frozen=True)
+class AxisPoint:
+    """Point on the pins' axis at a node of a link.
+
+    ``first`` is the node's first coordinate in the system, ``x`` its reference place
+    along the link, and ``arm`` the distance of the node from the pins' axis, in m.
+    """
+
+    first: int
+    x: float
+    arm: float
+
+    def place(self, position: Any) -> tuple[float, float]:
+        """Where the point is, by the coordinates of the system."""
+        u, v, turn = position[self.first : self.first + 3]
+        if not self.arm:
+            return u + self.x, v
+        lowered = 2 * math.sin(turn / 2) ** 2
+        return u + self.x + self.arm * math.sin(turn), v + self.arm * lowered
+
+    def move_to(self, position: Any, place: tuple[float, float]) -> None:
+        """Move the node, in place, so that the point is there."""
+        x, y = self.place(position)
+        position[self.first] += place[0] - x
+        position[self.first + 1] += place[1] - y
+
+
+@dataclass(frozen=True)
+class HubClamp:
+    """Clamped end of a link; ``lever`` is where it is on the hub, in m.
+
+    A node has a slope vector as its third and fourth coordinate, or a rotation.
+    """
+
+    end: AxisPoint
+    lever: tuple[float, float]
+    has_slope: bool
+
+    def turn_to(self, position: Any, angle: float) -> None:
+        """Put the node, in place, where the hub has it at an angle in rad."""
+        turn = self.end.first + 2
+        cosine, sine = math.cos(angle), math.sin(angle)
+        if self.has_slope:
+            stretch = math.hypot(1 + position[turn], position[turn + 1])
+            position[turn : turn + 2] = stretch * cosine - 1, stretch * sine
+        else:
+            position[turn] = angle
+        x, y = self.lever
+        place = cosine * x - sine * y, sine * x + cosine * y
+        self.end.move_to(position, place)
+
+
+@dataclass(frozen=True)
+class Joints:
+    """What the integration rule leaves to drift: put in place after every step.
+
+    Constraints on velocities leave the place of the clamp to the integration rule,
+    whose error of ``(speed * step)**3 / 12`` a step would add up; so would that of pins
+    on arms off the nodes. Pins between nodes are linear in their coordinates.
+
+    Parameters
+    ----------
+    shaft : Shaft
+    clamp : HubClamp
+    pivots : list
+        Points on the pins' axis and where they are held, in m.
+    pins : list
+        Points on the pins' axis, of the leading and of the following link.
+    """
+
+    shaft: Shaft
+    clamp: HubClamp
+    pivots: list[tuple[AxisPoint, tuple[float, float]]]
+    pins: list[tuple[AxisPoint, AxisPoint]]
+
+    def put_in_place(self, position: Any, t: float) -> None:
+        """Correct the system's coordinates, in place; those of the hub come last."""
+        angle = self.shaft.angle(t)
+        self.clamp.turn_to(position, angle)
+        position[-1] = angle
+        for end, place in self.pivots:
+            end.move_to(position, place)
+        for leader, follower in self.pins:
+            follower.move_to(position, leader.place(position))
+
+    def after_step(self, mbs: Any, t: float) -> bool:
+        """User function of the system after every step."""
+        position = mbs.systemData.GetODE2Coordinates()
+        self.put_in_place(position, t)
+        mbs.systemData.SetODE2Coordinates(position)
+        return True
+
+
+def middle_deflection(
+    mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any
+) -> list[float]:
+    """Sensor: distance of a link's middle from the line between its ends.
+
+    Positive to the left of it. The sensors are the positions of the start, of points
+    before and behind the middle, and of the end; the factor is how far from the one to
+    the other the middle is.
+
+    Parameters
+    ----------
+    mbs, t, sensors, factors, configuration
+        What Exudyn gives to a sensor.
+    """
+    x0, y0, _ = mbs.GetSensorValues(sensors[0], configuration)
+    x1, y1, _ = mbs.GetSensorValues(sensors[3], configuration)
+    before = mbs.GetSensorValues(sensors[1], configuration)
+    behind = mbs.GetSensorValues(sensors[2], configuration)
+    x, y, _ = before + factors[0] * (behind - before)
+    cross = (x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)
+    return [cross / math.hypot(x1 - x0, y1 - y0)]
+
+
+def constraint_force(
+    mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any
+) -> list[float]:
+    """Sensor: forces of the constraints whose numbers the factors are.
+
+    They act on the held or following link, in ground axes: minus the multipliers.
+
+    Parameters
+    ----------
+    mbs, t, sensors, factors, configuration
+        What Exudyn gives to a sensor.
+    """
+    multipliers = mbs.systemData.GetAECoordinates()
+    numbers = [int(number) for number in factors]
+    rows = [row for number in numbers for row in mbs.systemData.GetObjectLTGAE(number)]
+    return [-float(multipliers[row]) for row in rows]
+
+
+def difference_mass(mass: float, inertia: float) -> Any:
+    """Mass in kg and inertia in kg m^2 by the difference of two nodes' velocities."""
+    difference = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    return np.kron(difference, np.diag([mass, mass, inertia]))
+
+
+# In the order in which they need each other.
+SHARED = (
+    Shaft,
+    AxisPoint,
+    HubClamp,
+    Joints,
+    difference_mass,
+    middle_deflection,
+    constraint_force,
+)
