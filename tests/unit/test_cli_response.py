@@ -70,10 +70,11 @@ def test_a_run_is_saved_and_reported(tmp_path: Path) -> None:
     strain = [float(sample["coupler_mid_strain"]) for sample in samples]
     peak = int(np.argmax(np.abs(coupler)))
     _, _, _, deflection, degrees, turn, peak_strain = rows[1]
-    assert float(deflection) == pytest.approx(1e3 * abs(coupler[peak]), rel=1e-4)
-    assert float(degrees) == pytest.approx(float(samples[peak]["crank_angle_deg"]))
+    # Peaks lie between samples that are 3 degrees apart.
+    assert 1e3 * abs(coupler[peak]) < float(deflection) < 1.02e3 * abs(coupler[peak])
+    assert float(degrees) == pytest.approx(float(samples[peak]["crank_angle_deg"]), abs=1.5)
     assert turn == "1"
-    assert float(peak_strain) == pytest.approx(1e6 * np.abs(strain).max(), rel=1e-3)
+    assert 1e6 * np.abs(strain).max() <= float(peak_strain) < 1.02e6 * np.abs(strain).max()
     assert rows[0][-1] == "-"
     for words in (
         "energy balance: off by at most",

@@ -276,22 +276,20 @@ def test_checks_and_loads_are_listed_engine_by_engine(
 @pytest.mark.parametrize(
     ("start", "degrees", "shown", "turn"),
     [
-        (0.0, 0.0, "0", "1"),
+        (0.0, 0.0, "0.0", "1"),
         (0.0, 359.5, "359.5", "1"),
-        (0.0, 360.0, "0", "2"),
-        (0.0, 900.25, "180.25", "3"),
-        (0.0, -10.0, "350", "1"),
-        (0.0, -370.0, "350", "2"),
-        (90.0, 449.0, "89", "1"),
+        (0.0, 360.0, "0.0", "2"),
+        (0.0, 900.25, "180.2", "3"),
+        (0.0, -10.0, "350.0", "1"),
+        (0.0, -370.0, "350.0", "2"),
+        (90.0, 449.0, "89.0", "1"),
     ],
 )
 def test_the_crank_at_the_peak_is_an_angle_and_a_turn(
     start: float, degrees: float, shown: str, turn: str, short_response: Response
 ) -> None:
-    data = short_response.dataset.isel(time=[0, 1]).copy(deep=True)
-    data = data.assign_coords(crank_angle=("time", np.radians([start, degrees])))
-    data["deflection"] = data["deflection"] * 0.0
-    data["deflection"][:, 1] = -1e-3
+    data = short_response.dataset.copy(deep=True)
+    data["peak_deflection"][:], data["peak_deflection_angle"][:] = 1e-3, np.radians(degrees)
     (rows,) = peak_table(Response(data).peaks(), np.radians(start), "peaks").groups
     assert [row[3:6] for row in rows] == [("1", shown, turn)] * 3
     assert [row[6] == "-" for row in rows] == [True, False, False]

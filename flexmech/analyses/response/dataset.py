@@ -10,6 +10,7 @@ import xarray as xr
 from flexmech.analyses.frequencies import Formulation, frequencies_at
 from flexmech.analyses.provenance import provenance
 from flexmech.analyses.response import measurements
+from flexmech.analyses.response.peaks import peaks_between
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.run import EngineRun, RunError
 from flexmech.analyses.response.spectra import (
@@ -21,7 +22,7 @@ from flexmech.analyses.response.spectra import (
 )
 from flexmech.analyses.stations import rigid_positions
 from flexmech.linear_system import Engine
-from flexmech.linkages import RigidMotion, inverse_dynamics
+from flexmech.linkages import CrankDrive, RigidMotion, inverse_dynamics
 from flexmech.types import FloatArray
 
 __all__ = ["add_mesh_errors", "build_dataset"]
@@ -59,8 +60,12 @@ def build_dataset(
     motion = request.drive.motion(first.mechanism.linkage, time)
     duration = _window(first, request, lowest)
     parts = [
-        _history(run, motion, refinement).merge(
-            _spectra(run, request, refinement, (lowest, highest), duration)
+        xr.merge(
+            [
+                _history(run, motion, refinement),
+                _peaks(run, request.drive),
+                _spectra(run, request, refinement, (lowest, highest), duration),
+            ]
         )
         for run in runs
     ]
@@ -141,6 +146,20 @@ def _history(run: EngineRun, motion: RigidMotion, refinement: int) -> xr.Dataset
             "peak_joint_force": ("joint", trajectory.peak_joint_force),
             **_errors("step", run.step_error),
             **_errors("reduction", run.reduction_error),
+        }
+    )
+
+
+def _peaks(run: EngineRun, drive: CrankDrive) -> xr.Dataset:
+    """Greatest deflections and strains, between the samples that were asked for too."""
+    angle = drive.crank_angle(run.trajectory.time)
+    deflection, where = peaks_between(measurements.deflections(run.engine, run.trajectory), angle)
+    strain, _ = peaks_between(measurements.bending_strains(run.engine, run.trajectory), angle)
+    return xr.Dataset(
+        {
+            "peak_deflection": ("link", deflection),
+            "peak_deflection_angle": ("link", where),
+            "peak_strain": ("link", strain),
         }
     )
 

@@ -54,6 +54,7 @@ class Response(Result):
     def peaks(self) -> xr.Dataset:
         """Greatest size of each link's deflection and strain, and of torque and joint forces.
 
+        Between the samples too.
         Forces and torque as far as the band ``force_band`` lets them through.
 
         Returns
@@ -64,12 +65,11 @@ class Response(Result):
             in rad as ``deflection_angle``.
         """
         data = self.dataset
-        size = abs(data["deflection"])
         return xr.Dataset(
             {
-                "deflection": size.max("time"),
-                "deflection_angle": data["crank_angle"][size.argmax("time")].drop_vars("time"),
-                "strain": abs(data["strain"]).max("time"),
+                "deflection": data["peak_deflection"],
+                "deflection_angle": data["peak_deflection_angle"],
+                "strain": data["peak_strain"],
                 "driving_torque": data["peak_driving_torque"],
                 "joint_force": data["peak_joint_force"],
             }

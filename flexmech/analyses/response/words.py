@@ -57,7 +57,7 @@ def peak_table(
         # A clamped link is bent most at its clamp; strain in its middle is no peak.
         strain = f"{1e6 * float(peak['strain']):.4g}" if place == "middle" else "-"
         deflection = f"{1e3 * float(peak['deflection']):.5g}"
-        return (label, link, place, deflection, f"{degrees:.6g}", str(turn), strain)
+        return (label, link, place, deflection, f"{degrees:.1f}", str(turn), strain)
 
     headings = ("engine", "link", "place", "deflection mm", "at deg", "turn", "strain 1e-6")
     links = [str(link) for link in peaks["link"].values]
