@@ -173,6 +173,13 @@ def test_paths_go_through_the_posture(standing: ModelCheck, loaded_mechanism: Me
     np.testing.assert_allclose(known["path_position"][1], pin, atol=1e-12)
 
 
+def test_the_path_of_a_coupler_without_a_point_is_that_of_its_middle(locked: ModelCheck) -> None:
+    known = locked.dataset
+    assert known["path_name"].values.tolist() == ["A", "B", "coupler's middle"]
+    middle = known["path"].isel(path=slice(2)).mean("path").values
+    np.testing.assert_allclose(known["path"][2].values, middle, atol=1e-12)
+
+
 def test_masses_stand_where_they_are(standing: ModelCheck) -> None:
     known = standing.dataset
     assert known["joint_mass"].values.tolist() == [0.0, 0.04, 0.02, 0.0]

@@ -6,10 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from typer.testing import CliRunner
 
 from flexmech import InputError, Mechanism, MovingFrequencies, ReferenceEngine, moving_frequencies
-from flexmech.analyses.frequencies import Formulation, frequencies_at
+from flexmech.analyses.frequencies import (
+    Formulation,
+    FrequencyRequest,
+    frequencies_at,
+    pictured,
+)
+from flexmech.analyses.frequencies.frequency_map import systems_at
 from flexmech.analyses.frequencies.pictured import SEEN, bent_angles
 from flexmech.cli import app
 from flexmech.plots import plot_frequencies, plot_mode_shapes
@@ -93,6 +100,22 @@ def test_every_point_between_is_a_solution(
     np.testing.assert_array_equal(between[known], branch[:, after][known])
     np.testing.assert_array_equal(known, branch[:, after] == branch[:, after - 1])
     assert known.mean() > 0.9
+
+
+def test_no_branch_is_told_where_modes_change_theirs_within_the_step(
+    engine: ReferenceEngine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(
+        pictured, "frequencies_along", lambda systems, angles, speed: curves(angles)[0]
+    )
+    angles = np.radians([2.5, 12.5, 17.5])
+    request = FrequencyRequest(TURN, np.zeros(1), Formulation(modes=2), smooth=angles)
+    over = ("crank_speed", "crank_angle", "mode")
+    branch = np.where(np.arange(len(TURN))[:, None] < 3, [1, 2], [2, 1])
+    maps = {"frequency": (over, curves(TURN)[:1]), "branch_of_mode": (over, branch[None])}
+    found = pictured.drawn_between((systems_at(engine, request, 0.0),), request, xr.Dataset(maps))
+    assert found["branch_between"].values.tolist() == [[[1, 2], [0, 0], [2, 1]]]
+    np.testing.assert_array_equal(found["frequency_between"], curves(angles)[:1])
 
 
 def test_lines_run_through_the_points_between(found: MovingFrequencies) -> None:
