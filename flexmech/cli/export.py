@@ -5,19 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import cast
 
-import typer
-
 from flexmech.choices import MODES
 from flexmech.cli import arguments, options
 from flexmech.cli.engines import make_engines
 from flexmech.cli.environment import parse_environment
 from flexmech.cli.failures import naming, telling
+from flexmech.cli.printing import Report
 from flexmech.cli.progress import progress_bar
 from flexmech.cli.running import parse_request
 from flexmech.errors import one_line
 from flexmech.files import check_writable, given_path
-
-MOST = 1000
 
 
 def export(
@@ -55,6 +52,7 @@ def export(
     )
     environment = parse_environment(temperature_rise, moisture, relative_humidity, time)
 
+    from flexmech.analyses import Summary
     from flexmech.analyses.response import exudyn_system
     from flexmech.modelfile import load_mechanism
     from flexmech.multibody import SCRIPT, ExudynEngine
@@ -70,11 +68,11 @@ def export(
         )
     with naming("--out"):
         [file] = system.save(out)
-    if remark := arguments.speed_remark("--speed", speed, [request.drive.speed]):
-        typer.echo(remark)
-    typer.echo(
+    counts = (
         f"{len(system.nodes)} nodes, {len(system.objects)} elements, bodies and joints, "
         f"{len(system.sensors)} sensors; {system.steps} steps of {system.step:.4g} s"
     )
-    typer.echo(one_line(f"files: {file}", most=MOST))
-    typer.echo(one_line(f"next: python {file}", most=MOST))
+    named = one_line(str(file), most=len(str(file)))
+    summary = Summary((counts,), f"next: python {named}")
+    remark = arguments.speed_remark("--speed", speed, [request.drive.speed])
+    Report(summary, (file,), (f"files: {named}",), remark).print()

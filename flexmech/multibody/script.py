@@ -166,7 +166,7 @@ def _head(source: ScriptSource) -> str:
         "file; with --view it shows the linkage while it runs.",
     ]
     safe = (one_line(text, most=len(text)).replace("\\", "/").replace('"', "'") for text in texts)
-    return HEAD.format("\n\n".join("\n".join(wrap(text, WIDTH)) for text in safe))
+    return HEAD.format("\n\n".join("\n".join(wrap(text, WIDTH - 3)) for text in safe))
 
 
 def _body(source: ScriptSource) -> Iterator[str]:

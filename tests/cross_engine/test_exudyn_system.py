@@ -28,7 +28,7 @@ ALL = {
     "composite": ["composite_fourbar.toml"],
     "damped by the rule": ["aluminium_fourbar.toml", "--integrator", "generalized-alpha"],
     "arm": ["rotating_arm.toml", "--run-up", "0.05"],
-    "slender arm": ["rotating_arm_slender_70.toml", "--start", "equilibrium"],
+    "slender arm": ["rotating_arm_slender_70.toml", "--start", "equilibrium", "--speed", "2"],
     "exact beams": ["aluminium_fourbar.toml", "--element", "geometrically-exact"],
     "backwards": ["steel_fourbar.toml", "--start", "periodic", "--speed=-300 rpm"],
     "moist": [
@@ -170,6 +170,8 @@ def test_export_writes_a_script(tmp_path: Path) -> None:
     file = tmp_path / "linkage.py"
     assert done.stdout.splitlines()[-2:] == [f"files: {file}", f"next: python {file}"]
     assert_well_formatted(file)
+    quiet = CliRunner().invoke(app, ["export", model, *options, "--quiet", "--out", str(tmp_path)])
+    assert (quiet.exit_code, quiet.output) == (0, "")
     refused = CliRunner().invoke(
         app, ["export", model, *options, "--element", "euler", "--out", str(tmp_path)]
     )
