@@ -29,7 +29,10 @@ def pytest_xdist_auto_num_workers(config: pytest.Config) -> int | None:
 
 @pytest.fixture
 def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Save pictures without arranging them: most of the time of one, and nobody looks."""
+    """Save pictures without arranging or drawing what is in them: nobody looks.
+
+    That takes most of the time of one. The tests of the plots and of the users' scripts draw.
+    """
     from matplotlib.figure import Figure
 
     save = Figure.savefig
@@ -37,6 +40,8 @@ def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     def roughly(figure: Figure, path: Path, *, dpi: int, **options: Any) -> None:
         assert dpi == (200 if path.suffix == ".png" else 300)
         figure.set_layout_engine("none")
+        for part in figure.get_children():
+            part.set_visible(part is figure.patch)
         save(figure, path, dpi=30, **options)
 
     monkeypatch.setattr(Figure, "savefig", roughly)

@@ -26,8 +26,9 @@ levels = st.sampled_from(PRESTRESS_LEVELS)
 
 
 def engine_of(mechanism: Mechanism, *, reduced: bool = False, elements: int = 2) -> ReferenceEngine:
-    least = 1 + len(mechanism.link_masses)
-    return ReferenceEngine(mechanism, max(elements, least), component_modes=reduced)
+    """Of slender elements, named: to choose them for each mechanism takes longer than the rest."""
+    count = max(elements, 1 + len(mechanism.link_masses))
+    return ReferenceEngine(mechanism, count, "euler", component_modes=reduced)
 
 
 def system_of(
@@ -303,6 +304,8 @@ def test_modes_of_the_aluminium_mechanism_are_those_of_a_dense_solver(
     assert_modes_are_those_of_a_dense_solver(system, 1e-9)
 
 
+# Of three mechanisms at equilibrium in tests/cross_engine/test_random_mechanisms.py.
+@pytest.mark.thorough
 @settings(max_examples=12)
 @given(running_mechanisms(), levels, st.booleans())
 def test_reported_reduction_error_is_small_and_true(

@@ -21,17 +21,18 @@ CASES = [("none", 0.0, False), ("axial", 20.0, True), ("equilibrium", 20.0, True
 def within_factor_two(engines, prestress, speed, rotation_terms):
     """Of engines of one kind and mechanism, which differ in their elements alone."""
     options = {"modes": 4, "prestress": prestress, "rotation_terms": rotation_terms}
-    fine = natural_frequencies(engines[0].with_(elements=64), ANGLES, speed, **options)
+    angles = ANGLES[::2]
+    fine = natural_frequencies(engines[0].with_(elements=64), angles, speed, **options)
     for engine in engines:
         systems = Systems(engine, Formulation(**options))
-        estimate = discretisation_error(systems, ANGLES, speed).max(axis=0)
-        found = natural_frequencies(engine, ANGLES, speed, **options)
+        estimate = discretisation_error(systems, angles, speed).max(axis=0)
+        found = natural_frequencies(engine, angles, speed, **options)
         true = np.abs(found / fine - 1).max(axis=0)
         np.testing.assert_array_less(estimate, 2 * true)
         np.testing.assert_array_less(true, 2 * estimate)
 
 
-@pytest.mark.parametrize("name", ["aluminium", "steel"])
+@pytest.mark.parametrize("name", ["aluminium", pytest.param("steel", marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case[0])
 def test_discretisation_error_of_the_reference(mechanisms, name, case):
     """Within a factor of two of the distance to 64 elements a link."""

@@ -27,8 +27,8 @@ def extremes_and_grid(engine, speed):
 
 
 def frequencies_near(engine, speed, angles, mode):
-    """Around one angle, from 5 degrees before to 5 degrees behind, every 0.02 degrees."""
-    near = float(angles) + np.radians(np.linspace(-5, 5, 501))
+    """Around one angle, from 1 degree before to 1 degree behind, every 0.02 degrees."""
+    near = float(angles) + np.radians(np.linspace(-1, 1, 101))
     return natural_frequencies(engine, near, speed)[:, mode]
 
 
