@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import signal
 import sys
 import warnings
@@ -127,4 +128,6 @@ def run() -> None:
     # Warnings of libraries are for developers, who turn them on by -W or PYTHONWARNINGS.
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
+        # Such as fonts that an old cache of Matplotlib does not list, which it says in its log.
+        logging.getLogger("matplotlib").setLevel(logging.ERROR)
     app(prog_name="flexmech")
