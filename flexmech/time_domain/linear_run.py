@@ -13,7 +13,7 @@ from flexmech.time_domain.equations import Following
 from flexmech.time_domain.recording import Recorder, Trajectory
 from flexmech.time_domain.state import VibrationState
 from flexmech.time_domain.step_table import StepTable
-from flexmech.time_domain.stretch_march import march_stretching
+from flexmech.time_domain.stretch_march import Course, march_stretching
 from flexmech.time_domain.trapezoidal import initial_state, march
 from flexmech.types import FloatArray, StepProgress
 
@@ -97,14 +97,14 @@ def _march(
     linkage: DrivenLinkage, table: StepTable, time: FloatArray, state: VibrationState
 ) -> tuple[VibrationState, Following]:
     """March from the first of some times to the others, in parts that stay in the cache."""
-    histories, expansions, offsets, passes = [], [], [], 0
+    histories, expansions, offsets, course = [], [], [], Course()
     for first in range(0, len(time) - 1, CACHED_STEPS):
         rows = table.rows(time[first + 1 : first + 1 + CACHED_STEPS])
         if rows.stretch is None or linkage.stretch is None:
             history = march(rows.linear, state)
         else:
-            history, passes = march_stretching(
-                rows.linear, rows.stretch, linkage.stretch, state, passes
+            history, course = march_stretching(
+                rows.linear, rows.stretch, linkage.stretch, state, course
             )
         state = history[-1]
         histories.append(history if first == 0 else history[1:])

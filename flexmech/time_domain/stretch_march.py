@@ -12,14 +12,15 @@ import logging
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from flexmech.errors import ComputationError
 from flexmech.time_domain.linkage_stretch import LinkageStretch, PinTurns, StretchForces
 from flexmech.time_domain.state import VibrationState
-from flexmech.time_domain.trapezoidal import PREDICT, StepOperators, scaling
+from flexmech.time_domain.trapezoidal import StepOperators, predicted, settled
 from flexmech.types import FloatArray
 
-__all__ = ["StretchOperators", "march_stretching"]
+__all__ = ["Course", "StretchOperators", "march_stretching"]
 
 logger = logging.getLogger(__name__)
 
@@ -29,9 +30,14 @@ logger = logging.getLogger(__name__)
 # passes gain so little that a small last change does not mean a small error.
 PASSES = (2, 3, 5)
 LAST_CHANGE = 2e-2
+# A pass gains one to two digits: after a change that is smaller by this, the next block begins
+# with the fewest passes again.
+AMPLE = 30
 # Newton's method with the tangent of the bowed links.
 NEWTON_PASSES = 12
 NEWTON_CHANGE = 1e-9
+# What the stretch takes off the positions, by a parabola through the last three steps.
+EXTRAPOLATE = np.array([1.0, -3.0, 3.0])
 
 
 @dataclass(frozen=True)
@@ -41,7 +47,7 @@ class StretchOperators:
     Parameters
     ----------
     answer : ndarray, shape (m, n, p)
-        Acceleration at the step's end times ``step**2 / 4``, by unit forces.
+        Position at the step's end by unit forces: acceleration times ``step**2 / 4``.
     turns : PinTurns
         At the ends of the m steps.
     """
@@ -50,13 +56,29 @@ class StretchOperators:
     turns: PinTurns
 
 
+@dataclass(frozen=True)
+class Course:
+    """How the passes went, for the steps that come next.
+
+    Parameters
+    ----------
+    passes : int
+        Of the modified Newton's method to begin with, where more than the fewest are needed.
+    taken : ndarray, shape (3, n), optional
+        What the stretch took off the positions in the last three steps.
+    """
+
+    passes: int = 0
+    taken: FloatArray | None = None
+
+
 def march_stretching(
     linear: StepOperators,
     operators: StretchOperators,
     stretch: LinkageStretch,
     state: VibrationState,
-    passes: int = 0,
-) -> tuple[VibrationState, int]:
+    course: Course,
+) -> tuple[VibrationState, Course]:
     """Take all steps from a state.
 
     Parameters
@@ -67,36 +89,40 @@ def march_stretching(
     stretch : LinkageStretch
     state : VibrationState
         Arrays of shape (n,).
-    passes : int
-        Of the modified Newton's method to begin with, where more than the least are needed.
+    course : Course
+        Of the steps before.
 
     Returns
     -------
     VibrationState
         Arrays of shape (m + 1, n), the given state first.
-    int
-        The passes that it took.
+    Course
 
     Raises
     ------
     ComputationError
         If Newton's method does not converge in a step.
     """
-    scale = scaling(linear.step)
-    history = np.empty((len(linear.response) + 1, 3, len(state.position)))
-    history[0] = np.stack([state.position, state.velocity, state.acceleration]) * scale[:, None]
+    steps, size = linear.forced.shape
+    prediction, acceleration = np.empty((steps + 1, 2 * size)), np.empty((steps, size))
+    prediction[0] = predicted(state, linear.step).ravel()
+    passes = course.passes
     for count in PASSES:
         if count < passes:
             continue
         passes = count
-        change = _fixed_passes(linear, operators, stretch, history, passes)
-        if _is_small(change, history[1:, 2]):
+        change, taken = _fixed_passes(
+            linear, operators, stretch, state, prediction, acceleration, passes, course.taken
+        )
+        if _is_small(4 * change, acceleration):
+            passes = 0 if _is_small(4 * AMPLE * change, acceleration) else passes
             break
         logger.info("modified Newton's method: %d passes do not do", passes)
     else:
-        _newton(linear, operators, stretch, history)
-    history /= scale[:, None]
-    return VibrationState(history[:, 0], history[:, 1], history[:, 2]), passes
+        taken = None
+        _newton(linear, operators, stretch, state, prediction, acceleration)
+    parts = prediction[:-1].reshape(steps, 2, size)
+    return settled(state, parts, acceleration, linear.step), Course(passes, taken)
 
 
 def _is_small(change: FloatArray, acceleration: FloatArray) -> bool:
@@ -111,78 +137,113 @@ def _fixed_passes(
     linear: StepOperators,
     operators: StretchOperators,
     stretch: LinkageStretch,
-    history: FloatArray,
+    state: VibrationState,
+    prediction: FloatArray,
+    acceleration: FloatArray,
     passes: int,
-) -> FloatArray:
-    """Fill in a history (m + 1, 3, n) of z, h z' and h^2 z'' / 4; return the last changes."""
-    steps, size = len(history) - 1, history.shape[2]
+    last_taken: FloatArray | None,
+) -> tuple[FloatArray, FloatArray]:
+    """Fill in predictions (m + 1, 2 n) and accelerations (m, n).
+
+    Returns
+    -------
+    ndarray, shape (m, n)
+        By how much the last pass changed the positions.
+    ndarray, shape (3, n)
+        What the stretch took off them in the last steps.
+    """
+    steps, size = acceleration.shape
     forces = StretchForces(stretch, size, linear.step)
     turns, rates = operators.turns.turn, linear.step * operators.turns.rate
-    forces.position[:], forces.rate[:] = history[0, :2]
-    start = operators.answer[0] @ forces.evaluate(turns[0], rates[0])
-    # What the stretch takes off the accelerations; two steps back to begin with.
-    taken, before = np.empty((steps + 2, size)), np.empty((steps, size))
-    taken[:2] = start
-    position, rate, linear_part = forces.position, forces.rate, np.empty(size)
-    is_damped, twice = stretch.is_damped, np.empty(size)
+    forces.position[:], forces.rate[:] = state.position, linear.step * state.velocity
+    # What the stretch takes off the positions; three steps back to begin with.
+    taken, before = np.empty((steps + 3, size)), np.empty((steps, size))
+    if last_taken is None:
+        taken[:3] = operators.answer[0] @ forces.evaluate(turns[0], rates[0])
+    else:
+        taken[:3] = last_taken
+    position, rate = forces.position, forces.rate
+    linear_part, z_linear, v_linear, part = np.empty((4, size))
+    is_damped = stretch.is_damped
+    z, v = prediction[:, :size], prediction[:, size:]
     rows = zip(
-        history,
-        history[1:],
-        history[1:, :2].reshape(steps, -1),
+        prediction,
         linear.response,
         linear.forced,
         operators.answer,
         turns,
         rates,
-        taken,
-        taken[1:],
-        taken[2:],
+        sliding_window_view(taken, 3, axis=0),
+        taken[3:],
         before,
+        acceleration,
+        z,
+        v,
+        z[1:],
+        v[1:],
         strict=False,
     )
-    for now, after, z_and_v, response, forced, answer, turn, turning, old, last, new, prior in rows:
-        np.dot(PREDICT, now, out=after)
+    for (
+        z_and_v,
+        response,
+        forced,
+        answer,
+        turn,
+        turning,
+        last,
+        new,
+        prior,
+        a,
+        z_now,
+        v_now,
+        z_next,
+        v_next,
+    ) in rows:
         np.dot(response, z_and_v, out=linear_part)
         np.subtract(forced, linear_part, out=linear_part)
-        np.subtract(last, old, out=new)
-        np.add(new, last, out=new)
-        z, v, a = after
+        np.multiply(linear_part, 0.25, out=z_linear)
+        np.add(z_now, z_linear, out=z_linear)
+        if is_damped:
+            np.multiply(linear_part, 0.5, out=v_linear)
+            np.add(v_now, v_linear, out=v_linear)
+        np.dot(last, EXTRAPOLATE, out=new)
         for left in range(passes, 0, -1):
-            np.subtract(linear_part, new, out=a)
-            np.add(z, a, out=position)
+            np.subtract(z_linear, new, out=position)
             if is_damped:
-                np.add(a, a, out=twice)
-                np.add(v, twice, out=rate)
+                np.add(new, new, out=part)
+                np.subtract(v_linear, part, out=rate)
             if left == 1:
                 prior[:] = new
             np.dot(answer, forces.evaluate(turn, turning), out=new)
-        np.subtract(linear_part, new, out=a)
-        np.add(z, a, out=z)
-        np.add(a, a, out=twice)
-        np.add(v, twice, out=v)
-    return taken[2:] - before
+        np.multiply(new, 4.0, out=part)
+        np.subtract(linear_part, part, out=a)
+        np.add(v_now, a, out=v_next)
+        np.add(z_now, v_next, out=z_next)
+    return taken[3:] - before, taken[-3:]
 
 
 def _newton(
     linear: StepOperators,
     operators: StretchOperators,
     stretch: LinkageStretch,
-    history: FloatArray,
+    state: VibrationState,
+    prediction: FloatArray,
+    acceleration: FloatArray,
 ) -> None:
-    """Fill in a history by Newton's method in every step."""
-    size = history.shape[2]
+    """Fill in predictions and accelerations by Newton's method in every step."""
+    size = acceleration.shape[1]
     forces = StretchForces(stretch, size, linear.step)
     turns, rates = operators.turns.turn, linear.step * operators.turns.rate
     ends, unit = stretch.end_count, np.eye(size)
-    a = np.array(history[0, 2])
+    a = linear.step**2 * state.acceleration
     for number, answer in enumerate(operators.answer):
-        z, v, _ = PREDICT @ history[number]
-        linear_part = linear.forced[number] - linear.response[number] @ np.concatenate([z, v])
+        z, v = prediction[number].reshape(2, size)
+        linear_part = linear.forced[number] - linear.response[number] @ prediction[number]
         spreading = np.zeros((stretch.size, size))
         spreading[:size], spreading[size:, :ends] = unit, turns[number]
         for _ in range(NEWTON_PASSES):
-            forces.position[:], forces.rate[:] = z + a, v + 2 * a
-            gap = a - linear_part + answer @ forces.evaluate(turns[number], rates[number])
+            forces.position[:], forces.rate[:] = z + a / 4, v + a / 2
+            gap = a - linear_part + 4 * answer @ forces.evaluate(turns[number], rates[number])
             tangent = unit + answer @ forces.tangent(2.0) @ spreading
             change = np.linalg.solve(tangent, gap)
             a = a - change
@@ -193,4 +254,5 @@ def _newton(
                 f"links that bow deeply have no balance in a time step of {linear.step:.4g} s; "
                 "choose a smaller --step"
             )
-        history[number + 1] = z + a, v + 2 * a, a
+        acceleration[number] = a
+        prediction[number + 1] = np.concatenate([z + v + a, v + a])

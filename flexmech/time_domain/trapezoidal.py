@@ -6,7 +6,10 @@ unconditionally stable, no numerical damping. The equations of motion hold at ev
     (M + h/2 C + h^2/4 K) a1 = f - C (v + h/2 a) - K (z + h v + h^2/4 a)
 
 All matrices of a block of steps are solved at once; what is left to do one after another is
-a matrix-vector product a step.
+a matrix-vector product a step. It multiplies the prediction from the step before, which
+follows from the last prediction by two sums::
+
+    v' = v + h/2 a,  z' = z + h v + h^2/4 a;  v'1 = v' + h a1,  z'1 = z' + h v'1
 """
 
 from __future__ import annotations
@@ -19,19 +22,21 @@ from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.state import VibrationState
 from flexmech.types import FloatArray
 
-__all__ = ["PREDICT", "StepOperators", "initial_state", "march", "scaling", "step_operators"]
-
-
-PREDICT = np.array([[1.0, 1.0, 1.0], [0.0, 1.0, 2.0], [0.0, 0.0, 0.0]])
-"""In (z, h v, h^2 a / 4) a step is this prediction and one new acceleration."""
-CORRECT = np.array([1.0, 2.0, 1.0])
+__all__ = [
+    "StepOperators",
+    "initial_state",
+    "march",
+    "predicted",
+    "settled",
+    "step_operators",
+]
 
 
 @dataclass(frozen=True)
 class StepOperators:
-    """What leads to the acceleration at each of m steps: ``forced - response @ [z; h v]``.
+    """What leads to the acceleration at each of m steps: ``forced - response @ [z'; h v']``.
 
-    All accelerations are times ``h**2 / 4``.
+    All accelerations are times ``h**2``.
 
     Parameters
     ----------
@@ -88,22 +93,53 @@ def step_operators(
     -------
     StepOperators
     ndarray, shape (m, n, n) or (m, n, 0)
-        Acceleration by unit forces, times ``h**2 / 4``.
+        Position at the step's end by unit forces: acceleration times ``h**2 / 4``.
     """
-    _, h, scale = scaling(step)
     mass, damping, stiffness = equations.mass, equations.damping, equations.stiffness
     effective = mass + step / 2 * damping + step**2 / 4 * stiffness
     size = mass.shape[-1]
     unit = np.broadcast_to(np.eye(size), mass.shape)[..., : size if forces else 0]
-    right = [stiffness, damping / h, equations.force[..., None], unit]
-    solved = np.linalg.solve(effective, scale * np.concatenate(right, axis=-1))
+    right = [stiffness, damping / step, equations.force[..., None], unit]
+    solved = np.linalg.solve(effective, step**2 * np.concatenate(right, axis=-1))
     response = np.ascontiguousarray(solved[..., : 2 * size])
-    return StepOperators(step, response, solved[..., 2 * size]), solved[..., 2 * size + 1 :]
+    linear = StepOperators(step, response, np.asarray(solved[..., 2 * size]))
+    return linear, np.asarray(solved[..., 2 * size + 1 :] / 4)
 
 
-def scaling(step: float) -> FloatArray:
-    """What turns (z, v, a) into (z, h v, h^2 a / 4), shape (3,)."""
-    return np.array([1.0, step, step**2 / 4])
+def predicted(state: VibrationState, step: float) -> FloatArray:
+    """Prediction (z', h v') of the next step's end from a state of shape (...), (2, ...)."""
+    half = state.velocity + step / 2 * state.acceleration
+    whole = state.position + step * state.velocity + step**2 / 4 * state.acceleration
+    return np.stack([whole, step * half])
+
+
+def settled(
+    start: VibrationState, prediction: FloatArray, acceleration: FloatArray, step: float
+) -> VibrationState:
+    """The states of a start and of m steps.
+
+    Parameters
+    ----------
+    start : VibrationState
+        Arrays of shape (...).
+    prediction : ndarray, shape (m, 2, ...)
+        At the steps' ends.
+    acceleration : ndarray, shape (m, ...)
+        Times ``step**2``.
+    step : float
+        In s.
+
+    Returns
+    -------
+    VibrationState
+        Arrays of shape (m + 1, ...).
+    """
+    states = (
+        (start.position, prediction[:, 0] + acceleration / 4),
+        (start.velocity, (prediction[:, 1] + acceleration / 2) / step),
+        (start.acceleration, acceleration / step**2),
+    )
+    return VibrationState(*(np.concatenate([first[None], rest]) for first, rest in states))
 
 
 def march(operators: StepOperators, state: VibrationState) -> VibrationState:
@@ -122,24 +158,23 @@ def march(operators: StepOperators, state: VibrationState) -> VibrationState:
         Arrays of shape (m + 1, n) or (m + 1, n, k), the given state first.
     """
     size, tail = len(state.position), state.position.shape[1:]
-    scale = scaling(operators.step)
-    correct = CORRECT[:, None]
     steps, tail_size = len(operators.response), int(np.prod(tail, dtype=int))
     forced = np.broadcast_to(operators.forced[..., None], (steps, size, tail_size))
-    history = np.empty((steps + 1, 3, size * tail_size))
-    history[0] = np.stack([state.position, state.velocity, state.acceleration]).reshape(3, -1)
-    history[0] *= scale[:, None]
-    predicted = history[1:, :2].reshape(steps, 2 * size, tail_size)
-    change, corrected = np.empty((size, tail_size)), np.empty_like(history[0])
-    # Everything that a step needs is laid out before: what is left are five small products.
-    for now, after, z_and_v, answer, force in zip(
-        history, history[1:], predicted, operators.response, forced, strict=False
+    prediction = np.empty((steps + 1, 2 * size, tail_size))
+    prediction[0] = predicted(state, operators.step).reshape(2 * size, tail_size)
+    acceleration, change = np.empty((steps, size, tail_size)), np.empty((size, tail_size))
+    z, v = prediction[:, :size], prediction[:, size:]
+    # Everything that a step needs is laid out before: what is left are four small products.
+    for z_and_v, response, force, a, z_now, v_now, z_next, v_next in zip(
+        prediction, operators.response, forced, acceleration, z, v, z[1:], v[1:], strict=False
     ):
-        np.dot(PREDICT, now, out=after)
-        np.dot(answer, z_and_v, out=change)
-        np.subtract(force, change, out=change)
-        np.multiply(correct, change.reshape(1, -1), out=corrected)
-        np.add(after, corrected, out=after)
-    history /= scale[:, None]
-    parts = history.reshape(steps + 1, 3, size, *tail)
-    return VibrationState(parts[:, 0], parts[:, 1], parts[:, 2])
+        np.dot(response, z_and_v, out=change)
+        np.subtract(force, change, out=a)
+        np.add(v_now, a, out=v_next)
+        np.add(z_now, v_next, out=z_next)
+    return settled(
+        state,
+        prediction[:-1].reshape(steps, 2, size, *tail),
+        acceleration.reshape(steps, size, *tail),
+        operators.step,
+    )
