@@ -18,6 +18,7 @@ __all__ = [
     "PICTURE_FORMATS",
     "PRESTRESS_LEVELS",
     "STARTS",
+    "STORES",
     "ElementName",
     "EngineChoice",
     "EngineName",
@@ -29,6 +30,7 @@ __all__ = [
     "Prestress",
     "ReferenceElement",
     "Start",
+    "Store",
     "TemplateKind",
     "engine_of",
 ]
@@ -51,8 +53,11 @@ PRESTRESS_LEVELS: tuple[Prestress, ...] = get_args(Prestress)
 MapPrestress = Literal["none", "axial", "equilibrium", "trajectory"]
 """With the states of the simulated, settled motion besides."""
 
+Store = Literal["needed", "all"]
+"""What a stored response holds: what pictures and comparisons need, or all there is."""
 Integrator = Literal["trapezoidal", "generalized-alpha"]
 """Time integration of a simulation."""
+STORES: tuple[Store, ...] = get_args(Store)
 INTEGRATORS: tuple[Integrator, ...] = get_args(Integrator)
 Start = Literal["rigid", "equilibrium", "periodic"]
 """State in which a run begins."""

@@ -100,6 +100,8 @@ class Provenance:
         Model file's name, empty when built in Python. Does not count in comparisons.
     sha256 : str
         Hash of the model file's bytes, empty when built in Python. Does not count either.
+    text : str
+        The model file's text, empty when built in Python. Does not count either.
 
     Raises
     ------
@@ -111,6 +113,7 @@ class Provenance:
     source: str = ""
     file: str = field(default="", compare=False)
     sha256: str = field(default="", compare=False)
+    text: str = field(default="", compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if not (isinstance(self.name, str) and self.name.strip() and "\n" not in self.name):

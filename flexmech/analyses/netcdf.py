@@ -1,15 +1,76 @@
-"""Reading NetCDF files that may be damaged, or made to read other files."""
+"""NetCDF files: written as the CF conventions want them, read though they may be damaged."""
 
 from __future__ import annotations
 
+import os
+from collections.abc import Hashable, Mapping
+from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import h5py
 import xarray as xr
 
 from flexmech.errors import InputError
 
-__all__ = ["read_netcdf"]
+__all__ = ["FILE_ATTRIBUTES", "file_attributes", "netcdf_bytes", "read_netcdf"]
+
+# The first with integers of 64 bits is 1.9.
+CONVENTIONS = "CF-1.11"
+FILE_ATTRIBUTES = ("Conventions", "title", "date", "command_line")
+"""Attributes of a file, as against those of the dataset that it holds."""
+# Smaller variables would not get smaller.
+LEAST_COMPRESSED = 1000
+
+
+def file_attributes(title: str, command_line: str = "") -> dict[str, str]:
+    """Attributes of a file that is written now.
+
+    Parameters
+    ----------
+    title : str
+    command_line : str
+        Empty where there is none.
+
+    Returns
+    -------
+    dict of str to str
+        With the date in UTC, or that of the environment variable ``SOURCE_DATE_EPOCH``.
+    """
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
+    now = datetime.fromtimestamp(int(epoch), UTC) if epoch.isdecimal() else datetime.now(UTC)
+    found = {
+        "Conventions": CONVENTIONS,
+        "title": title,
+        "date": now.strftime("%Y-%m-%dT%H:%M:%SZ"),
+    }
+    return found | ({"command_line": command_line} if command_line else {})
+
+
+def netcdf_bytes(dataset: xr.Dataset, attributes: Mapping[str, str]) -> bytes:
+    """What a file of a dataset holds, its large variables compressed without loss.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    attributes : mapping of str to str
+        Of the file, before those of the dataset.
+
+    Returns
+    -------
+    bytes
+    """
+    written = dataset.copy()
+    written.attrs = {**attributes, **dataset.attrs}
+    encoding: dict[Hashable, dict[str, Any]] = {}
+    for name, variable in written.variables.items():
+        if variable.dtype.kind == "f" and variable.size >= LEAST_COMPRESSED:
+            encoding[name] = {"zlib": True, "shuffle": True, "complevel": 4}
+        if variable.dtype.kind == "f" and name in written.coords:
+            # Coordinates are never missing.
+            encoding[name] = {**encoding.get(name, {}), "_FillValue": None}
+    # In memory: HDF5 brings the whole program down where a disk is full.
+    return bytes(written.to_netcdf(engine="h5netcdf", encoding=encoding))
 
 
 def read_netcdf(path: Path) -> xr.Dataset:

@@ -29,6 +29,7 @@ def origin(mechanism: Mechanism, *packages: str) -> dict[str, str | int]:
         "source": source.source,
         "model_file": source.file,
         "model_sha256": source.sha256,
+        "model_text": source.text,
         **versions(*packages),
     }
 

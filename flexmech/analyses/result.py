@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
@@ -13,7 +13,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.netcdf import read_netcdf
+from flexmech.analyses.netcdf import FILE_ATTRIBUTES, file_attributes, netcdf_bytes, read_netcdf
 from flexmech.analyses.summary import Summary
 from flexmech.choices import PAGE_WIDTHS, PICTURE_FORMATS, PageWidth, PictureFormat
 from flexmech.errors import InputError
@@ -38,12 +38,18 @@ class Result(ABC):
     dataset : xarray.Dataset
         Variables with named dimensions, their units in the attributes, and where they come
         from in the dataset's own attributes.
+    stored_as : mapping of str to str
+        Conventions, title, date and command line of the NetCDF file that it was loaded from;
+        empty otherwise.
     """
 
     dataset: xr.Dataset
+    stored_as: Mapping[str, str] = field(default_factory=dict)
 
     stem: ClassVar[str]
     """Name of the NetCDF file, without its ending."""
+    subject: ClassVar[str] = "result"
+    """What it is, in the title of its NetCDF file."""
     hallmark: ClassVar[str]
     """Variable that a result of this kind holds."""
     files: ClassVar[tuple[str, ...]]
@@ -73,6 +79,12 @@ class Result(ABC):
     def texts(self) -> dict[str, str]:
         """Further text files, such as model files, by name."""
         return {}
+
+    @property
+    def title(self) -> str:
+        """What it is, and of which mechanism."""
+        mechanism = self.dataset.attrs.get("mechanism", "")
+        return f"{self.subject} of {mechanism}" if mechanism else self.subject
 
     def datasets(self) -> dict[str, xr.Dataset]:
         """What the NetCDF files hold, by their names without the ending."""
@@ -104,6 +116,7 @@ class Result(ABC):
         figures: bool = False,
         formats: Sequence[PictureFormat] = ("png",),
         width: PageWidth = "two-column",
+        command_line: str = "",
     ) -> list[Path]:
         """Write CSV and NetCDF files, and pictures if they are wanted; all or none.
 
@@ -117,6 +130,8 @@ class Result(ABC):
             Of the pictures: each is written in all of them.
         width : {"one-column", "two-column"}
             Width of the pictures on a journal's page: 88 or 180 mm.
+        command_line : str
+            That the NetCDF files name as what made them; none if left out.
 
         Returns
         -------
@@ -131,6 +146,7 @@ class Result(ABC):
         if figures:
             _check_pictures(formats, width)
         form = f"%.{self.significant_digits}g"
+        attributes = file_attributes(self.title, command_line) | dict(self.stored_as)
 
         def path(name: str) -> Path:
             names.append(name)
@@ -144,8 +160,7 @@ class Result(ABC):
                 text = written.to_csv(index=False, float_format=form, lineterminator="\n")
                 path(f"{name}.csv").write_text(text, encoding="utf-8", newline="\n")
             for name, dataset in self.datasets().items():
-                # In memory first: HDF5 brings the whole program down where a disk is full.
-                path(f"{name}.nc").write_bytes(dataset.to_netcdf(engine="h5netcdf"))
+                path(f"{name}.nc").write_bytes(netcdf_bytes(dataset, attributes))
             with warnings.catch_warnings(), plots.page_width(PAGE_WIDTHS[width]):
                 # Letters of a name that the typeface lacks are shown as boxes.
                 warnings.filterwarnings("ignore", "Glyph .* missing", UserWarning)
@@ -191,7 +206,8 @@ class Result(ABC):
             raise InputError(
                 f"{path}: holds no variable {cls.hallmark!r}; not a {cls.stem} result of flexmech"
             )
-        return cls(loaded)
+        given = [name for name in FILE_ATTRIBUTES if name in loaded.attrs]
+        return cls(loaded, {name: str(loaded.attrs.pop(name)) for name in given})
 
     def __repr__(self) -> str:
         sizes = ", ".join(f"{name} {size}" for name, size in self.dataset.sizes.items())

@@ -14,6 +14,7 @@ from typer.core import TyperGroup
 
 from flexmech.cli.campbell import campbell
 from flexmech.cli.check import check
+from flexmech.cli.command_line import running
 from flexmech.cli.coupler_curve import coupler_curve
 from flexmech.cli.export import export
 from flexmech.cli.failures import reports_failures
@@ -55,7 +56,9 @@ class _Commands(TyperGroup):
         """Run the command of a command line, and exit."""
         settings["standalone_mode"] = False
         try:
-            code = super().main(*args, **settings)
+            given = args[0] if args else settings.get("args")
+            with running(sys.argv[1:] if given is None else list(given)):
+                code = super().main(*args, **settings)
         except _UsageError as error:
             code = InputError.exit_code
             typer.echo(_usage_line(error), err=True)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from flexmech.choices import PICTURE_FORMATS
+from flexmech.cli.command_line import command_line
 from flexmech.cli.failures import naming, telling
 from flexmech.cli.pictures import PNG, Pictures
 from flexmech.cli.printing import Report
@@ -34,6 +35,7 @@ def deliver(
     speed_unit: str = "rad/s",
     further: Callable[[Found, Path, LabelledProgress | None], list[Path]] | None = None,
     remark: str = "",
+    saving: Mapping[str, Any] | None = None,
 ) -> None:
     """Compute a result, write its files and print its summary.
 
@@ -56,6 +58,8 @@ def deliver(
         progress too.
     remark : str
         Line before all others.
+    saving : mapping, optional
+        Further options of the result's own way to save.
 
     Raises
     ------
@@ -80,6 +84,8 @@ def deliver(
                     figures=bool(pictures),
                     formats=pictures.formats,
                     width=pictures.width,
+                    command_line=command_line(),
+                    **saving or {},
                 )
                 if further is not None:
                     files += further(result, whole, progress)

@@ -29,6 +29,14 @@ Animate = Annotated[
     bool, Option("--animate", help="Write an animation: GIF, and MP4 where ffmpeg exists.")
 ]
 
+Store = Annotated[
+    choices.Store,
+    Option(
+        help="What response.nc holds: needed for pictures, animation and comparisons; or all, with "
+        "the places and energies of the links at every sample."
+    ),
+]
+
 # Where, and at what speed.
 Angles = Annotated[str, Option(help="Crank angles in degrees: START:STOP:STEP, or a comma list.")]
 ShapesAt = Annotated[

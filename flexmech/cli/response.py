@@ -42,6 +42,7 @@ def response(
     formats: options.Formats = "png",
     width: options.Width = "two-column",
     animate: options.Animate = False,
+    store: options.Store = "needed",
 ) -> None:
     """The running mechanism in time.
 
@@ -89,4 +90,5 @@ def response(
         speed_unit=request.speed_unit,
         further=animations,
         remark=remark,
+        saving={"store": store},
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import tomllib
+from dataclasses import replace
 from typing import Any
 
 from pydantic import ValidationError
@@ -119,7 +120,8 @@ def _mechanism(text: str, shown: str, file: str, sha256: str) -> Mechanism:
         tables = ModelFile.model_validate(data)
     except ValidationError as error:
         raise input_error(error, data, shown) from error
-    return build_mechanism(tables, shown, file, sha256)
+    mechanism = build_mechanism(tables, shown, file, sha256)
+    return replace(mechanism, provenance=replace(mechanism.provenance, text=text))
 
 
 def _parse(text: str, shown: str) -> dict[str, Any]:

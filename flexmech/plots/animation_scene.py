@@ -77,6 +77,10 @@ class EnlargedMotion:
         -------
         EnlargedMotion
         """
+        if "frame_time" in dataset.dims:
+            # A stored run holds the places of some samples of this turn alone.
+            names = {"frame_time": "time", "frame_angle": "crank_angle"}
+            dataset = dataset.drop_dims("time").rename(names)
         angle = values_of(dataset["crank_angle"], "time")
         # Round-off must not lose the sample a full turn before the last one.
         shown = np.abs(angle[-1] - angle) <= 2 * np.pi * (1 + 1e-9)

@@ -188,7 +188,7 @@ def test_animations_show_their_progress(
 
 
 def test_a_saved_run_says_the_same(short_response: Response, tmp_path: Path) -> None:
-    loaded = Response.load(short_response.save(tmp_path)[1])
+    loaded = Response.load(short_response.save(tmp_path, store="all")[1])
     xr.testing.assert_identical(loaded.dataset, short_response.dataset)
     assert str(loaded.summary()) == str(short_response.summary())
 

@@ -32,9 +32,12 @@ class CampbellDiagram(Result):
         crank_speed, branch), not a number where there is no solution; ``critical_...`` over
         ``critical`` and ``gap_...`` over ``gap``; ``peak_ratio`` over (response_speed, link)
         where the periodic motion was asked for.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
     """
 
     stem = "campbell"
+    subject = "Campbell diagram"
     hallmark = "critical_order"
     files = (
         "campbell.csv",

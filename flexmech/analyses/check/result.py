@@ -33,9 +33,12 @@ class ModelCheck(Result):
         if it can stand somewhere: at ``posture_angle`` ``rigid_position`` (link, station,
         component), ``joint_position`` (joint, component) and masses, over the turn ``path`` and
         ``transmission_angle``, and the layers of the sections.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
     """
 
     stem = "check"
+    subject = "check"
     hallmark = "link_mass"
     files = ("check.csv", "check.nc", "check.png")
 

@@ -35,9 +35,12 @@ class CouplerPaths(Result):
         ``double_point_position`` and ``double_point_crank_angle`` of both passages over
         ``double_point``. ``close_up`` of every path around the loops of any, and the places that
         are ``framed`` by it.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
     """
 
     stem = "coupler_curve"
+    subject = "path of a coupler point"
     hallmark = "pin_position"
     files = (
         "coupler_curve.csv",

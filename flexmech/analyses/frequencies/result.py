@@ -74,9 +74,12 @@ class MovingFrequencies(Result):
         ``frequency`` in Hz over (engine, crank_speed, crank_angle, mode), and over ``state``
         before these where the mechanism was computed dry and in an environment. Further
         variables and all units are in the dataset itself.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
     """
 
     stem = "frequencies"
+    subject = "moving natural frequencies"
     hallmark = "frequency"
     files = (
         *FILES,

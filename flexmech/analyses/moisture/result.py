@@ -34,9 +34,12 @@ class MoistureUptake(Result):
         it ``short_time_uptake`` by the law of the root of time and ``shen_springer_uptake`` by
         Shen & Springer's formula, not a number where they do not hold. ``time_to_share`` of the
         equilibrium, and ``mass_balance_error`` over what the link can hold.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
     """
 
     stem = "moisture"
+    subject = "moisture uptake"
     hallmark = "shen_springer_uptake"
     files = ("moisture_profile.csv", "moisture_uptake.csv", "moisture.nc", "moisture.png")
     significant_digits = 8

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,10 +14,13 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
 from flexmech.analyses.response import words
+from flexmech.analyses.response.stored import needed
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.analyses.tables import DEGREES, table_over
+from flexmech.choices import STORES, PageWidth, PictureFormat, Store
 from flexmech.files import given_path, moved_into
+from flexmech.numbers import check_choice
 from flexmech.types import LabelledProgress
 from flexmech.units import from_si
 
@@ -37,9 +41,12 @@ class Response(Result):
     dataset : xarray.Dataset
         ``deflection`` in m and ``strain`` over (engine, time, link), ``driving_torque`` in N m,
         ``joint_force`` in N; checks, energies and spectra. All units are in the dataset itself.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
     """
 
     stem = "response"
+    subject = "running response"
     hallmark = "deflection"
     files = (
         "response.csv",
@@ -116,6 +123,45 @@ class Response(Result):
             "peak_driving_torque": abs(first["peak_driving_torque"] - torque) / torque,
         }
         return xr.Dataset(parts).fillna(0.0)
+
+    def save(
+        self,
+        folder: str | Path,
+        *,
+        figures: bool = False,
+        formats: Sequence[PictureFormat] = ("png",),
+        width: PageWidth = "two-column",
+        command_line: str = "",
+        store: Store = "needed",
+    ) -> list[Path]:
+        """Write CSV and NetCDF files, and pictures if they are wanted; all or none.
+
+        Parameters
+        ----------
+        folder : str or Path
+        figures : bool
+        formats : sequence of {"png", "pdf", "svg"}
+        width : {"one-column", "two-column"}
+        command_line : str
+            All as :meth:`flexmech.Result.save` has them.
+        store : {"needed", "all"}
+            What the NetCDF file holds: all that pictures, the animation and comparisons need;
+            or also where every link is at every sample, and its energies.
+
+        Returns
+        -------
+        list of Path
+
+        Raises
+        ------
+        InputError
+            If the folder cannot be written to, or a choice is none of these.
+        """
+        check_choice(store, STORES, "store")
+        kept = self if store == "all" else replace(self, dataset=needed(self.dataset))
+        return Result.save(
+            kept, folder, figures=figures, formats=formats, width=width, command_line=command_line
+        )
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """Histories, one row for each engine and sample."""

@@ -36,9 +36,12 @@ class SectionProfiles(Result):
         ``normal_stress``, ``shear_stress`` and ``third_order_shear_stress`` over (link,
         coupling, load, layer, point); ``thermal_expansion`` and ``moisture_expansion`` of the plies
         over (link, layer, direction). Links with fewer layers or places have NaN after them.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
     """
 
     stem = "sections"
+    subject = "sections"
     hallmark = "reduction"
     files = ("sections.csv", "through_thickness.csv", "plies.csv", "sections.nc", "section_*.png")
 

@@ -29,9 +29,12 @@ class SpeedSweep(Result):
     dataset : xarray.Dataset
         ``peak_deflection`` over (crank_speed, link) in m; ``critical_speed_low`` and
         ``critical_speed_high`` over (mode, order) in rad/s.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
     """
 
     stem = "speed_sweep"
+    subject = "peaks and critical speeds over crank speed"
     hallmark = "peak_deflection"
     files = ("speed_sweep.csv", "speed_sweep.nc", "speed_sweep.png")
 

@@ -29,9 +29,12 @@ class CrankRockerSynthesis(Result):
         the ground is given. Computed back from the lengths: ``transmission_angle`` over
         ``crank_angle`` and its least and greatest value ``transmission_angle_limit``;
         ``rocker_angle`` at crank angle zero, ``rocker_swing`` and ``time_ratio``.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
     """
 
     stem = "transmission_angle"
+    subject = "transmission angle"
     hallmark = "rocker_swing"
     files = ("transmission_angle.csv", "transmission_angle.nc", "transmission_angle.png")
 

@@ -34,9 +34,12 @@ class CompositeStudy(Result):
         ``damping``; ``laminate_factor`` and ``published_laminate_factor``, the frequency of
         each ``laminate`` over that of C1; ``transmission_angle`` in rad over ``crank_angle``
         and ``case``.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
     """
 
     stem = "composites"
+    subject = "composite crank-rockers of Elamy et al. 2023"
     hallmark = "other_configuration"
     files = (
         "composites.csv",
