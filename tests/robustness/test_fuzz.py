@@ -117,7 +117,10 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
     some = lambda *arguments: list(arguments) if random_.random() < 0.4 else []  # noqa: E731
     pick = lambda *values: option(random_, *values)  # noqa: E731
     name = random_.choice(
-        ("frequencies", "frequencies", "response", "check", "section", "coupler-curve", "moisture")
+        (
+            *("frequencies", "frequencies", "response", "check", "section", "coupler-curve"),
+            *("moisture", "campbell", "export"),
+        )
     )
     environment = [
         *some("--temperature-rise", pick("20", "50 K", "-30 degC")),
@@ -136,6 +139,25 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
             *some("--no-rotation-terms"),
             *environment,
         ]
+    elif name == "campbell":
+        chosen = [
+            *("--speeds", pick("0,10", "0:30:15 rpm", "20", "0:5000:2500 rpm")),
+            *("--angles", pick("0:360:60", "0,90,180")),
+            *("--elements", pick("1", "2")),
+            *("--modes", pick("1", "2")),
+            *some("--orders", pick("1:3", "2", "1,4", "0")),
+            *some("--prestress", pick("none", "axial", "equilibrium")),
+        ]
+    elif name == "export":
+        chosen = [
+            *("--speed", pick("10", "100 rpm", "-5")),
+            *("--revolutions", pick("0.05", "0.1")),
+            *("--elements", pick("1", "2")),
+            *("--step", pick("1 ms", "2 ms")),
+            *some("--start", pick("rigid", "equilibrium", "periodic")),
+            *environment,
+        ]
+        written = ["--out", out]
     elif name == "response":
         chosen = [
             *("--engine", random_.choice(("reference", "reference", "exudyn"))),
@@ -183,7 +205,7 @@ def check(arguments: list[str]) -> None:
     for printed in (done.stdout, done.stderr):
         assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u202e]", printed), told
     if done.exit_code == 0:
-        assert done.stderr == "", told
+        assert all(line.startswith("warning: ") for line in done.stderr.splitlines()), told
         return
     assert done.stdout == "", told
     assert done.stderr.startswith("error: "), told

@@ -241,10 +241,13 @@ def test_deep_bows_and_strong_damping_in_great_detail(
     assert error(GREAT_DETAIL) < 1.2e-5
 
 
-def test_random_damped_mechanisms_stay_reduced_at_high_speed() -> None:
+@pytest.mark.parametrize(
+    "seeds", [range(3), pytest.param(range(3, 24), marks=pytest.mark.thorough)], ids=str
+)
+def test_random_damped_mechanisms_stay_reduced_at_high_speed(seeds: range) -> None:
     """All but few, with the frequencies and damping ratios of all coordinates."""
     details = []
-    for seed in range(8):
+    for seed in seeds:
         case = random_case(seed, damped=True)
         speed = 2.5 * case.crank_speed
         engine = ReferenceEngine(case.mechanism, 8, "euler")
@@ -255,8 +258,8 @@ def test_random_damped_mechanisms_stay_reduced_at_high_speed() -> None:
         np.testing.assert_allclose(checked.modes.damping_ratio, exact.damping_ratio, rtol=1.1e-3)
         if checked.system.size < whole.size / 2:
             details.append(checked.systems.detail)
-    assert len(details) >= 7
-    assert details.count(GREAT_DETAIL) >= 2
+    assert len(details) >= 7 / 8 * len(seeds)
+    assert details.count(GREAT_DETAIL) >= len(seeds) // 4
 
 
 def test_condensation_keeps_what_is_first_order_in_the_eigenvalue() -> None:

@@ -230,10 +230,11 @@ class TestLinkage:
         tips = [patch.get_xy()[0] for patch in axes.patches if isinstance(patch, Polygon)]
         np.testing.assert_allclose(tips, places.sel(joint=["O2", "O4"]), atol=1e-12)
 
-    def test_names_stand_apart_from_each_other_and_from_the_links(self) -> None:
+    @pytest.mark.parametrize("step", [120, pytest.param(30, marks=pytest.mark.thorough)])
+    def test_names_stand_apart_from_each_other_and_from_the_links(self, step: int) -> None:
         arms = [RotatingArm(0.4, hub_radius) for hub_radius in (0.0, 0.05)]
         for linkage in (FOURBAR, *arms):
-            for degrees in range(0, 360, 30):
+            for degrees in range(0, 360, step):
                 figure = plot_linkage(linkage_dataset(linkage, degrees))
                 check_layout(figure)
                 (axes,) = figure.axes

@@ -212,7 +212,14 @@ class TestAxesOfTheUser:
 
 
 class TestPageWidth:
-    @pytest.mark.parametrize("plot", FIGURES, ids=lambda plot: plot.__name__)
+    @pytest.mark.parametrize(
+        "plot",
+        [
+            pytest.param(plot, marks=[] if number % 4 == 0 else pytest.mark.thorough)
+            for number, plot in enumerate(FIGURES)
+        ],
+        ids=lambda plot: plot.__name__,
+    )
     def test_every_figure_can_be_read_in_one_column(self, plot: Plot) -> None:
         """And names its mechanism, whatever the name is."""
         make, count = FIGURES[plot]
