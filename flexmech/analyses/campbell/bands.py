@@ -10,9 +10,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
 from flexmech.analyses.frequencies.extremes import extremes_of_speeds
 from flexmech.analyses.frequencies.formulation import Systems
+from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.errors import ComputationError
 from flexmech.linear_system import RefusedPositionsError
 from flexmech.types import FloatArray
@@ -161,12 +161,11 @@ class BandSolver:
 
     def _positions(self, crank_angles: FloatArray, crank_speeds: FloatArray) -> FloatArray:
         """Frequencies (S, A, m) at all crank angles and speeds."""
-        count = self.systems.formulation.modes
         speed, angle = (
             each.ravel() for each in np.meshgrid(crank_speeds, crank_angles, indexing="ij")
         )
-        parts = [solve_frequencies(s, count) for s in self.systems.batches(angle, speed)]
-        return np.concatenate(parts).reshape(len(crank_speeds), len(crank_angles), count)
+        found = frequencies_along(self.systems, angle, speed)
+        return found.reshape(len(crank_speeds), len(crank_angles), -1)
 
     def _without_failures(
         self, solve: Callable[[FloatArray], Solved], crank_speeds: FloatArray

@@ -17,8 +17,8 @@ from scipy.optimize import brentq
 from flexmech.analyses.campbell.bands import Bands, BandSolver
 from flexmech.analyses.campbell.crossings import LOWEST, Edge, ray
 from flexmech.analyses.campbell.sampling import SampledBands
-from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
 from flexmech.analyses.frequencies.formulation import Systems
+from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["exact_edges"]
@@ -105,12 +105,11 @@ class _Search:
         self, systems: Systems, these: IntArray, least_aside: float
     ) -> tuple[FloatArray, NDArray[np.bool_]]:
         """Extremes (k,) of some, and whether they are known; their angles come nearer."""
-        count, sign, aside = systems.formulation.modes, self.sign[these], self.aside[these]
+        sign, aside = self.sign[these], self.aside[these]
         angle = self.angle[these] + np.array([[-1.0], [0.0], [1.0]]) * aside
         speed = np.broadcast_to(self.speed[these], angle.shape)
-        batches = systems.batches(angle.ravel(), speed.ravel())
-        found = np.concatenate([solve_frequencies(system, count) for system in batches])
-        found = found.reshape(*angle.shape, count)[:, np.arange(len(these)), self.mode[these]]
+        found = frequencies_along(systems, angle.ravel(), speed.ravel())
+        found = found.reshape(*angle.shape, -1)[:, np.arange(len(these)), self.mode[these]]
         before, here, behind = sign * found
         slope, bend = (behind - before) / 2, before - 2 * here + behind
         level = np.maximum(np.abs(slope), np.abs(bend)) <= ROUND_OFF * np.abs(here)

@@ -14,8 +14,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
 from flexmech.analyses.frequencies.formulation import Systems
+from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["Extremes", "extremes_between", "extremes_of_speeds", "known_error"]
@@ -151,8 +151,7 @@ def extremes_of_speeds(
             break
         trial = brackets.angles_near(vertex)[:, these]
         at = np.broadcast_to(crank_speeds[row[these]], trial.shape)
-        batches = systems.batches(trial.ravel(), at.ravel())
-        found = np.concatenate([solve_frequencies(system, count) for system in batches])
+        found = frequencies_along(systems, trial.ravel(), at.ravel())
         value = found.reshape(*trial.shape, count)[:, np.arange(len(these)), mode[these]]
         known = brackets.value[1].copy()
         brackets.narrow(these, trial, sign[these] * value)

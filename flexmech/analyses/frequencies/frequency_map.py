@@ -67,7 +67,9 @@ def frequency_map(engine: Engine, request: FrequencyRequest, detail: float = 1.0
         )
 
 
-def frequencies_along(systems: Systems, crank_angles: FloatArray, crank_speed: float) -> FloatArray:
+def frequencies_along(
+    systems: Systems, crank_angles: FloatArray, crank_speed: FloatArray | float
+) -> FloatArray:
     """Natural frequencies of systems along crank angles.
 
     Parameters
@@ -75,7 +77,7 @@ def frequencies_along(systems: Systems, crank_angles: FloatArray, crank_speed: f
     systems : Systems
     crank_angles : ndarray, shape (A,)
         In rad.
-    crank_speed : float
+    crank_speed : float or ndarray, shape (A,)
         In rad/s.
 
     Returns

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.frequencies.discretisation import check_angle_indices
-from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
+from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.reduction import settled
 from flexmech.analyses.requests import engine_of, in_radians
@@ -92,9 +92,8 @@ def frequencies_at(
         checked = settled(systems, flat_angle[some], flat_speed[some])
         if len(some) == angle.size:
             return checked.modes.frequency.reshape(*angle.shape, formulation.modes)
-        batches = checked.systems.batches(flat_angle, flat_speed)
-        parts = [solve_frequencies(system, formulation.modes) for system in batches]
-    return np.concatenate(parts).reshape(*angle.shape, formulation.modes)
+        found = frequencies_along(checked.systems, flat_angle, flat_speed)
+    return found.reshape(*angle.shape, formulation.modes)
 
 
 def strain_energy_damping(
