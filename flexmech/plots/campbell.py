@@ -11,11 +11,11 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator
 
 from flexmech.plots import scales, style
+from flexmech.plots.frequencies import contiguous_runs
 from flexmech.plots.labels import engine_label, link_label, speed_unit
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
 from flexmech.plots.reading import names_of, values_of
 from flexmech.plots.series import Look, line_handle, series_line, series_style
-from flexmech.types import FloatArray
 from flexmech.units import from_si
 
 __all__ = ["plot_campbell"]
@@ -164,7 +164,7 @@ def _draw_gaps(axes: Axes, dataset: xr.Dataset, factor: float, *, labelled: bool
     """Speeds without a result by the first engine, as far as the next ones with one."""
     exists = np.isfinite(values_of(dataset["lowest_frequency"], "engine", "crank_speed", "branch"))
     exists, speed = exists[0, :, 0], factor * dataset["crank_speed"].values
-    for low, high in _missing(exists):
+    for low, high in contiguous_runs(~exists):
         left, right = speed[max(low - 1, 0)], speed[min(high + 1, len(speed) - 1)]
         axes.axvspan(left, right, **GAP, zorder=0)
         if labelled:
@@ -175,12 +175,6 @@ def _draw_gaps(axes: Axes, dataset: xr.Dataset, factor: float, *, labelled: bool
             across = axes.get_xaxis_transform()
             center: Look = {"ha": "center", "va": "center", "bbox": box, "zorder": 5}
             axes.text(*where, text, transform=across, fontsize=LABEL_POINTS, **center)
-
-
-def _missing(exists: FloatArray) -> list[tuple[int, int]]:
-    """First and last place of each run of speeds without a result."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[1], exists.astype(int), [1]])))
-    return [(int(start), int(stop) - 1) for start, stop in edges.reshape(-1, 2)]
 
 
 def _draw_peaks(axes: Axes, dataset: xr.Dataset, factor: float) -> None:

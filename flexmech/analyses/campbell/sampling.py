@@ -58,11 +58,6 @@ class SampledBands:
         """Where there is a solution, shape (G,)."""
         return np.isfinite(self.values[:, 0, 0])
 
-    @property
-    def stretches(self) -> list[IntArray]:
-        """Places of neighbouring speeds with solutions, without a gap between them."""
-        return runs(self.exists)
-
 
 def speed_grid(crank_speeds: FloatArray) -> tuple[FloatArray, IntArray]:
     """Crank speeds and as many between them as the search for crossings needs.

@@ -8,7 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.speed_sweep import highest_frequency, steady_peaks
+from flexmech.analyses.speed_sweep import (
+    highest_frequency,
+    periodic_peaks,
+    quasi_static_peaks,
+    vibrating_linkage,
+)
 from flexmech.choices import Prestress
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
@@ -105,7 +110,8 @@ def steady_response(
     found, ratios, left_out = [], [], {}
     for speed in crank_speeds.tolist():
         try:
-            moving, still = steady_peaks(engine, speed, highest, RESPONSE_MODES, prestress)
+            linkage = vibrating_linkage(engine, speed, RESPONSE_MODES, prestress)
+            moving, still = periodic_peaks(linkage, highest), quasi_static_peaks(linkage)
         except ComputationError as error:
             logger.info("no periodic motion at %g rad/s: %s", speed, error)
             left_out[speed] = error.told(speed_unit)

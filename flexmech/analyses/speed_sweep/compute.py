@@ -8,6 +8,8 @@ move with the crank angle.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
@@ -29,7 +31,13 @@ from flexmech.threads import one_thread
 from flexmech.time_domain import DrivenLinkage, VibrationState, periodic_turn
 from flexmech.types import FloatArray, LabelledProgress
 
-__all__ = ["highest_frequency", "speed_sweep", "steady_peaks"]
+__all__ = [
+    "highest_frequency",
+    "periodic_peaks",
+    "quasi_static_peaks",
+    "speed_sweep",
+    "vibrating_linkage",
+]
 
 
 LEAST_STEPS = 720
@@ -96,8 +104,8 @@ def speed_sweep(
     with one_thread():
         frequency = _at_rest(engine, modes)
         for number, speed in enumerate(speeds.tolist()):
-            peak, _ = steady_peaks(engine, speed, float(frequency.max()), modes, prestress)
-            peaks.append(peak)
+            linkage = vibrating_linkage(engine, speed, modes, prestress)
+            peaks.append(periodic_peaks(linkage, float(frequency.max())))
             if progress is not None:
                 progress("crank speeds", number + 1, len(speeds))
     order = np.arange(1, orders + 1)
@@ -126,39 +134,71 @@ def speed_sweep(
     return SpeedSweep(with_units(dataset, "speed_sweep"))
 
 
-def steady_peaks(
-    engine: Engine, speed: float, highest: float, modes: int, prestress: Prestress
-) -> tuple[FloatArray, FloatArray]:
-    """Greatest deflections over a turn: of the periodic motion, and if nothing vibrated.
+def vibrating_linkage(
+    engine: Engine, speed: float, modes: int, prestress: Prestress
+) -> DrivenLinkage:
+    """Linear equations of a linkage at a steady speed.
 
     Parameters
     ----------
     engine : Engine
     speed : float
         Of the crank, rad/s, not zero.
-    highest : float
-        Greatest frequency in Hz that the time step resolves.
     modes : int
     prestress : {"none", "axial", "equilibrium"}
 
     Returns
     -------
+    DrivenLinkage
+
+    Raises
+    ------
+    ComputationError
+        If there is no equilibrium.
+    """
+    drive = CrankDrive(speed)
+    return DrivenLinkage(engine, drive, prestress, modes=modes, detail=DETAIL, with_energy=False)
+
+
+def periodic_peaks(linkage: DrivenLinkage, highest: float) -> FloatArray:
+    """Greatest deflections over a turn of the periodic motion.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    highest : float
+        Greatest frequency in Hz that the time step resolves.
+
+    Returns
+    -------
     ndarray, shape (n_links,)
-        Of the periodic motion, m.
-    ndarray, shape (n_links,)
-        Quasi-static, m.
+        m.
 
     Raises
     ------
     ComputationError
         If there is no equilibrium, or no periodic motion.
     """
-    drive = CrankDrive(speed)
-    steps = max(LEAST_STEPS, int(np.ceil(STEPS_PER_PERIOD * highest * drive.revolution_time)))
-    linkage = DrivenLinkage(engine, drive, prestress, modes=modes, detail=DETAIL, with_energy=False)
-    moving = deflections_of(engine, periodic_turn(linkage, steps))
-    still = deflections_of(engine, _quasi_static_turn(linkage))
-    return np.abs(moving).max(axis=0), np.abs(still).max(axis=0)
+    turn = linkage.drive.revolution_time
+    steps = max(LEAST_STEPS, int(np.ceil(STEPS_PER_PERIOD * highest * turn)))
+    return _greatest(linkage, periodic_turn(linkage, steps))
+
+
+def quasi_static_peaks(linkage: DrivenLinkage) -> FloatArray:
+    """Greatest deflections over a turn if nothing vibrated, in m, shape (n_links,)."""
+    turn = linkage.drive.revolution_time
+    time = turn * np.arange(QUASI_STATIC_ANGLES) / QUASI_STATIC_ANGLES
+    equations = linkage.equations(time, still=True)
+    position = equations.quasi_static()
+    at_rest = VibrationState(position, np.zeros_like(position), np.zeros_like(position))
+    links = linkage.link_motion(equations, at_rest)
+    moved = [q @ basis.T for basis, (q, _, _) in zip(linkage.bases, links, strict=True)]
+    return _greatest(linkage, moved)
+
+
+def _greatest(linkage: DrivenLinkage, displacement: Sequence[FloatArray]) -> FloatArray:
+    """Greatest deflections of displacements (n_links of (N, n)) of the engine's links."""
+    return np.asarray(np.abs(deflections_of(linkage.engine, displacement)).max(axis=0))
 
 
 def highest_frequency(engine: Engine, modes: int) -> float:
@@ -170,13 +210,3 @@ def _at_rest(engine: Engine, modes: int) -> FloatArray:
     return natural_frequencies(
         engine, sampled_turn(), modes=modes, prestress=engine.prestress_at_rest
     )
-
-
-def _quasi_static_turn(linkage: DrivenLinkage) -> list[FloatArray]:
-    """Displacement of the engine's links along a turn under the loads alone."""
-    time = linkage.drive.revolution_time * np.arange(QUASI_STATIC_ANGLES) / QUASI_STATIC_ANGLES
-    equations = linkage.equations(time, still=True)
-    position = equations.quasi_static()
-    at_rest = VibrationState(position, np.zeros_like(position), np.zeros_like(position))
-    links = linkage.link_motion(equations, at_rest)
-    return [q @ basis.T for basis, (q, _, _) in zip(linkage.bases, links, strict=True)]
