@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError
-from flexmech.linkages import FourBar, Linkage, linkage_positions
+from flexmech.linkages import CouplerCurve, FourBar, Linkage, linkage_positions
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
@@ -88,11 +88,8 @@ def _paths(mechanism: Mechanism, angles: FloatArray) -> dict[str, FloatArray]:
             found[name] = motion.position(number, distance)
     if len(topology.links) == 1:
         found["tip"] = motion.position(0, topology.links[0].length)
-    if (point := mechanism.coupler_point) is not None:
-        number = topology.index("coupler")
-        turned = motion.angle[..., number] + point.angle
-        along = np.stack([np.cos(turned), np.sin(turned)], axis=-1)
-        found[COUPLER_POINT] = motion.position(number, 0.0) + point.distance * along
+    if (point := mechanism.coupler_point) is not None and isinstance(linkage, FourBar):
+        found[COUPLER_POINT] = CouplerCurve(linkage, point).position(angles[stands])
     elif "coupler" in topology.link_names:
         number = topology.index("coupler")
         found[COUPLER_MIDDLE] = motion.position(number, topology.links[number].length / 2)

@@ -15,7 +15,6 @@ __all__ = [
     "change_lines",
     "damping_lines",
     "damping_ratio_lines",
-    "engines_agree",
     "error_lines",
     "extremes_table",
     "tracking_lines",
@@ -66,7 +65,7 @@ def extremes_table(extremes: xr.Dataset, dataset: xr.Dataset, title: str) -> Tab
     for speed in extremes["crank_speed"].values:
         here = {"crank_speed": speed}
         shown = [(engine, engine) for engine in engines]
-        if len(engines) > 1 and engines_agree(extremes.sel(here), error.sel(here)):
+        if len(engines) > 1 and _engines_agree(extremes.sel(here), error.sel(here)):
             sharpest = engines[int(error.sel(here).max("mode").argmin("engine"))]
             shown = [(sharpest, TOGETHER[len(engines) > 2])]
         groups += [
@@ -77,7 +76,7 @@ def extremes_table(extremes: xr.Dataset, dataset: xr.Dataset, title: str) -> Tab
     return Table(title, headings, tuple(groups))
 
 
-def engines_agree(extremes: xr.Dataset, error: xr.DataArray) -> bool:
+def _engines_agree(extremes: xr.Dataset, error: xr.DataArray) -> bool:
     """Whether extremes of all engines differ by no more than their errors together.
 
     Parameters

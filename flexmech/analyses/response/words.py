@@ -13,7 +13,6 @@ from flexmech.analyses.summary import Table
 __all__ = [
     "agreement_line",
     "check_lines",
-    "deflection_errors",
     "force_agreement_line",
     "load_lines",
     "peak_table",
@@ -182,7 +181,7 @@ def spectrogram_lines(dataset: xr.Dataset) -> list[str]:
     return ["spectrogram: none, the run is too short for its window; ask for more --revolutions"]
 
 
-def deflection_errors(dataset: xr.Dataset) -> xr.DataArray:
+def _deflection_errors(dataset: xr.Dataset) -> xr.DataArray:
     """Errors of the deflections over their peak by all causes that are known, over engine."""
     causes = ("step_error", "reduction_error", "mesh_error")
     return sum((dataset[name] for name in causes if name in dataset), xr.DataArray(0.0))
@@ -192,7 +191,7 @@ def standing_for_all(agreement: xr.DataArray | None, dataset: xr.Dataset) -> tup
     """The engine of the smallest errors where two agree within them, and what stands for both."""
     if agreement is None:
         return None
-    errors = deflection_errors(dataset)
+    errors = _deflection_errors(dataset)
     if float(agreement.max()) > float(errors[:2].sum()):
         return None
     return str(errors.idxmin("engine").item()), "both"
@@ -227,7 +226,7 @@ def _whom_to_trust(dataset: xr.Dataset) -> str:
             f"up to {most:.2g} % of its length, and linear equations leave the joints where the "
             "rigid linkage has them"
         )
-    errors = deflection_errors(dataset)
+    errors = _deflection_errors(dataset)
     better = f"trust {errors.idxmin('engine').item()}, whose errors are the smaller"
     if "mesh_error" not in dataset:
         better += "; --check-mesh gives the error by the mesh, which is not among them"
