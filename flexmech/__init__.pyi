@@ -34,6 +34,8 @@ from .analyses.speed_sweep import speed_sweep as speed_sweep
 from .errors import ComputationError as ComputationError
 from .errors import FlexmechError as FlexmechError
 from .errors import InputError as InputError
+from .example_models import example_model as example_model
+from .example_models import example_names as example_names
 from .hygrothermal import Exposure as Exposure
 from .hygrothermal import HygrothermalState as HygrothermalState
 from .hygrothermal import mechanism_in_state as mechanism_in_state

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import random
-import resource
 import shutil
 import signal
 import subprocess
@@ -22,6 +21,11 @@ from flexmech.analyses import MovingFrequencies
 from flexmech.cli import app
 from flexmech.files import PREFIX, moved_into
 from tests.robustness.writer import NAMES
+
+if os.name == "nt":
+    pytest.skip("POSIX signals, shells and limits of resources", allow_module_level=True)
+
+import resource
 
 WRITER = Path(__file__).with_name("writer.py")
 MODELS = Path(__file__).parents[2] / "models"

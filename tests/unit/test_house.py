@@ -25,6 +25,7 @@ ORDER = [
     "interruption",
     "unit_registry",
     "errors",
+    "example_models",
     "types",
     "choices",
     "threads",
