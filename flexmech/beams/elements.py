@@ -118,7 +118,11 @@ class BeamElements:
         -------
         ndarray, shape (..., e, 2 p, 2 p)
         """
-        return np.asarray(np.einsum("...ek,ekij->...eij", tension, self._unit_geometric))
+        unit = self._unit_geometric
+        by_element = np.moveaxis(tension, -2, 0).reshape(len(unit), -1, 3)
+        matrices = by_element @ unit.reshape(len(unit), 3, -1)
+        shape = (*tension.shape[:-1], *unit.shape[2:])
+        return np.asarray(np.swapaxes(matrices, 0, 1).reshape(shape), dtype=float)
 
     @cached_property
     def arch(self) -> FloatArray:

@@ -8,6 +8,11 @@ Crisfield, *Non-linear Finite Element Analysis of Solids and Structures*, vol. 1
 ch. 7. Where the neutral axis is off the pins' axis, rigid arms that turn with the nodes
 lead to it. Without load an element has the strain and the curvature that its section takes
 by itself: the strain is that of the arc, so that a chord shortens as it bends.
+
+Forces come from the *relative coordinates* of an element alone: the displacement of its second
+node against its first, along and across, then all other coordinates of the first node, then
+those of the second. Arrays of them end with the batch of positions, so that every operation
+runs over many numbers at once.
 """
 
 from __future__ import annotations
@@ -18,6 +23,7 @@ from functools import cached_property
 import numpy as np
 
 from flexmech.beams.elements import BeamElements
+from flexmech.reference.rigid_arms import RigidArms
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["CorotationalElements"]
@@ -30,7 +36,8 @@ class CorotationalElements:
     Parameters
     ----------
     elements : BeamElements
-        Their small displacements: e elements of p coordinates a node.
+        Their small displacements: e elements of p coordinates a node. Each has
+        r = 2 (p - 1) relative coordinates, k = 2 (p - 2) of which turn and bend it.
     """
 
     elements: BeamElements
@@ -52,27 +59,47 @@ class CorotationalElements:
         force : ndarray, shape (B, e, 2 p)
         tangent : ndarray, shape (B, e, 2 p, 2 p)
         """
-        arms = _Arms.of(self.elements, displacement)
-        pure = self._pure(arms.moved(displacement))
-        length, axial = self.elements.length, self._axial_stiffness
-        free = swelling * self.elements.section.free_strain
-        tension = axial * (pure.strain - free)
-        moments = (tension * length)[..., None] * pure.lift
-        bent = pure.turns - swelling * self._arc
-        moments = moments + np.einsum("eij,bej->bei", self._bending, bent)
-        force = tension[..., None] * pure.along
-        force = force + np.einsum("bek,beki->bei", moments, pure.gradients[..., 1:, :])
+        force, tangent = self.relative_response(self._relative(displacement), swelling)
+        of_nodes = self.node_signs[:, None] * force[:, self.relative_places]
+        return np.moveaxis(of_nodes, -1, 0), np.moveaxis(self.of_nodes(tangent), -1, 0)
 
-        local = self._local(pure, axial, self._bending)
-        local[..., 1:, 1:] += (tension * length)[..., None, None] * self._arch
-        tangent = np.swapaxes(pure.gradients, -1, -2) @ (local @ pure.gradients)
-        couple = moments @ self._turning
-        along_turn = pure.along[..., :, None] * pure.turning[..., None, :]
-        along_turn = along_turn + np.swapaxes(along_turn, -1, -2)
-        turn_turn = pure.turning[..., :, None] * pure.turning[..., None, :]
-        tangent += (tension * pure.chord)[..., None, None] * turn_turn
-        tangent += (couple / pure.chord)[..., None, None] * along_turn
-        return arms.force(force), arms.tangent(force, tangent)
+    def relative_response(
+        self, relative: FloatArray, swelling: float = 1.0, out: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Internal forces and tangent stiffness by the relative coordinates.
+
+        Parameters
+        ----------
+        relative : ndarray, shape (e, r, B)
+        swelling : float
+            Part of the section's free strain and curvature that has come on.
+        out : ndarray, shape (e, r, r, B), optional
+            Where to write the tangent.
+
+        Returns
+        -------
+        force : ndarray, shape (e, r, B)
+        tangent : ndarray, shape (e, r, r, B)
+        """
+        pure = self._pure(self._arms.moved(relative))
+        length = self._length
+        tension = self._axial_stiffness * (
+            pure.strain - swelling * self.elements.section.free_strain
+        )
+        stretched = tension * length
+        moments = self._bending @ (pure.turns - swelling * self._arc)
+        moments += stretched[:, None] * pure.lift
+        couple = moments[:, self._angles].sum(axis=1)
+        force = np.empty_like(relative)
+        force[:, 0] = tension * pure.cosine + couple * pure.sine / pure.chord
+        force[:, 1] = tension * pure.sine - couple * pure.cosine / pure.chord
+        force[:, 2:] = moments
+        tangent = np.empty((*relative.shape[:2], *relative.shape[1:])) if out is None else out
+        self._fill(
+            tangent, pure, self._axial_stiffness, self._bending, (stretched, tension, couple)
+        )
+        self._arms.turn(relative, tangent, force, turns_force=True)
+        return force, tangent
 
     def damping(self, displacement: FloatArray) -> FloatArray:
         """Kelvin-Voigt damping matrix of deformed elements.
@@ -90,181 +117,159 @@ class CorotationalElements:
         -------
         ndarray, shape (B, e, 2 p, 2 p)
         """
-        arms = _Arms.of(self.elements, displacement)
-        pure = self._pure(arms.moved(displacement))
+        relative = self._relative(displacement)
+        pure = self._pure(self._arms.moved(relative))
+        matrix = np.empty((*relative.shape[:2], *relative.shape[1:]))
         axial = self.elements.section.damping.axial * self._axial_stiffness
-        own = self._coordinates
-        bending = self.elements.neutral_damping[:, own[:, None], own]
-        local = self._local(pure, axial, bending)
-        matrix = np.swapaxes(pure.gradients, -1, -2) @ (local @ pure.gradients)
-        return arms.tangent(None, matrix)
+        self._fill(matrix, pure, axial, self._own_part(self.elements.neutral_damping), None)
+        self._arms.turn(relative, matrix, np.zeros_like(relative), turns_force=False)
+        return np.moveaxis(self.of_nodes(matrix), -1, 0)
+
+    def of_nodes(self, matrix: FloatArray) -> FloatArray:
+        """A matrix by those of the nodes: (e, r, r, B) -> (e, 2 p, 2 p, B)."""
+        places, signs = self.relative_places, self.node_signs
+        return np.asarray(
+            matrix[:, places[:, None], places] * np.outer(signs, signs)[..., None], dtype=float
+        )
 
     @cached_property
-    def _coordinates(self) -> IntArray:
+    def relative_places(self) -> IntArray:
+        """The relative coordinate that each coordinate of the nodes moves, (2 p,)."""
+        own = self.elements.shapes.per_node - 2
+        ends = np.arange(2)
+        return np.concatenate([ends, 2 + np.arange(own), ends, 2 + own + np.arange(own)])
+
+    @cached_property
+    def node_signs(self) -> FloatArray:
+        """Which way it moves it, (2 p,): -1 for displacements of the first node, else 1."""
+        return np.where(np.arange(2 * self.elements.shapes.per_node) < 2, -1.0, 1.0)
+
+    @cached_property
+    def relative_part(self) -> IntArray:
+        """Coordinates of the nodes that are relative ones if the first node rests, (r,)."""
+        per_node = self.elements.shapes.per_node
+        return np.concatenate([[per_node, per_node + 1], self._own])
+
+    def _relative(self, displacement: FloatArray) -> FloatArray:
+        nodal = np.moveaxis(displacement, 0, -1)
+        per_node = self.elements.shapes.per_node
+        moved = nodal[:, per_node : per_node + 2] - nodal[:, :2]
+        return np.concatenate([moved, nodal[:, self._own]], axis=1)
+
+    @cached_property
+    def _own(self) -> IntArray:
         """An element's coordinates that turn and bend it: all but displacements, (k,)."""
         per_node = self.elements.shapes.per_node
         every = np.arange(2 * per_node)
         return every[every % per_node >= 2]
 
     @cached_property
-    def _turning(self) -> FloatArray:
-        """1 for those of them that are angles, 0 for the others, (k,)."""
+    def _angles(self) -> IntArray:
+        """Which of them are angles."""
         shapes = self.elements.shapes
-        return np.isin(self._coordinates % shapes.per_node, shapes.angles).astype(float)
+        return np.flatnonzero(np.isin(self._own % shapes.per_node, shapes.angles))
+
+    @cached_property
+    def _arms(self) -> RigidArms:
+        return RigidArms.of(self.elements)
+
+    @cached_property
+    def _length(self) -> FloatArray:
+        return self.elements.length[:, None]
 
     @cached_property
     def _arc(self) -> FloatArray:
-        """Turns of the nodes of elements without load, (e, k)."""
-        return self.elements.shapes.arc(self.elements.section, self.elements.length)
+        """Turns of the nodes of elements without load, (e, k, 1)."""
+        return self.elements.shapes.arc(self.elements.section, self.elements.length)[..., None]
+
+    def _own_part(self, matrix: FloatArray) -> FloatArray:
+        """Rows and columns of what turns and bends an element; (e, 2 p, 2 p) -> (e, k, k)."""
+        return matrix[:, self._own[:, None], self._own]
 
     @cached_property
     def _bending(self) -> FloatArray:
-        own = self._coordinates
-        return self.elements.neutral_stiffness[:, own[:, None], own]
+        return self._own_part(self.elements.neutral_stiffness)
 
     @cached_property
     def _arch(self) -> FloatArray:
-        own = self._coordinates
-        return self.elements.arch[:, own[:, None], own]
+        return self._own_part(self.elements.arch)
 
     @cached_property
     def _axial_stiffness(self) -> float:
         return float(self.elements.neutral_stiffness[0, 0, 0] * self.elements.length[0])
 
-    def _pure(self, displacement: FloatArray) -> _PureDeformation:
-        per_node = self.elements.shapes.per_node
-        length = self.elements.length
-        u1, v1, u2, v2 = (displacement[..., i] for i in (0, 1, per_node, per_node + 1))
-        du, dv = u2 - u1, v2 - v1
-        chord = np.hypot(length + du, dv)
+    def _pure(self, relative: FloatArray) -> _PureDeformation:
+        length = self._length
+        du, dv = relative[:, 0], relative[:, 1]
+        along = length + du
+        chord = np.hypot(along, dv)
         # (chord^2 - length^2) / (chord + length): no cancellation at small strain
-        elongation = (2 * length * du + du**2 + dv**2) / (chord + length)
-        cosine, sine = (length + du) / chord, dv / chord
-        turned = np.arctan2(dv, length + du)
-        turns = displacement[..., self._coordinates] - turned[..., None] * self._turning
-        lift = np.einsum("eij,bej->bei", self._arch, turns)
+        elongation = ((2 * length + du) * du + dv**2) / (chord + length)
+        turns = relative[:, 2:].copy()
+        turns[:, self._angles] -= np.arctan2(dv, along)[:, None]
+        lift = self._arch @ turns
+        strain = elongation / length + (turns * lift).sum(axis=1) / 2
+        return _PureDeformation(chord, along / chord, dv / chord, strain, turns, lift)
 
-        along = np.zeros_like(displacement)
-        along[..., 0], along[..., 1] = -cosine, -sine
-        along[..., per_node], along[..., per_node + 1] = cosine, sine
-        turning = np.zeros_like(displacement)
-        turning[..., 0], turning[..., 1] = sine, -cosine
-        turning[..., per_node], turning[..., per_node + 1] = -sine, cosine
-        turning /= chord[..., None]
-        gradients = np.zeros((*chord.shape, 1 + len(self._coordinates), displacement.shape[-1]))
-        gradients[..., 0, :] = along
-        gradients[..., 1:, :] = -self._turning[:, None] * turning[..., None, :]
-        gradients[..., 1 + np.arange(len(self._coordinates)), self._coordinates] += 1.0
-        strain = elongation / length + np.einsum("bei,bei->be", turns, lift) / 2
-        return _PureDeformation(chord, strain, turns, lift, along, turning, gradients)
+    def _fill(
+        self,
+        matrix: FloatArray,
+        pure: _PureDeformation,
+        axial_stiffness: float,
+        bending: FloatArray,
+        stress: tuple[FloatArray, FloatArray, FloatArray] | None,
+    ) -> None:
+        """Write the derivative of the forces on the neutral axis's nodes, (e, r, r, B).
 
-    def _local(
-        self, pure: _PureDeformation, axial_stiffness: float, bending: FloatArray
-    ) -> FloatArray:
-        """Derivative of tension and moments by the pure deformation at constant arch."""
-        length = self.elements.length
-        count = pure.lift.shape[-1]
-        local = np.empty((*pure.chord.shape, 1 + count, 1 + count))
-        local[..., 0, 0] = axial_stiffness / length
-        local[..., 0, 1:] = local[..., 1:, 0] = axial_stiffness * pure.lift
-        lifted = pure.lift[..., :, None] * pure.lift[..., None, :]
-        local[..., 1:, 1:] = (axial_stiffness * length)[:, None, None] * lifted + bending
-        return local
+        Parameters
+        ----------
+        matrix : ndarray, shape (e, r, r, B)
+        pure : _PureDeformation
+        axial_stiffness : float
+        bending : ndarray, shape (e, k, k)
+            By what turns and bends the element.
+        stress : tuple of ndarray, shape (e, B), optional
+            Tension times length, tension, and the sum of the nodes' moments; None leaves the
+            part that comes from them out.
+        """
+        length, cosine, sine = self._length, pure.cosine, pure.sine
+        own = matrix[:, 2:, 2:]
+        lift = axial_stiffness * pure.lift
+        np.multiply((lift * length[:, None])[:, :, None], pure.lift[:, None], out=own)
+        own += bending[..., None]
+        if stress is not None:
+            own += stress[0][:, None, None] * self._arch[..., None]
+        by_turn = own[:, self._angles].sum(axis=1)
+        turning = by_turn[:, self._angles].sum(axis=1)
+        both = -lift[:, self._angles].sum(axis=1)
+        if stress is not None:
+            turning += stress[1] * pure.chord
+            both += stress[2] / pure.chord
+        stretching = axial_stiffness / length
+        # Gradient of the chord's angle, without its signs.
+        across, along = sine / pure.chord, cosine / pure.chord
+        matrix[:, 0, 0] = (stretching * cosine - 2 * both * across) * cosine + turning * across**2
+        matrix[:, 1, 1] = (stretching * sine + 2 * both * along) * sine + turning * along**2
+        matrix[:, 0, 1] = (
+            (stretching * sine + both * along) * cosine - both * sine * across
+        ) - turning * across * along
+        matrix[:, 1, 0] = matrix[:, 0, 1]
+        matrix[:, 0, 2:] = lift * cosine[:, None] + by_turn * across[:, None]
+        matrix[:, 1, 2:] = lift * sine[:, None] - by_turn * along[:, None]
+        matrix[:, 2:, :2] = np.swapaxes(matrix[:, :2, 2:], 1, 2)
 
 
 @dataclass(frozen=True)
 class _PureDeformation:
-    """Deformation of elements (B, e) against their chords, and its gradients.
+    """Deformation of elements (e, B) against their chords.
 
-    ``turns`` are the nodes' k turns and bends, ``lift`` the derivative of the axial strain
-    by them; ``along`` and ``turning`` the gradients of elongation and of the chord's angle.
+    ``cosine`` and ``sine`` are of the chord's angle, ``turns`` (e, k, B) the nodes' turns and
+    bends, ``lift`` the derivative of the axial strain by them.
     """
 
     chord: FloatArray
+    cosine: FloatArray
+    sine: FloatArray
     strain: FloatArray
     turns: FloatArray
     lift: FloatArray
-    along: FloatArray
-    turning: FloatArray
-    gradients: FloatArray
-
-
-@dataclass(frozen=True)
-class _Arms:
-    """Rigid arms from the pins' axis to the nodes of the neutral axis.
-
-    Parameters
-    ----------
-    per_node : int
-    places : tuple of int
-        Coordinates of an element that turn an arm.
-    sine, cosine : ndarray, shape (B, e, number of places)
-        Arm times sine and cosine of its angle, in m.
-    lowered : ndarray, shape (B, e, number of places)
-        Arm times one less the cosine.
-    """
-
-    per_node: int
-    places: tuple[int, ...]
-    sine: FloatArray
-    cosine: FloatArray
-    lowered: FloatArray
-
-    @classmethod
-    def of(cls, elements: BeamElements, displacement: FloatArray) -> _Arms:
-        """Arms of displaced elements; none where the neutral axis is the pins' axis."""
-        shapes, per_node = elements.shapes, elements.shapes.per_node
-        arms = [
-            (a, arm) for a, arm in zip(shapes.angles, shapes.arms(elements.section), strict=True)
-        ]
-        used = [(first + a, arm) for first in (0, per_node) for a, arm in arms if arm]
-        places = tuple(place for place, _ in used)
-        length = np.array([arm for _, arm in used])
-        angle = displacement[..., places]
-        cosine = length * np.cos(angle)
-        return cls(
-            per_node, places, length * np.sin(angle), cosine, 2 * length * np.sin(angle / 2) ** 2
-        )
-
-    def moved(self, displacement: FloatArray) -> FloatArray:
-        """Displacements of the neutral axis's nodes."""
-        if not self.places:
-            return displacement
-        moved = displacement.copy()
-        for number, first in enumerate(self._firsts):
-            moved[..., first] -= self.sine[..., number]
-            moved[..., first + 1] -= self.lowered[..., number]
-        return moved
-
-    def force(self, force: FloatArray) -> FloatArray:
-        """Forces on the pins' axis of forces on the neutral axis's nodes."""
-        if not self.places:
-            return force
-        return np.asarray(np.einsum("beji,bej->bei", self._gradient(force.shape[-1]), force))
-
-    def tangent(self, force: FloatArray | None, tangent: FloatArray) -> FloatArray:
-        """Tangent on the pins' axis; without ``force`` its part that turns the force is left."""
-        if not self.places:
-            return tangent
-        gradient = self._gradient(tangent.shape[-1])
-        total = np.swapaxes(gradient, -1, -2) @ (tangent @ gradient)
-        if force is not None:
-            for number, (place, first) in enumerate(zip(self.places, self._firsts, strict=True)):
-                total[..., place, place] += (
-                    force[..., first] * self.sine[..., number]
-                    - force[..., first + 1] * self.cosine[..., number]
-                )
-        return total
-
-    @property
-    def _firsts(self) -> list[int]:
-        """First coordinate of the node that each arm belongs to."""
-        return [place - place % self.per_node for place in self.places]
-
-    def _gradient(self, size: int) -> FloatArray:
-        gradient = np.zeros((*self.sine.shape[:-1], size, size))
-        gradient[..., np.arange(size), np.arange(size)] = 1.0
-        for number, (place, first) in enumerate(zip(self.places, self._firsts, strict=True)):
-            gradient[..., first, place] = -self.cosine[..., number]
-            gradient[..., first + 1, place] = -self.sine[..., number]
-        return gradient

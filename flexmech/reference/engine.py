@@ -128,7 +128,7 @@ class ReferenceEngine(Engine):
         damping = None
         if any(section.damping.any for section in self.mechanism.sections.values()):
             damping = [assemble_chain(d) for d in self.equilibrium.damping(displacement)]
-        return StressedLinks([assemble_chain(k) for k in tangent], displacement, force, damping)
+        return StressedLinks(tangent, displacement, force, damping)
 
     def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
         geometric = self._geometric(motion, varying_part_only=False)

@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse
 from numpy.typing import NDArray
 
 from flexmech.beams.elements import BeamElements
@@ -24,6 +23,13 @@ from flexmech.linear_system import (
 from flexmech.linkages import RigidMotion
 from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements
+from flexmech.reference.linkage_tangents import LinkageTangents
+from flexmech.reference.nodal_chains import (
+    chain_matrix,
+    element_ends,
+    node_forces,
+    relative_coordinates,
+)
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["Equilibrium"]
@@ -42,7 +48,7 @@ LAST_STEP = 1e-9
 
 @dataclass(frozen=True)
 class _State:
-    """Where Newton's method stands over a batch of positions."""
+    """Where Newton's method stands over a batch of positions: z and factors end with it."""
 
     z: FloatArray
     error: FloatArray
@@ -50,32 +56,57 @@ class _State:
     converged: NDArray[np.bool_]
 
     @classmethod
-    def unloaded(cls, shape: tuple[int, ...]) -> _State:
+    def unloaded(cls, size: int, batch: int) -> _State:
         """No displacement, nothing solved yet."""
-        return cls(np.zeros(shape), np.zeros(shape[0]), np.zeros(0), np.zeros(shape[0], dtype=bool))
+        return cls(
+            np.zeros((size, batch)), np.zeros(batch), np.zeros(0), np.zeros(batch, dtype=bool)
+        )
 
     def with_part(self, which: IntArray, part: _State) -> _State:
         """The state with some positions replaced; all of them at first."""
-        if len(which) == len(self.z):
+        if len(which) == len(self.error):
             return part
-        for own, new in ((self.z, part.z), (self.error, part.error)):
-            own[which] = new
-        self.factors[..., which] = part.factors
+        for own, new in ((self.z, part.z), (self.factors, part.factors)):
+            own[..., which] = new
+        self.error[which] = part.error
         self.converged[which] = part.converged
         return self
 
 
 @dataclass(frozen=True)
-class _Loads:
-    """Forces on the linkage (B, size), stiffness that comes with them, and part of the swelling."""
+class _Problem:
+    """What the linkage is in equilibrium with in a batch of positions, and how it stands there.
+
+    Parameters
+    ----------
+    outer : ndarray, shape (size, B)
+        Forces on the linkage.
+    extra : list of ndarray, shape (e, r, r, B)
+        Stiffness that comes with them, by each element's relative coordinates.
+    turns : list of list of ndarray, shape (2, 2, B)
+        Rotation of each link's following ends from their leaders' frames.
+    swelling : float
+        Part of the swelling that has come on.
+    """
 
     outer: FloatArray
     extra: list[FloatArray]
-    swelling: float
+    turns: list[list[FloatArray]]
+    swelling: float = 1.0
 
-    def at(self, which: NDArray[np.bool_]) -> _Loads:
-        """Those of some positions."""
-        return _Loads(self.outer[which], [e[which] for e in self.extra], self.swelling)
+    def loaded(self, part: float) -> _Problem:
+        """With a part of the load, and of the swelling."""
+        extra = [part * e for e in self.extra]
+        return _Problem(part * self.outer, extra, self.turns, part)
+
+    def at(self, which: NDArray[np.bool_]) -> _Problem:
+        """That of some positions."""
+        return _Problem(
+            self.outer[:, which],
+            [e[..., which] for e in self.extra],
+            [[turn[..., which] for turn in turns] for turns in self.turns],
+            self.swelling,
+        )
 
 
 class Equilibrium:
@@ -93,14 +124,11 @@ class Equilibrium:
         self.frames = frames
         self._links = [CorotationalElements(elements) for elements in links]
         self._per_node = links[0].shapes.per_node
-        counts = [len(elements.length) for elements in links]
-        rows, columns = _entries(frames, counts, self._per_node)
-        self._order, self._width = _narrow_band(frames.size, rows, columns)
-        self._scatter = _band_scatter(rows, columns, self._order, self._width)
+        self._tangents = LinkageTangents(frames, self._links)
         self._force_scale = min(
             e.section.bending_stiffness / float(e.length.sum()) ** 2 for e in links
         )
-        self._turned_by = _turns(frames, links)
+        self._turned_by = _turns(frames, links)[:, None]
 
     def solve(
         self, motion: RigidMotion, loads: Sequence[FloatArray], extra: Sequence[FloatArray]
@@ -114,7 +142,8 @@ class Equilibrium:
         loads : sequence of ndarray, shape (B, n_link)
             Forces on each link in its frame.
         extra : sequence of ndarray, shape (B, e, 2 p, 2 p)
-            Stiffness of each element besides that of the corotational beam.
+            Stiffness of each element besides that of the corotational beam; a rigid
+            displacement meets none.
 
         Returns
         -------
@@ -126,45 +155,49 @@ class Equilibrium:
             If Newton's method does not converge or the equilibrium is unstable; names the
             crank angle and speed.
         """
-        outer = self.frames.gather(motion, loads)
+        problem = _Problem(
+            self.frames.gather(motion, loads).T.copy(),
+            self._by_relative_coordinates(extra),
+            self._tangents.turns(motion),
+        )
         for steps in LOAD_STEPS:
-            state = _State.unloaded(outer.shape)
+            state = _State.unloaded(*problem.outer.shape)
             for part in np.arange(1, steps + 1) / steps:
-                loads_now = _Loads(part * outer, [part * e for e in extra], float(part))
-                state = self._newton(motion, state.z, loads_now)
+                now = problem if steps == 1 else problem.loaded(float(part))
+                state = self._newton(state.z, now)
                 if not state.converged.all():
                     break
             else:
                 self._refuse_instability(motion, state.factors)
-                return self._link_displacement(motion, state.z)
+                return [q.T for q in self._tangents.link_displacement(state.z, problem.turns)]
             logger.info("no equilibrium in %d load steps", steps)
         self._refuse_divergence(motion, state)
         raise AssertionError("unreachable")
 
-    def _newton(self, motion: RigidMotion, z: FloatArray, loads: _Loads) -> _State:
+    def _newton(self, z: FloatArray, problem: _Problem) -> _State:
         """Newton's method from displacements z; the positions that have converged drop out."""
-        state = _State.unloaded(z.shape)
-        which = np.arange(len(z))
+        state = _State.unloaded(*z.shape)
+        which, order = np.arange(z.shape[1]), self._tangents.order
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            residual, band = self._out_of_balance(motion, z, loads)
-            error = np.abs(residual).max(axis=1, initial=0.0)
+            residual, band = self._out_of_balance(z, problem)
+            error = np.abs(residual).max(axis=0, initial=0.0)
             for _ in range(MAX_ITERATIONS):
                 factors = banded.factorize(band)
                 change = np.empty_like(z)
-                change[:, self._order] = banded.solve(factors, residual.T[self._order]).T
-                change[state.converged[which]] = 0.0
-                turned = np.abs(change * self._turned_by).max(axis=1, initial=0.0)
+                change[order] = banded.solve(factors, residual[order])
+                change[:, state.converged[which]] = 0.0
+                turned = np.abs(change * self._turned_by).max(axis=0, initial=0.0)
                 last = turned <= LAST_STEP
-                z = z + np.where(last[:, None], change, 0.0)
+                z = z + np.where(last, change, 0.0)
                 state = state.with_part(which, _State(z, error, factors, last))
                 if last.all():
                     break
-                change[last] = 0.0
+                change[:, last] = 0.0
                 if 2 * np.count_nonzero(last) > len(last):
                     rest = ~last
-                    which, motion, loads = which[rest], motion.at(rest), loads.at(rest)
-                    z, change, error = z[rest], change[rest], error[rest]
-                z, residual, band, error = self._advance(motion, z, change, loads, error)
+                    which, problem = which[rest], problem.at(rest)
+                    z, change, error = z[:, rest], change[:, rest], error[rest]
+                z, residual, band, error = self._advance(z, change, problem, error)
         return state
 
     def response(
@@ -176,17 +209,26 @@ class Equilibrium:
         ----------
         displacement : sequence of ndarray, shape (B, n_link)
         extra : sequence of ndarray, shape (B, e, 2 p, 2 p)
-            Stiffness of each element besides that of the corotational beam.
+            Stiffness of each element besides that of the corotational beam; a rigid
+            displacement meets none.
 
         Returns
         -------
         list of ndarray, shape (B, n_link)
             Forces on the nodes.
-        list of ndarray, shape (B, e, 2 p, 2 p)
-            Tangent of each element.
+        list of ndarray, shape (B, n_link, n_link)
+            Tangent of each link.
         """
-        parts = [self._response(i, q, extra[i], 1.0) for i, q in enumerate(displacement)]
-        return [force for force, _ in parts], [tangent for _, tangent in parts]
+        forces, tangents = [], []
+        relative_extra = self._by_relative_coordinates(extra)
+        for link, q, more in zip(self._links, displacement, relative_extra, strict=True):
+            relative = relative_coordinates(q.T, self._per_node)
+            force, tangent = link.relative_response(relative)
+            force += (more * relative[:, None]).sum(axis=2)
+            tangent += more
+            forces.append(node_forces(force, self._per_node).T)
+            tangents.append(chain_matrix(link.of_nodes(tangent)))
+        return forces, tangents
 
     def damping(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
         """Kelvin-Voigt damping matrix of each element at given displacements.
@@ -204,67 +246,41 @@ class Equilibrium:
             for link, q in zip(self._links, displacement, strict=True)
         ]
 
-    def _response(
-        self, link: int, displacement: FloatArray, extra: FloatArray, swelling: float
-    ) -> tuple[FloatArray, FloatArray]:
-        size = self._per_node
-        ends = element_ends(displacement, size)
-        force, tangent = self._links[link].response(ends, swelling)
-        force = force + (extra @ ends[..., None])[..., 0]
-        total = np.zeros((len(ends), force.shape[1] + 1, size))
-        total[:, :-1] += force[..., :size]
-        total[:, 1:] += force[..., size:]
-        return total.reshape(len(ends), -1), tangent + extra
-
-    def _link_displacement(self, motion: RigidMotion, z: FloatArray) -> list[FloatArray]:
-        parts = self.frames.link_coordinates(motion, z[:, :, None])
-        return [np.asarray(part[:, :, 0], dtype=float) for part in parts]
+    def _by_relative_coordinates(self, extra: Sequence[FloatArray]) -> list[FloatArray]:
+        """Element matrices (B, e, 2 p, 2 p) by relative coordinates, (e, r, r, B)."""
+        own = self._links[0].relative_part
+        return [np.ascontiguousarray(np.moveaxis(e, 0, -1)[:, own[:, None], own]) for e in extra]
 
     def _advance(
-        self,
-        motion: RigidMotion,
-        z: FloatArray,
-        change: FloatArray,
-        loads: _Loads,
-        error: FloatArray,
+        self, z: FloatArray, change: FloatArray, problem: _Problem, error: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
         """One Newton step, shortened where it overshoots beyond the elastic scale."""
-        length = np.ones(len(z))
-        limit = np.maximum(10 * error, 1e3 * np.abs(loads.outer).max(axis=1, initial=0.0))
+        length = np.ones(z.shape[1])
+        limit = np.maximum(10 * error, 1e3 * np.abs(problem.outer).max(axis=0, initial=0.0))
         while True:
-            trial = z + length[:, None] * change
-            residual, band = self._out_of_balance(motion, trial, loads)
-            new_error = np.abs(residual).max(axis=1, initial=0.0)
+            trial = z + length * change
+            residual, band = self._out_of_balance(trial, problem)
+            new_error = np.abs(residual).max(axis=0, initial=0.0)
             worse = ~(new_error <= np.maximum(limit, self._force_scale * 1e3))
             if not np.any(worse & (length > SHORTEST_STEP)):
                 return trial, residual, band, new_error
             length[worse] = np.maximum(length[worse] / 2, SHORTEST_STEP)
 
-    def _out_of_balance(
-        self, motion: RigidMotion, z: FloatArray, loads: _Loads
-    ) -> tuple[FloatArray, FloatArray]:
-        """Outer minus inner forces (B, size) and the tangent in band form."""
-        inner, entries = [], []
-        for number, q in enumerate(self._link_displacement(motion, z)):
-            force, tangent = self._response(number, q, loads.extra[number], loads.swelling)
-            inner.append(force)
-            self._turn_followers(motion, number, tangent)
-            entries.append(tangent.reshape(len(z), -1))
-        residual = loads.outer - self.frames.gather(motion, inner)
-        stacked = np.concatenate(entries, axis=1)
-        band = (self._scatter @ stacked.T).reshape(self.frames.size, self._width + 1, len(z))
-        return residual, band
-
-    def _turn_followers(self, motion: RigidMotion, link: int, tangent: FloatArray) -> None:
-        size = self._per_node
-        last = self.frames.links[link].size - size
-        for turning in self.frames.turning_pairs(motion, link):
-            at_start = turning.pair[0] == 0
-            element, pair = (0, slice(0, 2)) if at_start else (-1, slice(size, size + 2))
-            assert turning.pair[0] in (0, last)
-            tangent[:, element, :, pair] = tangent[:, element, :, pair] @ turning.turn
-            back = np.swapaxes(turning.turn, 1, 2)
-            tangent[:, element, pair, :] = back @ tangent[:, element, pair, :]
+    def _out_of_balance(self, z: FloatArray, problem: _Problem) -> tuple[FloatArray, FloatArray]:
+        """Outer minus inner forces (size, B) and the tangent in band form."""
+        inner = []
+        entries = self._tangents.entries(z.shape[1])
+        displacement = self._tangents.link_displacement(z, problem.turns)
+        for number, (link, q) in enumerate(zip(self._links, displacement, strict=True)):
+            relative, extra = relative_coordinates(q, self._per_node), problem.extra[number]
+            force, tangent = link.relative_response(
+                relative, problem.swelling, out=entries.of_link(number)
+            )
+            force += (extra * relative[:, None]).sum(axis=2)
+            tangent += extra
+            inner.append(node_forces(force, self._per_node))
+        residual = problem.outer - self._tangents.gather(inner, problem.turns)
+        return residual, self._tangents.band(entries, problem.turns)
 
     def _refuse_instability(self, motion: RigidMotion, factors: FloatArray) -> None:
         refuse_positions(
@@ -286,12 +302,6 @@ class Equilibrium:
         )
 
 
-def element_ends(q: FloatArray, per_node: int) -> FloatArray:
-    """Coordinates of both nodes of each element; (B, p (e + 1)) -> (B, e, 2 p)."""
-    nodal = q.reshape(len(q), -1, per_node)
-    return np.concatenate([nodal[:, :-1], nodal[:, 1:]], axis=2)
-
-
 def _turns(frames: LinkFrames, links: Sequence[BeamElements]) -> FloatArray:
     """Angle in rad that a unit of each coordinate of z stands for, shape (size,).
 
@@ -307,41 +317,3 @@ def _turns(frames: LinkFrames, links: Sequence[BeamElements]) -> FloatArray:
         angle[own < 2] = 1.0 / min(lengths)
         scale[target[target >= 0]] = angle[target >= 0]
     return scale
-
-
-def _entries(frames: LinkFrames, counts: Sequence[int], per_node: int) -> tuple[IntArray, IntArray]:
-    """Row and column in z of every entry of every element matrix; -1 where held."""
-    rows, columns = [], []
-    for link, count in enumerate(counts):
-        local = per_node * np.arange(count)[:, None] + np.arange(2 * per_node)
-        target = frames.targets[link][local]
-        shape = (count, 2 * per_node, 2 * per_node)
-        rows.append(np.broadcast_to(target[:, :, None], shape).ravel())
-        columns.append(np.broadcast_to(target[:, None, :], shape).ravel())
-    return np.concatenate(rows), np.concatenate(columns)
-
-
-def _narrow_band(size: int, rows: IntArray, columns: IntArray) -> tuple[IntArray, int]:
-    """Order of the coordinates (reverse Cuthill-McKee) and half band width in it."""
-    free = (rows >= 0) & (columns >= 0)
-    graph = scipy.sparse.csr_matrix(
-        (np.ones(free.sum()), (rows[free], columns[free])), shape=(size, size)
-    )
-    order = scipy.sparse.csgraph.reverse_cuthill_mckee(graph, symmetric_mode=True)
-    place = np.argsort(order)
-    width = int(np.abs(place[rows[free]] - place[columns[free]]).max())
-    return np.asarray(order, dtype=np.intp), width
-
-
-def _band_scatter(
-    rows: IntArray, columns: IntArray, order: IntArray, width: int
-) -> scipy.sparse.csr_matrix:
-    """Sparse map from stacked element entries to the lower band, row-major (n, width + 1)."""
-    place = np.argsort(order)
-    used = np.flatnonzero((rows >= 0) & (columns >= 0))
-    below = place[rows[used]] - place[columns[used]]
-    used, below = used[below >= 0], below[below >= 0]
-    slot = place[columns[used]] * (width + 1) + below
-    return scipy.sparse.csr_matrix(
-        (np.ones(len(used)), (slot, used)), shape=(len(order) * (width + 1), len(rows))
-    )

@@ -1,0 +1,83 @@
+"""Rigid arms from the pins' axis to the nodes of the neutral axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.beams.elements import BeamElements
+from flexmech.types import FloatArray
+
+__all__ = ["RigidArms"]
+
+
+@dataclass(frozen=True)
+class RigidArms:
+    """Arms that turn with the nodes of an element, in its relative coordinates.
+
+    An arm of length ``a`` at angle ``phi`` moves the neutral axis's node by ``-a sin(phi)`` along
+    and ``-a (1 - cos(phi))`` across.
+
+    Parameters
+    ----------
+    places : tuple of int
+        Relative coordinates that turn an arm; none where the neutral axis is the pins' axis.
+    length : ndarray, shape (number of places, 1)
+        In m; with its sign turned for arms of the first node, against which the second moves.
+    """
+
+    places: tuple[int, ...]
+    length: FloatArray
+
+    @classmethod
+    def of(cls, elements: BeamElements) -> RigidArms:
+        """Arms of elements."""
+        shapes = elements.shapes
+        arms = [
+            (a, arm)
+            for a, arm in zip(shapes.angles, shapes.arms(elements.section), strict=True)
+            if arm
+        ]
+        ends = ((0, -1.0), (shapes.per_node - 2, 1.0))
+        used = [(first + a, sign * arm) for first, sign in ends for a, arm in arms]
+        places = tuple(place for place, _ in used)
+        return cls(places, np.array([arm for _, arm in used]).reshape(-1, 1))
+
+    def moved(self, relative: FloatArray) -> FloatArray:
+        """Relative coordinates (e, r, B) of the neutral axis's nodes."""
+        if not self.places:
+            return relative
+        angle = relative[:, self.places]
+        moved = relative.copy()
+        moved[:, 0] -= (self.length * np.sin(angle)).sum(axis=1)
+        moved[:, 1] -= (2 * self.length * np.sin(angle / 2) ** 2).sum(axis=1)
+        return moved
+
+    def turn(
+        self, relative: FloatArray, tangent: FloatArray, force: FloatArray, *, turns_force: bool
+    ) -> None:
+        """Carry forces and tangent from the neutral axis's nodes to the pins' axis, in place.
+
+        Parameters
+        ----------
+        relative : ndarray, shape (e, r, B)
+            On the pins' axis.
+        tangent : ndarray, shape (e, r, r, B)
+        force : ndarray, shape (e, r, B)
+        turns_force : bool
+            Whether the part of the tangent counts that turns the force.
+        """
+        if not self.places:
+            return
+        angle = relative[:, self.places]
+        sine, cosine = self.length * np.sin(angle), self.length * np.cos(angle)
+        for number, place in enumerate(self.places):
+            s, c = sine[:, number], cosine[:, number]
+            tangent[:, place] -= c[:, None] * tangent[:, 0] + s[:, None] * tangent[:, 1]
+        for number, place in enumerate(self.places):
+            s, c = sine[:, number], cosine[:, number]
+            tangent[:, :, place] -= c[:, None] * tangent[:, :, 0] + s[:, None] * tangent[:, :, 1]
+            if turns_force:
+                tangent[:, place, place] += force[:, 0] * s - force[:, 1] * c
+            force[:, place] -= force[:, 0] * c + force[:, 1] * s
