@@ -39,8 +39,8 @@ class ReferenceEngine(Engine):
     ``zigzag`` (cross-sections that warp as their layers ask for, as of sandwiches).
 
     Prestress levels: ``none``; ``axial`` (Turcic & Midha 1984: tension of each element
-    from the linear static solution, geometric stiffness of eq. 1.58); ``equilibrium``
-    (corotational beams and Newton's method). Parameters as for
+    from the linear static solution, geometric stiffness of Kumar & Chandrakar, eq. 1.58);
+    ``equilibrium`` (corotational beams and Newton's method). Parameters as for
     :class:`flexmech.linear_system.Engine`.
 
     Examples
