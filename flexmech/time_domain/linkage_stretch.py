@@ -161,17 +161,21 @@ class StretchForces:
         Number n of independent coordinates.
     step : float
         Time step h in s; rates are given times h.
+    scale : float
+        Positions and rates are given times this, too.
 
     Attributes
     ----------
     position, rate : ndarray, shape (n,)
-        Where z and h z' of the instant are to be written.
+        Where z and h z' of the instant, times ``scale``, are to be written.
     """
 
-    def __init__(self, stretch: LinkageStretch, size: int, step: float) -> None:
+    def __init__(
+        self, stretch: LinkageStretch, size: int, step: float, scale: float = 1.0
+    ) -> None:
         strains = len(stretch.gradient)
-        self._both = np.concatenate([stretch.gradient, stretch.slopes])
-        self._back = np.ascontiguousarray(self._both.T)
+        both = np.concatenate([stretch.gradient, stretch.slopes])
+        self._both, self._back = both / scale, np.ascontiguousarray(both.T)
         self._weights, self._half = stretch.weights, stretch.weights / 2
         self._spread = np.ascontiguousarray(stretch.weights.T)
         self._times = stretch.damping_time / step if stretch.is_damped else None
@@ -227,7 +231,7 @@ class StretchForces:
             By how much h z' changes with z.
         """
         strains = len(self._tension)
-        gradient, slopes = self._both[:strains], self._both[strains:]
+        gradient, slopes = self._back[:, :strains].T, self._back[:, strains:].T
         own = gradient + (self._weights * self._slopes) @ slopes
         weight = np.ones(strains)
         if self._times is not None:

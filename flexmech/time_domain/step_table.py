@@ -127,7 +127,7 @@ class StepTable:
         equations = linkage.equations(time)
         following = equations.following
         linear, answer = step_operators(equations, self._step, forces=linkage.stretch is not None)
-        parts = [linear.response, linear.forced]
+        parts = [linear.advance, linear.forced]
         if linkage.is_condensed:
             parts += [following.expansion, following.offset]
         if linkage.stretch is not None:

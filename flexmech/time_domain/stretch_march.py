@@ -17,7 +17,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from flexmech.errors import ComputationError
 from flexmech.time_domain.linkage_stretch import LinkageStretch, PinTurns, StretchForces
 from flexmech.time_domain.state import VibrationState
-from flexmech.time_domain.trapezoidal import StepOperators, predicted, settled
+from flexmech.time_domain.trapezoidal import StepOperators, consecutive, predicted, settled
 from flexmech.types import FloatArray
 
 __all__ = ["Course", "StretchOperators", "march_stretching"]
@@ -36,8 +36,10 @@ AMPLE = 30
 # Newton's method with the tangent of the bowed links.
 NEWTON_PASSES = 12
 NEWTON_CHANGE = 1e-9
-# What the stretch takes off the positions, by a parabola through the last three steps.
+# What the stretch takes off the predictions, by a parabola through the last three steps.
 EXTRAPOLATE = np.array([1.0, -3.0, 3.0])
+# Four times the position is the next prediction and this of the last two.
+LAST_TWO = np.array([1.0, 2.0])
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class StretchOperators:
     Parameters
     ----------
     answer : ndarray, shape (m, n, p)
-        Position at the step's end by unit forces: acceleration times ``step**2 / 4``.
+        By how much unit forces at the step's end move the next prediction.
     turns : PinTurns
         At the ends of the m steps.
     """
@@ -65,7 +67,7 @@ class Course:
     passes : int
         Of the modified Newton's method to begin with, where more than the fewest are needed.
     taken : ndarray, shape (3, n), optional
-        What the stretch took off the positions in the last three steps.
+        What the stretch took off the predictions in the last three steps.
     """
 
     passes: int = 0
@@ -104,33 +106,31 @@ def march_stretching(
         If Newton's method does not converge in a step.
     """
     steps, size = linear.forced.shape
-    prediction, acceleration = np.empty((steps + 1, 2 * size)), np.empty((steps, size))
-    prediction[0] = predicted(state, linear.step).ravel()
+    prediction = np.empty((steps + 2, size))
+    prediction[:2] = predicted(state, linear.step)
     passes = course.passes
     for count in PASSES:
         if count < passes:
             continue
         passes = count
         change, taken = _fixed_passes(
-            linear, operators, stretch, state, prediction, acceleration, passes, course.taken
+            linear, operators, stretch, state, prediction, passes, course.taken
         )
-        if _is_small(4 * change, acceleration):
-            passes = 0 if _is_small(4 * AMPLE * change, acceleration) else passes
+        size_of_change, whole = _greatest(change), _greatest(np.diff(prediction, 2, axis=0))
+        if size_of_change <= LAST_CHANGE * whole < np.inf:
+            passes = 0 if AMPLE * size_of_change <= LAST_CHANGE * whole else passes
             break
         logger.info("modified Newton's method: %d passes do not do", passes)
     else:
         taken = None
-        _newton(linear, operators, stretch, state, prediction, acceleration)
-    parts = prediction[:-1].reshape(steps, 2, size)
-    return settled(state, parts, acceleration, linear.step), Course(passes, taken)
+        _newton(linear, operators, stretch, prediction)
+    return settled(state, prediction, linear.step), Course(passes, taken)
 
 
-def _is_small(change: FloatArray, acceleration: FloatArray) -> bool:
-    """Whether the last change is small against accelerations; both of shape (m, n)."""
+def _greatest(vectors: FloatArray) -> float:
+    """Greatest length of vectors of shape (m, n); not finite where passes diverge."""
     with np.errstate(over="ignore", invalid="ignore"):
-        size, whole = (np.einsum("mn,mn->m", a, a).max() for a in (change, acceleration))
-    # Passes that diverge overflow in both.
-    return bool(np.isfinite(whole) and size <= LAST_CHANGE**2 * whole)
+        return float(np.sqrt(np.einsum("mn,mn->m", vectors, vectors).max()))
 
 
 def _fixed_passes(
@@ -139,36 +139,36 @@ def _fixed_passes(
     stretch: LinkageStretch,
     state: VibrationState,
     prediction: FloatArray,
-    acceleration: FloatArray,
     passes: int,
     last_taken: FloatArray | None,
 ) -> tuple[FloatArray, FloatArray]:
-    """Fill in predictions (m + 1, 2 n) and accelerations (m, n).
+    """Fill in predictions (m + 2, n) after the first two.
 
     Returns
     -------
     ndarray, shape (m, n)
-        By how much the last pass changed the positions.
+        By how much the last pass changed them.
     ndarray, shape (3, n)
-        What the stretch took off them in the last steps.
+        What the stretch took off the last of them.
     """
-    steps, size = acceleration.shape
-    forces = StretchForces(stretch, size, linear.step)
+    steps, size = linear.forced.shape
+    forces = StretchForces(stretch, size, linear.step, scale=4.0)
     turns, rates = operators.turns.turn, linear.step * operators.turns.rate
-    forces.position[:], forces.rate[:] = state.position, linear.step * state.velocity
-    # What the stretch takes off the positions; three steps back to begin with.
+    # What the stretch takes off the predictions; three steps back to begin with.
     taken, before = np.empty((steps + 3, size)), np.empty((steps, size))
     if last_taken is None:
+        forces.position[:], forces.rate[:] = 4 * state.position, 4 * linear.step * state.velocity
         taken[:3] = operators.answer[0] @ forces.evaluate(turns[0], rates[0])
     else:
         taken[:3] = last_taken
     position, rate = forces.position, forces.rate
     linear_part, z_linear, v_linear, part = np.empty((4, size))
     is_damped = stretch.is_damped
-    z, v = prediction[:, :size], prediction[:, size:]
-    rows = zip(
-        prediction,
-        linear.response,
+    evaluate, dot, add, subtract = forces.evaluate, np.dot, np.add, np.subtract
+    for two, stacked, advance, forced, answer, turn, turning, last, new, prior, result in zip(
+        sliding_window_view(prediction, 2, axis=0),
+        consecutive(prediction),
+        linear.advance,
         linear.forced,
         operators.answer,
         turns,
@@ -176,49 +176,26 @@ def _fixed_passes(
         sliding_window_view(taken, 3, axis=0),
         taken[3:],
         before,
-        acceleration,
-        z,
-        v,
-        z[1:],
-        v[1:],
+        prediction[2:],
         strict=False,
-    )
-    for (
-        z_and_v,
-        response,
-        forced,
-        answer,
-        turn,
-        turning,
-        last,
-        new,
-        prior,
-        a,
-        z_now,
-        v_now,
-        z_next,
-        v_next,
-    ) in rows:
-        np.dot(response, z_and_v, out=linear_part)
-        np.subtract(forced, linear_part, out=linear_part)
-        np.multiply(linear_part, 0.25, out=z_linear)
-        np.add(z_now, z_linear, out=z_linear)
+    ):
+        dot(advance, stacked, linear_part)
+        add(linear_part, forced, linear_part)
+        dot(two, LAST_TWO, z_linear)
+        add(z_linear, linear_part, z_linear)
         if is_damped:
-            np.multiply(linear_part, 0.5, out=v_linear)
-            np.add(v_now, v_linear, out=v_linear)
-        np.dot(last, EXTRAPOLATE, out=new)
+            subtract(linear_part, stacked[:size], v_linear)
+            add(v_linear, v_linear, v_linear)
+        dot(last, EXTRAPOLATE, new)
         for left in range(passes, 0, -1):
-            np.subtract(z_linear, new, out=position)
+            subtract(z_linear, new, position)
             if is_damped:
-                np.add(new, new, out=part)
-                np.subtract(v_linear, part, out=rate)
+                add(new, new, part)
+                subtract(v_linear, part, rate)
             if left == 1:
                 prior[:] = new
-            np.dot(answer, forces.evaluate(turn, turning), out=new)
-        np.multiply(new, 4.0, out=part)
-        np.subtract(linear_part, part, out=a)
-        np.add(v_now, a, out=v_next)
-        np.add(z_now, v_next, out=z_next)
+            dot(answer, evaluate(turn, turning), new)
+        subtract(linear_part, new, result)
     return taken[3:] - before, taken[-3:]
 
 
@@ -226,33 +203,31 @@ def _newton(
     linear: StepOperators,
     operators: StretchOperators,
     stretch: LinkageStretch,
-    state: VibrationState,
     prediction: FloatArray,
-    acceleration: FloatArray,
 ) -> None:
-    """Fill in predictions and accelerations by Newton's method in every step."""
-    size = acceleration.shape[1]
+    """Fill in predictions after the first two by Newton's method in every step."""
+    size = prediction.shape[1]
     forces = StretchForces(stretch, size, linear.step)
     turns, rates = operators.turns.turn, linear.step * operators.turns.rate
     ends, unit = stretch.end_count, np.eye(size)
-    a = linear.step**2 * state.acceleration
+    new = 2 * prediction[1] - prediction[0]
     for number, answer in enumerate(operators.answer):
-        z, v = prediction[number].reshape(2, size)
-        linear_part = linear.forced[number] - linear.response[number] @ prediction[number]
+        last, now = prediction[number : number + 2]
+        linear_part = linear.forced[number] + linear.advance[number] @ np.concatenate([last, now])
         spreading = np.zeros((stretch.size, size))
         spreading[:size], spreading[size:, :ends] = unit, turns[number]
         for _ in range(NEWTON_PASSES):
-            forces.position[:], forces.rate[:] = z + a / 4, v + a / 2
-            gap = a - linear_part + 4 * answer @ forces.evaluate(turns[number], rates[number])
-            tangent = unit + answer @ forces.tangent(2.0) @ spreading
+            forces.position[:], forces.rate[:] = (last + 2 * now + new) / 4, (new - last) / 2
+            gap = new - linear_part + answer @ forces.evaluate(turns[number], rates[number])
+            tangent = unit + answer @ forces.tangent(2.0) @ spreading / 4
             change = np.linalg.solve(tangent, gap)
-            a = a - change
-            if np.abs(change).max() <= NEWTON_CHANGE * np.abs(a).max():
+            new = new - change
+            if np.abs(change).max() <= NEWTON_CHANGE * np.abs(new - 2 * now + last).max():
                 break
         else:
             raise ComputationError(
                 f"links that bow deeply have no balance in a time step of {linear.step:.4g} s; "
                 "choose a smaller --step"
             )
-        acceleration[number] = a
-        prediction[number + 1] = np.concatenate([z + v + a, v + a])
+        prediction[number + 2] = new
+        new = 2 * new - now

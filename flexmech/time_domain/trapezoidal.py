@@ -6,10 +6,11 @@ unconditionally stable, no numerical damping. The equations of motion hold at ev
     (M + h/2 C + h^2/4 K) a1 = f - C (v + h/2 a) - K (z + h v + h^2/4 a)
 
 All matrices of a block of steps are solved at once; what is left to do one after another is
-a matrix-vector product a step. It multiplies the prediction from the step before, which
-follows from the last prediction by two sums::
+a matrix-vector product a step. It leads from the last two predictions of the position to the
+next one, of which everything else is a central difference or mean::
 
-    v' = v + h/2 a,  z' = z + h v + h^2/4 a;  v'1 = v' + h a1,  z'1 = z' + h v'1
+    z'[k] = z[k] + h v[k] + h^2/4 a[k],  h v[k] = (z'[k] - z'[k-2]) / 2,
+    h^2 a[k] = z'[k] - 2 z'[k-1] + z'[k-2],  z[k] = (z'[k] + 2 z'[k-1] + z'[k-2]) / 4
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.state import VibrationState
@@ -24,6 +26,7 @@ from flexmech.types import FloatArray
 
 __all__ = [
     "StepOperators",
+    "consecutive",
     "initial_state",
     "march",
     "predicted",
@@ -34,26 +37,25 @@ __all__ = [
 
 @dataclass(frozen=True)
 class StepOperators:
-    """What leads to the acceleration at each of m steps: ``forced - response @ [z'; h v']``.
+    """What leads to the next prediction in each of m steps.
 
-    All accelerations are times ``h**2``.
+    ``z'[k] = advance @ [z'[k-2]; z'[k-1]] + forced``.
 
     Parameters
     ----------
     step : float
         Time step h in s.
-    response : ndarray, shape (m, n, 2 n)
-        Multiplies the predicted position and velocity.
+    advance : ndarray, shape (m, n, 2 n)
     forced : ndarray, shape (m, n)
     """
 
     step: float
-    response: FloatArray
+    advance: FloatArray
     forced: FloatArray
 
     def __getitem__(self, where: slice) -> StepOperators:
         """Those of some of the steps."""
-        return StepOperators(self.step, self.response[where], self.forced[where])
+        return StepOperators(self.step, self.advance[where], self.forced[where])
 
 
 def initial_state(
@@ -93,39 +95,56 @@ def step_operators(
     -------
     StepOperators
     ndarray, shape (m, n, n) or (m, n, 0)
-        Position at the step's end by unit forces: acceleration times ``h**2 / 4``.
+        By how much unit forces at the step's end move the next prediction.
     """
     mass, damping, stiffness = equations.mass, equations.damping, equations.stiffness
     effective = mass + step / 2 * damping + step**2 / 4 * stiffness
     size = mass.shape[-1]
     unit = np.broadcast_to(np.eye(size), mass.shape)[..., : size if forces else 0]
-    right = [stiffness, damping / step, equations.force[..., None], unit]
+    right = [damping / step, stiffness, equations.force[..., None], unit]
     solved = np.linalg.solve(effective, step**2 * np.concatenate(right, axis=-1))
-    response = np.ascontiguousarray(solved[..., : 2 * size])
-    linear = StepOperators(step, response, np.asarray(solved[..., 2 * size]))
-    return linear, np.asarray(solved[..., 2 * size + 1 :] / 4)
+    # The predicted velocity is the difference of the last two predictions.
+    by_velocity, by_position = solved[..., :size], solved[..., size : 2 * size]
+    advance = np.concatenate([by_velocity, -by_velocity - by_position], axis=-1)
+    place = np.arange(size)
+    advance[:, place, place] -= 1.0
+    advance[:, place, size + place] += 2.0
+    linear = StepOperators(step, advance, np.asarray(solved[..., 2 * size]))
+    return linear, np.asarray(solved[..., 2 * size + 1 :])
 
 
 def predicted(state: VibrationState, step: float) -> FloatArray:
-    """Prediction (z', h v') of the next step's end from a state of shape (...), (2, ...)."""
-    half = state.velocity + step / 2 * state.acceleration
+    """The two predictions that a state of shape (...) leaves, the last one second; (2, ...)."""
+    half = step * state.velocity + step**2 / 2 * state.acceleration
     whole = state.position + step * state.velocity + step**2 / 4 * state.acceleration
-    return np.stack([whole, step * half])
+    return np.stack([whole - half, whole])
 
 
-def settled(
-    start: VibrationState, prediction: FloatArray, acceleration: FloatArray, step: float
-) -> VibrationState:
+def consecutive(prediction: FloatArray) -> FloatArray:
+    """Each two predictions that follow each other, one below the other, as a view.
+
+    Parameters
+    ----------
+    prediction : ndarray, shape (m, n) or (m, n, k)
+
+    Returns
+    -------
+    ndarray, shape (m - 1, 2 n) or (m - 1, 2 n, k)
+    """
+    size = prediction.shape[1]
+    stacked = prediction.reshape(-1, *prediction.shape[2:])
+    return np.moveaxis(sliding_window_view(stacked, 2 * size, axis=0)[::size], -1, 1)
+
+
+def settled(start: VibrationState, prediction: FloatArray, step: float) -> VibrationState:
     """The states of a start and of m steps.
 
     Parameters
     ----------
     start : VibrationState
         Arrays of shape (...).
-    prediction : ndarray, shape (m, 2, ...)
-        At the steps' ends.
-    acceleration : ndarray, shape (m, ...)
-        Times ``step**2``.
+    prediction : ndarray, shape (m + 2, ...)
+        Two that the start leaves, and one of each step.
     step : float
         In s.
 
@@ -134,10 +153,12 @@ def settled(
     VibrationState
         Arrays of shape (m + 1, ...).
     """
+    before, now, after = prediction[:-2], prediction[1:-1], prediction[2:]
+    mean, difference = (before + after) / 2, (after - before) / 2
     states = (
-        (start.position, prediction[:, 0] + acceleration / 4),
-        (start.velocity, (prediction[:, 1] + acceleration / 2) / step),
-        (start.acceleration, acceleration / step**2),
+        (start.position, (mean + now) / 2),
+        (start.velocity, difference / step),
+        (start.acceleration, (mean - now) * (2 / step**2)),
     )
     return VibrationState(*(np.concatenate([first[None], rest]) for first, rest in states))
 
@@ -157,24 +178,15 @@ def march(operators: StepOperators, state: VibrationState) -> VibrationState:
     VibrationState
         Arrays of shape (m + 1, n) or (m + 1, n, k), the given state first.
     """
-    size, tail = len(state.position), state.position.shape[1:]
-    steps, tail_size = len(operators.response), int(np.prod(tail, dtype=int))
-    forced = np.broadcast_to(operators.forced[..., None], (steps, size, tail_size))
-    prediction = np.empty((steps + 1, 2 * size, tail_size))
-    prediction[0] = predicted(state, operators.step).reshape(2 * size, tail_size)
-    acceleration, change = np.empty((steps, size, tail_size)), np.empty((size, tail_size))
-    z, v = prediction[:, :size], prediction[:, size:]
-    # Everything that a step needs is laid out before: what is left are four small products.
-    for z_and_v, response, force, a, z_now, v_now, z_next, v_next in zip(
-        prediction, operators.response, forced, acceleration, z, v, z[1:], v[1:], strict=False
+    steps, size = operators.forced.shape
+    tail = state.position.shape[1:]
+    forced = operators.forced.reshape(steps, size, *(1,) * len(tail))
+    prediction = np.empty((steps + 2, size, *tail))
+    prediction[:2] = predicted(state, operators.step)
+    # Everything that a step needs is laid out before: what is left are a product and a sum.
+    for last_two, advance, force, new in zip(
+        consecutive(prediction), operators.advance, forced, prediction[2:], strict=False
     ):
-        np.dot(response, z_and_v, out=change)
-        np.subtract(force, change, out=a)
-        np.add(v_now, a, out=v_next)
-        np.add(z_now, v_next, out=z_next)
-    return settled(
-        state,
-        prediction[:-1].reshape(steps, 2, size, *tail),
-        acceleration.reshape(steps, size, *tail),
-        operators.step,
-    )
+        np.dot(advance, last_two, out=new)
+        np.add(new, force, out=new)
+    return settled(state, prediction, operators.step)

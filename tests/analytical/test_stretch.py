@@ -97,7 +97,7 @@ def test_interpolated_steps_are_those_solved_one_by_one(aluminium, stretches):
     equations = linkage.equations(time)
     direct, _ = step_operators(equations, 1e-4)
     for found, expected in (
-        (rows.linear.response, direct.response),
+        (rows.linear.advance, direct.advance),
         (rows.linear.forced, direct.forced),
         (rows.following.expansion, equations.following.expansion),
     ):
