@@ -119,6 +119,7 @@ def component_modes(
     couples_axially: bool,
     detail: float = 1.0,
     axial_modes: int | None = None,
+    turning_sections: bool = True,
     answers_damping: bool = False,
 ) -> ComponentModes:
     """Choose and build the component modes of every link.
@@ -141,6 +142,9 @@ def component_modes(
     axial_modes : int, optional
         Axial modes of each link besides the static shapes, where they couple; chosen by
         ``detail`` where it is left out.
+    turning_sections : bool
+        False where nothing tilts the axis of a link that bows, so that its sections need not
+        turn against it.
     answers_damping : bool
         Keep the static answers to damping forces, on which frozen damping ratios rest.
 
@@ -168,6 +172,7 @@ def component_modes(
                 damped=damped,
                 turning=turning,
                 great_detail=detail >= GREAT_DETAIL,
+                turning_sections=turning_sections,
             )
             for h, damped in zip(held, answers, strict=True)
         )
@@ -183,6 +188,7 @@ def _reduce(
     damped: bool,
     turning: bool,
     great_detail: bool,
+    turning_sections: bool,
 ) -> ReducedLink:
     bending = held.bending[:, held.bending_frequency <= bending_cutoff]
     n_axial = int(np.sum(held.axial_frequency <= axial_cutoff))
@@ -198,7 +204,7 @@ def _reduce(
             relief = np.concatenate([relief, held.layers], axis=1)
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=1)
     candidates = held.axial[:, n_axial : max(n_axial, condensed_modes)]
-    if condensed_modes and great_detail:
+    if condensed_modes and great_detail and turning_sections:
         candidates = np.concatenate([candidates, _turning_sections(held)], axis=1)
     if damped and turning:
         candidates = np.concatenate([candidates, held.layers], axis=1)

@@ -93,6 +93,8 @@ def can_stretch(engine: Engine) -> bool:
 def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
     """Links for a run in which they stretch: all axial modes move by themselves.
 
+    Slopes stretch a link along its chord, whose direction a bow does not tilt.
+
     Parameters
     ----------
     engine : Engine
@@ -115,6 +117,7 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
             couples_axially=True,
             detail=detail,
             axial_modes=round(STRETCHING_MODES * max(1.0, detail / DETAIL)),
+            turning_sections=False,
         )
     )
     nothing = tuple(np.zeros(model.size, dtype=bool) for model in reduced.models)
