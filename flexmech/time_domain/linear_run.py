@@ -66,12 +66,12 @@ def linear_run(
     steps = int(np.ceil(sample_time[-1] / step - 1e-9))
     dynamics, recorder = LinkageDynamics(linkage), Recorder(sample_time, step, band)
     state = start_state(linkage, position, velocity)
-    table = StepTable(linkage, step)
+    table, course = StepTable(linkage, step), Course()
     for done in range(0, steps, BLOCK_STEPS):
         count = min(BLOCK_STEPS, steps - done)
         time = step * np.arange(done, done + count + 1, dtype=float)
         with np.errstate(over="ignore", invalid="ignore"):
-            history, following = _march(linkage, table, time, state)
+            history, following, course = _march(linkage, table, time, state, course)
         _refuse_divergence(linkage, time, history)
         recorder.add(dynamics.step_block(time, following, history))
         state = history[-1]
@@ -94,10 +94,14 @@ def start_state(
 
 
 def _march(
-    linkage: DrivenLinkage, table: StepTable, time: FloatArray, state: VibrationState
-) -> tuple[VibrationState, Following]:
+    linkage: DrivenLinkage,
+    table: StepTable,
+    time: FloatArray,
+    state: VibrationState,
+    course: Course,
+) -> tuple[VibrationState, Following, Course]:
     """March from the first of some times to the others, in parts that stay in the cache."""
-    histories, expansions, offsets, course = [], [], [], Course()
+    histories, expansions, offsets = [], [], []
     for first in range(0, len(time) - 1, CACHED_STEPS):
         rows = table.rows(time[first + 1 : first + 1 + CACHED_STEPS])
         if rows.stretch is None or linkage.stretch is None:
@@ -117,11 +121,12 @@ def _march(
         )
     )
     if not linkage.is_condensed:
-        return whole, Following.of_all(linkage.size)
+        return whole, Following.of_all(linkage.size), course
     start = table.rows(time[:1]).following
-    return whole, Following(
+    following = Following(
         np.concatenate([start.expansion, *expansions]), np.concatenate([start.offset, *offsets])
     )
+    return whole, following, course
 
 
 def _refuse_divergence(linkage: DrivenLinkage, time: FloatArray, history: VibrationState) -> None:

@@ -137,6 +137,25 @@ class LinkageStretch:
         ends = columns[..., : self._frames.end_count]
         return np.concatenate([columns, ends @ np.swapaxes(turns.turn, 1, 2)], axis=-1)
 
+    def yielding(self, turns: PinTurns, answer: FloatArray, step: float) -> FloatArray:
+        """By how much tensions fall within a step as links yield to them, (m, s, s).
+
+        Parameters
+        ----------
+        turns : PinTurns
+            At the ends of m steps.
+        answer : ndarray, shape (m, n, p)
+            By how much unit forces at a step's end move the next prediction, which is four
+            times how they move the position.
+        step : float
+            In s.
+        """
+        moved = answer @ self.gradient.T
+        followers = turns.turn @ moved[:, : self.end_count]
+        strain = self.gradient @ np.concatenate([moved, followers], axis=1) / 4
+        # A rate changes by two steps' worth of what the position changes by.
+        return np.asarray((1 + 2 * self.damping_time / step)[:, None] * strain)
+
     def _spread(self, name: str) -> FloatArray:
         blocks = []
         for link, places in zip(self.links, self._places, strict=True):
@@ -168,11 +187,11 @@ class StretchForces:
     ----------
     position, rate : ndarray, shape (n,)
         Where z and h z' of the instant, times ``scale``, are to be written.
+    second : ndarray, shape (s,)
+        The last second-order tensions.
     """
 
-    def __init__(
-        self, stretch: LinkageStretch, size: int, step: float, scale: float = 1.0
-    ) -> None:
+    def __init__(self, stretch: LinkageStretch, size: int, step: float, scale: float = 1.0) -> None:
         strains = len(stretch.gradient)
         both = np.concatenate([stretch.gradient, stretch.slopes])
         self._both, self._back = both / scale, np.ascontiguousarray(both.T)
@@ -182,9 +201,10 @@ class StretchForces:
         self._end_count = stretch.end_count
         self._turned = np.empty(stretch.size - size)
         self._tension, self._tension_rate = np.empty((2, strains))
+        self._change, self._yielded = np.empty((2, strains))
         self._square, self._spread_tension = np.empty((2, len(stretch.slopes)))
         self._load = np.empty(len(self._both))
-        self._second, self._across = self._load[:strains], self._load[strains:]
+        self.second, self._across = self._load[:strains], self._load[strains:]
         self._force = np.empty(stretch.size)
         # Spread coordinates and the strains and slopes that they make; of rates as well.
         place, self._pulled = np.empty(stretch.size), np.empty(len(self._both))
@@ -199,13 +219,24 @@ class StretchForces:
             self._pulled_rate[strains:],
         )
 
-    def evaluate(self, turn: FloatArray, rate: FloatArray) -> FloatArray:
+    def evaluate(
+        self,
+        turn: FloatArray,
+        rate: FloatArray,
+        yielding: FloatArray | None = None,
+        second: FloatArray | None = None,
+    ) -> FloatArray:
         """Force on the spread coordinates at ``position`` and ``rate``; overwritten next time.
 
         Parameters
         ----------
         turn, rate : ndarray, shape (f, k)
             Of :class:`PinTurns` at the instant.
+        yielding : ndarray, shape (s, s), optional
+            Let the links yield to the change of their second-order tension at once.
+        second : ndarray, shape (s,), optional
+            The second-order tension to which position and rate have yielded; overwritten by
+            that which is found.
 
         Returns
         -------
@@ -214,10 +245,15 @@ class StretchForces:
         np.dot(turn, self._ends, out=self._followers)
         np.dot(self._both, self._place, out=self._pulled)
         np.multiply(self._slopes, self._slopes, out=self._square)
-        np.dot(self._half, self._square, out=self._second)
-        np.add(self._linear, self._second, out=self._tension)
+        np.dot(self._half, self._square, out=self.second)
+        np.add(self._linear, self.second, out=self._tension)
         if self._times is not None:
             self._add_damping(turn, rate)
+        if yielding is not None and second is not None:
+            np.subtract(self.second, second, out=self._change)
+            second[:] = self.second
+            np.dot(yielding, self._change, out=self._yielded)
+            np.subtract(self._tension, self._yielded, out=self._tension)
         np.dot(self._spread, self._tension, out=self._spread_tension)
         np.multiply(self._spread_tension, self._slopes, out=self._across)
         return np.dot(self._back, self._load, out=self._force)
@@ -248,7 +284,7 @@ class StretchForces:
         np.multiply(self._slopes, self._slope_rates, out=self._square)
         np.dot(self._weights, self._square, out=self._tension_rate)
         np.multiply(self._tension_rate, self._times, out=self._tension_rate)
-        np.add(self._second, self._tension_rate, out=self._second)
+        np.add(self.second, self._tension_rate, out=self.second)
         np.add(self._tension, self._tension_rate, out=self._tension)
         np.multiply(self._linear_rate, self._times, out=self._tension_rate)
         np.add(self._tension, self._tension_rate, out=self._tension)

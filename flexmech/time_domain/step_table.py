@@ -132,7 +132,9 @@ class StepTable:
             parts += [following.expansion, following.offset]
         if linkage.stretch is not None:
             turns = linkage.stretch.pin_turns(equations.motion)
-            parts += [linkage.stretch.gathered(turns, answer), turns.turn, turns.rate]
+            answer = linkage.stretch.gathered(turns, answer)
+            yielding = linkage.stretch.yielding(turns, answer, self._step)
+            parts += [answer, yielding, turns.turn, turns.rate]
         return self._parts.packed(parts)
 
     def _unpacked(self, values: FloatArray) -> StepRows:
@@ -143,8 +145,8 @@ class StepTable:
             following = Following(parts[2], parts[3])
         stretch = None
         if linkage.stretch is not None:
-            answer, turn, rate = parts[-3:]
-            stretch = StretchOperators(answer, PinTurns(turn, rate))
+            answer, yielding, turn, rate = parts[-4:]
+            stretch = StretchOperators(answer, yielding, PinTurns(turn, rate))
         return StepRows(linear, stretch, following)
 
 

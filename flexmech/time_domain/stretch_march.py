@@ -28,8 +28,8 @@ logger = logging.getLogger(__name__)
 # Passes of the modified Newton's method in every step of a block; more where the last of them
 # changes the accelerations by more than this part of their size. Where five do not do, the
 # passes gain so little that a small last change does not mean a small error.
-PASSES = (2, 3, 5)
-LAST_CHANGE = 2e-2
+PASSES = (1, 2, 3)
+LAST_CHANGE = 1e-1
 # A pass gains one to two digits: after a change that is smaller by this, the next block begins
 # with the fewest passes again.
 AMPLE = 30
@@ -50,11 +50,14 @@ class StretchOperators:
     ----------
     answer : ndarray, shape (m, n, p)
         By how much unit forces at the step's end move the next prediction.
+    yielding : ndarray, shape (m, s, s)
+        Of :meth:`LinkageStretch.yielding`.
     turns : PinTurns
         At the ends of the m steps.
     """
 
     answer: FloatArray
+    yielding: FloatArray
     turns: PinTurns
 
 
@@ -66,8 +69,9 @@ class Course:
     ----------
     passes : int
         Of the modified Newton's method to begin with, where more than the fewest are needed.
-    taken : ndarray, shape (3, n), optional
-        What the stretch took off the predictions in the last three steps.
+    taken : ndarray, shape (3, n + s), optional
+        What the stretch took off the predictions in the last three steps, and the
+        second-order tensions.
     """
 
     passes: int = 0
@@ -148,33 +152,54 @@ def _fixed_passes(
     -------
     ndarray, shape (m, n)
         By how much the last pass changed them.
-    ndarray, shape (3, n)
-        What the stretch took off the last of them.
+    ndarray, shape (3, n + s)
+        What the stretch took off the last of them, and the second-order tensions.
     """
     steps, size = linear.forced.shape
     forces = StretchForces(stretch, size, linear.step, scale=4.0)
     turns, rates = operators.turns.turn, linear.step * operators.turns.rate
-    # What the stretch takes off the predictions; three steps back to begin with.
-    taken, before = np.empty((steps + 3, size)), np.empty((steps, size))
+    # What the stretch takes off the predictions, and the second-order tensions; three steps
+    # back to begin with.
+    strains = len(stretch.gradient)
+    taken, before = np.empty((steps + 3, size + strains)), np.empty((steps, size))
     if last_taken is None:
         forces.position[:], forces.rate[:] = 4 * state.position, 4 * linear.step * state.velocity
-        taken[:3] = operators.answer[0] @ forces.evaluate(turns[0], rates[0])
+        taken[:3, :size] = operators.answer[0] @ forces.evaluate(turns[0], rates[0])
+        taken[:3, size:] = forces.second
     else:
         taken[:3] = last_taken
     position, rate = forces.position, forces.rate
     linear_part, z_linear, v_linear, part = np.empty((4, size))
     is_damped = stretch.is_damped
     evaluate, dot, add, subtract = forces.evaluate, np.dot, np.add, np.subtract
-    for two, stacked, advance, forced, answer, turn, turning, last, new, prior, result in zip(
+    for (
+        two,
+        stacked,
+        advance,
+        forced,
+        answer,
+        yielding,
+        turn,
+        turning,
+        last,
+        guess,
+        new,
+        second,
+        prior,
+        result,
+    ) in zip(
         sliding_window_view(prediction, 2, axis=0),
         consecutive(prediction),
         linear.advance,
         linear.forced,
         operators.answer,
+        operators.yielding,
         turns,
         rates,
         sliding_window_view(taken, 3, axis=0),
         taken[3:],
+        taken[3:, :size],
+        taken[3:, size:],
         before,
         prediction[2:],
         strict=False,
@@ -186,7 +211,7 @@ def _fixed_passes(
         if is_damped:
             subtract(linear_part, stacked[:size], v_linear)
             add(v_linear, v_linear, v_linear)
-        dot(last, EXTRAPOLATE, new)
+        dot(last, EXTRAPOLATE, guess)
         for left in range(passes, 0, -1):
             subtract(z_linear, new, position)
             if is_damped:
@@ -194,9 +219,9 @@ def _fixed_passes(
                 subtract(v_linear, part, rate)
             if left == 1:
                 prior[:] = new
-            dot(answer, evaluate(turn, turning), new)
+            dot(answer, evaluate(turn, turning, yielding, second), new)
         subtract(linear_part, new, result)
-    return taken[3:] - before, taken[-3:]
+    return taken[3:, :size] - before, taken[-3:]
 
 
 def _newton(
