@@ -31,10 +31,11 @@ from flexmech.linear_system import (
 )
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.equations import Equations, Following
+from flexmech.time_domain.link_stress import LinkStress
 from flexmech.time_domain.linkage_stretch import LinkageStretch
 from flexmech.time_domain.reduced_links import DETAIL, prestressed_links, stretching_links
 from flexmech.time_domain.state import LinkState, VibrationState
-from flexmech.time_domain.stress_history import LinkStress, StressHistory
+from flexmech.time_domain.stress_history import StressHistory
 from flexmech.types import FloatArray
 
 __all__ = ["DrivenLinkage"]

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexmech.linear_system import LinkFrames
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain.driven_linkage import DrivenLinkage
@@ -17,8 +18,7 @@ from flexmech.time_domain.equations import Following
 from flexmech.time_domain.link_inertia import LinkInertia, MovingLink, dot
 from flexmech.time_domain.recording import StepBlock
 from flexmech.time_domain.state import VibrationState
-from flexmech.time_domain.stress_history import times
-from flexmech.types import FloatArray
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["LinkageDynamics"]
 
@@ -56,6 +56,7 @@ class LinkageDynamics:
         Returns
         -------
         StepBlock
+            In the reduced links' coordinates.
         """
         linkage, motion = self.linkage, self.linkage.motion(time)
         frames, gravity = linkage.frames, np.asarray(linkage.engine.mechanism.gravity)
@@ -66,32 +67,29 @@ class LinkageDynamics:
             MovingLink.of(number, parts, motion, unit, gravity)
             for number, parts in enumerate(elastic)
         ]
-        # How each link's coordinates change at unit crank speed while z stands still.
-        still = np.zeros_like(coordinates[0])
-        turned = [rate for _, rate, _ in frames.link_motion(unit, coordinates[0], still, still)]
         totals = np.zeros((6, len(time)))
         ends, fields = [], []
         for number, (inertia, link, stress) in enumerate(
             zip(self._inertias, moving, linkage.stress(time), strict=True)
         ):
-            damping, stretched = times(stress.damping, link.rate), np.zeros(len(time))
-            inner = times(stress.stiffness, link.displacement) + stress.prestress
+            damping = stress.damping_force(link.rate)
+            inner, strain, prestress = stress.of(link.displacement)
             if linkage.stretch is not None:
                 second = linkage.stretch.links[number]
                 pulled, damped = second.remainder(link.displacement, link.rate)
                 inner, damping = inner + pulled, damping + damped
-                stretched = second.energy(link.displacement)
+                strain = strain + second.energy(link.displacement)
             shapes = inertia.shape_forces(link) + inner + damping
             rigid = inertia.field_forces(link)
             ends.append(shapes)
             fields.append(rigid)
             # Virtual power at unit crank speed: the rigid link, its pins' displacements as
             # they turn, and the rest of its displacement as it turns with the frame.
-            torque = (
-                dot(link.virtual_velocity, rigid)
-                + dot(turned[number], shapes)
-                + link.virtual_turn * inertia.turning_power(link)
+            torque = dot(link.virtual_velocity, rigid) + link.virtual_turn * inertia.turning_power(
+                link
             )
+            for pair, turned in _turning_ends(frames, unit, coordinates[0], number):
+                torque += dot(turned, shapes[:, pair])
             weight = inertia.gravity_energy(
                 motion.origin[:, number], motion.angle[:, number], link.displacement, gravity
             )
@@ -99,19 +97,18 @@ class LinkageDynamics:
                 [
                     torque,
                     inertia.kinetic_energy(link),
-                    stress.potential(link.displacement) + stretched,
+                    strain,
                     weight,
                     dot(link.rate, damping),
-                    stress.power(link.displacement),
+                    prestress,
                 ]
             )
         torque, kinetic, strain, weight, dissipated, prestress = totals
-        pairs = list(zip(elastic, linkage.bases, strict=True))
         return StepBlock(
             time=time,
             crank_speed=motion.crank_speed,
-            displacement=[q @ basis.T for (q, _, _), basis in pairs],
-            rate=[rate @ basis.T for (_, rate, _), basis in pairs],
+            displacement=[q for q, _, _ in elastic],
+            rate=[rate for _, rate, _ in elastic],
             joint_force=self._joint_forces(motion, ends, fields),
             driving_torque=torque,
             kinetic_energy=kinetic,
@@ -150,3 +147,21 @@ class LinkageDynamics:
 def _to_ground(vector: FloatArray, angle: FloatArray) -> FloatArray:
     """Vectors (m, 2) from a link's frame to ground axes."""
     return vector[:, :1] * direction(angle) + vector[:, 1:] * normal(angle)
+
+
+def _turning_ends(
+    frames: LinkFrames, motion: RigidMotion, position: FloatArray, link: int
+) -> list[tuple[IntArray, FloatArray]]:
+    """How a link's following ends move in its frame while z stands still.
+
+    Returns
+    -------
+    list of tuple of ndarray, shape (k,) and (m, k)
+        Coordinates of the link, and their velocities.
+    """
+    target, ends = frames.targets[link], []
+    for turning in frames.turning_pairs(motion, link):
+        free = target[turning.pair] >= 0
+        led = position[:, target[turning.pair][free], None]
+        ends.append((turning.pair, (turning.rate[:, :, free] @ led)[..., 0]))
+    return ends

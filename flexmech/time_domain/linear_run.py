@@ -77,7 +77,12 @@ def linear_run(
         state = history[-1]
         if progress is not None:
             progress(done + count, steps)
-    return recorder.finish()
+    run = recorder.finish()
+    return replace(
+        run,
+        displacement=[q @ b.T for q, b in zip(run.displacement, linkage.bases, strict=True)],
+        rate=[q @ b.T for q, b in zip(run.rate, linkage.bases, strict=True)],
+    )
 
 
 def start_state(

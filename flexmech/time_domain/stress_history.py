@@ -2,59 +2,31 @@
 
 Tangent stiffness and prestress forces are smooth functions of the crank angle. They are
 computed at a number of positions and interpolated by cubic splines: a step every few
-hundredths of a degree then costs no equilibrium of its own.
+hundredths of a degree then costs no equilibrium of its own. They are sums of few
+distributions (:class:`LinkStress`), whose shares alone are interpolated.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from flexmech.linear_system import Engine, Prestress, StressedLinks
 from flexmech.linkages import CrankDrive
+from flexmech.time_domain.link_stress import LinkStress, StressShapes
 from flexmech.types import FloatArray
 
-__all__ = ["LinkStress", "StressHistory", "times"]
+__all__ = ["StressHistory"]
 
 
 # Positions a turn; halving the spacing moves deflections by less than 1e-4 of their peak.
 SAMPLES_PER_TURN = 120
 LEAST_SAMPLES = 24
-
-
-@dataclass(frozen=True)
-class LinkStress:
-    """Internal force ``prestress + stiffness @ p`` of one reduced link, and its change.
-
-    Its potential is ``offset + prestress . p + p . stiffness p / 2``.
-
-    Parameters
-    ----------
-    stiffness, stiffness_rate : ndarray, shape (m, n, n), or (n, n) of straight links
-    prestress, prestress_rate : ndarray, shape (m, n)
-    offset, offset_rate : ndarray, shape (m,)
-        Energy that does not depend on p.
-    damping : ndarray, shape (n, n) or (m, n, n)
-    """
-
-    stiffness: FloatArray
-    stiffness_rate: FloatArray
-    prestress: FloatArray
-    prestress_rate: FloatArray
-    offset: FloatArray
-    offset_rate: FloatArray
-    damping: FloatArray
-
-    def potential(self, displacement: FloatArray) -> FloatArray:
-        """Strain energy at displacements p of shape (m, n); (m,)."""
-        return _potential(self.stiffness, self.prestress, self.offset, displacement)
-
-    def power(self, displacement: FloatArray) -> FloatArray:
-        """What the change of the stress alone adds to the potential a second; (m,)."""
-        return _potential(self.stiffness_rate, self.prestress_rate, self.offset_rate, displacement)
+# What the shapes of stress leave out, relative to the greatest.
+ROUND_OFF = 1e-14
 
 
 class StressHistory:
@@ -108,48 +80,66 @@ class StressHistory:
         self._damping = [
             basis.T @ link.damping @ basis for link, basis in zip(engine.links, bases, strict=True)
         ]
-        self._turn: Callable[..., FloatArray] | None = None
-        self._rise: Callable[..., FloatArray] | None = None
+        self._turn: CubicSpline | None = None
+        self._rise: CubicSpline | None = None
         if prestress == "none" and not engine.mechanism.is_free_strained:
-            self._straight = [
-                basis.T @ link.stiffness @ basis
-                for link, basis in zip(engine.links, bases, strict=True)
+            self._shapes = [
+                StressShapes.straight(basis.T @ link.stiffness @ basis, damping)
+                for link, basis, damping in zip(engine.links, bases, self._damping, strict=True)
             ]
             return
         angles = drive.start_angle + np.linspace(0.0, 2 * np.pi, SAMPLES_PER_TURN + 1)
-        self._turn = self._spline(angles, angles, drive.speed, 0.0, closed=True)
+        sampled = [self._sampled(angles, angles, drive.speed, 0.0)]
+        rise_time = self._run_up_times()
         if not drive.is_constant:
-            time = self._run_up_times()
-            self._rise = self._spline(
-                time,
-                drive.crank_angle(time),
-                drive.crank_speed(time),
-                drive.crank_acceleration(time),
-                closed=False,
-            )
+            angle = drive.crank_angle(rise_time)
+            speed, acceleration = drive.crank_speed(rise_time), drive.crank_acceleration(rise_time)
+            sampled.append(self._sampled(rise_time, angle, speed, acceleration))
+        values = np.concatenate(sampled)
+        share, shapes = _few_shapes(values, self._scale(values))
+        self._shapes = [
+            StressShapes.unpacked(shapes[:, part], size, damping)
+            for part, size, damping in zip(self._columns(), self._sizes, self._damping, strict=True)
+        ]
+        turn = share[: len(angles)]
+        # The last position of a turn is the first.
+        turn[-1] = turn[0]
+        self._turn = CubicSpline(angles, turn, bc_type="periodic")
+        if not drive.is_constant:
+            self._rise = CubicSpline(rise_time, share[len(angles) :])
 
     def at(self, time: FloatArray) -> list[LinkStress]:
         """Stress of each link at times of shape (m,)."""
-        if self._turn is None:
-            return [
-                _unstressed(stiffness, damping, len(time))
-                for stiffness, damping in zip(self._straight, self._damping, strict=True)
-            ]
         drive = self._drive
-        turned = drive.crank_angle(time) - drive.start_angle
-        phase = drive.start_angle + np.mod(turned, 2 * np.pi)
-        values, rates = self._turn(phase), drive.speed * self._turn(phase, 1)
-        rising = time < drive.run_up_time
-        if self._rise is not None and rising.any():
-            values[rising] = self._rise(time[rising])
-            rates[rising] = self._rise(time[rising], 1)
-        result, start = [], 0
-        for size, damping in zip(self._sizes, self._damping, strict=True):
-            part = slice(start, start + self._width(size))
-            stress = _unpacked(values[:, part], rates[:, part], size, damping)
-            result.append(stress)
-            start = part.stop
-        return result
+        if self._turn is None:
+            share, rate = np.ones((len(time), 1)), np.zeros((len(time), 1))
+        else:
+            turned = drive.crank_angle(time) - drive.start_angle
+            phase = drive.start_angle + np.mod(turned, 2 * np.pi)
+            share, rate = self._turn(phase), drive.speed * self._turn(phase, 1)
+            rising = time < drive.run_up_time
+            if self._rise is not None and rising.any():
+                share[rising] = self._rise(time[rising])
+                rate[rising] = self._rise(time[rising], 1)
+        return [LinkStress(shapes, share, rate) for shapes in self._shapes]
+
+    def _columns(self) -> list[slice]:
+        """Where each link's values are among those of all links."""
+        stops = np.cumsum([self._width(size) for size in self._sizes])
+        return [
+            slice(stop - self._width(size), stop)
+            for size, stop in zip(self._sizes, stops.tolist(), strict=True)
+        ]
+
+    def _scale(self, values: FloatArray) -> FloatArray:
+        """Greatest stiffness, prestress, offset and damping of each link, column by column."""
+        scale = np.ones(values.shape[1])
+        for size, columns in zip(self._sizes, self._columns(), strict=True):
+            square = size * size
+            edges = columns.start + np.array([0, square, square + size, square + size + 1])
+            for start, stop in pairwise([*edges.tolist(), columns.stop]):
+                scale[start:stop] = np.abs(values[:, start:stop]).max(initial=0.0) or 1.0
+        return scale
 
     def _width(self, size: int) -> int:
         """Columns of one link: stiffness, prestress, offset and perhaps damping."""
@@ -162,16 +152,14 @@ class StressHistory:
         count = max(LEAST_SAMPLES, SAMPLES_PER_TURN, int(np.ceil(SAMPLES_PER_TURN * turns)))
         return np.linspace(0.0, drive.run_up_time, count + 1)
 
-    def _spline(
+    def _sampled(
         self,
         where: FloatArray,
         angle: FloatArray,
         speed: float | FloatArray,
         acceleration: float | FloatArray,
-        *,
-        closed: bool,
-    ) -> CubicSpline:
-        """Spline over ``where``, batch by batch; the last position of a turn is the first."""
+    ) -> FloatArray:
+        """Stress of all links at k positions, in the order of ``where``; (k, total)."""
         linkage = self._engine.mechanism.linkage
         motion_of = [np.broadcast_to(v, angle.shape) for v in (angle, speed, acceleration)]
         packed, forces, places = [], [], []
@@ -188,9 +176,7 @@ class StressHistory:
         values = np.concatenate(packed)
         if forces:
             self._add_bending_work(values, where, np.concatenate(forces), np.concatenate(places))
-        if closed:
-            values[-1] = values[0]
-        return CubicSpline(where, values, bc_type="periodic" if closed else "not-a-knot")
+        return values
 
     def _packed(self, stressed: StressedLinks, batch: int) -> FloatArray:
         """Stiffness, prestress and offset of all links side by side, (B, total)."""
@@ -230,45 +216,18 @@ class StressHistory:
             first = own.stop
 
 
-def _unstressed(stiffness: FloatArray, damping: FloatArray, count: int) -> LinkStress:
-    """Straight links without stress, at any number of instants."""
-    nothing = np.zeros((count, len(stiffness)))
-    return LinkStress(
-        stiffness=stiffness,
-        stiffness_rate=np.zeros_like(stiffness),
-        prestress=nothing,
-        prestress_rate=nothing,
-        offset=nothing[:, 0],
-        offset_rate=nothing[:, 0],
-        damping=damping,
-    )
+def _few_shapes(values: FloatArray, scale: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Write rows (k, total) as shares (k, r) of as few shapes (r, total) as round-off allows.
 
-
-def _unpacked(values: FloatArray, rates: FloatArray, size: int, damping: FloatArray) -> LinkStress:
-    """Stress of one link; ``damping`` is that of the straight link, where it does not vary."""
-    square, last = size * size, size * size + size
-    shape = (-1, size, size)
-    varying = values[:, last + 1 :]
-    return LinkStress(
-        stiffness=values[:, :square].reshape(shape),
-        stiffness_rate=rates[:, :square].reshape(shape),
-        prestress=values[:, square:last],
-        prestress_rate=rates[:, square:last],
-        offset=values[:, last],
-        offset_rate=rates[:, last],
-        damping=varying.reshape(shape) if varying.shape[1] else damping,
-    )
-
-
-def times(matrix: FloatArray, vectors: FloatArray) -> FloatArray:
-    """A symmetric matrix (n, n), or one for each of m (m, n, n), times vectors (m, n)."""
-    if matrix.ndim == 2:
-        return np.asarray(vectors @ matrix)
-    return np.asarray((matrix @ vectors[..., None])[..., 0])
-
-
-def _potential(
-    stiffness: FloatArray, prestress: FloatArray, offset: FloatArray, p: FloatArray
-) -> FloatArray:
-    force = prestress + times(stiffness, p) / 2
-    return np.asarray(offset + np.einsum("mi,mi->m", force, p))
+    Gram-Schmidt orthogonalization that takes the greatest remainder first; ``scale`` (total,)
+    says what each column is measured by.
+    """
+    rest, shares, shapes = values / scale, [], []
+    least = ROUND_OFF * np.linalg.norm(rest, axis=1).max()
+    while (size := np.linalg.norm(rest, axis=1)).max() > least:
+        shape = rest[size.argmax()] / size.max()
+        share = rest @ shape
+        rest -= share[:, None] * shape
+        shares.append(share)
+        shapes.append(shape * scale)
+    return np.stack(shares, axis=1), np.array(shapes)
