@@ -73,18 +73,19 @@ class StepTable:
         relative = np.abs(speeds[:, :, None] - speeds[:, None, :])
         fastest = max(float(np.abs(speeds).max()), float(relative.max()))
         self._count = max(LEAST_POSITIONS, int(np.ceil(fastest * period / SPACING)))
+        # The first positions follow once more after the last one.
         self._table: FloatArray | None = None
+        self._values = np.empty((0, 0))
         self._solved = np.zeros(self._count, dtype=bool)
         self._parts = _Parts()
 
     def rows(self, time: FloatArray) -> StepRows:
-        """Operators and what follows at times of shape (m,)."""
+        """Operators and what follows at times of shape (m,); the operators until the next call."""
         drive = self._linkage.drive
         steady = time >= drive.run_up_time
         place = (time - drive.run_up_time) / drive.revolution_time * self._count
         if steady.all():
             return self._unpacked(self._interpolated(place))
-        values = np.empty((len(time), 0))
         direct = self._solve(time[~steady])
         values = np.empty((len(time), direct.shape[1]))
         values[~steady] = direct
@@ -96,19 +97,21 @@ class StepTable:
         before = np.floor(place).astype(np.intp)
         weights = _lagrange(place - before)
         first, last = int(before[0]), int(before[-1])
-        needed = np.arange(first + STENCIL[0], last + STENCIL[-1] + 1) % self._count
-        self._ensure(needed)
+        self._ensure(np.arange(first + STENCIL[0], last + STENCIL[-1] + 1) % self._count)
         assert self._table is not None
-        positions = self._table[needed]
-        values = np.empty((len(place), positions.shape[1]))
+        values = self._room(len(place))
         edges = np.searchsorted(before, np.arange(first, last + 2))
-        for number, (start, stop) in enumerate(pairwise(edges)):
-            np.dot(
-                weights[start:stop],
-                positions[number : number + len(STENCIL)],
-                out=values[start:stop],
-            )
+        for number, (start, stop) in enumerate(pairwise(edges), first + int(STENCIL[0])):
+            around = self._table[number % self._count :][: len(STENCIL)]
+            np.dot(weights[start:stop], around, out=values[start:stop])
         return values
+
+    def _room(self, count: int) -> FloatArray:
+        """Memory for some instants, used again: that of the system costs more than to fill it."""
+        assert self._table is not None
+        if len(self._values) < count:
+            self._values = np.empty((count, self._table.shape[1]))
+        return self._values[:count]
 
     def _ensure(self, needed: IntArray) -> None:
         """Solve the positions that are asked for the first time, and those of their batch."""
@@ -118,9 +121,11 @@ class StepTable:
             time = drive.run_up_time + some / self._count * drive.revolution_time
             values = self._solve(time)
             if self._table is None:
-                self._table = np.empty((self._count, values.shape[1]))
+                self._table = np.empty((self._count + len(STENCIL) - 1, values.shape[1]))
             self._table[some] = values
             self._solved[some] = True
+            if not batch:
+                self._table[self._count :] = values[: len(STENCIL) - 1]
 
     def _solve(self, time: FloatArray) -> FloatArray:
         linkage = self._linkage
@@ -142,7 +147,7 @@ class StepTable:
         linear = StepOperators(self._step, parts[0], parts[1])
         following = Following.of_all(linkage.size)
         if linkage.is_condensed:
-            following = Following(parts[2], parts[3])
+            following = Following(parts[2].copy(), parts[3].copy())
         stretch = None
         if linkage.stretch is not None:
             answer, yielding, turn, rate = parts[-4:]
