@@ -16,16 +16,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.linear_system.link_model import LinkModel
+from flexmech.linear_system.link_place import LinkPlace, TurningPair
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LinkDamping", "LinkFrames", "RotationTerms", "SystemMatrices", "TurningPair"]
+__all__ = ["LinkDamping", "LinkFrames", "RotationTerms", "SystemMatrices"]
 
 
 @dataclass(frozen=True)
@@ -83,30 +85,6 @@ class LinkDamping:
     ends: FloatArray
 
 
-@dataclass(frozen=True)
-class TurningPair:
-    """A follower's end displacement, turned from the leader's frame.
-
-    Parameters
-    ----------
-    pair : ndarray of int, shape (2,)
-        The end's coordinates in the following link.
-    turn : ndarray, shape (B, 2, 2)
-        ``R``, from the leader's frame to the follower's.
-    rate : ndarray, shape (B, 2, 2)
-        Time derivative of ``R``.
-    centripetal, tangential : ndarray, shape (B, 2, 2)
-        Second time derivative of ``R``: the parts in the square of the relative angular
-        velocity and in the relative angular acceleration.
-    """
-
-    pair: IntArray
-    turn: FloatArray
-    rate: FloatArray
-    centripetal: FloatArray
-    tangential: FloatArray
-
-
 class LinkFrames:
     """The map from independent coordinates z to the coordinates of all links.
 
@@ -115,6 +93,8 @@ class LinkFrames:
     topology : Topology
     links : sequence of LinkModel
         In the topology's order; full or reduced.
+    last : sequence of ndarray of bool, shape (n_link,), optional
+        Coordinates of each link to number after all others.
 
     Attributes
     ----------
@@ -128,14 +108,21 @@ class LinkFrames:
 
     end_count: int
 
-    def __init__(self, topology: Topology, links: Sequence[LinkModel]) -> None:
+    def __init__(
+        self,
+        topology: Topology,
+        links: Sequence[LinkModel],
+        last: Sequence[NDArray[np.bool_]] | None = None,
+    ) -> None:
         self.topology = topology
         self.links = tuple(links)
         self.targets = [np.full(link.size, -2, dtype=np.intp) for link in self.links]
         self._followers: list[list[tuple[IntArray, int]]] = [[] for _ in self.links]
         self._hold()
         pairs = self._mark_followers()
-        self.size = self._number()
+        self.size = self._number(
+            [np.zeros(link.size, dtype=bool) for link in self.links] if last is None else last
+        )
         for link, pair, leader, leader_pair in pairs:
             self.targets[link][pair] = self.targets[leader][leader_pair]
             held = self.targets[leader][leader_pair] < 0
@@ -165,17 +152,20 @@ class LinkFrames:
             pairs.append((link, pair, leader, self.links[leader].end_displacement(root.end)))
         return pairs
 
-    def _number(self) -> int:
+    def _number(self, last: Sequence[NDArray[np.bool_]]) -> int:
         """Number the free coordinates, those of the links' ends first."""
         count = 0
-        for ends in (True, False):
-            for link, target in zip(self.links, self.targets, strict=True):
-                free = target == -2
-                if ends:
-                    free &= np.isin(np.arange(link.size), [*link.start, *link.end])
+        ends = [
+            np.isin(np.arange(link.size), [*link.start, *link.end]) & ~late
+            for link, late in zip(self.links, last, strict=True)
+        ]
+        inner = [~(end | late) for end, late in zip(ends, last, strict=True)]
+        for group in (ends, inner, last):
+            for target, chosen in zip(self.targets, group, strict=True):
+                free = (target == -2) & chosen
                 target[free] = np.arange(count, count + free.sum())
                 count += int(free.sum())
-            if ends:
+            if group is ends:
                 self.end_count = count
         return count
 
@@ -233,45 +223,39 @@ class LinkFrames:
             damping = [LinkDamping(link.damping, link.ends.damping) for link in self.links]
         mass, rates, total = (np.zeros((batch, self.size, self.size)) for _ in range(3))
         for number, link in enumerate(self.links):
-            pairs = self.turning_pairs(motion, number)
+            place, pairs = self._places[number], self.turning_pairs(motion, number)
             speed = motion.angular_velocity[:, number, None, None]
             change = motion.angular_acceleration[:, number, None, None]
-            tangent = stiffness[number]
+            tangent, own = stiffness[number], damping[number]
             if terms.centripetal:
                 tangent = tangent - speed**2 * link.translational_mass
             if terms.tangential:
                 tangent = tangent + change * link.gyroscopic
-            self._add(mass, number, turn_both(link.mass, pairs, batch))
-            link_stiffness = turn_both(tangent, pairs, batch)
-            own = damping[number]
+            place.add(mass, link.mass, pairs)
+            place.add(total, tangent, pairs)
             damped = bool(own.matrix.any())
-            link_damping = turn_both(own.matrix, pairs, batch) if damped else None
+            if damped:
+                place.add(rates, own.matrix, pairs)
+            turning = [p.rate for p in pairs]
             if terms.coriolis:
-                rate = turn_both(2 * speed * link.gyroscopic, pairs, batch)
-                rate += turn_left(2 * times_rate(link.ends.mass, pairs, "rate"), pairs)
-                link_damping = rate if link_damping is None else link_damping + rate
+                place.add(rates, 2 * speed * link.gyroscopic, pairs)
+                place.add_following(rates, 2 * link.ends.mass, pairs, turning)
                 if damped:
-                    link_stiffness += turn_left(times_rate(own.ends, pairs, "rate"), pairs)
-            if terms.centripetal and pairs:
-                link_stiffness += turn_left(
-                    times_rate(link.ends.mass, pairs, "centripetal")
-                    + 2 * speed * times_rate(link.ends.gyroscopic, pairs, "rate"),
-                    pairs,
-                )
-            if terms.tangential and pairs:
-                link_stiffness += turn_left(times_rate(link.ends.mass, pairs, "tangential"), pairs)
-            self._add(total, number, link_stiffness)
-            if link_damping is not None:
-                self._add(rates, number, link_damping)
+                    place.add_following(total, own.ends, pairs, turning)
+            if terms.centripetal:
+                place.add_following(total, link.ends.mass, pairs, [p.centripetal for p in pairs])
+                coriolis = [2 * speed * rate for rate in turning]
+                place.add_following(total, link.ends.gyroscopic, pairs, coriolis)
+            if terms.tangential:
+                place.add_following(total, link.ends.mass, pairs, [p.tangential for p in pairs])
         return SystemMatrices(mass, rates, total)
 
-    def _add(self, total: FloatArray, link: int, matrix: FloatArray) -> None:
-        target = self.targets[link]
-        free = np.flatnonzero(target >= 0)
-        if len(free) < len(target):
-            matrix = matrix[:, free[:, None], free]
-        where = target[free]
-        total[:, where[:, None], where] += matrix
+    @cached_property
+    def _places(self) -> list[LinkPlace]:
+        return [
+            LinkPlace.of(target, [pair for pair, _ in followers])
+            for target, followers in zip(self.targets, self._followers, strict=True)
+        ]
 
     def link_coordinates(self, motion: RigidMotion, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Coordinates of each link from independent ones.
@@ -356,29 +340,3 @@ class LinkFrames:
             free = np.flatnonzero(target >= 0)
             total[:, target[free]] += turned[:, free]
         return total
-
-
-def turn_both(matrix: FloatArray, pairs: list[TurningPair], batch: int) -> FloatArray:
-    """``Q' X Q`` for a link matrix; shape (B, n, n). Only the following ends turn."""
-    size = matrix.shape[-1]
-    result = np.array(np.broadcast_to(matrix, (batch, size, size)))
-    for turning in pairs:
-        result[:, :, turning.pair] = result[:, :, turning.pair] @ turning.turn
-    return turn_left(result, pairs)
-
-
-def turn_left(matrix: FloatArray, pairs: list[TurningPair]) -> FloatArray:
-    """``Q' X``, in place, for ``X`` of shape (B, n, n)."""
-    for turning in pairs:
-        matrix[:, turning.pair] = np.swapaxes(turning.turn, 1, 2) @ matrix[:, turning.pair]
-    return matrix
-
-
-def times_rate(matrix: FloatArray, pairs: list[TurningPair], which: str) -> FloatArray:
-    """``X`` times a time derivative of Q, which only has the following ends' columns."""
-    size = matrix.shape[-1]
-    batch = len(pairs[0].turn) if pairs else 1
-    result = np.zeros((batch, size, size))
-    for turning in pairs:
-        result[:, :, turning.pair] = matrix[..., turning.pair] @ getattr(turning, which)
-    return result

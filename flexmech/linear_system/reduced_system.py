@@ -3,17 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 
 import numpy as np
 
 from flexmech.linear_system.component_modes import ComponentModes
-from flexmech.linear_system.link_frames import LinkDamping, LinkFrames, RotationTerms
+from flexmech.linear_system.link_frames import (
+    LinkDamping,
+    LinkFrames,
+    RotationTerms,
+    SystemMatrices,
+)
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem, condense
 from flexmech.linkages import RigidMotion, Topology
+from flexmech.types import FloatArray
 
 __all__ = ["reduced_system", "unreduced_system"]
+
+# Of one matrix in the positions that are assembled at a time: memory near the processor holds it.
+MATRIX_BYTES = 1_000_000
 
 
 def unreduced_system(
@@ -71,18 +81,27 @@ def reduced_system(
     -------
     LinearSystem
     """
-    frames = LinkFrames(topology, reduction.models)
-    projected = [
-        link.basis.T @ (tangent @ link.basis)
-        for link, tangent in zip(reduction.links, stressed.tangent, strict=True)
-    ]
-    matrices = frames.assemble(motion, projected, terms, _damping(links, reduction, stressed))
+    # Coordinates that are condensed stand last, where they are parted off without a copy.
+    frames = LinkFrames(topology, reduction.models, [link.condensed for link in reduction.links])
     condensed = np.zeros(frames.size, dtype=bool)
     for target, link in zip(frames.targets, reduction.links, strict=True):
         condensed[target[link.condensed]] = True
-    expansion = None
-    if condensed.any():
-        matrices, expansion = condense(matrices, condensed)
+    damping = _damping(links, reduction, stressed)
+    at_once = max(1, MATRIX_BYTES // (8 * frames.size**2))
+    parts = []
+    for first in range(0, len(motion.crank_angle), at_once):
+        some = slice(first, first + at_once)
+        projected = [
+            link.basis.T @ (_of(tangent, some) @ link.basis)
+            for link, tangent in zip(reduction.links, stressed.tangent, strict=True)
+        ]
+        own = damping and [LinkDamping(_of(d.matrix, some), _of(d.ends, some)) for d in damping]
+        matrices = frames.assemble(motion.at(some), projected, terms, own)
+        parts.append(condense(matrices, condensed) if condensed.any() else (matrices, None))
+    matrices = SystemMatrices(
+        *(_joined([getattr(m, field.name) for m, _ in parts]) for field in fields(SystemMatrices))
+    )
+    expansion = _joined([e for _, e in parts if e is not None]) if condensed.any() else None
     return LinearSystem(
         motion,
         matrices.mass,
@@ -95,6 +114,15 @@ def reduced_system(
         # Component modes are normalized by the mass; condensed ones bring theirs along.
         unit_mass_from=frames.end_count if expansion is None else None,
     )
+
+
+def _of(matrix: FloatArray, some: slice) -> FloatArray:
+    """A link matrix in some positions; one that is the same in all stays."""
+    return matrix[some] if matrix.ndim == 3 else matrix
+
+
+def _joined(parts: list[FloatArray]) -> FloatArray:
+    return np.concatenate(parts) if len(parts) > 1 else parts[0]
 
 
 def _damping(

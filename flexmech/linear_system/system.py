@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flexmech.linear_system.link_frames import LinkFrames, RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
-from flexmech.types import FloatArray
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["LinearSystem", "condense"]
 
@@ -152,19 +152,31 @@ def condense(
         From the remaining coordinates to all.
     """
     gone, kept = np.flatnonzero(condensed), np.flatnonzero(~condensed)
-    stiffness = matrices.stiffness
-    expansion = np.zeros((len(stiffness), len(condensed), len(kept)))
-    expansion[:, kept, np.arange(len(kept))] = 1.0
-    flexibility = np.linalg.inv(stiffness[:, gone[:, None], gone])
-    expansion[:, gone] = -flexibility @ stiffness[:, gone[:, None], kept]
-    adjoint = np.zeros((len(stiffness), len(kept), len(condensed)))
-    adjoint[:, np.arange(len(kept)), kept] = 1.0
-    adjoint[:, :, gone] = -stiffness[:, kept[:, None], gone] @ flexibility
-    return (
-        SystemMatrices(
-            mass=adjoint @ matrices.mass @ expansion,
-            damping=adjoint @ matrices.damping @ expansion,
-            stiffness=adjoint @ stiffness @ expansion,
-        ),
-        expansion,
+    count = len(kept)
+    order = np.concatenate([kept, gone])
+    mass, damping, stiffness = (
+        _reordered(m, order) for m in (matrices.mass, matrices.damping, matrices.stiffness)
     )
+    flexibility = np.linalg.inv(stiffness[:, count:, count:])
+    follow = -flexibility @ stiffness[:, count:, :count]
+    lead = -stiffness[:, :count, count:] @ flexibility
+
+    def condensed_part(matrix: FloatArray) -> FloatArray:
+        columns = matrix[:, :, :count] + matrix[:, :, count:] @ follow
+        return np.asarray(columns[:, :count] + lead @ columns[:, count:])
+
+    expansion = np.zeros((len(stiffness), len(condensed), count))
+    expansion[:, kept, np.arange(count)] = 1.0
+    expansion[:, gone] = follow
+    at_kept = stiffness[:, :count, :count] + stiffness[:, :count, count:] @ follow
+    condensed_damping = condensed_part(damping) if damping.any() else damping[:, :count, :count]
+    return SystemMatrices(condensed_part(mass), condensed_damping, at_kept), expansion
+
+
+def _reordered(matrices: FloatArray, order: IntArray) -> FloatArray:
+    """Rows and columns of matrices (B, n, n) in another order."""
+    size = len(order)
+    if (order == np.arange(size)).all():
+        return matrices
+    flat = (size * order[:, None] + order).ravel()
+    return matrices.reshape(len(matrices), -1).take(flat, axis=1).reshape(-1, size, size)

@@ -43,7 +43,7 @@ def element_tensions(
         length = np.diff(places)
         inside = 1e-9 * length  # off the point masses that may sit at the nodes
         near, middle, far = (
-            np.stack([forces.axial_force(link, float(x)) for x in at], axis=-1)
+            forces.axial_force(link, at)
             for at in (places[:-1] + inside, places[:-1] + length / 2, places[1:] - inside)
         )
         mean = (near + 4 * middle + far) / 6

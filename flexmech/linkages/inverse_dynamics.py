@@ -144,26 +144,40 @@ class InverseDynamics:
     def __repr__(self) -> str:
         return short_repr(self, *shapes(self))
 
-    def axial_force(self, link: int, x: float) -> FloatArray:
-        """Tension at ``x`` along a link in N; shape (...).
+    def axial_force(self, link: int, x: float | FloatArray) -> FloatArray:
+        """Tension along a link in N.
 
-        A point mass exactly at ``x`` counts to the far side of the cut.
+        Parameters
+        ----------
+        link : int
+        x : float or ndarray, shape (k,)
+            Distances from the link's start in m. A point mass exactly there counts to the far
+            side of the cut.
+
+        Returns
+        -------
+        ndarray, shape (...) or (..., k)
         """
-        mass = self.masses[link]
+        mass, place = self.masses[link], np.asarray(x, dtype=float)
         angle = self.motion.angle[..., link]
         along = direction(angle)
         pull = self.motion.origin_acceleration[..., link, :] - np.asarray(self.gravity)
         start = np.sum(pull * along, axis=-1)
         turning = self.motion.angular_velocity[..., link] ** 2
-        near = [
-            (p, m) for p, m in zip(mass.point_positions, mass.point_masses, strict=True) if p < x
-        ]
-        mass_before = mass.mass_per_length * x + sum(m for _, m in near)
-        first_before = mass.mass_per_length * x**2 / 2 + sum(m * p for p, m in near)
-        beside = mass.mass_per_length * x * mass.offset
+        at_start = np.sum(self.start_force[..., link, :] * along, axis=-1)
         change = self.motion.angular_acceleration[..., link]
-        inertia = -(mass_before * start - first_before * turning - beside * change)
-        tension: FloatArray = -np.sum(self.start_force[..., link, :] * along, axis=-1) - inertia
+        mass_before = mass.mass_per_length * place
+        first_before = mass_before * place / 2
+        beside = mass_before * mass.offset
+        for position, point in zip(mass.point_positions, mass.point_masses, strict=True):
+            passed = point * (position < place)
+            mass_before, first_before = mass_before + passed, first_before + passed * position
+        tension: FloatArray = (
+            np.multiply.outer(start, mass_before)
+            - np.multiply.outer(turning, first_before)
+            - np.multiply.outer(change, beside)
+            - at_start[(..., *[None] * place.ndim)]
+        )
         return tension
 
 

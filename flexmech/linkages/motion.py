@@ -79,12 +79,12 @@ class RigidMotion:
     def __repr__(self) -> str:
         return short_repr(self, *shapes(self))
 
-    def at(self, which: NDArray[np.bool_]) -> RigidMotion:
+    def at(self, which: NDArray[np.bool_] | slice) -> RigidMotion:
         """Motion in some of the positions.
 
         Parameters
         ----------
-        which : ndarray of bool, shape (...)
+        which : ndarray of bool, shape (...), or slice
 
         Returns
         -------

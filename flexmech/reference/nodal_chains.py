@@ -66,12 +66,17 @@ def chain_matrix(elements: FloatArray) -> FloatArray:
         With n = p (e + 1).
     """
     count, batch, size = len(elements), elements.shape[-1], elements.shape[1] // 2
-    total = np.zeros((count + 1, size, count + 1, size, batch))
-    # Writeable views of the blocks on the diagonal and beside it.
-    diagonal = np.einsum("ipiqb->ipqb", total)
+    diagonal = np.zeros((count + 1, size, size, batch))
     diagonal[:-1] += elements[:, :size, :size]
     diagonal[1:] += elements[:, size:, size:]
-    np.einsum("ipiqb->ipqb", total[:-1, :, 1:])[:] = elements[:, :size, size:]
-    np.einsum("ipiqb->ipqb", total[1:, :, :-1])[:] = elements[:, size:, :size]
-    order = size * (count + 1)
-    return np.ascontiguousarray(total.reshape(-1, batch).T).reshape(batch, order, order)
+    beside = (elements[:, :size, size:], elements[:, size:, :size])
+    blocks = np.concatenate([diagonal, *beside]).reshape(-1, batch).T
+    first, order = np.arange(count), size * (count + 1)
+    block_row = np.concatenate([np.arange(count + 1), first, first + 1])
+    block_column = np.concatenate([np.arange(count + 1), first + 1, first])
+    inside = np.arange(size)
+    row = size * block_row[:, None, None] + inside[:, None]
+    column = size * block_column[:, None, None] + inside
+    total = np.zeros((batch, order * order))
+    total[:, (order * row + column).ravel()] = blocks
+    return total.reshape(batch, order, order)
