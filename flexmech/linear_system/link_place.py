@@ -65,10 +65,8 @@ class LinkPlace:
         own = target.copy()
         for pair in pairs:
             own[pair] = -1
-        following = [_runs(pair, target[pair]) for pair in pairs]
-        assert all(len(runs) == 1 for runs in following)
         free = np.flatnonzero(own >= 0)
-        return cls(_runs(free, own[free]), [runs[0] for runs in following])
+        return cls(_runs(free, own[free]), [(_pair(pair), _pair(target[pair])) for pair in pairs])
 
     def add(self, total: FloatArray, matrix: FloatArray, pairs: Sequence[TurningPair]) -> None:
         """Add ``Q' X Q`` to a matrix of the linkage; only the following ends turn.
@@ -119,6 +117,14 @@ def _turned(turn: FloatArray, rows: FloatArray) -> FloatArray:
     if rows.ndim == 3:
         return transposed @ rows
     return (transposed.reshape(-1, 2) @ rows).reshape(len(turn), 2, -1)
+
+
+def _pair(numbers: IntArray) -> slice:
+    """Slice of two numbers, in their order."""
+    first, second = (int(n) for n in numbers)
+    step = second - first
+    stop = second + step
+    return slice(first, stop if stop >= 0 else None, step)
 
 
 def _runs(source: IntArray, target: IntArray) -> list[tuple[slice, slice]]:
