@@ -6,6 +6,7 @@ from . import plots as plots
 from . import sections as sections
 from . import studies as studies
 from . import time_domain as time_domain
+from . import verification as verification
 from .analyses import CampbellDiagram as CampbellDiagram
 from .analyses import CouplerPaths as CouplerPaths
 from .analyses import CrankRockerSynthesis as CrankRockerSynthesis
@@ -63,5 +64,7 @@ from .sections import BeamSection as BeamSection
 from .sections import LaminateSection as LaminateSection
 from .studies import CompositeStudy as CompositeStudy
 from .studies import study_composites as study_composites
+from .verification import Verification as Verification
+from .verification import verify as verify
 
 __version__: str

@@ -13,7 +13,8 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
-from flexmech import BeamSection, Mechanism, RotatingArm, load_mechanism
+from flexmech import Mechanism, load_mechanism
+from flexmech.verification.methods.frequencies import unit_arm as make_unit_arm
 
 # Five minutes on two cores for the whole suite; --hypothesis-profile=thorough draws more.
 settings.register_profile("quick", max_examples=30)
@@ -73,16 +74,4 @@ def mechanisms(aluminium: Mechanism, steel: Mechanism) -> dict[str, Mechanism]:
 @pytest.fixture(scope="session")
 def unit_arm():
     """Arm of unit length, mass and bending stiffness: speeds and frequencies without unit."""
-
-    def make(slenderness: float, hub_radius: float = 0.0) -> Mechanism:
-        section = BeamSection(
-            axial_stiffness=slenderness**2,
-            bending_stiffness=1.0,
-            shear_stiffness=slenderness**2 / 3,
-            mass_per_length=1.0,
-            rotary_inertia=slenderness**-2,
-            in_plane_thickness=0.01,
-        )
-        return Mechanism(RotatingArm(1.0, hub_radius), {"arm": section})
-
-    return make
+    return make_unit_arm

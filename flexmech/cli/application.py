@@ -29,6 +29,7 @@ from flexmech.cli.stopping import Stopped, interrupted_line
 from flexmech.cli.streams import check_streams
 from flexmech.cli.study import study_app
 from flexmech.cli.synthesize import synthesize
+from flexmech.cli.verify import verify
 from flexmech.errors import FlexmechError, InputError, one_line
 
 # In the order of the help. The docstring of a command is what its help says.
@@ -42,6 +43,7 @@ DELIVERING: tuple[Callable[..., None], ...] = (
     section,
     synthesize,
     check,
+    verify,
 )
 WRITING: tuple[Callable[..., None], ...] = (new, schema)
 

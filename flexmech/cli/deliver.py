@@ -36,7 +36,7 @@ def deliver(
     further: Callable[[Found, Path, LabelledProgress | None], list[Path]] | None = None,
     remark: str = "",
     saving: Mapping[str, Any] | None = None,
-) -> None:
+) -> Found:
     """Compute a result, write its files and print its summary.
 
     Parameters
@@ -60,6 +60,10 @@ def deliver(
         Line before all others.
     saving : mapping, optional
         Further options of the result's own way to save.
+
+    Returns
+    -------
+    Result
 
     Raises
     ------
@@ -92,6 +96,7 @@ def deliver(
             files = [out / file.relative_to(whole) for file in files]
     lines = () if out is None else _file_lines(out, files, kind.file_patterns(PICTURE_FORMATS))
     Report(summary, tuple(files), lines, remark).print()
+    return result
 
 
 def _file_lines(out: Path, files: list[Path], patterns: Iterable[str]) -> tuple[str, ...]:

@@ -267,6 +267,9 @@ Ground = Annotated[
     ),
 ]
 
+# The verification.
+Thorough = Annotated[bool, Option("--thorough", help="With the cases that take longer.")]
+
 # Model files and their schema.
 _KINDS_AND_EXAMPLES = (*get_args(choices.TemplateKind), *example_names())
 KindOrExample = Annotated[

@@ -43,4 +43,5 @@ from .style import page_width as page_width
 from .style import publication_style as publication_style
 from .style import save_figure as save_figure
 from .transmission_angle import plot_transmission_angle as plot_transmission_angle
+from .verification import plot_verification as plot_verification
 from .vibration_effect import plot_vibration_effect as plot_vibration_effect

@@ -17,11 +17,10 @@ from flexmech.materials.moisture.series import (
     FOURIER_OF_CHANGE,
     SMALLEST,
     TERMS,
-    early_uptake,
-    remaining_uptake,
 )
 from flexmech.materials.moisture.unit_slab import diffusion_length, fourier_number
 from flexmech.types import FloatArray
+from flexmech.verification.methods.moisture import slab_uptake
 
 
 def slab_profile(
@@ -42,16 +41,6 @@ def slab_profile(
     depth = _depths(place, thickness, faces)
     fourier = fourier_number(time, length, diffusivity)
     return surface + (initial - surface) * _remaining_profile(depth, fourier)
-
-
-def slab_uptake(
-    time: ArrayLike, thickness: float, diffusivity: float, *, faces: Faces = "both"
-) -> FloatArray:
-    """Part of its final change that the mean of a slab has made: Crank's eqs. 4.18 and 4.20."""
-    length = diffusion_length(thickness, diffusivity, faces)
-    fourier = fourier_number(time, length, diffusivity)
-    early = fourier < FOURIER_OF_CHANGE
-    return np.where(early, early_uptake(fourier), 1 - remaining_uptake(fourier))
 
 
 def bar_profile(

@@ -10,6 +10,7 @@ import scipy.linalg
 import scipy.sparse.linalg
 from numpy.typing import NDArray
 
+from flexmech import example_model, load_mechanism
 from flexmech.analyses import natural_frequencies, strain_energy_damping
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.beams import BEAM_SHAPES, build_chain, compare_theories
@@ -20,7 +21,12 @@ from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
 from flexmech.sections import BeamSection, LaminateSection
-from tests.analytical.plane_elasticity import fourbar_frequencies, free_modes, plane_link
+from flexmech.verification import verification_case
+from flexmech.verification.methods.plane_elasticity import (
+    fourbar_frequencies,
+    free_modes,
+    plane_link,
+)
 
 FloatArray = NDArray[np.float64]
 WIDTH = 0.02
@@ -112,17 +118,16 @@ def test_default_linkage_against_elasticity(name: str) -> None:
     assert 0.6 * bound < 100 * off < bound
 
 
-def test_validation_v14() -> None:
-    """Sandwich four-bar by two-dimensional elasticity, found by others on two meshes."""
-    section = section_of(SANDWICH)
-    sections = dict.fromkeys(("crank", "coupler", "rocker"), section)
-    mechanism = Mechanism(FourBar(0.48, 0.16, 0.48, 0.40), sections)
-    exact = np.array([149.48, 289.31, 411.87, 714.35])
-    assert natural_frequencies(ReferenceEngine(mechanism), 0.0) == pytest.approx(exact, rel=2e-3)
-    assert natural_frequencies(ExudynEngine(mechanism), 0.0) == pytest.approx(exact, rel=0.04)
-    lengths = [0.16, 0.48, 0.40]
-    assert elastic_frequencies(mechanism, SANDWICH, 0.0) == pytest.approx(exact, rel=5e-4)
-    assert lengths == [link.length for link in mechanism.linkage.topology.links]
+def test_sandwich_of_the_verification_is_this_one() -> None:
+    """Its frequencies by others, on two meshes, and by the elasticity of these tests."""
+    mechanism = load_mechanism(example_model("sandwich_fourbar"))
+    layers = mechanism.sections["coupler"].layers
+    assert layers is not None
+    assert layers.laminate.thickness == pytest.approx(SANDWICH.thickness)
+    stored = verification_case("Sandwich four-bar at rest: zigzag beams, reference")
+    exact = elastic_frequencies(mechanism, SANDWICH, 0.0)
+    assert exact == pytest.approx(stored.expected_values(), rel=5e-4)
+    assert ReferenceEngine(mechanism).element == "zigzag"
 
 
 def test_the_first_warping_of_a_solid_rectangle() -> None:

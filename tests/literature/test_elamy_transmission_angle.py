@@ -1,54 +1,42 @@
-"""Transmission angles of Elamy et al. 2023: Table 3, section 2.3 and equations 1-17."""
+"""Transmission angles of Elamy et al. 2023: Table 3, section 2.3 and equations 1-17.
+
+The limits and proportions themselves are cases of the verification.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from flexmech.linkages import FourBar, synthesize_crank_rocker, transmission_design
+from flexmech.linkages import transmission_design
+from flexmech.studies import published_case
+from flexmech.studies.composite_crank_rockers.published import CASES
+from flexmech.verification import verification_case
 
-# Table 3: crank, coupler and rocker over the ground; limits of the transmission angle by
-# equations 2 and 3 in degrees (the text prints 58.26/115.35 for case 1 and 35.65/103.95 for
-# case 2: they do not follow from the table's ratios).
-CASES = {
-    1: ((0.27, 0.83, 0.67), (57.05, 115.29)),
-    2: ((0.42, 1.00, 0.79), (35.41, 104.38)),
-    3: ((0.14, 0.90, 0.46), (70.09, 109.62)),
-    4: ((0.21, 0.91, 0.46), (60.24, 120.46)),
-}
 # Off 0 and 180 degrees, where the arc cosines lose half of the digits.
 TURN = np.radians(np.arange(1.0, 360.0, 7.5))
 
 
-def case(number: int) -> FourBar:
-    return FourBar(1.0, *CASES[number][0])
-
-
 @pytest.mark.parametrize("number", CASES)
-def test_limits_of_the_transmission_angle(number: int) -> None:
-    limits = np.degrees(case(number).transmission_angle_limits())
-    assert limits == pytest.approx(CASES[number][1], abs=5.1e-3)
-    at_ends = np.degrees(case(number).transmission_angle([0.0, np.pi]))
+def test_limits_are_the_angles_at_both_ends(number: int) -> None:
+    limits = np.degrees(published_case(number).transmission_angle_limits())
+    at_ends = np.degrees(published_case(number).transmission_angle([0.0, np.pi]))
     assert at_ends == pytest.approx(limits, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("number", "deviation", "rocker_angle", "ratios"),
-    [(3, 20.0, 100.0, (0.1408, 0.9005, 0.4572)), (4, 30.0, 90.0, (0.2087, 0.9137, 0.4569))],
-)
-def test_table_3_follows_from_equations_11_to_17(
-    number: int, deviation: float, rocker_angle: float, ratios: tuple[float, float, float]
-) -> None:
-    found = synthesize_crank_rocker(np.radians(deviation), np.radians(rocker_angle))
-    proportions = (float(found.crank), float(found.coupler), float(found.rocker))
-    assert proportions == pytest.approx(ratios, abs=5e-5)
-    assert proportions == pytest.approx(CASES[number][0], abs=5e-3)
+@pytest.mark.parametrize("number", [3, 4])
+def test_table_3_follows_from_equations_11_to_17(number: int) -> None:
+    """To the two digits that it prints; a case of the verification holds four."""
+    found = verification_case(f"Proportions of crank-rockers: case {number}").measured_by.values()
+    assert found == pytest.approx(CASES[number], abs=5e-3)
 
 
 @pytest.mark.parametrize(("number", "imbalance"), [(1, 0.0649), (2, 0.4477)])
 def test_cases_1_and_2_do_not_follow_from_equation_11(number: int, imbalance: float) -> None:
     """Of the four cases, 3 and 4 alone lie evenly about 90 degrees."""
-    assert transmission_design(case(number)).imbalance == pytest.approx(imbalance, abs=1e-12)
+    assert transmission_design(published_case(number)).imbalance == pytest.approx(
+        imbalance, abs=1e-12
+    )
 
 
 @pytest.mark.parametrize(("number", "angles"), [(3, (20.0, 100.0)), (4, (30.0, 90.0))])
@@ -56,7 +44,7 @@ def test_cases_3_and_4_tell_what_they_were_designed_for(
     number: int, angles: tuple[float, float]
 ) -> None:
     """As near as proportions that are printed with two digits allow."""
-    design = transmission_design(case(number))
+    design = transmission_design(published_case(number))
     assert np.degrees([design.deviation, design.rocker_angle]) == pytest.approx(angles, abs=0.7)
     assert abs(design.imbalance) < 5e-3
 
@@ -67,7 +55,7 @@ def test_angles_of_equations_4_to_6(number: int) -> None:
 
     With the first branch there, the angles are wrong.
     """
-    linkage = case(number)
+    linkage = published_case(number)
     ground, crank, coupler, rocker = linkage.lengths.values()
     diagonal = np.sqrt(ground**2 + crank**2 - 2 * ground * crank * np.cos(TURN))
 
@@ -94,7 +82,7 @@ def test_angles_of_equations_4_to_6(number: int) -> None:
 def test_velocities_and_accelerations_of_equations_7_to_10(
     number: int, crank_acceleration: float
 ) -> None:
-    linkage, speed = case(number), 3.0
+    linkage, speed = published_case(number), 3.0
     _, crank, coupler, rocker = linkage.lengths.values()
     motion = linkage.motion(TURN, speed, crank_acceleration)
     theta2, theta3, theta4 = motion.angle.T

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from flexmech.hygrothermal import linkage_in_state
+from flexmech.verification import verification_case
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 NAMES = [
@@ -27,16 +28,15 @@ NAMES = [
     "steel_fourbar_frequencies",
     "transmission_angle",
 ]
-# V1, crank angle in deg -> Hz.
-AT_REST = {
-    "steel": {0: [62.025, 127.781, 170.635]},
-    "aluminium": {
-        0: [44.3115, 48.0842, 114.4693],
-        60: [44.4855, 49.4209, 174.797],
-        120: [45.0190, 48.9228, 132.7079],
-        180: [44.9826, 49.2311, 154.1866],
-    },
-}
+
+
+def at_rest(mechanism: str, degrees: int) -> np.ndarray:
+    """V1: three modes, as a case of the verification has them."""
+    case = verification_case(f"Four-bars at rest: {mechanism}, {degrees} deg, reference")
+    return case.expected_values()[:3]
+
+
+ANGLES_AT_REST = {"steel": [0], "aluminium": [0, 60, 120, 180]}
 COARSE_TURN = np.radians(np.arange(0, 361, 60))
 
 
@@ -71,7 +71,8 @@ def test_frequencies(scenario, mechanism, verdict, third_to_others, tmp_path, ca
     main = scenario(f"{mechanism}_fourbar_frequencies").main
     answer = main(tmp_path, crank_angles=COARSE_TURN, elements=8)
     frequency = answer.frequencies.dataset["frequency"].sel(crank_speed=0)
-    for degrees, expected in AT_REST[mechanism].items():
+    for degrees in ANGLES_AT_REST[mechanism]:
+        expected = at_rest(mechanism, degrees)
         found = frequency.sel(crank_angle=np.radians(degrees), method="nearest")
         for engine in ("reference", "exudyn"):
             np.testing.assert_allclose(found.sel(engine=engine), expected, rtol=3e-4)
@@ -90,7 +91,7 @@ def test_mode_shapes(scenario, tmp_path):
     turn = np.radians([0.0, 13.0, 90.0])
     answers = scenario("mode_shapes").main(tmp_path, crank_angles=turn, elements=8)
     for mechanism, answer in answers.items():
-        np.testing.assert_allclose(answer.frequencies[0], AT_REST[mechanism][0], rtol=3e-4)
+        np.testing.assert_allclose(answer.frequencies[0], at_rest(mechanism, 0), rtol=3e-4)
         assert np.all(answer.mac <= 1 + 1e-12)
         assert np.all(answer.mac[:, 2] > 0.998)
     assert answers["steel"].mac.min() > 0.998
@@ -118,7 +119,7 @@ def test_axial_force_alone(scenario, tmp_path, capsys):
             found = answers[mechanism].at(form, np.radians(degrees), speed)
             np.testing.assert_allclose(found, expected, rtol=3e-4)
     steel, aluminium = answers["steel"], answers["aluminium"]
-    # V2 less V1: (62.1021 - 62.025) / (62.1859 - 62.025), (44.864 - 44.3115) / (45.158 - 44.3115)
+    # V2 less V1.
     assert steel.caught(0.0, 20.0)[0] == pytest.approx(0.479, abs=0.01)
     assert aluminium.caught(0.0, 20.0)[0] == pytest.approx(0.653, abs=0.005)
     assert steel.not_found == []
@@ -210,9 +211,10 @@ def test_coupler_curves(scenario, tmp_path, capsys):
     assert claims["3 and 4"].verdict == "not judged"
     assert claims["all"].verdict == "not reproduced"
     assert "2 % at 100 % relative humidity" in claims["all"].reason
-    # Moisture of the cusp in percent by the paper's one coefficient, as in the test named above.
-    expected = {"5": 0.957922, "8": 5.787376, "10": 0.149440}
-    for figure, percent in expected.items():
+    # Moisture of the cusp in percent by the paper's one coefficient.
+    moistures = verification_case("Cusps on the way from dry to wet, Figures 5, 8 and 10: moisture")
+    for label, percent in zip(moistures.labels, moistures.expected_values(), strict=True):
+        figure = label.removeprefix("Figure ")
         paths = {path.name: found for path, found in answer.transitions[figure]}
         (cusp,) = paths["moistened at +80 K, wet expansion"]
         assert 100 * cusp.parameter == pytest.approx(percent, abs=1e-6)

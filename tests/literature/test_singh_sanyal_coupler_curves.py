@@ -4,7 +4,7 @@ The equations are the paper's with its slips corrected: a swollen length is the 
 one plus the strain (eq. 12), the frame's likewise without moisture, and the constant of the
 coupler's angle has b^2 - c^2. R-914 takes up 7 % of water at a temperature rise of 80 K; its
 coefficients are those of the table, wet. The numbers of crossings were found with them from
-the curves, without the method that is under test.
+the curves, without the method that is under test; the cases of the verification hold them.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from flexmech.linkages import (
     cusp_transitions,
     double_points,
 )
+from flexmech.verification import verification_case
 from tests.analytical.coupler_polylines import crossings, polylines
 from tests.literature.coupler_curve_rows import ROWS, Row
 
@@ -46,7 +47,7 @@ def test_strain_of_saturated_r914() -> None:
 def test_crossings(row: Row, wet: bool) -> None:
     linkage, point = in_state(row, *((RISE, SATURATED) if wet else (0, 0)))
     found = double_points(linkage, point)
-    assert [double.kind for double in found] == ["crunode"] * (row.wet if wet else row.dry)
+    assert [double.kind for double in found] == ["crunode"] * row.crossings(wet=wet)
     for double in found:
         passages = CouplerCurve(linkage, point).position(double.crank_angles)
         assert np.ptp(passages, axis=0).max() < 1e-12 * linkage.ground
@@ -56,39 +57,36 @@ def test_crossings(row: Row, wet: bool) -> None:
     assert crossings(drawn).tolist() == [len(found)]
 
 
-@pytest.mark.parametrize(
-    ("crank_angle", "coupler", "rocker"), [(0.0, 0.77493, -0.77493), (180.0, 2.02411, -2.02411)]
-)
-def test_change_of_the_angles_in_figures_3_and_4(
-    crank_angle: float, coupler: float, rocker: float
-) -> None:
+def test_change_of_the_angles_in_figures_3_and_4() -> None:
     """100, 160, 160 and 200 mm, to the digits that the corrected equations give."""
-    row = Row("3 and 4", 100, 160, 160, 200, 0, 0, 0, 0)
+    case = verification_case("Angles of swollen links, Figures 3 and 4: wet against dry")
+    row = Row("3 and 4", 100, 160, 160, 200, 0, 0)
     dry, wet = (
-        in_state(row, *state)[0].motion(np.radians(crank_angle)).angle
+        in_state(row, *state)[0].motion(np.radians([0.0, 180.0])).angle
         for state in ((0, 0), (RISE, SATURATED))
     )
     change = np.degrees(np.remainder(wet - dry + np.pi, 2 * np.pi) - np.pi)
-    assert change == pytest.approx([0.0, coupler, rocker], abs=5.1e-6)
+    assert change[:, 0] == pytest.approx([0.0, 0.0], abs=case.tolerance)
+    assert change[:, 1:].ravel() == pytest.approx(case.expected_values(), abs=case.tolerance)
 
 
-@pytest.mark.parametrize(
-    ("figure", "moisture", "crank_angle", "appears"),
-    [
-        ("5", 0.957922, 338.281, True),
-        ("8", 5.787376, 210.088, False),
-        ("10", 0.149440, 8.683, True),
-    ],
-)
-def test_moisture_at_which_the_loop_is_a_cusp(
-    figure: str, moisture: float, crank_angle: float, appears: bool
-) -> None:
+@pytest.mark.parametrize(("figure", "appears"), [("5", True), ("8", False), ("10", True)])
+def test_moisture_at_which_the_loop_is_a_cusp(figure: str, appears: bool) -> None:
     """At 80 K from dry to saturated; at a cusp the coupler point stands still."""
+    moisture, crank_angle = (
+        verification_case(f"Cusps on the way from dry to wet, Figures 5, 8 and 10: {quantity}")
+        for quantity in ("moisture", "crank angle")
+    )
+    place = moisture.labels.index(f"Figure {figure}")
     row = next(row for row in ROWS if row.figure == figure)
     (cusp,) = cusp_transitions(lambda m: in_state(row, RISE, m), 0.0, SATURATED)
     assert cusp.kind == "cusp"
-    assert cusp.parameter == pytest.approx(moisture, abs=1e-6)
-    assert np.degrees(cusp.crank_angle) == pytest.approx(crank_angle, abs=1e-3)
+    assert cusp.parameter == pytest.approx(
+        moisture.expected_values()[place], abs=moisture.tolerance
+    )
+    assert np.degrees(cusp.crank_angle) == pytest.approx(
+        crank_angle.expected_values()[place], abs=crank_angle.tolerance
+    )
     assert (cusp.crunodes_before, cusp.crunodes_after) == ((0, 1) if appears else (1, 0))
     curve = CouplerCurve(*in_state(row, RISE, cusp.parameter))
     assert curve.speed(cusp.crank_angle) < 1e-11 * curve.linkage.crank

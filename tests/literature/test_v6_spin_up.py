@@ -1,81 +1,53 @@
-"""V6: spin-up of a flexible beam (Simo & Vu-Quoc 1986; ANSYS verification manual VM258)."""
+"""V6: spin-up of a flexible beam (Simo & Vu-Quoc 1986; ANSYS verification manual VM258).
+
+The cases of the verification hold the deflection, its time and the steady extension.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from flexmech import (
-    BeamSection,
-    ComputationError,
-    ExudynEngine,
-    Mechanism,
-    ReferenceEngine,
-    RotatingArm,
-)
-from flexmech.linkages import CrankDrive
-from flexmech.time_domain import DrivenLinkage, LinkState, linear_run
-
-DRIVE = CrankDrive(6.0, run_up_time=15.0)
-TIME = np.linspace(0.0, 20.0, 4001)
-STEADY_EXTENSION = 5.142857e-4
+from flexmech import ComputationError, ExudynEngine, ReferenceEngine, example_model, load_mechanism
+from flexmech.time_domain import DrivenLinkage, linear_run
+from flexmech.verification import verification_case
+from flexmech.verification.methods.running import SPIN_UP, SPIN_UP_TIME, spin_up_trajectory
 
 
 @pytest.fixture(scope="module")
-def arm() -> Mechanism:
-    section = BeamSection(
-        axial_stiffness=2.8e7,
-        bending_stiffness=1.4e4,
-        shear_stiffness=1.0e7,
-        mass_per_length=1.2,
-        rotary_inertia=6e-4,
-        in_plane_thickness=0.1,
-    )
-    return Mechanism(RotatingArm(10.0), {"arm": section})
-
-
-def linear(arm, level, engine=None):
-    linkage = DrivenLinkage(engine or ReferenceEngine(arm), DRIVE, level)
-    nothing = np.zeros(linkage.size)
-    return linear_run(linkage, nothing, nothing, TIME, 0.005)
-
-
-def tip(engine, trajectory):
-    return np.einsum("cn,bn->bc", engine.links[0].shape[-1], trajectory.displacement[0])
+def arm():
+    return load_mechanism(example_model("spin_up_beam"))
 
 
 def test_drive_is_the_published_one():
     t = np.linspace(0.0, 15.0, 301)
     published = 6 / 15 * (t - 15 / (2 * np.pi) * np.sin(2 * np.pi * t / 15))
-    assert np.allclose(DRIVE.crank_speed(t), published, rtol=0, atol=1e-12)
-    assert DRIVE.crank_speed(17.0) == 6.0
-
-
-def test_linear_reference_with_geometric_stiffness(arm):
-    engine = ReferenceEngine(arm)
-    deflection = tip(engine, linear(arm, "axial"))[:, 1]
-    assert deflection.min() == pytest.approx(-0.57437, rel=1e-4)
-    assert TIME[deflection.argmin()] == pytest.approx(6.760, abs=0.01)
-
-
-def test_steady_extension(arm):
-    engine = ReferenceEngine(arm, component_modes=False)
-    extension = tip(engine, linear(arm, "axial", engine))[TIME > 16, 0]
-    assert extension.mean() == pytest.approx(STEADY_EXTENSION, rel=5e-4)
+    assert np.allclose(SPIN_UP.crank_speed(t), published, rtol=0, atol=1e-12)
+    assert SPIN_UP.crank_speed(17.0) == 6.0
 
 
 def test_without_geometric_stiffness_it_diverges(arm):
+    linkage = DrivenLinkage(ReferenceEngine(arm), SPIN_UP, "none")
+    nothing = np.zeros(linkage.size)
     with pytest.raises(ComputationError, match="diverges"):
-        linear(arm, "none")
+        linear_run(linkage, nothing, nothing, SPIN_UP_TIME, 0.005)
 
 
 @pytest.mark.parametrize("element", ["ancf", "geometrically-exact"])
 def test_exudyn(arm, element):
     elements = {"ancf": 4, "geometrically-exact": 8}[element]
     engine = ExudynEngine(arm, elements=elements, element=element)
-    trajectory = engine.simulate(DRIVE, LinkState.rigid(engine.links), TIME, 0.0025)
-    deflection = tip(engine, trajectory)
-    assert deflection[:, 1].min() == pytest.approx(-0.57437, rel=1e-2)
-    assert TIME[deflection[:, 1].argmin()] == pytest.approx(6.760, abs=0.05)
-    foreshortening = deflection[TIME > 16, 0].mean()
-    assert foreshortening == pytest.approx(STEADY_EXTENSION, rel=2e-2)
+    run = spin_up_trajectory(engine, 0.0025)
+    tip = np.einsum("cn,bn->bc", engine.links[0].shape[-1], run.displacement[0])
+    least, extension = tip[:, 1].min(), tip[SPIN_UP_TIME > 16, 0].mean()
+    least_case, time_case = (
+        verification_case(f"Spin-up of a flexible beam, {what}: geometrically nonlinear, exudyn")
+        for what in ("least deflection of the tip", "time of the least deflection")
+    )
+    (steady,) = verification_case(
+        "Steady rotation of a flexible beam: 6 rad/s, reference"
+    ).expected_values()
+    assert least == pytest.approx(least_case.expected_values()[0], rel=least_case.tolerance)
+    time = SPIN_UP_TIME[tip[:, 1].argmin()]
+    assert time == pytest.approx(time_case.expected_values()[0], abs=time_case.tolerance)
+    assert extension == pytest.approx(steady, rel=2e-2)

@@ -51,6 +51,7 @@ ORDER = [
     "multibody",
     "analyses",
     "studies",
+    "verification",
     "cli",
     "__main__",
 ]

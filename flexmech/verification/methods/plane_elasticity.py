@@ -19,6 +19,8 @@ from skfem.helpers import sym_grad
 
 from flexmech.materials import Laminate
 
+__all__ = ["PlaneLink", "fourbar_frequencies", "free_modes", "plane_link"]
+
 FloatArray = NDArray[np.float64]
 # Of the lowest frequencies squared, below which a free link's rigid motions are.
 SHIFT = -1e3
@@ -26,7 +28,17 @@ SHIFT = -1e3
 
 @dataclass(frozen=True)
 class PlaneLink:
-    """One link: places of its coordinates (2, n), which of them are along it, and matrices."""
+    """One link in its own axes.
+
+    Parameters
+    ----------
+    place : ndarray, shape (2, n)
+        Of its coordinates, in m.
+    is_along : ndarray of bool, shape (n,)
+        Which of them are displacements along the link.
+    stiffness_of_layers : list of sparse matrix, shape (n, n)
+    mass : sparse matrix, shape (n, n)
+    """
 
     place: FloatArray
     is_along: NDArray[np.bool_]
@@ -35,11 +47,25 @@ class PlaneLink:
 
     @property
     def stiffness(self) -> Any:
+        """Matrix of all layers, sparse."""
         return sum(self.stiffness_of_layers[1:], self.stiffness_of_layers[0])
 
 
 def plane_link(laminate: Laminate, width: float, length: float, elements: int) -> PlaneLink:
-    """Layers of plies along the link, thick ones in several elements; shorter ones at the ends."""
+    """Layers of plies along the link, thick ones in several elements; shorter ones at the ends.
+
+    Parameters
+    ----------
+    laminate : Laminate
+    width, length : float
+        In m.
+    elements : int
+        Along the link.
+
+    Returns
+    -------
+    PlaneLink
+    """
     faces = laminate.boundaries
     parts = np.maximum(1, np.round(4 * np.diff(faces) / laminate.thickness)).astype(int)
     layers = zip(faces[:-1], faces[1:], parts, strict=True)
@@ -66,18 +92,29 @@ def plane_link(laminate: Laminate, width: float, length: float, elements: int) -
 
 
 def _elastic(basis: Any, inside: Any, xx: float, xy: float, yy: float, shear: float) -> Any:
-    @BilinearForm
     def form(u: Any, v: Any, w: Any) -> Any:
         e, f = sym_grad(u), sym_grad(v)
         mixed = e[0, 0] * f[1, 1] + e[1, 1] * f[0, 0]
         normal = xx * e[0, 0] * f[0, 0] + xy * mixed + yy * e[1, 1] * f[1, 1]
         return inside * (normal + 4 * shear * e[0, 1] * f[0, 1])
 
-    return form.assemble(basis)
+    return BilinearForm(form).assemble(basis)
 
 
 def free_modes(link: PlaneLink, count: int) -> tuple[FloatArray, FloatArray]:
-    """Frequencies in Hz and shapes of a free link, without its rigid motions."""
+    """Frequencies and shapes of a free link, without its rigid motions.
+
+    Parameters
+    ----------
+    link : PlaneLink
+    count : int
+
+    Returns
+    -------
+    ndarray, shape (count,)
+        In Hz.
+    ndarray, shape (n, count)
+    """
     squares, shapes = scipy.sparse.linalg.eigsh(link.stiffness, count + 3, link.mass, sigma=SHIFT)
     order = np.argsort(squares)[3:]
     return np.sqrt(squares[order]) / (2 * np.pi), shapes[:, order]
@@ -89,6 +126,17 @@ def fourbar_frequencies(
     """Frequencies in Hz of crank (clamped), coupler and rocker at angles against the ground.
 
     Every end face moves as a rigid one: by the displacement of its joint, and a rotation.
+
+    Parameters
+    ----------
+    links : sequence of PlaneLink
+    angles, lengths : sequence of float
+        Of the links, in rad and m.
+    count : int
+
+    Returns
+    -------
+    ndarray, shape (count,)
     """
     # Joints O2, A, B, O4: two displacements of A and of B; rotations of the crank's end at A,
     # of both ends of coupler and rocker.

@@ -1,0 +1,193 @@
+"""Laminates, beams of them, and linkages of such beams."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import Any, cast
+
+import numpy as np
+import scipy.linalg
+
+from flexmech.analyses import natural_frequencies
+from flexmech.beams import BEAM_SHAPES, build_chain
+from flexmech.linkages import LinkMass
+from flexmech.materials import (
+    Fibre,
+    Laminate,
+    Matrix,
+    Ply,
+    Rule,
+    ply_from_constituents,
+    published_constituents,
+)
+from flexmech.reference import ReferenceEngine
+from flexmech.sections import BeamSection, LaminateSection
+from flexmech.studies import composite_crank_rocker, position_angles, published_case
+from flexmech.studies.composite_crank_rockers.published import CASES, LAMINATES
+from flexmech.types import FloatArray
+
+__all__ = [
+    "flexural_moduli",
+    "khdeir_reddy_beams",
+    "laminate_stiffness",
+    "lowest_case",
+    "order_of_laminates",
+]
+
+# Khdeir & Reddy: E1 = 40 E2, G12 = G13 = 0.6 E2, G23 = 0.5 E2, nu12 = 0.25.
+ACROSS = 1e9
+DENSITY = 1000.0
+KHDEIR_REDDY_PLY = Ply(40 * ACROSS, ACROSS, 0.6 * ACROSS, 0.6 * ACROSS, 0.5 * ACROSS, 0.25, DENSITY)
+THICKNESS, ELEMENTS = 0.02, 16
+
+
+def laminate_stiffness(
+    *,
+    ply: Mapping[str, Any],
+    ply_thickness: float,
+    angles: Sequence[float],
+    order: int,
+) -> FloatArray:
+    """One of the stiffness matrices A, B and D of a laminate.
+
+    Parameters
+    ----------
+    ply : mapping of str to float
+        Constants of :class:`flexmech.materials.Ply`.
+    ply_thickness : float
+        In m.
+    angles : sequence of float
+        Of the fibres in each layer, in deg.
+    order : int
+        0, 1 and 2 are A, B and D.
+
+    Returns
+    -------
+    ndarray, shape (3, 3)
+        In N/m, N and N m.
+    """
+    layers = [Ply(**ply)] * len(angles)
+    laminate = Laminate.stacked(layers, ply_thickness, np.radians(angles).tolist())
+    return laminate.stiffness_moment(order)
+
+
+def flexural_moduli(
+    *, stacks: Sequence[str], rule: Rule, fibre_volume_fraction: float
+) -> FloatArray:
+    """Flexural moduli of stacks of carbon (C) and glass (G) plies in polyester.
+
+    Parameters
+    ----------
+    stacks : sequence of str
+        Such as ``"CCGCC"``.
+    rule : str
+        Of micromechanics.
+    fibre_volume_fraction : float
+
+    Returns
+    -------
+    ndarray, shape (n_stacks,)
+        In GPa.
+    """
+    known, moduli = published_constituents(), []
+    matrix = cast(Matrix, known["polyester"])
+    plies = {
+        letter: ply_from_constituents(cast(Fibre, known[name]), matrix, fibre_volume_fraction, rule)
+        for letter, name in (("C", "carbon"), ("G", "E-glass"))
+    }
+    for stack in stacks:
+        laminate = Laminate.stacked([plies[letter] for letter in stack], 1e-3, [0.0] * len(stack))
+        a, b, d = (laminate.stiffness_moment(order) for order in (0, 1, 2))
+        flexibility = np.linalg.inv(np.block([[a, b], [b, d]]))
+        moduli.append(12 / (laminate.thickness**3 * flexibility[3, 3]) / 1e9)
+    return np.array(moduli)
+
+
+def khdeir_reddy_beams(
+    *, angles: Sequence[float], slenderness: Sequence[float], supports: Sequence[str], element: str
+) -> FloatArray:
+    """Fundamental frequencies of cross-ply beams, w L^2 / h sqrt(rho / E2).
+
+    Parameters
+    ----------
+    angles : sequence of float
+        Of the layers, in deg.
+    slenderness : sequence of float
+        Length over thickness.
+    supports : sequence of {"SS", "CF", "CC"}
+        Simple supports and free ends let the beam stretch.
+    element : str
+        Of the reference engine.
+
+    Returns
+    -------
+    ndarray, shape (n_slenderness, n_supports)
+    """
+    layers = [KHDEIR_REDDY_PLY] * len(angles)
+    laminate = Laminate.stacked(layers, THICKNESS / len(angles), np.radians(angles).tolist())
+    section = BeamSection.of_laminate(LaminateSection(laminate, THICKNESS / 2, "wide"))
+    return np.array(
+        [
+            [_fundamental(section, ratio, ends, element) for ends in supports]
+            for ratio in slenderness
+        ]
+    )
+
+
+def _fundamental(section: BeamSection, slenderness: float, ends: str, element: str) -> float:
+    length = slenderness * THICKNESS
+    mass = LinkMass(length, section.mass_per_length)
+    model = build_chain("beam", section, mass, ELEMENTS, BEAM_SHAPES[element]).model
+    clamped = [*model.start, *model.start_rotation]
+    held = {
+        "SS": [model.start[1], model.end[1]],
+        "CF": clamped,
+        "CC": [*clamped, *model.end, *model.end_rotation],
+    }[ends]
+    free = np.setdiff1d(np.arange(model.size), held)
+    grid = np.ix_(free, free)
+    squares = scipy.linalg.eigvalsh(model.stiffness[grid], model.mass[grid])
+    # A simply supported beam that may slide has a rigid motion first.
+    square = squares[1 if ends == "SS" else 0]
+    return float(np.sqrt(square) * length**2 / THICKNESS * np.sqrt(DENSITY / ACROSS))
+
+
+@cache
+def _frequencies_at_90_degrees(case: int) -> FloatArray:
+    """Fundamental frequencies of all laminates of a case, transmission angle 90 deg; (6,)."""
+    angle = position_angles(published_case(case))[1]
+    return np.array(
+        [
+            natural_frequencies(
+                ReferenceEngine(
+                    composite_crank_rocker(case, laminate, "unidirectional"), 8, "euler"
+                ),
+                angle,
+                modes=1,
+            )[0]
+            for laminate in LAMINATES
+        ]
+    )
+
+
+def order_of_laminates(*, cases: Sequence[int]) -> FloatArray:
+    """Number of each laminate of Elamy et al. 2023, from the highest frequency to the lowest.
+
+    Parameters
+    ----------
+    cases : sequence of int
+        Linkages of Table 3; the transmission angle is 90 deg.
+
+    Returns
+    -------
+    ndarray, shape (n_cases, 6)
+    """
+    return np.array([1 + np.argsort(-_frequencies_at_90_degrees(case)) for case in cases], float)
+
+
+def lowest_case() -> FloatArray:
+    """Number of the linkage of Table 3 with the lowest frequency, for each laminate; (6,)."""
+    cases = np.array(list(CASES), dtype=float)
+    by_case = np.array([_frequencies_at_90_degrees(case) for case in CASES])
+    return np.asarray(cases[np.argmin(by_case, axis=0)])

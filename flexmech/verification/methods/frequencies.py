@@ -1,0 +1,163 @@
+"""Natural frequencies of linkages and rotating arms, and closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.optimize import brentq
+
+from flexmech.analyses import natural_frequencies
+from flexmech.choices import ElementName, EngineName, Prestress
+from flexmech.linkages import RotatingArm
+from flexmech.mechanism import Mechanism
+from flexmech.sections import BeamSection
+from flexmech.types import FloatArray
+from flexmech.verification.methods.engines import SLENDER, engine_of_name, example
+
+__all__ = [
+    "cantilever_frequencies",
+    "four_bar_frequencies",
+    "rotating_arm_frequencies",
+    "unit_arm",
+]
+
+
+def four_bar_frequencies(
+    *,
+    model: str,
+    engine: EngineName,
+    elements: int,
+    crank_angles: Sequence[float],
+    modes: int,
+    crank_speed: float = 0.0,
+    prestress: Prestress = "equilibrium",
+    rotation_terms: bool = True,
+    element: ElementName | None = None,
+) -> FloatArray:
+    """Natural frequencies of an example model.
+
+    Parameters
+    ----------
+    model : str
+        Name of the example.
+    engine : {"reference", "exudyn"}
+    elements : int
+        On each link.
+    crank_angles : sequence of float
+        In deg.
+    modes : int
+    crank_speed : float
+        In rad/s.
+    prestress : {"none", "axial", "equilibrium"}
+    rotation_terms : bool
+    element : str, optional
+        By default that of slender links, of either engine.
+
+    Returns
+    -------
+    ndarray, shape (n_angles, modes)
+        In Hz.
+    """
+    chosen = engine_of_name(engine, example(model), elements, element=element or SLENDER[engine])
+    return natural_frequencies(
+        chosen,
+        np.radians(crank_angles),
+        crank_speed,
+        modes=modes,
+        prestress=prestress,
+        rotation_terms=rotation_terms,
+    )
+
+
+def unit_arm(slenderness: float, hub_radius: float = 0.0) -> Mechanism:
+    """Arm of unit length, mass and bending stiffness: speeds and frequencies without unit.
+
+    Parameters
+    ----------
+    slenderness : float
+        Root of A L^2 / I.
+    hub_radius : float
+        Over the length.
+
+    Returns
+    -------
+    Mechanism
+    """
+    section = BeamSection(
+        axial_stiffness=slenderness**2,
+        bending_stiffness=1.0,
+        shear_stiffness=slenderness**2 / 3,
+        mass_per_length=1.0,
+        rotary_inertia=slenderness**-2,
+        in_plane_thickness=0.01,
+    )
+    return Mechanism(RotatingArm(1.0, hub_radius), {"arm": section})
+
+
+def rotating_arm_frequencies(
+    *,
+    engine: EngineName,
+    elements: int,
+    slenderness: float,
+    speeds: Sequence[float],
+    prestress: Prestress,
+    rotation_terms: bool,
+    hub_radius: float = 0.0,
+    modes: int = 1,
+    component_modes: bool = False,
+) -> FloatArray:
+    """Natural frequencies of a rotating arm over the root of EI / (rho A L^4).
+
+    Parameters
+    ----------
+    engine : {"reference", "exudyn"}
+    elements : int
+    slenderness : float
+        Root of A L^2 / I.
+    speeds : sequence of float
+        Over the same root.
+    prestress : {"none", "axial", "equilibrium"}
+    rotation_terms : bool
+        Without them it is the flapping out of the plane of rotation.
+    hub_radius : float
+        Over the length.
+    modes : int
+    component_modes : bool
+
+    Returns
+    -------
+    ndarray, shape (n_speeds, modes)
+    """
+    chosen = engine_of_name(
+        engine, unit_arm(slenderness, hub_radius), elements, component_modes=component_modes
+    )
+    found = natural_frequencies(
+        chosen,
+        0.0,
+        np.asarray(speeds, dtype=float),
+        modes=modes,
+        prestress=prestress,
+        rotation_terms=rotation_terms,
+    )
+    return np.asarray(2 * np.pi * found)
+
+
+def cantilever_frequencies(*, modes: int) -> FloatArray:
+    """Closed form of the clamped beam at rest: squares of the roots of cos x cosh x = -1.
+
+    Parameters
+    ----------
+    modes : int
+
+    Returns
+    -------
+    ndarray, shape (modes,)
+        Angular frequencies over the root of EI / (rho A L^4).
+    """
+    # Divided by cosh x, so that large roots do not overflow.
+    roots = [
+        brentq(lambda x: np.cos(x) + 1 / np.cosh(x), n * np.pi, (n + 1) * np.pi)
+        for n in range(modes)
+    ]
+    return np.square(roots)

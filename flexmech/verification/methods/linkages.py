@@ -1,0 +1,236 @@
+"""Rigid linkages: crossings of coupler curves, swollen links, transmission angles, synthesis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from flexmech.errors import ComputationError, InputError
+from flexmech.hygrothermal import (
+    HygrothermalState,
+    coupler_point_in_state,
+    linkage_in_state,
+)
+from flexmech.linkages import (
+    CouplerPoint,
+    CuspTransition,
+    FourBar,
+    cusp_transitions,
+    double_points,
+    synthesize_crank_rocker,
+)
+from flexmech.studies import published_case
+from flexmech.types import FloatArray
+from flexmech.verification.methods.engines import example
+
+__all__ = [
+    "crank_rocker_proportions",
+    "crunodes",
+    "cusp_angles",
+    "cusp_moistures",
+    "swelling_of_angles",
+    "swollen",
+    "transmission_angle_limits",
+]
+
+
+def crunodes(
+    *, models: Sequence[str], temperature_rise: float = 0.0, moisture: float = 0.0
+) -> FloatArray:
+    """How often coupler curves of example models cross themselves.
+
+    Parameters
+    ----------
+    models : sequence of str
+        Names of the examples.
+    temperature_rise : float
+        In K.
+    moisture : float
+        Of every resin: mass of water over its dry mass.
+
+    Returns
+    -------
+    ndarray, shape (n_models,)
+    """
+    state = HygrothermalState(temperature_rise, moisture)
+    counts = []
+    for name in models:
+        mechanism, point = example(name), _point(name)
+        found = double_points(
+            linkage_in_state(mechanism, state), coupler_point_in_state(mechanism, point, state)
+        )
+        counts.append(sum(double.kind == "crunode" for double in found))
+    return np.array(counts, dtype=float)
+
+
+def swelling_of_angles(
+    *, model: str, crank_angles: Sequence[float], temperature_rise: float, moisture: float
+) -> FloatArray:
+    """By how much coupler and rocker of an example model turn as its links swell.
+
+    Parameters
+    ----------
+    model : str
+    crank_angles : sequence of float
+        In deg.
+    temperature_rise : float
+        In K.
+    moisture : float
+        Mass of water over the resin's dry mass.
+
+    Returns
+    -------
+    ndarray, shape (n_angles, 2)
+        In deg.
+    """
+    mechanism = example(model)
+    dry, wet = (
+        linkage_in_state(mechanism, state).motion(np.radians(crank_angles)).angle[:, 1:]
+        for state in (HygrothermalState(), HygrothermalState(temperature_rise, moisture))
+    )
+    return np.asarray(np.degrees(np.remainder(wet - dry + np.pi, 2 * np.pi) - np.pi))
+
+
+def swollen(
+    linkage: FourBar, point: CouplerPoint, link_strain: float, frame_strain: float
+) -> tuple[FourBar, CouplerPoint]:
+    """Swell all links alike, and the frame by itself.
+
+    Singh & Sanyal 2022, eq. 12, corrected: a swollen length is the dry one times one plus the
+    strain.
+
+    Parameters
+    ----------
+    linkage : FourBar
+    point : CouplerPoint
+        Swells along with the coupler.
+    link_strain, frame_strain : float
+
+    Returns
+    -------
+    FourBar, CouplerPoint
+    """
+    links = {name: (1 + link_strain) * length for name, length in linkage.lengths.items()}
+    lengths = {**links, "ground": (1 + frame_strain) * linkage.ground}
+    return FourBar(**lengths, branch=linkage.branch), point.scaled(1 + link_strain)
+
+
+def cusp_moistures(*, models: Sequence[str], **state: float) -> FloatArray:
+    """Moisture in percent at which the loop of each example's coupler curve is a cusp.
+
+    Further settings are expansions, the temperature rise and the saturation.
+
+    Parameters
+    ----------
+    models : sequence of str
+
+    Returns
+    -------
+    ndarray, shape (n_models,)
+    """
+    return np.array([_cusp(name, **state).parameter for name in models])
+
+
+def cusp_angles(*, models: Sequence[str], **state: float) -> FloatArray:
+    """Crank angle at which the loop of each example's coupler curve is a cusp.
+
+    Further settings are those of :func:`cusp_moistures`.
+
+    Parameters
+    ----------
+    models : sequence of str
+
+    Returns
+    -------
+    ndarray, shape (n_models,)
+        In deg.
+    """
+    return np.degrees([_cusp(name, **state).crank_angle for name in models])
+
+
+def _cusp(
+    name: str,
+    *,
+    thermal_expansion: float,
+    moisture_expansion: float,
+    temperature_rise: float,
+    saturation: float,
+) -> CuspTransition:
+    """The one cusp on the way from hot and dry to saturated, by the paper's one coefficient.
+
+    Parameters
+    ----------
+    name : str
+        Of the example.
+    thermal_expansion : float
+        Of links and frame, per K.
+    moisture_expansion : float
+        Of the links, per percent of water.
+    temperature_rise : float
+        In K.
+    saturation : float
+        Moisture at the end, in percent.
+
+    Returns
+    -------
+    CuspTransition
+    """
+    linkage, point = _four_bar(name), _point(name)
+    heat = thermal_expansion * temperature_rise
+    found = cusp_transitions(
+        lambda moisture: swollen(linkage, point, heat + moisture_expansion * moisture, heat),
+        0.0,
+        saturation,
+    )
+    if len(found) != 1:
+        raise ComputationError(f"{name}: {len(found)} cusps were found where one is expected")
+    return found[0]
+
+
+def _four_bar(name: str) -> FourBar:
+    linkage = example(name).linkage
+    if not isinstance(linkage, FourBar):
+        raise InputError(f"{name}: a four-bar is needed")
+    return linkage
+
+
+def _point(name: str) -> CouplerPoint:
+    point = example(name).coupler_point
+    if point is None:
+        raise InputError(f"{name}: the model names no coupler_point")
+    return point
+
+
+def transmission_angle_limits(*, cases: Sequence[int]) -> FloatArray:
+    """Limits of the transmission angle of linkages of Elamy et al. 2023 by their equations 2, 3.
+
+    Parameters
+    ----------
+    cases : sequence of int
+        Of Table 3.
+
+    Returns
+    -------
+    ndarray, shape (n_cases, 2)
+        In deg.
+    """
+    return np.degrees([published_case(case).transmission_angle_limits() for case in cases])
+
+
+def crank_rocker_proportions(*, deviation: float, rocker_angle: float) -> FloatArray:
+    """Crank, coupler and rocker over the ground by equations 11 to 17 of Elamy et al. 2023.
+
+    Parameters
+    ----------
+    deviation : float
+        Of the transmission angle from 90 deg, in deg.
+    rocker_angle : float
+        At crank angle zero, in deg.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+    """
+    found = synthesize_crank_rocker(np.radians(deviation), np.radians(rocker_angle))
+    return np.array([found.crank, found.coupler, found.rocker], dtype=float)

@@ -1,0 +1,287 @@
+"""Linkages that run: deflections over a turn, and the spin-up of an arm."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+from importlib import resources
+
+import numpy as np
+import pandas as pd
+
+from flexmech.analyses import deflections
+from flexmech.analyses.response import ResponseRequest, response
+from flexmech.choices import EngineName
+from flexmech.linear_system import Engine
+from flexmech.linkages import CrankDrive
+from flexmech.mechanism import Mechanism
+from flexmech.multibody import ExudynEngine
+from flexmech.reference import ReferenceEngine
+from flexmech.time_domain import DrivenLinkage, LinkState, Trajectory, linear_run, periodic_state
+from flexmech.types import FloatArray
+from flexmech.verification.methods.engines import engine_of_name, example
+
+__all__ = [
+    "SPIN_UP",
+    "SPIN_UP_TIME",
+    "deflection_history",
+    "periodic_deflection",
+    "running_deflection",
+    "settled_deflection",
+    "spin_up_deflection",
+    "spin_up_extension",
+    "spin_up_time",
+    "spin_up_trajectory",
+    "stored_deflection",
+]
+
+SAMPLES = 360
+SPIN_UP = CrankDrive(6.0, run_up_time=15.0)
+"""Drive of Simo & Vu-Quoc 1986: to 6 rad/s within 15 s."""
+SPIN_UP_TIME = np.linspace(0.0, 20.0, 4001)
+STEADY_FROM = 16.0
+
+
+def deflection_history() -> pd.DataFrame:
+    """Deflection of the aluminium four-bar's coupler by MBDyn and OpenSees, as stored."""
+    folder = resources.files("flexmech.verification") / "data"
+    text = folder.joinpath("aluminium_20_rad_s_history.csv").read_text(encoding="utf-8")
+    return pd.read_csv(io.StringIO(text), comment="#")
+
+
+def stored_deflection(*, program: str, every: int) -> FloatArray:
+    """Deflection of the coupler's middle by another program.
+
+    Parameters
+    ----------
+    program : {"mbdyn", "opensees"}
+    every : int
+        In deg of the crank angle.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        In mm.
+    """
+    column = deflection_history()[f"{program}_mm"].dropna()
+    return np.asarray(column.to_numpy(dtype=float)[::every])
+
+
+def running_deflection(
+    *, model: str, engine: EngineName, crank_speed: float, every: int, elements: int = 8
+) -> FloatArray:
+    """Deflection of the coupler's middle in the first turn from undeformed links.
+
+    Parameters
+    ----------
+    model : str
+    engine : {"reference", "exudyn"}
+    crank_speed : float
+        In rad/s.
+    every : int
+        In deg of the crank angle.
+    elements : int
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        In mm.
+    """
+    request = ResponseRequest(CrankDrive(crank_speed), revolutions=1, samples=SAMPLES)
+    run = response(engine_of_name(engine, example(model), elements), request)
+    return np.asarray(1e3 * run.dataset["deflection"].isel(engine=0).sel(link="coupler"))[::every]
+
+
+def _damped(model: str, damping_time: float) -> Mechanism:
+    mechanism = example(model)
+    sections = mechanism.sections.items()
+    return replace(mechanism, sections={k: s.with_damping_time(damping_time) for k, s in sections})
+
+
+def _turn(drive: CrankDrive) -> FloatArray:
+    return np.asarray(drive.revolution_time / SAMPLES * np.arange(SAMPLES + 1))
+
+
+def settled_deflection(
+    *,
+    model: str,
+    damping_time: float,
+    crank_speed: float,
+    turns: int,
+    steps: int,
+    links: Sequence[int],
+    every: int,
+) -> FloatArray:
+    """Deflections in the last of some turns of a damped simulation in Exudyn.
+
+    Parameters
+    ----------
+    model : str
+    damping_time : float
+        Kelvin-Voigt, of all links, in s.
+    crank_speed : float
+        In rad/s.
+    turns, steps : int
+        Number of turns, and time steps in each.
+    links : sequence of int
+    every : int
+        In deg of the crank angle.
+
+    Returns
+    -------
+    ndarray, shape (n_links, n)
+        In mm.
+    """
+    drive = CrankDrive(crank_speed)
+    engine = ExudynEngine(_damped(model, damping_time))
+    time = (turns - 1) * drive.revolution_time + _turn(drive)
+    run = engine.simulate(drive, LinkState.rigid(engine.links), time, drive.revolution_time / steps)
+    return _sampled(engine, run, links, every)
+
+
+def periodic_deflection(
+    *,
+    model: str,
+    damping_time: float,
+    crank_speed: float,
+    steps: int,
+    links: Sequence[int],
+    every: int,
+) -> FloatArray:
+    """Deflections of the periodic motion that the reference engine solves for directly.
+
+    Parameters
+    ----------
+    model : str
+    damping_time : float
+        Kelvin-Voigt, of all links, in s.
+    crank_speed : float
+        In rad/s.
+    steps : int
+        Time steps a turn.
+    links : sequence of int
+    every : int
+        In deg of the crank angle.
+
+    Returns
+    -------
+    ndarray, shape (n_links, n)
+        In mm.
+    """
+    drive = CrankDrive(crank_speed)
+    engine = ReferenceEngine(_damped(model, damping_time))
+    linkage = DrivenLinkage(engine, drive, "equilibrium")
+    start = periodic_state(linkage, steps)
+    run = linear_run(
+        linkage, start.position, start.velocity, _turn(drive), drive.revolution_time / steps
+    )
+    return _sampled(engine, run, links, every)
+
+
+def _sampled(engine: Engine, run: Trajectory, links: Sequence[int], every: int) -> FloatArray:
+    curves = 1e3 * deflections(engine, run)[::every]
+    # The last sample of a turn is the first one of the next.
+    return np.asarray(curves[:-1].T[list(links)])
+
+
+def spin_up_trajectory(engine: Engine, step: float = 0.005) -> Trajectory:
+    """Run an arm through the spin-up, by Exudyn's simulation or linearly with axial forces.
+
+    Parameters
+    ----------
+    engine : Engine
+    step : float
+        In s.
+
+    Returns
+    -------
+    Trajectory
+        At :data:`SPIN_UP_TIME`.
+    """
+    if isinstance(engine, ExudynEngine):
+        return engine.simulate(SPIN_UP, LinkState.rigid(engine.links), SPIN_UP_TIME, step)
+    linkage = DrivenLinkage(engine, SPIN_UP, "axial")
+    nothing = np.zeros(linkage.size)
+    return linear_run(linkage, nothing, nothing, SPIN_UP_TIME, step)
+
+
+def _tip(engine: Engine, run: Trajectory) -> FloatArray:
+    """Displacement of the arm's tip in its frame; (t, 2), in m."""
+    return np.asarray(np.einsum("cn,bn->bc", engine.links[0].shape[-1], run.displacement[0]))
+
+
+@cache
+def _least_deflection(
+    model: str, engine: EngineName, elements: int, step: float
+) -> tuple[float, float]:
+    """Least deflection of the tip in m, and the time in s when it comes."""
+    chosen = engine_of_name(engine, example(model), elements)
+    across = _tip(chosen, spin_up_trajectory(chosen, step))[:, 1]
+    return float(across.min()), float(SPIN_UP_TIME[across.argmin()])
+
+
+def spin_up_deflection(
+    *, model: str, engine: EngineName, elements: int, step: float = 0.005
+) -> FloatArray:
+    """Least deflection of the arm's tip during the spin-up.
+
+    Parameters
+    ----------
+    model : str
+    engine : {"reference", "exudyn"}
+    elements : int
+    step : float
+        In s.
+
+    Returns
+    -------
+    ndarray, shape (1,)
+        In m.
+    """
+    return np.array([_least_deflection(model, engine, elements, step)[0]])
+
+
+def spin_up_time(
+    *, model: str, engine: EngineName, elements: int, step: float = 0.005
+) -> FloatArray:
+    """Time of the least deflection of the arm's tip during the spin-up.
+
+    Parameters
+    ----------
+    model : str
+    engine : {"reference", "exudyn"}
+    elements : int
+    step : float
+        In s.
+
+    Returns
+    -------
+    ndarray, shape (1,)
+        In s.
+    """
+    return np.array([_least_deflection(model, engine, elements, step)[1]])
+
+
+def spin_up_extension(
+    *, model: str, engine: EngineName, elements: int, step: float = 0.005
+) -> FloatArray:
+    """Mean extension of the arm at its steady speed.
+
+    Parameters
+    ----------
+    model : str
+    engine : {"reference", "exudyn"}
+    elements : int
+    step : float
+        In s.
+
+    Returns
+    -------
+    ndarray, shape (1,)
+        In m.
+    """
+    chosen = engine_of_name(engine, example(model), elements, component_modes=False)
+    along = _tip(chosen, spin_up_trajectory(chosen, step))[SPIN_UP_TIME > STEADY_FROM, 0]
+    return np.array([along.mean()])

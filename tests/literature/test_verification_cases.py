@@ -1,0 +1,23 @@
+"""The cases that ``flexmech verify`` computes, one test each."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexmech.verification import VerificationCase, verification_cases
+
+
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(case, id=case.title, marks=[pytest.mark.thorough] * case.thorough)
+        for case in verification_cases(thorough=True)
+    ],
+)
+def test_case(case: VerificationCase) -> None:
+    """Nothing is skipped here: the tests need every extra."""
+    outcome = case.outcome()
+    assert outcome.reason == ""
+    assert np.all(outcome.deviation <= case.tolerance)
+    assert outcome.verdict == "passed"
