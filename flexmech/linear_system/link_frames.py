@@ -37,7 +37,8 @@ class RotationTerms:
     Parameters
     ----------
     coriolis : bool
-        Velocity-proportional terms: ``2 M_d`` and ``2 M_vel``.
+        Velocity-proportional terms: ``2 M_d`` and ``2 M_vel``, and ``N'D Ndot``, which damped
+        links add to the stiffness where a pin turns.
     centripetal : bool
         Terms in squares and products of angular velocities: ``M_acc``, ``M_dd``,
         ``2 M_d,vel``.

@@ -91,8 +91,8 @@ class Trajectory:
         Greatest size of these at any step.
     energy : EnergyHistory
     energy_error : float
-        Greatest ``|work of the drive - change of kinetic, strain and gravity energy -
-        dissipated|`` over all steps, relative to the peak kinetic energy.
+        Greatest ``|work of drive and changing prestress - change of kinetic, strain and gravity
+        energy - dissipated|`` over all steps, relative to the peak kinetic energy.
     step : float
         Time step in s.
     """
