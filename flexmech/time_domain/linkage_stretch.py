@@ -171,7 +171,7 @@ class StretchForces:
     """Forces beyond the linear ones, one instant after the other.
 
     Everything that an evaluation needs is laid out before: what is left are some ten small
-    products.
+    products. They are called as methods of arrays, which costs least.
 
     Parameters
     ----------
@@ -242,21 +242,21 @@ class StretchForces:
         -------
         ndarray, shape (p,)
         """
-        np.dot(turn, self._ends, out=self._followers)
-        np.dot(self._both, self._place, out=self._pulled)
-        np.multiply(self._slopes, self._slopes, out=self._square)
-        np.dot(self._half, self._square, out=self.second)
-        np.add(self._linear, self.second, out=self._tension)
+        turn.dot(self._ends, self._followers)
+        self._both.dot(self._place, self._pulled)
+        np.multiply(self._slopes, self._slopes, self._square)
+        self._half.dot(self._square, self.second)
+        np.add(self._linear, self.second, self._tension)
         if self._times is not None:
             self._add_damping(turn, rate)
         if yielding is not None and second is not None:
-            np.subtract(self.second, second, out=self._change)
+            np.subtract(self.second, second, self._change)
             second[:] = self.second
-            np.dot(yielding, self._change, out=self._yielded)
-            np.subtract(self._tension, self._yielded, out=self._tension)
-        np.dot(self._spread, self._tension, out=self._spread_tension)
-        np.multiply(self._spread_tension, self._slopes, out=self._across)
-        return np.dot(self._back, self._load, out=self._force)
+            yielding.dot(self._change, self._yielded)
+            np.subtract(self._tension, self._yielded, self._tension)
+        self._spread.dot(self._tension, self._spread_tension)
+        np.multiply(self._spread_tension, self._slopes, self._across)
+        return self._back.dot(self._load, self._force)
 
     def tangent(self, rate_by_position: float) -> FloatArray:
         """Derivative of the last force by the spread coordinates, (p, p).
@@ -277,14 +277,14 @@ class StretchForces:
 
     def _add_damping(self, turn: FloatArray, rate: FloatArray) -> None:
         assert self._times is not None
-        np.dot(turn, self._end_rates, out=self._follower_rates)
-        np.dot(rate, self._ends, out=self._turned)
-        np.add(self._follower_rates, self._turned, out=self._follower_rates)
-        np.dot(self._both, self._moved, out=self._pulled_rate)
-        np.multiply(self._slopes, self._slope_rates, out=self._square)
-        np.dot(self._weights, self._square, out=self._tension_rate)
-        np.multiply(self._tension_rate, self._times, out=self._tension_rate)
-        np.add(self.second, self._tension_rate, out=self.second)
-        np.add(self._tension, self._tension_rate, out=self._tension)
-        np.multiply(self._linear_rate, self._times, out=self._tension_rate)
-        np.add(self._tension, self._tension_rate, out=self._tension)
+        turn.dot(self._end_rates, self._follower_rates)
+        rate.dot(self._ends, self._turned)
+        np.add(self._follower_rates, self._turned, self._follower_rates)
+        self._both.dot(self._moved, self._pulled_rate)
+        np.multiply(self._slopes, self._slope_rates, self._square)
+        self._weights.dot(self._square, self._tension_rate)
+        np.multiply(self._tension_rate, self._times, self._tension_rate)
+        np.add(self.second, self._tension_rate, self.second)
+        np.add(self._tension, self._tension_rate, self._tension)
+        np.multiply(self._linear_rate, self._times, self._tension_rate)
+        np.add(self._tension, self._tension_rate, self._tension)

@@ -175,7 +175,7 @@ def _fixed_passes(
     position, rate = forces.position, forces.rate
     linear_part, z_linear, v_linear, part = np.empty((4, size))
     is_damped = stretch.is_damped
-    evaluate, dot, add, subtract = forces.evaluate, np.dot, np.add, np.subtract
+    evaluate, add, subtract = forces.evaluate, np.add, np.subtract
     for (
         two,
         stacked,
@@ -208,14 +208,14 @@ def _fixed_passes(
         prediction[2:],
         strict=False,
     ):
-        dot(advance, stacked, linear_part)
+        advance.dot(stacked, linear_part)
         add(linear_part, forced, linear_part)
-        dot(two, LAST_TWO, z_linear)
+        two.dot(LAST_TWO, z_linear)
         add(z_linear, linear_part, z_linear)
         if is_damped:
             subtract(linear_part, stacked[:size], v_linear)
             add(v_linear, v_linear, v_linear)
-        dot(last, EXTRAPOLATE, guess)
+        last.dot(EXTRAPOLATE, guess)
         for left in range(passes, 0, -1):
             subtract(z_linear, new, position)
             if is_damped:
@@ -223,7 +223,7 @@ def _fixed_passes(
                 subtract(v_linear, part, rate)
             if left == 1:
                 prior[:] = new
-            dot(answer, evaluate(turn, turning, yielding, second), new)
+            answer.dot(evaluate(turn, turning, yielding, second), new)
         subtract(linear_part, new, result)
     return taken[3:, :size] - before, taken[-3:]
 

@@ -187,6 +187,6 @@ def march(operators: StepOperators, state: VibrationState) -> VibrationState:
     for last_two, advance, force, new in zip(
         consecutive(prediction), operators.advance, forced, prediction[2:], strict=False
     ):
-        np.dot(advance, last_two, out=new)
-        np.add(new, force, out=new)
+        advance.dot(last_two, new)
+        np.add(new, force, new)
     return settled(state, prediction, operators.step)
