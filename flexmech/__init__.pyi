@@ -3,6 +3,7 @@ from . import hygrothermal as hygrothermal
 from . import linkages as linkages
 from . import materials as materials
 from . import plots as plots
+from . import report as report
 from . import sections as sections
 from . import studies as studies
 from . import time_domain as time_domain
@@ -60,6 +61,10 @@ from .modelfile import load_mechanism as load_mechanism
 from .multibody import ExudynEngine as ExudynEngine
 from .multibody import ExudynSystem as ExudynSystem
 from .reference import ReferenceEngine as ReferenceEngine
+from .report import ReportRequest as ReportRequest
+from .report import report_results as report_results
+from .report import stored_results as stored_results
+from .report import write_report as write_report
 from .sections import BeamSection as BeamSection
 from .sections import LaminateSection as LaminateSection
 from .studies import CompositeStudy as CompositeStudy

@@ -17,6 +17,7 @@ __all__ = [
     "PAGE_WIDTHS",
     "PICTURE_FORMATS",
     "PRESTRESS_LEVELS",
+    "REPORT_PARTS",
     "STARTS",
     "STORES",
     "ElementName",
@@ -29,6 +30,7 @@ __all__ = [
     "PictureFormat",
     "Prestress",
     "ReferenceElement",
+    "ReportPart",
     "Start",
     "Store",
     "TemplateKind",
@@ -65,6 +67,10 @@ STARTS: tuple[Start, ...] = get_args(Start)
 
 TemplateKind = Literal["four-bar", "composite-four-bar", "rotating-arm"]
 """Model files to start from."""
+
+ReportPart = Literal["frequencies", "campbell", "response", "coupler-curve", "section", "moisture"]
+"""What can go into a report."""
+REPORT_PARTS: tuple[ReportPart, ...] = get_args(ReportPart)
 
 PictureFormat = Literal["png", "pdf", "svg"]
 """Files that a picture can be written into."""

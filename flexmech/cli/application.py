@@ -22,6 +22,7 @@ from flexmech.cli.frequencies import frequencies
 from flexmech.cli.moisture import moisture
 from flexmech.cli.new import new
 from flexmech.cli.printing import prints_as_asked
+from flexmech.cli.report import report
 from flexmech.cli.response import response
 from flexmech.cli.schema import schema
 from flexmech.cli.section import section
@@ -44,6 +45,7 @@ DELIVERING: tuple[Callable[..., None], ...] = (
     synthesize,
     check,
     verify,
+    report,
 )
 WRITING: tuple[Callable[..., None], ...] = (new, schema)
 

@@ -17,6 +17,20 @@ OptionalOut = Annotated[
     Path | None,
     Option(help="Folder for CSV files and pictures; none if left out.", metavar="DIR"),
 ]
+ModelOrResults = Annotated[
+    Path,
+    Argument(help="Model file, or folder of results of other commands.", metavar="MODEL|RESULTS"),
+]
+ReportFile = Annotated[Path, Option("--out", help="HTML file to write.", metavar="FILE")]
+Include = Annotated[
+    str | None,
+    Option(
+        help="What goes in, a comma list: frequencies, campbell, response, coupler-curve, section, "
+        "moisture. Left out: all that the model has; the coupler curve where it names a coupler "
+        "point, moisture with --relative-humidity and --time.",
+        metavar="LIST",
+    ),
+]
 NoPlots = Annotated[bool, Option("--no-plots", help="Write no pictures.")]
 Formats = Annotated[
     str,
@@ -71,6 +85,15 @@ CampbellSpeeds = Annotated[
         "--speeds",
         help="Crank speeds: START:STOP:STEP or a comma list with one unit at the end, as in "
         '"0:900:10 rpm"; rad/s if there is none.',
+        metavar="LIST",
+    ),
+]
+FurtherCampbellSpeeds = Annotated[
+    str | None,
+    Option(
+        "--campbell-speeds",
+        help="Crank speeds of the Campbell diagram, as in --speeds. Left out: from zero to twice "
+        "the greatest of --speeds.",
         metavar="LIST",
     ),
 ]

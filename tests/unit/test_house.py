@@ -52,6 +52,7 @@ ORDER = [
     "analyses",
     "studies",
     "verification",
+    "report",
     "cli",
     "__main__",
 ]

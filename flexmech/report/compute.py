@@ -1,0 +1,257 @@
+"""What a report of a mechanism shows unless something else is asked for, computed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from flexmech.analyses import (
+    CampbellDiagram,
+    MovingFrequencies,
+    Result,
+    check_mechanism,
+    coupler_paths,
+    moisture_uptake,
+    moving_frequencies,
+    section_profiles,
+)
+from flexmech.analyses import campbell as campbell_analysis
+from flexmech.analyses import response as response_analysis
+from flexmech.analyses.frequencies.request import operating_speeds
+from flexmech.choices import MODES, REPORT_PARTS, TOLERANCE, ReportPart
+from flexmech.errors import InputError
+from flexmech.hygrothermal import Environment, Exposure, absorbing_links, mechanism_in_state
+from flexmech.linear_system import Engine
+from flexmech.linkages import CrankDrive, FourBar
+from flexmech.mechanism import Mechanism
+from flexmech.numbers import check_choice, check_count
+from flexmech.report.results import Results
+from flexmech.types import FloatArray, LabelledProgress
+
+__all__ = ["ReportRequest", "report_results"]
+
+# The Campbell diagram goes beyond the greatest speed asked for by this factor.
+BEYOND = 2.0
+CAMPBELL_SPEEDS = 13
+CAMPBELL_ANGLES = np.radians(np.arange(0.0, 360.0, 10.0))
+MAP_ANGLES = np.radians(np.arange(0.0, 361.0, 5.0))
+PATH_ANGLES = np.radians(np.arange(0.0, 361.0))
+# Mode shapes are stored at so many crank angles at most.
+MOST_SHAPES = 72
+
+
+@dataclass(frozen=True)
+class ReportRequest:
+    """What a report of a mechanism is to show.
+
+    Parameters
+    ----------
+    crank_speeds : array_like, shape (S,), optional
+        rad/s. Left out: zero and the speeds at which the mechanism operates.
+    crank_angles : array_like, shape (A,)
+        Of the frequencies, increasing, in rad.
+    include : tuple of str, optional
+        Of ``"frequencies"``, ``"campbell"``, ``"response"``, ``"section"``, ``"coupler-curve"``
+        and ``"moisture"``. Left out: all that the mechanism has; a coupler curve where it names a
+        coupler point, moisture where the environment is an exposure that links answer.
+    campbell_speeds : array_like, optional
+        rad/s. Left out: from zero to twice the greatest crank speed.
+    modes : int
+    environment : HygrothermalState or Exposure, optional
+        Heat and moisture: frequencies, responses and coupler curve are computed dry and in it,
+        Campbell diagram and sections in it.
+    speed_unit : str
+        In which the report speaks of crank speeds.
+    tolerance : float, optional
+        Relative error of the frequencies by the mesh; None keeps the engines' elements.
+
+    Raises
+    ------
+    InputError
+        If a part is unknown.
+
+    Examples
+    --------
+    >>> flexmech.ReportRequest([0.0, 20.0], include=("frequencies", "section")).modes
+    4
+    """
+
+    crank_speeds: FloatArray | None = None
+    crank_angles: FloatArray = field(default_factory=MAP_ANGLES.copy)
+    include: tuple[ReportPart, ...] | None = None
+    campbell_speeds: FloatArray | None = None
+    modes: int = MODES
+    environment: Environment | None = None
+    speed_unit: str = "rad/s"
+    tolerance: float | None = TOLERANCE
+
+    def __post_init__(self) -> None:
+        check_count(self.modes, "modes")
+        for part in self.include or ():
+            check_choice(part, REPORT_PARTS, "include")
+
+
+def report_results(
+    engines: Sequence[Engine],
+    request: ReportRequest,
+    progress: LabelledProgress | None = None,
+) -> Results:
+    """Compute what a report of a mechanism shows.
+
+    Parameters
+    ----------
+    engines : sequence of Engine
+        Frequencies are computed by all of them, the rest by the first one.
+    request : ReportRequest
+    progress : callable, optional
+        Called as ``progress(label, done, total)``.
+
+    Returns
+    -------
+    Results
+
+    Raises
+    ------
+    InputError, ComputationError
+        As each analysis does; if a part is asked for that the mechanism does not have; or if there
+        is no engine.
+
+    Examples
+    --------
+    >>> engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/aluminium_fourbar.toml"))
+    >>> results = flexmech.report_results([engine], flexmech.ReportRequest(include=("section",)))
+    >>> [result.stem for result in results.all]
+    ['check', 'sections']
+    """
+    if not engines:
+        raise InputError("engines: a report needs one engine or more")
+    mechanism = engines[0].mechanism
+    asked = operating_speeds(mechanism) if request.crank_speeds is None else request.crank_speeds
+    speeds = np.atleast_1d(np.asarray(asked, dtype=float))
+    parts = _parts(mechanism, speeds, request)
+    found: list[Result] = [check_mechanism(engines[0])]
+    makers: dict[ReportPart, Callable[[], list[Result]]] = {
+        "frequencies": lambda: [_frequencies(engines, speeds, request, progress)],
+        "campbell": lambda: [_campbell(engines[0], speeds, request, progress)],
+        "response": lambda: _responses(engines[0], speeds, request, progress),
+        "section": lambda: [section_profiles(mechanism, environment=request.environment)],
+        "coupler-curve": lambda: [
+            coupler_paths(mechanism, PATH_ANGLES, environment=request.environment)
+        ],
+        "moisture": lambda: [_moisture(mechanism, request.environment)],
+    }
+    for part in REPORT_PARTS:
+        if part in parts:
+            found += makers[part]()
+    return Results(tuple(found))
+
+
+def _parts(
+    mechanism: Mechanism, speeds: FloatArray, request: ReportRequest
+) -> tuple[ReportPart, ...]:
+    """What goes into the report; what was asked for and cannot be is refused."""
+    exposed = isinstance(request.environment, Exposure)
+    lacking: dict[ReportPart, str] = {}
+    if not np.any(speeds):
+        lacking["response"] = "a crank speed other than zero in --speeds"
+    if not np.any(speeds) and request.campbell_speeds is None:
+        lacking["campbell"] = "a crank speed other than zero in --speeds, or --campbell-speeds"
+    if mechanism.coupler_point is None or not isinstance(mechanism.linkage, FourBar):
+        lacking["coupler-curve"] = "a coupler point in the model file, of a four-bar"
+    if not exposed or not absorbing_links(mechanism):
+        lacking["moisture"] = (
+            "--relative-humidity with --time, and links of which it is known how water diffuses"
+        )
+    if request.include is None:
+        return tuple(part for part in REPORT_PARTS if part not in lacking)
+    for part in request.include:
+        if part in lacking:
+            raise InputError(f"--include {part} needs {lacking[part]}")
+    return request.include
+
+
+def _frequencies(
+    engines: Sequence[Engine],
+    speeds: FloatArray,
+    request: ReportRequest,
+    progress: LabelledProgress | None,
+) -> MovingFrequencies:
+    """Moving frequencies, with mode shapes at the map's own angles or as many as are stored."""
+    angles = np.asarray(request.crank_angles, dtype=float)
+    whole = len(angles) > 1 and np.isclose(angles[-1] - angles[0], 2 * np.pi)
+    own = angles[:-1] if whole else angles
+    shapes = own[:: max(1, -(-len(own) // MOST_SHAPES))]
+    return moving_frequencies(
+        engines,
+        angles,
+        speeds,
+        modes=request.modes,
+        environment=request.environment,
+        speed_unit=request.speed_unit,
+        tolerance=request.tolerance,
+        shapes_at=shapes,
+        progress=progress,
+    )
+
+
+def _campbell(
+    engine: Engine,
+    speeds: FloatArray,
+    request: ReportRequest,
+    progress: LabelledProgress | None,
+) -> CampbellDiagram:
+    """Campbell diagram of the linkage as it is in the environment asked for."""
+    if request.campbell_speeds is None:
+        over = np.linspace(0.0, BEYOND * float(np.abs(speeds).max()), CAMPBELL_SPEEDS)
+    else:
+        over = np.asarray(request.campbell_speeds, dtype=float)
+    if request.environment is not None:
+        engine = engine.with_(mechanism=mechanism_in_state(engine.mechanism, request.environment))
+    return campbell_analysis.campbell(
+        engine,
+        over,
+        crank_angles=CAMPBELL_ANGLES,
+        modes=request.modes,
+        speed_unit=request.speed_unit,
+        tolerance=request.tolerance,
+        progress=progress,
+    )
+
+
+def _responses(
+    engine: Engine,
+    speeds: FloatArray,
+    request: ReportRequest,
+    progress: LabelledProgress | None,
+) -> list[Result]:
+    """Periodic motion at every speed but zero, dry and in the environment."""
+    from flexmech.analyses import ResponseRequest
+
+    states: list[Environment | None] = [None]
+    states += [] if request.environment is None else [request.environment]
+    return [
+        response_analysis.response(
+            engine,
+            ResponseRequest(
+                CrankDrive(float(speed)),
+                revolutions=1.0,
+                start="periodic",
+                modes=request.modes,
+                speed_unit=request.speed_unit,
+            ),
+            environment=state,
+            progress=progress,
+        )
+        for state in states
+        for speed in speeds
+        if speed
+    ]
+
+
+def _moisture(mechanism: Mechanism, environment: Environment | None) -> Result:
+    if not isinstance(environment, Exposure):
+        raise InputError("moisture needs an exposure: --relative-humidity with --time")
+    temperature = mechanism.reference_temperature + environment.temperature_rise
+    return moisture_uptake(mechanism, environment.relative_humidity, environment.time, temperature)

@@ -1,0 +1,224 @@
+"""The linkage that turns in the report: posture, mode shapes and deflection in link frames.
+
+Posture is computed from the geometry at every degree. Mode shapes and deflections are stored in
+the frame of each link, so that between two samples a link turns as a rigid one does and only the
+small elastic displacement is interpolated.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from flexmech.analyses import MovingFrequencies, Response
+from flexmech.analyses.response.stored import needed
+from flexmech.errors import InputError
+from flexmech.linkages import CouplerCurve, FourBar
+from flexmech.mechanism import Mechanism
+from flexmech.modelfile import mechanism_from_toml
+from flexmech.report.arrays import Arrays, thinning
+from flexmech.report.last_turn import over_a_turn
+from flexmech.report.panels.frequencies import in_each_state
+from flexmech.report.results import Results
+from flexmech.report.words import crank_degrees, engine_names, speed_name, speed_unit_of, state_of
+from flexmech.types import FloatArray
+
+__all__ = ["mechanism_of", "moving_linkage"]
+
+MOST_FRAMES = 120
+# Largest displacement as drawn, over the linkage's extent.
+ENLARGED_TO = 0.12
+
+
+def mechanism_of(results: Results) -> Mechanism | None:
+    """Mechanism of the model file whose text the results hold; None if they hold none."""
+    text = results.attribute("model_text")
+    return mechanism_from_toml(text, results.attribute("model_file")) if text else None
+
+
+def moving_linkage(mechanism: Mechanism, results: Results, arrays: Arrays) -> dict[str, Any]:
+    """What the script draws of the linkage.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    results : Results
+    arrays : Arrays
+        Numbers go here.
+
+    Returns
+    -------
+    dict
+        ``angle`` in degrees, ``links`` with ``origin`` and ``turn`` of their frames, ``joints``,
+        ``box`` in m, ``shapes`` and ``runs`` with displacements in link frames, and ``path``.
+    """
+    degrees = _standing(mechanism)
+    linkage, topology = mechanism.linkage, mechanism.linkage.topology
+    motion = linkage.motion(np.radians(degrees))
+    turn = np.unwrap(motion.angle, axis=0)
+    ends = np.stack(
+        [motion.position(n, x) for n, one in enumerate(topology.links) for x in (0.0, one.length)],
+        axis=1,
+    )
+    places = ends.reshape(-1, 2)
+    low, high = np.minimum(places.min(axis=0), 0.0), np.maximum(places.max(axis=0), 0.0)
+    extent = float(np.hypot(*(high - low)))
+    unit = speed_unit_of(results)
+    return {
+        "angle": arrays.add(degrees),
+        "links": [
+            {
+                "name": link.name,
+                "length": link.length,
+                "origin": arrays.add(motion.origin[:, number]),
+                "turn": arrays.add(turn[:, number]),
+            }
+            for number, link in enumerate(topology.links)
+        ],
+        "joints": [
+            {"name": name, "kind": kind, "link": topology.index(place.link), "end": place.end}
+            for (name, place), kind in zip(
+                topology.joints.items(), topology.joint_kinds, strict=True
+            )
+        ],
+        "box": [*low.tolist(), *high.tolist()],
+        "extent": extent,
+        "shapes": _mode_shapes(results, unit, arrays),
+        "runs": _runs(results, unit, extent, arrays),
+        "path": _path(mechanism, degrees, arrays),
+        "enlargedTo": ENLARGED_TO,
+    }
+
+
+def _standing(mechanism: Mechanism) -> FloatArray:
+    """Crank angles in whole degrees at which the linkage stands, without a gap between them."""
+    degrees = np.arange(0.0, 361.0)
+
+    def stands(angle: float) -> bool:
+        try:
+            mechanism.linkage.motion(np.radians(angle))
+        except InputError:
+            return False
+        return True
+
+    standing = np.array([stands(angle) for angle in degrees.tolist()])
+    if not standing.any():
+        raise InputError("the linkage can stand at no crank angle of whole degrees")
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], standing, [False]]).astype(int)))
+    starts, stops = edges[::2], edges[1::2]
+    longest = int(np.argmax(stops - starts))
+    return degrees[starts[longest] : stops[longest]]
+
+
+def _mode_shapes(results: Results, unit: str, arrays: Arrays) -> list[dict[str, Any]]:
+    """Mode shapes over crank angle, of each state and speed and of every engine that has them."""
+    result = results.first(MovingFrequencies)
+    if result is None:
+        return []
+    shapes = []
+    for state, data in in_each_state(result).items():
+        for engine in engine_names(data):
+            # Shapes asked for are of the first engine, and finer.
+            asked = "asked_shape" in data and engine == engine_names(data)[0]
+            name, over = ("asked_shape", "shape_angle") if asked else ("mode_shape", "check_angle")
+            place = "asked_position" if asked else "rigid_position"
+            for speed in data["crank_speed"].values.tolist():
+                one = data[name].sel(crank_speed=speed)
+                one = one if asked else one.sel(engine=engine)
+                order = ("mode", over, "part", "link", "station", "component")
+                values = one.transpose(*order).values
+                if not np.isfinite(values).all():
+                    continue
+                position = data[place].transpose(over, "link", "station", "component").values
+                angle = crank_degrees(data[over].values)
+                local = _in_link_frames(_real(values[:, :, 0] + 1j * values[:, :, 1]), position)
+                angle, local = _closed(angle, local)
+                when = {"state": state, "engine": engine, "speed": speed_name(speed, unit)}
+                for number, mode in enumerate(data["mode"].values.tolist()):
+                    shapes.append(
+                        {
+                            "when": {**when, "mode": f"mode {mode}"},
+                            "angle": arrays.add(angle),
+                            "stations": local.shape[-2],
+                            "values": arrays.add(local[number]),
+                        }
+                    )
+    return shapes
+
+
+def _in_link_frames(displacement: FloatArray, position: FloatArray) -> FloatArray:
+    """Turn displacements (..., angle, link, station, 2) from ground axes into link frames."""
+    along = position[:, :, -1] - position[:, :, 0]
+    direction = along / np.hypot(along[..., 0], along[..., 1])[..., None]
+    x, y = direction[..., None, 0], direction[..., None, 1]
+    u, v = displacement[..., 0], displacement[..., 1]
+    return np.stack([x * u + y * v, -y * u + x * v], axis=-1)
+
+
+def _real(shapes: Any) -> FloatArray:
+    """Each shape (mode, angle, ...) in the phase of its largest component, largest 1."""
+    flat = shapes.reshape(*shapes.shape[:2], -1)
+    place = np.argmax(np.abs(flat), axis=-1)[..., None]
+    phase = np.angle(np.take_along_axis(flat, place, axis=-1))
+    real = (flat * np.exp(-1j * phase)).real.reshape(shapes.shape)
+    longest = np.hypot(real[..., 0], real[..., 1]).max(axis=(-2, -1))
+    return np.asarray(real / np.where(longest > 0, longest, 1.0)[..., None, None, None])
+
+
+def _closed(angle: FloatArray, local: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Signs that follow from angle to angle, and the first shape again after a whole turn."""
+    for number in range(1, len(angle)):
+        overlap = np.sum(local[:, number] * local[:, number - 1], axis=(-3, -2, -1))
+        local[:, number] *= np.where(overlap < 0, -1.0, 1.0)[:, None, None, None]
+    step = np.diff(angle).max(initial=0.0)
+    if len(angle) > 2 and angle[0] == 0.0 and 0 < 360.0 - angle[-1] <= step + 1e-6:
+        return np.append(angle, 360.0), np.concatenate([local, local[:, :1]], axis=1)
+    return angle, local
+
+
+def _runs(results: Results, unit: str, extent: float, arrays: Arrays) -> list[dict[str, Any]]:
+    """Elastic displacements of each run's last turn, and how much they are enlarged."""
+    runs = []
+    for run in results.of_kind(Response):
+        data = needed(run.dataset)
+        turn = over_a_turn(data["frame_angle"].values.astype(float), thin=False)
+        kept = thinning(len(turn.angle), MOST_FRAMES)
+        order = ("frame_time", "link", "station", "component")
+        position = turn.of(data["rigid_position"].transpose(*order).values)[kept]
+        for engine in engine_names(data):
+            moved = turn.of(data["displacement"].sel(engine=engine).transpose(*order).values)
+            local = _in_link_frames(moved[kept], position)
+            factor = _round_enlargement(extent, local)
+            speed = speed_name(float(data.attrs["crank_speed"]), unit)
+            runs.append(
+                {
+                    "when": {"state": state_of(data.attrs), "engine": engine, "speed": speed},
+                    "angle": arrays.add(turn.angle[kept]),
+                    "stations": local.shape[-2],
+                    "values": arrays.add(local),
+                    "enlargement": factor,
+                }
+            )
+    return runs
+
+
+def _round_enlargement(extent: float, displacement: FloatArray) -> float:
+    """1, 2 or 5 times a power of ten, at least 1: the nearest in ratio to what is wanted."""
+    greatest = float(np.hypot(displacement[..., 0], displacement[..., 1]).max(initial=0.0))
+    if greatest <= 1e-10 * extent:
+        return 1.0
+    wanted = max(ENLARGED_TO * extent / greatest, 1.0)
+    decade = 10.0 ** np.floor(np.log10(wanted))
+    return min(
+        (float(round(n * decade)) for n in (1, 2, 5, 10)), key=lambda f: abs(np.log(f / wanted))
+    )
+
+
+def _path(mechanism: Mechanism, degrees: FloatArray, arrays: Arrays) -> dict[str, Any] | None:
+    """Path of the coupler point, where the model names one."""
+    linkage, point = mechanism.linkage, mechanism.coupler_point
+    if point is None or not isinstance(linkage, FourBar):
+        return None
+    places = CouplerCurve(linkage, point).position(np.radians(degrees))
+    return {"name": "coupler point", "places": arrays.add(places)}

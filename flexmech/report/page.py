@@ -1,0 +1,282 @@
+"""From results to one HTML file that needs nothing else: no network, no Python."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexmech.analyses import Result
+from flexmech.analyses.netcdf import file_attributes
+from flexmech.errors import InputError
+from flexmech.files import given_path, write_whole
+from flexmech.mechanism import Mechanism
+from flexmech.plots.series import SERIES_STYLES
+from flexmech.report.answers import answers
+from flexmech.report.arrays import Arrays
+from flexmech.report.markup import equation_markup, json_text
+from flexmech.report.moving_linkage import mechanism_of, moving_linkage
+from flexmech.report.panel import Panel, Plot, Reading, Trace
+from flexmech.report.panels import panels_of
+from flexmech.report.results import Results
+from flexmech.units import ANGULAR_SPEED, parse_quantity
+
+if TYPE_CHECKING:
+    from jinja2 import Environment
+
+__all__ = ["check_extra", "write_report"]
+
+EXTRA = 'a report needs plotly and jinja2, which are not installed: pip install "flexmech[report]"'
+CHOICES = ("speed", "mode", "engine", "state")
+SCRIPTS = ("page.js", "linkage.js", "plots.js", "controls.js")
+SETTINGS = (
+    "elements",
+    "prestress",
+    "rotation_terms",
+    "crank_speed",
+    "revolutions",
+    "start",
+    "integrator",
+    "crank_angles",
+)
+
+
+def check_extra() -> None:
+    """Refuse to begin where a package that the page needs is missing.
+
+    Raises
+    ------
+    InputError
+        It says what to install.
+    """
+    from importlib.util import find_spec
+
+    if not all(find_spec(name) for name in ("plotly", "jinja2")):
+        raise InputError(EXTRA)
+
+
+def write_report(
+    results: Result | Sequence[Result],
+    path: str | Path,
+    *,
+    mechanism: Mechanism | None = None,
+    command_line: str = "",
+) -> Path:
+    """Write results of one mechanism into a page that opens in any browser.
+
+    The page holds all that it shows: it needs no network, and a colleague needs no Python. The
+    linkage turns by a slider, and a cursor follows on every curve.
+
+    Parameters
+    ----------
+    results : Result or sequence of Result
+        Of one mechanism: frequencies, Campbell diagram, responses, sections, coupler curves,
+        moisture. Each panel takes those that it shows.
+    path : str or Path
+        Of the HTML file; replaced if it exists.
+    mechanism : Mechanism, optional
+        What is drawn and turns. Left out: that of the model file whose text the results hold; a
+        mechanism built in Python has none, and the page then shows the panels alone.
+    command_line : str
+        That the page names as what made it; none if left out.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    InputError
+        If there is no result, they are of different model files, the file cannot be written, or
+        plotly or jinja2 are not installed (extra ``report``).
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
+    >>> check = flexmech.check_mechanism(flexmech.ReferenceEngine(mechanism))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     page = flexmech.write_report(check, f"{folder}/report.html").read_text("utf-8")
+    >>> "Transmission angle" in page and page.startswith("<!doctype html>")
+    True
+    """
+    check_extra()
+    known = Results.of(results)
+    target = given_path(path)
+    shown = mechanism if mechanism is not None else mechanism_of(known)
+    write_whole(target, _page(known, shown, command_line))
+    return target
+
+
+def _page(results: Results, mechanism: Mechanism | None, command_line: str) -> str:
+    """Text of the page."""
+    from plotly import __version__ as plotly_version
+    from plotly.offline import get_plotlyjs
+
+    arrays, panels = Arrays(), panels_of(results)
+    linkage = None if mechanism is None else moving_linkage(mechanism, results, arrays)
+    plots = [_plot(plot, arrays) for panel in panels for plot in panel.plots]
+    readings = [_reading(each, arrays) for panel in panels for each in panel.readings]
+    data = {
+        "linkage": linkage,
+        "plots": plots,
+        "readings": readings,
+        "choices": _choices(results, panels, linkage),
+        "colours": [style.color for style in SERIES_STYLES],
+        "arrays": arrays.encoded,
+    }
+    return (
+        _templates()
+        .get_template("page.html")
+        .render(
+            title=_title(results),
+            source=results.attribute("source"),
+            answers=answers(results),
+            panels=panels,
+            choices=data["choices"],
+            has_linkage=linkage is not None,
+            groups=list(dict.fromkeys(each["group"] for each in readings)),
+            data=json_text(data),
+            style=_package_text("style.css"),
+            script="\n".join(map(_package_text, SCRIPTS)),
+            plotly=get_plotlyjs().replace("</script", "<\\/script"),
+            thinned=[line for panel in panels for line in panel.thinned],
+            versions=_versions(results) | {"plotly": plotly_version},
+            settings=_settings(results),
+            model_text=results.attribute("model_text"),
+            model_file=results.attribute("model_file"),
+            model_sha256=results.attribute("model_sha256"),
+            date=file_attributes("")["date"][:10],
+            command_line=command_line,
+        )
+    )
+
+
+def _title(results: Results) -> str:
+    """Name of the mechanism as it is dry: results in an environment add that to it."""
+    name = min(
+        (str(each.dataset.attrs.get("mechanism", "")) for each in results.all), key=len, default=""
+    )
+    return name[:1].upper() + name[1:] or "Mechanism"
+
+
+def _templates() -> Environment:
+    """Templates that escape what they show."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+
+    made = Environment(
+        loader=PackageLoader("flexmech.report", "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made.filters["equation"] = equation_markup
+    return made
+
+
+def _package_text(name: str) -> str:
+    return resources.files("flexmech.report").joinpath("templates", name).read_text("utf-8")
+
+
+def _plot(plot: Plot, arrays: Arrays) -> dict[str, Any]:
+    return {
+        "name": plot.name,
+        "xTitle": plot.x_title,
+        "axes": [{"title": axis.title, "log": axis.logarithmic} for axis in plot.axes],
+        "traces": [_trace(trace, arrays) for trace in plot.traces],
+        "cursor": plot.cursor,
+        "speedScale": plot.speed_scale,
+        "equal": plot.equal,
+        "xRange": plot.x_range,
+        "tick": plot.tick,
+        "height": plot.height,
+    }
+
+
+def _trace(trace: Trace, arrays: Arrays) -> dict[str, Any]:
+    return {
+        "name": trace.name,
+        "x": arrays.add(trace.x),
+        "y": arrays.add(trace.y),
+        "colour": trace.colour,
+        "look": trace.look,
+        "width": trace.width,
+        "when": dict(trace.when),
+        "followed": None if trace.followed is None else dict(trace.followed),
+        "axis": trace.axis,
+        "angle": None if trace.angle is None else arrays.add(trace.angle),
+        "fill": trace.fill,
+        "legend": trace.legend,
+        "label": trace.label,
+    }
+
+
+def _reading(reading: Reading, arrays: Arrays) -> dict[str, Any]:
+    return {
+        "group": reading.group,
+        "label": reading.label,
+        "unit": reading.unit,
+        "angle": arrays.add(reading.angle),
+        "value": arrays.add(reading.value),
+        "error": reading.error if np.isfinite(reading.error) else None,
+        "when": dict(reading.when),
+        "decimals": reading.decimals,
+        "mode": reading.mode,
+    }
+
+
+def _choices(
+    results: Results, panels: Iterable[Panel], linkage: dict[str, Any] | None
+) -> dict[str, list[dict[str, Any]]]:
+    """What the reader can choose from, in order: what anything in the page asks for."""
+    asked: list[dict[str, Any]] = []
+    for panel in panels:
+        asked += [dict(each.when) for each in panel.readings]
+        for plot in panel.plots:
+            asked += [{**trace.when, **(trace.followed or {})} for trace in plot.traces]
+    for part in ("shapes", "runs"):
+        asked += [] if linkage is None else [each["when"] for each in linkage[part]]
+    choices = {}
+    for key in CHOICES:
+        names = list(dict.fromkeys(each[key] for each in asked if key in each))
+        choices[key] = [{"name": name} for name in names]
+    for each in choices["speed"]:
+        each["value"] = _speed_value(each["name"])
+    choices["speed"].sort(key=lambda each: each["value"])
+    return choices
+
+
+def _speed_value(name: str) -> float:
+    """Crank speed in rad/s of its name."""
+    return parse_quantity(name.replace("\N{MINUS SIGN}", "-"), ANGULAR_SPEED)
+
+
+def _versions(results: Results) -> dict[str, str]:
+    """Versions of flexmech and of what it computed with."""
+    ending = "_version"
+    found = {
+        str(name).removesuffix(ending): str(value)
+        for each in results.all
+        for name, value in each.dataset.attrs.items()
+        if str(name).endswith(ending)
+    }
+    return dict(sorted(found.items(), key=lambda pair: (pair[0] != "flexmech", pair[0])))
+
+
+def _settings(results: Results) -> list[tuple[str, str]]:
+    """What was asked of each result: its command line or its own settings."""
+    rows = []
+    for each in results.all:
+        attributes = each.dataset.attrs
+        told = each.stored_as.get("command_line", "")
+        settings = ", ".join(
+            f"{name.replace('_', ' ')} {attributes[name]}"
+            for name in SETTINGS
+            if name in attributes
+        )
+        rows.append((each.title, told or settings or "no settings"))
+    return rows

@@ -1,0 +1,228 @@
+"""Moving natural frequencies, and damping ratios where links damp."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses import MovingFrequencies, Table
+from flexmech.analyses.frequencies.extremes import known_error
+from flexmech.report.panel import Choice, Panel, Plot, Reading, Trace, YAxis
+from flexmech.report.results import Results
+from flexmech.report.words import (
+    crank_degrees,
+    decimals_of,
+    engine_names,
+    speed_name,
+    speed_unit_of,
+    state_of,
+    with_error,
+)
+from flexmech.types import FloatArray
+from flexmech.units import from_si
+
+__all__ = ["damping_panel", "frequency_panel", "in_each_state"]
+
+AXIS_HEIGHT, FRAME_HEIGHT = 130, 110
+STRESSES = {
+    "none": "links without stress",
+    "axial": "links under the axial forces of the rigid motion",
+    "equilibrium": "links at the quasi-static equilibrium under the inertia forces",
+    "trajectory": "links in the states of the running simulation",
+}
+
+
+def in_each_state(result: MovingFrequencies) -> dict[str, xr.Dataset]:
+    """Datasets of a map by the state that they are of."""
+    if result.states:
+        return {name: result.state(name).dataset for name in result.states}
+    return {state_of(result.dataset.attrs): result.dataset}
+
+
+def frequency_panel(results: Results) -> Panel | None:
+    """Frequencies over crank angle, a plot for each mode, a line for each speed."""
+    result = results.first(MovingFrequencies)
+    if result is None:
+        return None
+    unit = speed_unit_of(results)
+    data = result.dataset
+    said = result.summary()
+    terms = "with" if data.attrs.get("rotation_terms") == "on" else "without"
+    return Panel(
+        name="frequencies",
+        title="Moving natural frequencies",
+        caption=(
+            "Natural frequency of each mode against crank angle, a line for each crank speed. "
+            "Modes are counted by their frequency at each position. Computed for "
+            f"{STRESSES[str(data.attrs['prestress'])]}, {terms} the Coriolis, centripetal and "
+            "tangential terms of the link frames."
+        ),
+        equation="M ü + (C + 2 ω S) u̇ + (K + K_g − ω² M_t + α S) u = 0,  u = φ e^{λt}",
+        source=(
+            "D. A. Turcic and A. Midha, ASME J. Dyn. Syst. Meas. Control 106 (1984); frozen at "
+            "each crank angle, in the turning frame of each link"
+        ),
+        plots=(_plot(result, unit, "frequency"),),
+        readings=tuple(_readings(result, unit)),
+        tables=_tables(result, unit),
+        lines=(*(part for part in said.parts if isinstance(part, str)), said.verdict),
+        warnings=said.warnings,
+    )
+
+
+def damping_panel(results: Results) -> Panel | None:
+    """Damping ratios over crank angle, where any link damps."""
+    result = results.first(MovingFrequencies)
+    if result is None:
+        return None
+    variable = _damping_of(result.dataset)
+    if not variable:
+        return None
+    by_energy = variable == "strain_energy_damping"
+    lines = [line for line in result.summary().parts if isinstance(line, str) and "damping" in line]
+    return Panel(
+        name="damping",
+        title="Damping ratios",
+        caption=(
+            "Damping ratio of each mode against crank angle, "
+            + (
+                "by the specific damping of the plies, weighted by their strain energy."
+                if by_energy
+                else "of links with Kelvin-Voigt damping. Frozen ratios may turn negative where "
+                "the links' frames turn: they count the Coriolis and tangential terms of one "
+                "position as if it lasted, and say nothing of stability by themselves."
+            )
+        ),
+        equation=("ζ = Σ ψ U / (4 π Σ U)" if by_energy else "ζ = −Re λ / |λ|,  σ = E (ε + τ ε̇)"),
+        source=(
+            "modal strain energy method; specific damping capacity ψ of each ply and direction"
+            if by_energy
+            else "Kelvin-Voigt damping, eigenvalues λ of the frozen equations"
+        ),
+        plots=(_plot(result, speed_unit_of(results), variable),),
+        lines=tuple(lines),
+    )
+
+
+def _damping_of(data: xr.Dataset) -> str:
+    """Which damping ratio a map holds; empty where nothing damps."""
+    if "strain_energy_damping" in data:
+        return "strain_energy_damping"
+    return "damping_ratio" if "damping_ratio_reduction_error" in data else ""
+
+
+def _values(data: xr.Dataset, name: str, engine: str, speed: float, mode: int) -> FloatArray:
+    one = data[name].sel(engine=engine, crank_speed=speed, mode=mode)
+    return np.asarray(one.values, dtype=float)
+
+
+def _places(result: MovingFrequencies) -> list[tuple[str, xr.Dataset, str, float, int]]:
+    """State, its dataset, engine, speed and mode of every line."""
+    return [
+        (state, data, engine, float(speed), int(mode))
+        for state, data in in_each_state(result).items()
+        for engine in engine_names(data)
+        for mode in data["mode"].values
+        for speed in data["crank_speed"].values
+    ]
+
+
+def _plot(result: MovingFrequencies, unit: str, variable: str) -> Plot:
+    modes = result.dataset["mode"].values.tolist()
+    speeds = result.dataset["crank_speed"].values.tolist()
+    words = "Frequency (Hz)" if variable == "frequency" else "Damping ratio"
+    traces = tuple(
+        Trace(
+            name=speed_name(speed, unit),
+            x=crank_degrees(data["crank_angle"].values),
+            y=_values(data, variable, engine, speed, mode),
+            colour=speeds.index(speed),
+            look=("solid", "dash", "dashdot", "dot")[speeds.index(speed) % 4],
+            when={"engine": engine, "state": state},
+            followed={"speed": speed_name(speed, unit)},
+            axis=modes.index(mode),
+            legend=mode == modes[0],
+        )
+        for state, data, engine, speed, mode in _places(result)
+    )
+    return Plot(
+        name=variable.replace("_", "-"),
+        x_title="Crank angle (deg)",
+        axes=tuple(YAxis(f"Mode {mode}") for mode in modes),
+        traces=traces,
+        text=f"{words} of {len(modes)} modes against crank angle at {len(speeds)} crank speeds",
+        cursor="angle",
+        tick=60.0,
+        height=FRAME_HEIGHT + AXIS_HEIGHT * len(modes),
+        title=words,
+    )
+
+
+def _readings(result: MovingFrequencies, unit: str) -> list[Reading]:
+    """Frequency and damping ratio of each mode at the crank angle."""
+    readings = []
+    damping = _damping_of(result.dataset)
+    for state, data, engine, speed, mode in _places(result):
+        angle = crank_degrees(data["crank_angle"].values)
+        when: Choice = {"engine": engine, "state": state, "speed": speed_name(speed, unit)}
+        frequency = _values(data, "frequency", engine, speed, mode)
+        relative = float(known_error(data).sel(engine=engine, crank_speed=speed, mode=mode))
+        error = relative * float(np.nanmax(frequency))
+        readings.append(
+            Reading(
+                *("Natural frequency", f"mode {mode}", "Hz", angle, frequency, error, when),
+                decimals_of(error, least=3),
+                str(mode),
+            )
+        )
+        if damping:
+            ratio = 100 * _values(data, damping, engine, speed, mode)
+            error = 100 * _damping_error(data, damping, engine, speed, mode)
+            readings.append(
+                Reading(
+                    *("Damping ratio", f"mode {mode}", "%", angle, ratio, error, when),
+                    decimals_of(error, least=4),
+                    str(mode),
+                )
+            )
+    return readings
+
+
+def _damping_error(data: xr.Dataset, variable: str, engine: str, speed: float, mode: int) -> float:
+    """Absolute error of a damping ratio, greatest of the turn; not a number if not known."""
+    names = [f"damping_ratio_{cause}_error" for cause in ("discretisation", "reduction")]
+    if variable != "damping_ratio" or not set(names) <= set(data):
+        return float("nan")
+    where = {"engine": engine, "crank_speed": speed, "mode": mode}
+    return sum(float(np.nanmax(data[name].sel(where).values)) for name in names)
+
+
+def _tables(result: MovingFrequencies, unit: str) -> tuple[Table, ...]:
+    """Lowest and highest frequency of each mode with their errors, a table for each state."""
+    return tuple(
+        _extremes_table(MovingFrequencies(data), state, unit, several=len(result.states) > 1)
+        for state, data in in_each_state(result).items()
+    )
+
+
+def _extremes_table(result: MovingFrequencies, state: str, unit: str, *, several: bool) -> Table:
+    data, extremes = result.dataset, result.extremes()
+    error = known_error(data)
+    rows = []
+    for engine in engine_names(data):
+        for speed in data["crank_speed"].values.tolist():
+            for mode in data["mode"].values.tolist():
+                where = {"engine": engine, "crank_speed": speed, "mode": mode}
+                here, relative = extremes.sel(where), float(error.sel(where))
+                cells = [engine, f"{from_si(speed, unit):.6g}", str(mode)]
+                for which in ("lowest", "highest"):
+                    value = float(here[which])
+                    cells.append(with_error(value, value * relative))
+                    cells.append(f"{np.degrees(float(here[f'{which}_angle'])):.1f}")
+                rows.append(tuple(cells))
+    return Table(
+        "Lowest and highest natural frequencies" + (f", {state}" if several else ""),
+        ("engine", unit, "mode", "lowest (Hz)", "at (deg)", "highest (Hz)", "at (deg)"),
+        (tuple(rows),),
+        caption="errors: mesh (estimated) and component modes together, greatest of the turn",
+    )

@@ -1,0 +1,34 @@
+"""Results that have no panel of their own: what they say, in tables and lines."""
+
+from __future__ import annotations
+
+from flexmech.analyses import CrankRockerSynthesis, SpeedSweep
+from flexmech.report.panel import Panel
+from flexmech.report.results import Results
+
+__all__ = ["other_panel"]
+
+KINDS = (SpeedSweep, CrankRockerSynthesis)
+
+
+def other_panel(results: Results) -> Panel | None:
+    """Summaries of results without a panel."""
+    found = [each for each in results.all if isinstance(each, KINDS)]
+    if not found:
+        return None
+    said = [each.summary() for each in found]
+    parts = [part for one in said for part in one.parts]
+    return Panel(
+        name="further-results",
+        title="Further results",
+        caption=f"In words and tables: {', '.join(each.title for each in found)}.",
+        source=", ".join(
+            dict.fromkeys(str(each.dataset.attrs.get("source", "")) for each in found)
+        ),
+        tables=tuple(part for part in parts if not isinstance(part, str)),
+        lines=(
+            *(p for p in parts if isinstance(p, str)),
+            *(one.verdict for one in said if one.verdict),
+        ),
+        warnings=tuple(warning for one in said for warning in one.warnings),
+    )

@@ -1,0 +1,145 @@
+"""The results that a report shows: what kinds there are, where they lie, and how they are found."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TypeVar
+
+from flexmech.analyses import (
+    CampbellDiagram,
+    CouplerPaths,
+    CrankRockerSynthesis,
+    ModelCheck,
+    MoistureUptake,
+    MovingFrequencies,
+    Response,
+    Result,
+    SectionProfiles,
+    SpeedSweep,
+)
+from flexmech.analyses.netcdf import read_netcdf
+from flexmech.errors import InputError
+from flexmech.files import given_path
+from flexmech.numbers import check_instance
+
+__all__ = ["Results", "stored_results"]
+
+KINDS: tuple[type[Result], ...] = (
+    ModelCheck,
+    MovingFrequencies,
+    CampbellDiagram,
+    Response,
+    SectionProfiles,
+    CouplerPaths,
+    MoistureUptake,
+    SpeedSweep,
+    CrankRockerSynthesis,
+)
+"""All that can lie in a folder of results."""
+
+# A result in two states is stored whole, and each state besides.
+BOTH_STATES = "hygrothermal_effect.nc"
+EACH_STATE = ("frequencies.nc", "dry/frequencies.nc")
+
+Kind = TypeVar("Kind", bound=Result)
+
+
+@dataclass(frozen=True)
+class Results:
+    """Results of one mechanism.
+
+    Parameters
+    ----------
+    all : tuple of Result
+
+    Raises
+    ------
+    InputError
+        If there is none, something is no result, or they are of different model files.
+    """
+
+    all: tuple[Result, ...]
+
+    def __post_init__(self) -> None:
+        if not self.all:
+            raise InputError("results: a report needs one result or more")
+        for each in self.all:
+            check_instance(each, Result, "results", "give what flexmech.moving_frequencies returns")
+        files = {
+            str(each.dataset.attrs["model_sha256"]): str(each.dataset.attrs.get("model_file", ""))
+            for each in self.all
+            if each.dataset.attrs.get("model_sha256")
+        }
+        if len(files) > 1:
+            named = " and ".join(f"{name} ({key[:12]})" for key, name in files.items())
+            raise InputError(
+                f"results of different model files, {named}: make a report of each of them"
+            )
+
+    @classmethod
+    def of(cls, results: Result | Sequence[Result]) -> Results:
+        """Results of what a user gives: one, or several in a list."""
+        return cls((results,) if isinstance(results, Result) else tuple(results))
+
+    def of_kind(self, kind: type[Kind]) -> list[Kind]:
+        """All results of one kind, in order."""
+        return [each for each in self.all if isinstance(each, kind)]
+
+    def first(self, kind: type[Kind]) -> Kind | None:
+        """The first result of one kind; None if there is none."""
+        return next(iter(self.of_kind(kind)), None)
+
+    def attribute(self, name: str) -> str:
+        """What the results say of themselves, such as ``model_text``; empty if none does."""
+        found = (str(each.dataset.attrs.get(name, "")) for each in self.all)
+        return next(filter(None, found), "")
+
+
+def stored_results(folder: str | Path) -> Results:
+    """Results whose NetCDF files lie in a folder, or in folders within it.
+
+    Parameters
+    ----------
+    folder : str or Path
+
+    Returns
+    -------
+    Results
+
+    Raises
+    ------
+    InputError
+        If it is no folder, holds no result, or a file is damaged or of an unknown kind.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/aluminium_fourbar.toml"))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     files = flexmech.check_mechanism(engine).save(folder)
+    ...     flexmech.stored_results(folder).all[0].subject
+    'check'
+    """
+    folder = given_path(folder)
+    if not folder.is_dir():
+        raise InputError(f"{folder}: there is no such folder of results")
+    files = sorted(folder.rglob("*.nc"), key=lambda path: (len(path.parts), path))
+    whole = {path.parent for path in files if path.name == BOTH_STATES}
+    parts = {place / name for place in whole for name in EACH_STATE}
+    found = [_load(path) for path in files if path not in parts]
+    if not found:
+        raise InputError(
+            f"{folder}: holds no NetCDF file of a result; run a command with --out {folder} first"
+        )
+    return Results(tuple(found))
+
+
+def _load(path: Path) -> Result:
+    """A result of the kind that its title names."""
+    title = str(read_netcdf(path).attrs.get("title", ""))
+    for kind in KINDS:
+        if title == kind.subject or title.startswith(f"{kind.subject} of "):
+            return kind.load(path)
+    raise InputError(f"{path}: is {title!r}, which no panel of the report knows; move it away")

@@ -1,0 +1,177 @@
+"""The report as a reader meets it: in a real browser, without a network."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from flexmech import MovingFrequencies, Response
+
+WIDE, PHONE = {"width": 1400, "height": 900}, {"width": 390, "height": 800}
+READY = "html[data-ready=yes]"
+TURN_TO = """angle => { const slider = document.getElementById('angle');
+    slider.value = angle; slider.dispatchEvent(new Event('input')); }"""
+NEXT_FRAME = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+BEYOND = """() => [...document.querySelectorAll('.plot, .panel, #stage, #answers, svg')]
+    .map(each => each.getBoundingClientRect()).filter(box => box.right > innerWidth + 1).length"""
+
+Open = Callable[..., Any]
+
+
+@pytest.fixture
+def opened(browser: Any) -> Iterator[Open]:
+    """Open a page; at the end there must have been no error and no request but for itself."""
+    pages, said, asked = [], [], []
+
+    def open_page(path: Path, viewport: dict[str, int] = WIDE, **context: Any) -> Any:
+        page = browser.new_page(viewport=viewport, **context)
+        page.on("console", lambda message: said.append(f"{message.type}: {message.text}"))
+        page.on("pageerror", lambda error: said.append(str(error)))
+        page.on("request", lambda request: asked.append(request.url))
+        page.goto(path.as_uri())
+        page.wait_for_selector(READY, state="attached", timeout=60_000)
+        pages.append((page, path))
+        return page
+
+    yield open_page
+    own = {path.as_uri() for _, path in pages}
+    for page, _ in pages:
+        page.close()
+    assert not said
+    assert {url for url in asked if not url.startswith("data:")} == own
+
+
+def turn(page: Any, angle: float) -> None:
+    page.evaluate(TURN_TO, angle)
+    page.evaluate(NEXT_FRAME)
+
+
+def reading(page: Any, of: str) -> str:
+    return str(page.text_content(f'[data-reading="{of}"]'))
+
+
+def number(text: str) -> float:
+    return float(text.split("±")[0].split(" ")[0])
+
+
+def test_the_slider_moves_linkage_cursors_and_numbers(written: Any, opened: Open) -> None:
+    page = opened(written.path)
+
+    def seen() -> list[str]:
+        lines = [page.get_attribute(f"#linkage .{kind}", "points") for kind in ("rigid", "shape")]
+        lines.append(page.get_attribute("#linkage .run >> nth=1", "points"))
+        lines += [
+            page.get_attribute(f"#plot-{name} .cursors circle >> nth=0", "cy")
+            for name in ("frequency", "deflection", "forces", "transmission-angle")
+        ]
+        return [*lines, page.get_attribute("#plot-frequency .cursors line", "x1")]
+
+    turn(page, 30)
+    before, words = seen(), page.text_content("#readings")
+    page.evaluate(
+        "() => { window.calls = 0; for (const name of ['restyle', 'relayout', 'react', 'redraw'])"
+        " Plotly[name] = () => { window.calls += 1; }; }"
+    )
+    turn(page, 75)
+    assert all(a != b for a, b in zip(before, seen(), strict=True))
+    assert page.text_content("#readings") != words
+    assert page.text_content("#angle-now") == "75°"
+    page.focus("#angle")
+    page.keyboard.press("ArrowRight")
+    page.evaluate(NEXT_FRAME)
+    assert page.text_content("#angle-now") == "76°"
+    assert page.evaluate("window.calls") == 0, "Plotly draws nothing while the crank turns"
+
+
+def test_numbers_at_the_cursor_are_those_of_the_files(written: Any, opened: Open) -> None:
+    page = opened(written.path)
+    frequencies = written.results.first(MovingFrequencies).tables()["frequencies"]
+    run = written.results.first(Response).tables()["response"]
+    for speed in (0.0, 20.0):
+        page.select_option("#choose-speed", f"{speed:g} rad/s")
+        for angle in (0.0, 45.0, 330.0):
+            turn(page, angle)
+            row = frequencies[np.isclose(frequencies["crank_angle_deg"], angle)]
+            row = row[row["crank_speed_rad_s"] == speed]
+            for mode, value in zip(row["mode"], row["frequency_Hz"], strict=True):
+                shown = reading(page, f"Natural frequency, mode {mode}")
+                assert "±" in shown
+                digits = len(shown.split(" ")[0].partition(".")[2])
+                assert number(shown) == pytest.approx(value, abs=0.51 * 10.0**-digits)
+    turn(page, 37)
+    assert reading(page, "Natural frequency, mode 1").startswith("≈ "), "between computed angles"
+    for angle in (30.0, 201.0):
+        turn(page, angle)
+        sample = run[np.isclose(run["crank_angle_deg"] % 360, angle)].iloc[-1]
+        for of, column in (("coupler", "coupler_mid"), ("crank", "crank_tip")):
+            value = 1e3 * sample[f"{column}_deflection_m"]
+            shown = reading(page, f"Deflection, {of}")
+            digits = len(shown.split(" ")[0].partition(".")[2])
+            assert number(shown) == pytest.approx(value, abs=0.51 * 10.0**-digits)
+        force = np.hypot(sample["pin_A_x_N"], sample["pin_A_y_N"])
+        shown = number(reading(page, "Joint force, A"))
+        assert shown == pytest.approx(force, abs=1e-3 * max(force, 1.0))
+
+
+def test_choices_show_what_was_computed_for_them(written: Any, opened: Open) -> None:
+    page = opened(written.path)
+    page.select_option("#choose-speed", "0 rad/s")
+    page.evaluate(NEXT_FRAME)
+    assert "nothing was computed for 0 rad/s" in page.text_content("#plot-deflection")
+    assert page.locator('[data-reading^="Deflection"]').count() == 0
+    page.select_option("#choose-speed", "20 rad/s")
+    page.evaluate(NEXT_FRAME)
+    assert page.locator('[data-reading^="Deflection"]').count() == 3
+    shape = page.get_attribute("#linkage .shape >> nth=1", "points")
+    page.select_option("#choose-mode", "mode 2")
+    page.evaluate(NEXT_FRAME)
+    assert page.get_attribute("#linkage .shape >> nth=1", "points") != shape
+    assert page.text_content("#readings tr.chosen td").startswith("mode 2")
+    page.click("#frequencies th button >> nth=3")
+    cells = page.locator("#frequencies tbody tr td:nth-child(4)").all_text_contents()
+    values = [float(text.split(" ")[0]) for text in cells]
+    assert values == sorted(values)
+    assert page.get_attribute("#frequencies th >> nth=3", "aria-sort") == "ascending"
+
+
+@pytest.mark.parametrize("viewport", [WIDE, PHONE], ids=["wide", "phone"])
+def test_nothing_reaches_beyond_the_screen(
+    written: Any, opened: Open, viewport: dict[str, int]
+) -> None:
+    page = opened(written.path, viewport, color_scheme="dark", reduced_motion="reduce")
+    assert page.evaluate("document.documentElement.scrollWidth") <= viewport["width"]
+    assert page.evaluate(BEYOND) == 0
+    assert page.get_attribute("html", "data-theme") == "dark"
+    page.click("#theme")
+    assert page.get_attribute("html", "data-theme") == "light"
+    for plot in page.locator(".plot").all():
+        assert plot.get_attribute("aria-label")
+    # The crank is turned without scrolling back to the linkage.
+    page.evaluate("window.scrollTo(0, document.body.scrollHeight)")
+    assert page.locator("#play").is_visible()
+    box = page.locator("#angle").bounding_box()
+    assert 0 <= box["y"] <= viewport["height"]
+
+
+def test_it_prints_without_controls_and_whole(written: Any, opened: Open) -> None:
+    page = opened(written.path, {"width": 700, "height": 900})
+    page.emulate_media(media="print")
+    assert not page.locator("#angle").is_visible()
+    assert not page.locator("#theme").is_visible()
+    assert page.evaluate(BEYOND) == 0
+    drawn = page.pdf(prefer_css_page_size=True)
+    assert drawn.startswith(b"%PDF")
+    assert page.locator("#frequencies details .lines").is_visible(), "details are open on paper"
+
+
+def test_names_of_a_model_are_text(evil: Any, opened: Open) -> None:
+    page = opened(evil.path)
+    assert page.evaluate("window.hacked") is None
+    assert page.text_content("h1") == evil.name
+    assert evil.name in page.text_content("pre")
+    for place in ("#readings td", "#response td"):
+        assert any(evil.name in text for text in page.locator(place).all_text_contents())
