@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.frequencies import Formulation, FrequencyRequest
+from flexmech.analyses.turn import without_end
 from flexmech.errors import InputError
 from flexmech.numbers import checked_array
 from flexmech.types import FloatArray, IntArray
@@ -17,7 +18,6 @@ __all__ = ["ORDERS", "CampbellRequest"]
 ORDERS = tuple(range(1, 11))
 """Of the crank's speed, drawn by default."""
 MOST_ORDER = 1000
-FULL_TURN = 2 * np.pi
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,7 @@ class CampbellRequest:
     @property
     def turn(self) -> FloatArray:
         """The crank angles, without the end of a full turn, which is its start again."""
-        angles = self.crank_angles
-        return angles[angles < angles[0] + FULL_TURN * (1 - 1e-9)] if self.full_turn else angles
+        return without_end(self.crank_angles) if self.full_turn else self.crank_angles
 
 
 def _checked_orders(values: ArrayLike) -> IntArray:

@@ -1,14 +1,17 @@
 """Lowest and highest frequency of each mode over the crank angles, found between the angles.
 
 A grid of crank angles passes an extreme by. The three angles around the grid's extreme bracket
-it. Each round solves at the vertex of the parabola through the three and a little to both sides
-of it, which leaves a bracket an eighth as wide or less: two or three rounds for a smooth curve,
-and no more than a few for the bend of a curve where modes veer.
+it. The quartic through them and one more on each side predicts where it is and how far it goes. A
+solution there that is nearly as predicted is the extreme: an error of the angle changes it by its
+square alone. Else each round solves at the vertex of the parabola through the three and a little
+to both sides of it, which leaves a bracket an eighth as wide or less: no more than a few rounds
+for the bend of a curve where modes veer.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 
 import numpy as np
 import xarray as xr
@@ -16,6 +19,8 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
+from flexmech.analyses.frequencies.quartic import predicted_minimum
+from flexmech.analyses.turn import without_end
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["Extremes", "extremes_between", "extremes_of_speeds", "known_error"]
@@ -144,17 +149,33 @@ def extremes_of_speeds(
     allowed = SETTLED * np.maximum(error, LEAST_ERROR)[mode] * np.abs(brackets.value[1])
     # A parabola over whole steps may be wrong: each is tried once, unless the curve is flat.
     gained = np.where(brackets.has_width & brackets.may_fall(), np.inf, 0.0)
-    for _ in range(MOST_ROUNDS):
-        vertex, gain = brackets.parabola()
-        these = np.flatnonzero((np.maximum(gain, gained) > allowed) & brackets.may_be_lowest())
-        if not len(these):
-            break
-        trial = brackets.angles_near(vertex)[:, these]
+
+    def solved(these: IntArray, trial: FloatArray) -> FloatArray:
+        """Values (k, t) of the curves of t brackets at angles (k, t)."""
         at = np.broadcast_to(crank_speeds[row[these]], trial.shape)
         found = frequencies_along(systems, trial.ravel(), at.ravel())
         value = found.reshape(*trial.shape, count)[:, np.arange(len(these)), mode[these]]
+        return np.asarray(sign[these] * value, dtype=float)
+
+    predicted = predicted_minimum(brackets.grid_angle, brackets.grid_value)
+    these = np.flatnonzero(
+        (gained > 0) & brackets.may_be_lowest() & (predicted.remainder <= allowed)
+    )
+    found_already = np.zeros(len(gained), dtype=bool)
+    if len(these):
+        trial = predicted.at[None, these]
+        value = solved(these, trial)
+        brackets.narrow(these, trial, value)
+        found_already[these] = predicted.missed(these, value[0]) <= allowed[these]
+    for _ in range(MOST_ROUNDS):
+        vertex, gain = brackets.parabola()
+        moving = ~found_already & (np.maximum(gain, gained) > allowed)
+        these = np.flatnonzero(moving & brackets.may_be_lowest())
+        if not len(these):
+            break
+        trial = brackets.angles_near(vertex)[:, these]
         known = brackets.value[1].copy()
-        brackets.narrow(these, trial, sign[these] * value)
+        brackets.narrow(these, trial, solved(these, trial))
         gained = known - brackets.value[1]
     lowest = brackets.lowest()
     where, extreme = brackets.angle[1, lowest], (sign * brackets.value[1])[lowest]
@@ -176,14 +197,15 @@ class _Brackets:
     angle, value : ndarray, shape (3, b)
     curve : ndarray of int, shape (b,)
         To which of the curves a minimum belongs.
-    slope : ndarray, shape (b,)
-        The steepest in the grid's four steps around it.
+    grid_angle, grid_value : ndarray, shape (5, b)
+        On the grid around it; not a number beyond an end of the angles.
     """
 
     angle: FloatArray
     value: FloatArray
     curve: IntArray
-    slope: FloatArray
+    grid_angle: FloatArray
+    grid_value: FloatArray
 
     @classmethod
     def on_grid(cls, angle: FloatArray, value: FloatArray, full_turn: bool) -> _Brackets:
@@ -194,8 +216,8 @@ class _Brackets:
         inside it as steeply as in the four steps around it, stays above the lowest value.
         """
         if full_turn:
-            once = angle < angle[0] + FULL_TURN * (1 - 1e-9)
-            angle, value = angle[once], value[once]
+            angle = without_end(angle)
+            value = value[: len(angle)]
             around = np.arange(-2, len(angle) + 2)
             turns, around = np.divmod(around, len(angle))
             angle, value = angle[around] + FULL_TURN * turns, value[around]
@@ -204,9 +226,8 @@ class _Brackets:
             value = np.pad(value, ((2, 2), (0, 0)), constant_values=np.nan)
         least = np.nanmin(value, axis=0)
         middle = np.arange(2, len(angle) - 2)
-        slope = np.abs(np.diff(value, axis=0) / np.diff(angle)[:, None])
-        # Of a single angle no slope is known, which is no number, and nothing to warn of.
-        steepest = np.fmax.reduce([slope[middle + n] for n in range(-2, 2)])
+        five = middle + np.arange(-2, 3)[:, None]
+        steepest = _steepest(angle[five][:, :, None], value[five])
         before, here, behind = (value[middle + n] for n in (-1, 0, 1))
         angles = angle[middle[:, None] + [-1, 0, 1]].T[:, :, None]
         bound = _lower_bound(before, behind, steepest, angles)
@@ -216,7 +237,13 @@ class _Brackets:
         chosen = middle[place] + np.array([-1, 0, 1])[:, None]
         wide = ~(np.diff(angle[chosen], axis=0).max(axis=0) < MOST_STEP)  # or there is no step
         chosen = np.where(wide, middle[place], chosen)
-        return cls(angle[chosen], value[chosen, curve], curve, steepest[place, curve])
+        around = five[:, place]
+        return cls(angle[chosen], value[chosen, curve], curve, angle[around], value[around, curve])
+
+    @cached_property
+    def slope(self) -> FloatArray:
+        """The steepest in the grid's four steps around each, shape (b,)."""
+        return _steepest(self.grid_angle, self.grid_value)
 
     def lowest(self) -> IntArray:
         """Number of the lowest minimum of each curve, shape (t,)."""
@@ -273,6 +300,12 @@ class _Brackets:
         around = middle + np.array([-1, 0, 1])[:, None]
         self.angle[:, of] = np.take_along_axis(every, around, axis=0)
         self.value[:, of] = np.take_along_axis(values, around, axis=0)
+
+
+def _steepest(angle: FloatArray, value: FloatArray) -> FloatArray:
+    """Greatest slope of the steps between angles (k, ...) with values (k, ...), in size."""
+    # Of a single angle no slope is known, which is no number, and nothing to warn of.
+    return np.asarray(np.fmax.reduce(np.abs(np.diff(value, axis=0) / np.diff(angle, axis=0))))
 
 
 def _lower_bound(
