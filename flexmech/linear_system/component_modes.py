@@ -47,6 +47,9 @@ BENDING_CUTOFF = 1.5
 # relative frequency shift of about (2 W / w)^2; beyond this ratio w / W it is below 1e-5.
 AXIAL_CUTOFF = 600.0
 CONDENSED_AXIAL_MODES = 12
+# A link that stretches at up to this multiple of the usual bending cut-off is stretched by its
+# own inertia: without the static answer to that its axial modes converge slowly.
+STRETCHING_BY_INERTIA = 10.0
 # What one damping time for all of a link leaves of its damping forces is round-off if the
 # answer to it is smaller than this part of the shape that it comes from.
 ANSWER_FLOOR = 1e-6
@@ -92,7 +95,7 @@ class _HeldLink:
     """A link with its joined ends held: static shapes and vibration modes.
 
     ``modes`` are normalized by the mass; ``relief`` is the static answer to the inertia of
-    the static shapes; ``layers`` are the static shapes of ends that follow a pin, without the
+    the static shapes, ``floating_relief`` that to a motion along the link as a whole; ``layers`` are the static shapes of ends that follow a pin, without the
     ends. They vanish at the joined ends. ``flexibility`` is that of the ``inner`` coordinates.
     """
 
@@ -105,6 +108,7 @@ class _HeldLink:
     axial_frequency: FloatArray
     bending_relief: FloatArray
     axial_relief: FloatArray
+    floating_relief: FloatArray
     layers: FloatArray
     inner: IntArray
     flexibility: FloatArray
@@ -154,7 +158,8 @@ def component_modes(
     """
     held = [_hold_ends(topology, link) for link in links]
     every = np.sort(np.concatenate([h.bending_frequency for h in held]))
-    bending_cutoff = detail * BENDING_CUTOFF * every[min(modes, len(every)) - 1]
+    usual_cutoff = BENDING_CUTOFF * every[min(modes, len(every)) - 1]
+    bending_cutoff = detail * usual_cutoff
     # Short links stretch at frequencies like those at which they bend.
     axial_cutoff = max(bending_cutoff, detail * AXIAL_CUTOFF * abs(fastest))
     if axial_modes is None:
@@ -169,6 +174,7 @@ def component_modes(
                 bending_cutoff,
                 axial_cutoff,
                 condensed,
+                stretches=bool(np.any(h.axial_frequency <= STRETCHING_BY_INERTIA * usual_cutoff)),
                 damped=damped,
                 turning=turning,
                 great_detail=detail >= GREAT_DETAIL,
@@ -185,6 +191,7 @@ def _reduce(
     axial_cutoff: float,
     condensed_modes: int,
     *,
+    stretches: bool,
     damped: bool,
     turning: bool,
     great_detail: bool,
@@ -196,7 +203,8 @@ def _reduce(
     if (bending.T @ mass @ axial).any():
         axial = _complement(axial, bending, mass)
     dynamic = np.concatenate([bending, axial], axis=1)
-    relief = np.concatenate([held.bending_relief, held.axial_relief], axis=1)
+    along = held.axial_relief if stretches else held.floating_relief
+    relief = np.concatenate([held.bending_relief, along], axis=1)
     if damped:
         shapes = np.concatenate([held.static, dynamic], axis=1)
         relief = np.concatenate([relief, _answers_to_damping(held, shapes)], axis=1)
@@ -273,9 +281,10 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
     relief[inner] = flexibility @ (link.mass @ static)[inner]
     axial_boundary = link.is_axial[boundary]
     # A link that no end ties to the ground moves along itself as a whole: one axial shape.
-    # A held one only stretches, far too little for inertia to matter.
+    # A held one only stretches: of a slender one far too little for inertia to matter.
     floats = bool(axial_boundary.any()) and not fixed.any()
-    axial_relief = relief[:, axial_boundary].sum(axis=1, keepdims=True)
+    axial_relief = relief[:, axial_boundary]
+    floating_relief = axial_relief.sum(axis=1, keepdims=True)
     stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
     axial, axial_frequency = _modes_of(link, _unit_shapes(link, stretching))
     bending, bending_frequency = _modes_of(link, _free_bending(link, turning, stretching))
@@ -289,7 +298,8 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
         axial=axial,
         axial_frequency=axial_frequency,
         bending_relief=np.concatenate([relief[:, ~axial_boundary], couples], axis=1),
-        axial_relief=axial_relief if floats else relief[:, :0],
+        axial_relief=axial_relief,
+        floating_relief=floating_relief if floats else relief[:, :0],
         layers=layers,
         inner=inner,
         flexibility=flexibility,

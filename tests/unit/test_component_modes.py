@@ -209,6 +209,20 @@ def test_damping_of_several_times_in_a_link(models: Path) -> None:
     assert errors[2] < 5e-6
 
 
+def test_thick_links_stretch_by_their_own_inertia(models: Path, tmp_path: Path) -> None:
+    """At frequencies like those at which they bend: held links too, each end by itself."""
+    text = (models / "composite_fourbar.toml").read_text()
+    thick = tmp_path / "thick.toml"
+    thick.write_text(text.replace('thickness = "1 mm"', 'thickness = "5 mm"'))
+    engine = ReferenceEngine(load_mechanism(thick), 8, "zigzag")
+    exact = solve_modes(engine.unreduced().linear_system(ANGLES), 6)
+    system = engine.linear_system(ANGLES, modes=6, detail=2.0)
+    found = solve_modes(system, 6)
+    assert system.size < 70
+    np.testing.assert_allclose(found.frequency, exact.frequency, rtol=1e-5)
+    np.testing.assert_allclose(found.damping_ratio, exact.damping_ratio, rtol=1e-3)
+
+
 @pytest.mark.parametrize(
     ("speed", "damping_time", "elements", "element"),
     [

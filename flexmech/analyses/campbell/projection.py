@@ -99,8 +99,13 @@ def projected_systems(
 
 def _spaces(count: int) -> tuple[KrylovSpace, ...]:
     """From small to large, for so many modes."""
-    small, large = KrylovSpace(count + 2, 3, 1), KrylovSpace(count + 4, 4, 2)
-    return small, large, large._replace(block=2 * count + 4)
+    return (
+        KrylovSpace(count + 1, 3, 1),
+        KrylovSpace(count + 2, 3, 1),
+        KrylovSpace(count + 4, 3, 2),
+        KrylovSpace(count + 4, 4, 2),
+        KrylovSpace(2 * count + 4, 4, 2),
+    )
 
 
 def krylov_projected(system: LinearSystem, space: KrylovSpace) -> LinearSystem:
