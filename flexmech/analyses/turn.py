@@ -30,4 +30,5 @@ def without_end(crank_angles: FloatArray) -> FloatArray:
     ndarray
         The first angles, A or one less.
     """
-    return crank_angles[crank_angles < crank_angles[0] + 2 * np.pi * (1 - 1e-9)]
+    before_end = crank_angles < crank_angles[0] + 2 * np.pi * (1 - 1e-9)
+    return np.asarray(crank_angles[before_end], dtype=float)

@@ -95,8 +95,9 @@ class _HeldLink:
     """A link with its joined ends held: static shapes and vibration modes.
 
     ``modes`` are normalized by the mass; ``relief`` is the static answer to the inertia of
-    the static shapes, ``floating_relief`` that to a motion along the link as a whole; ``layers`` are the static shapes of ends that follow a pin, without the
-    ends. They vanish at the joined ends. ``flexibility`` is that of the ``inner`` coordinates.
+    the static shapes, ``floating_relief`` that to a motion along the link as a whole; ``layers``
+    are the static shapes of ends that follow a pin, without the ends. They vanish at the joined
+    ends. ``flexibility`` is that of the ``inner`` coordinates.
     """
 
     link: LinkModel
