@@ -70,7 +70,13 @@ def stored_deflection(*, program: str, every: int) -> FloatArray:
 
 
 def running_deflection(
-    *, model: str, engine: EngineName, crank_speed: float, every: int, elements: int = 8
+    *,
+    model: str,
+    engine: EngineName,
+    crank_speed: float,
+    every: int,
+    elements: int = 8,
+    most: int = 360,
 ) -> FloatArray:
     """Deflection of the coupler's middle in the first turn from undeformed links.
 
@@ -83,6 +89,8 @@ def running_deflection(
     every : int
         In deg of the crank angle.
     elements : int
+    most : int
+        Last crank angle, in deg.
 
     Returns
     -------
@@ -91,7 +99,9 @@ def running_deflection(
     """
     request = ResponseRequest(CrankDrive(crank_speed), revolutions=1, samples=SAMPLES)
     run = response(engine_of_name(engine, example(model), elements), request)
-    return np.asarray(1e3 * run.dataset["deflection"].isel(engine=0).sel(link="coupler"))[::every]
+    curve = np.asarray(run.dataset["deflection"].isel(engine=0).sel(link="coupler"))
+    # A sample is a degree.
+    return np.asarray(1e3 * curve[: most + 1 : every])
 
 
 def _damped(model: str, damping_time: float) -> Mechanism:
