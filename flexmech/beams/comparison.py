@@ -73,7 +73,10 @@ class _Links:
 
 def _configurations(linkage: Linkage) -> RigidMotion:
     """The linkage at rest at those crank angles that it can stand at."""
-    possible = []
+    try:
+        return linkage.motion(ANGLES)
+    except InputError:  # it does not turn fully
+        possible = []
     for angle in ANGLES:
         try:
             linkage.motion(angle)

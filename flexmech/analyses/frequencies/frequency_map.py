@@ -34,8 +34,10 @@ def systems_at(
     Systems
         About running states where they are asked for; at rest there is nothing to run.
     """
-    motion = engine.mechanism.linkage.motion(request.crank_angles, 1.0)
-    fastest = float(np.abs(motion.angular_velocity).max()) * abs(crank_speed)
+    fastest = 0.0
+    if crank_speed:
+        motion = engine.mechanism.linkage.motion(request.crank_angles, 1.0)
+        fastest = float(np.abs(motion.angular_velocity).max()) * abs(crank_speed)
     runs = request.formulation.prestress == "trajectory" and crank_speed
     running = RunningStates.of(engine, crank_speed) if runs else None
     return Systems(engine, request.formulation, fastest, detail, running)
