@@ -223,6 +223,8 @@ class LinkFrames:
         if damping is None:
             damping = [LinkDamping(link.damping, link.ends.damping) for link in self.links]
         mass, rates, total = (np.zeros((batch, self.size, self.size)) for _ in range(3))
+        # What is the same in all positions is summed once.
+        resting_mass, resting = np.zeros((2, self.size, self.size))
         for number, link in enumerate(self.links):
             place, pairs = self._places[number], self.turning_pairs(motion, number)
             speed = motion.angular_velocity[:, number, None, None]
@@ -232,8 +234,10 @@ class LinkFrames:
                 tangent = tangent - speed**2 * link.translational_mass
             if terms.tangential:
                 tangent = tangent + change * link.gyroscopic
-            place.add(mass, link.mass, pairs)
-            place.add(total, tangent, pairs)
+            place.add_resting(resting_mass, link.mass)
+            place.add_turning(mass, link.mass, pairs)
+            place.add_resting(resting if tangent.ndim == 2 else total, tangent)
+            place.add_turning(total, tangent, pairs)
             damped = bool(own.matrix.any())
             if damped:
                 place.add(rates, own.matrix, pairs)
@@ -249,6 +253,8 @@ class LinkFrames:
                 place.add_following(total, link.ends.gyroscopic, pairs, coriolis)
             if terms.tangential:
                 place.add_following(total, link.ends.mass, pairs, [p.tangential for p in pairs])
+        mass += resting_mass
+        total += resting
         return SystemMatrices(mass, rates, total)
 
     @cached_property

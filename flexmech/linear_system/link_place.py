@@ -77,9 +77,19 @@ class LinkPlace:
         matrix : ndarray, shape (n, n) or (B, n, n)
         pairs : sequence of TurningPair
         """
+        self.add_resting(total, matrix)
+        self.add_turning(total, matrix, pairs)
+
+    def add_resting(self, total: FloatArray, matrix: FloatArray) -> None:
+        """Add the part of ``Q' X Q`` that does not turn, to (size, size) or (B, size, size)."""
         for row, to_row in self.runs:
             for column, to_column in self.runs:
-                total[:, to_row, to_column] += matrix[..., row, column]
+                total[..., to_row, to_column] += matrix[..., row, column]
+
+    def add_turning(
+        self, total: FloatArray, matrix: FloatArray, pairs: Sequence[TurningPair]
+    ) -> None:
+        """Add the rest of ``Q' X Q``; parameters as of :meth:`add`."""
         for (row, to_row), turning in zip(self.following, pairs, strict=True):
             for column, to_column in self.runs:
                 total[:, to_row, to_column] += _turned(turning.turn, matrix[..., row, column])
