@@ -89,7 +89,14 @@ class LinkPlace:
     def add_turning(
         self, total: FloatArray, matrix: FloatArray, pairs: Sequence[TurningPair]
     ) -> None:
-        """Add the rest of ``Q' X Q``; parameters as of :meth:`add`."""
+        """Add the rest of ``Q' X Q``.
+
+        Parameters
+        ----------
+        total : ndarray, shape (B, size, size)
+        matrix : ndarray, shape (n, n) or (B, n, n)
+        pairs : sequence of TurningPair
+        """
         for (row, to_row), turning in zip(self.following, pairs, strict=True):
             for column, to_column in self.runs:
                 total[:, to_row, to_column] += _turned(turning.turn, matrix[..., row, column])
