@@ -15,6 +15,7 @@ __all__ = ["plot_verification"]
 ROW = 0.3
 # Deviations below this part of the tolerance, and none at all, stand at the left end.
 LEAST = 1e-6
+# Inches for the names of subjects, which then have two lines at most.
 LONGEST_NAME = 2.6
 DOT: Look = {"ls": "", "marker": "o", "ms": 3.0, "mew": 0.0, "color": "#0072B2", "alpha": 0.6}
 CROSS: Look = {"ls": "", "marker": "X", "ms": 6.5, "mew": 0.3, "color": "#D55E00"}
@@ -61,12 +62,12 @@ def plot_verification(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
                 line_handle("failed", **CROSS),
                 line_handle("tolerance", **LIMIT),
             ],
-            "Verification: how near each number is to what is expected",
+            f"Verification: deviations over their tolerances (at the left end {LEAST:g} and less)",
         )
         names = ["\n".join(wrapped(subject, LONGEST_NAME)) for subject in subjects]
         axes.set_yticks(range(len(subjects)), names)
         axes.set_ylim(len(subjects) - 0.5, -0.5)
         axes.set_xscale("log")
         axes.set_xlim(0.6 * LEAST, 3.0 * worst)
-        axes.set_xlabel(f"Deviation over tolerance (-), {LEAST:g} and less at the left end")
+        axes.set_xlabel("Deviation over tolerance (-)", loc="right")
     return drawn.figure

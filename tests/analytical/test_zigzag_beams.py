@@ -118,6 +118,7 @@ def test_default_linkage_against_elasticity(name: str) -> None:
     assert 0.6 * bound < 100 * off < bound
 
 
+@pytest.mark.thorough
 def test_sandwich_of_the_verification_is_this_one() -> None:
     """Its frequencies by others, on two meshes, and by the elasticity of these tests."""
     mechanism = load_mechanism(example_model("sandwich_fourbar"))

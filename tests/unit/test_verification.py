@@ -22,7 +22,7 @@ from flexmech.verification import (
     verification_cases,
 )
 from flexmech.verification.methods import METHODS
-from tests.unit.figure_checks import FULL_WIDTH_PANEL, check_layout, legend_texts
+from tests.unit.figure_checks import FULL_WIDTH_PANEL, GRID_PANEL, check_layout, legend_texts
 
 CASE = verification_case("Limits of the transmission angle: case 1")
 MATRIX = verification_case("Stiffness of graphite/epoxy [0/30/-45], plies of 5 mm: A")
@@ -145,9 +145,18 @@ def test_summary(five: Verification) -> None:
     assert rows["a wrong number"][3:6] == ["115.288", "116", "7.1e-01"]
 
 
+@pytest.mark.parametrize(("width", "panel"), [(180, FULL_WIDTH_PANEL), (88, GRID_PANEL)])
+def test_picture_of_all_cases(width: float, panel: tuple[float, float]) -> None:
+    outcomes = [
+        compute.Outcome(replace(case, needs=()), np.ones(2), np.array([1.0, 1 + 1e-5]))
+        for case in verification_cases(thorough=True)
+    ]
+    with flexmech.plots.page_width(width):
+        check_layout(Verification(compute._dataset(outcomes)).plot(), panel)
+
+
 def test_picture(five: Verification) -> None:
     figure = five.plot()
-    check_layout(figure, FULL_WIDTH_PANEL)
     assert legend_texts(figure) == ["passed", "failed", "tolerance"]
     (axes,) = figure.axes
     crosses = [line for line in axes.lines if line.get_marker() == "X" and len(line.get_xdata())]
