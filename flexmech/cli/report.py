@@ -59,6 +59,8 @@ def report(
     check_extra()
     with naming("--out"):
         out = given_path(out)
+        if not out.parent.is_dir():
+            raise InputError(f"{out}: there is no folder {out.parent}; make it first")
         check_writable(out.parent, [out.name])
     source, remark = given_path(model), ""
     unit = "rad/s" if given is None else given.unit

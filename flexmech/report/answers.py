@@ -143,7 +143,8 @@ def _listed(ranges: Ranges, within: tuple[float, float] | None, unit: str) -> st
     texts = []
     for low, high in ranges:
         beyond = " or more" if within is not None and high >= within[1] else ""
-        texts.append(f"{from_si(low, unit):.4g} to {from_si(high, unit):.4g}{beyond}")
+        ends = dict.fromkeys(f"{from_si(end, unit):.4g}" for end in (low, high))
+        texts.append(f"{' to '.join(ends)}{beyond}")
     return f"{', '.join(texts)} {unit}"
 
 

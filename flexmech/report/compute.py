@@ -19,6 +19,7 @@ from flexmech.analyses import (
 )
 from flexmech.analyses import campbell as campbell_analysis
 from flexmech.analyses import response as response_analysis
+from flexmech.analyses.environment import environment_lines
 from flexmech.analyses.frequencies.request import operating_speeds
 from flexmech.choices import MODES, REPORT_PARTS, TOLERANCE, ReportPart
 from flexmech.errors import InputError
@@ -180,8 +181,7 @@ def _frequencies(
 ) -> MovingFrequencies:
     """Moving frequencies, with mode shapes at the map's own angles or as many as are stored."""
     angles = np.asarray(request.crank_angles, dtype=float)
-    whole = len(angles) > 1 and np.isclose(angles[-1] - angles[0], 2 * np.pi)
-    own = angles[:-1] if whole else angles
+    own = angles[:-1] if _is_full_turn(angles) else angles
     shapes = own[:: max(1, -(-len(own) // MOST_SHAPES))]
     return moving_frequencies(
         engines,
@@ -207,17 +207,25 @@ def _campbell(
         over = np.linspace(0.0, BEYOND * float(np.abs(speeds).max()), CAMPBELL_SPEEDS)
     else:
         over = np.asarray(request.campbell_speeds, dtype=float)
+    angles, lines = np.asarray(request.crank_angles, dtype=float), []
     if request.environment is not None:
+        lines = environment_lines(engine.mechanism, request.environment)
         engine = engine.with_(mechanism=mechanism_in_state(engine.mechanism, request.environment))
-    return campbell_analysis.campbell(
+    found = campbell_analysis.campbell(
         engine,
         over,
-        crank_angles=CAMPBELL_ANGLES,
+        crank_angles=CAMPBELL_ANGLES if _is_full_turn(angles) else angles,
         modes=request.modes,
         speed_unit=request.speed_unit,
         tolerance=request.tolerance,
         progress=progress,
     )
+    # In what state it is, as other results tell it.
+    return CampbellDiagram(found.dataset.assign_attrs(environment_lines="\n".join(lines)))
+
+
+def _is_full_turn(angles: FloatArray) -> bool:
+    return len(angles) > 1 and bool(np.isclose(angles[-1] - angles[0], 2 * np.pi))
 
 
 def _responses(

@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-from html import escape
-
 import numpy as np
 import xarray as xr
 
-__all__ = ["stacks_drawing"]
+__all__ = ["stack_drawings"]
 
-# In units of the drawing: width, room of a row's words, least height of a section.
-WIDTH, DRAWN, LEAST = 640.0, 300.0, 3.0
-# Greys of plies, light and dark, as a share of the ink over the paper.
-SHADES = (0.18, 0.42, 0.66, 0.30, 0.54)
+# Greatest width of a drawing, and least height of a section in it.
+WIDTH, LEAST = 300.0, 3.0
+# Opacity of the ink for each kind of layer: neighbours differ.
+SHADES = (0.12, 0.45, 0.28, 0.65, 0.20, 0.55, 0.36, 0.75)
+# Thinner layers are not outlined: lines would fill them.
+LEAST_OUTLINED = 2.0
+LEGEND = 12.0
+
+Kind = tuple[str, float]
+"""Of a layer: name of its ply, and its angle in degrees."""
 
 
-def stacks_drawing(data: xr.Dataset) -> tuple[str, str]:
-    """Sections of all links under each other, at one scale.
+def stack_drawings(data: xr.Dataset) -> tuple[tuple[str, str], ...]:
+    """Sections of all links at one scale, and a key to their layers.
 
     Parameters
     ----------
@@ -25,72 +29,75 @@ def stacks_drawing(data: xr.Dataset) -> tuple[str, str]:
 
     Returns
     -------
-    str, str
-        SVG, and what is to be seen in it. Names are escaped.
+    tuple of (str, str)
+        SVG without any text, and what it shows in words.
     """
     thick = 1e3 * data["in_plane_thickness"].values.astype(float)
     width = 1e3 * data["out_of_plane_width"].values.astype(float)
-    widest = float(np.nanmax(np.append(width[np.isfinite(width)], thick.max())))
-    scale = DRAWN / widest
-    plies = list(dict.fromkeys(str(ply) for ply in data["ply"].values.ravel() if str(ply)))
-    rows, top = [], 10.0
+    scale = WIDTH / float(np.nanmax([*width, thick.max()]))
+    kinds = _kinds(data)
+    drawings = []
     for number in range(data.sizes["link"]):
-        height = max(scale * thick[number], LEAST)
-        row = max(height, 46.0)
-        wide = scale * width[number] if np.isfinite(width[number]) else DRAWN
-        rows.append(_row(data.isel(link=number), plies, (top, row), (wide, height)))
-        words = _words(data.isel(link=number), thick[number], width[number])
-        for line, text in enumerate(words):
-            y = top + row / 2 - 7.0 * (len(words) - 1) + 15.0 * line + 4.0
-            strong = ' class="strong"' if line == 0 else ""
-            rows.append(f'<text x="{DRAWN + 24:g}" y="{y:g}"{strong}>{escape(text)}</text>')
-        top += row + 14.0
-    legend = []
-    for number, ply in enumerate(plies):
-        shade = SHADES[number % len(SHADES)]
-        legend.append(
-            f'<rect x="0" y="{top:g}" width="14" height="10" class="ply" fill-opacity="{shade}"/>'
+        wide = width[number] if np.isfinite(width[number]) else WIDTH / scale
+        size = scale * wide, max(scale * thick[number], LEAST)
+        svg = _section(data.isel(link=number), kinds, size)
+        drawings.append((svg, _words(data.isel(link=number), thick[number], width[number])))
+    for number, (ply, angle) in enumerate(kinds if len(kinds) > 1 else ()):
+        drawings.append(
+            (
+                _svg(2 * LEGEND, LEGEND, _layer(number, 0.0, 2 * LEGEND, LEGEND)),
+                f"{ply} at {angle:g} deg",
+            )
         )
-        legend.append(f'<text x="20" y="{top + 9:g}">{escape(ply)}</text>')
-        top += 17.0
-    bar = scale * 10.0
-    legend.append(f'<path d="M0 {top + 6:g}h{bar:g}" class="bar"/>')
-    legend.append(f'<text x="{bar + 8:g}" y="{top + 10:g}">10 mm</text>')
-    text = "; ".join(
-        ", ".join(_words(data.isel(link=n), thick[n], width[n])) for n in range(len(thick))
-    )
-    frame = f'viewBox="0 0 {WIDTH:g} {top + 18:g}" class="stacks"'
-    return f"<svg {frame}>{''.join(rows + legend)}</svg>", text
+    return tuple(drawings)
 
 
-def _row(
-    link: xr.Dataset, plies: list[str], place: tuple[float, float], size: tuple[float, float]
-) -> str:
+def _kinds(data: xr.Dataset) -> list[Kind]:
+    """Every kind of layer once, in order; a section of one material has one without a name."""
+    found = []
+    for link in range(data.sizes["link"]):
+        one = data.isel(link=link)
+        for layer in np.flatnonzero(np.isfinite(one["layer_low"].values)).tolist():
+            found.append(_kind(one.isel(layer=layer)))
+    return list(dict.fromkeys(found))
+
+
+def _kind(layer: xr.Dataset) -> Kind:
+    return str(layer["ply"].item()), round(float(np.degrees(layer["ply_angle"].item())), 6)
+
+
+def _section(link: xr.Dataset, kinds: list[Kind], size: tuple[float, float]) -> str:
     """Layers of one section, the lowest y at the bottom, with a frame around them."""
-    (top, row), (wide, height) = place, size
+    wide, height = size
     low, high = (link[f"layer_{face}"].values.astype(float) for face in ("low", "high"))
-    real = np.isfinite(low)
-    bottom, whole = float(low[real].min()), float(high[real].max() - low[real].min())
-    base = top + (row + height) / 2
+    real = np.flatnonzero(np.isfinite(low)).tolist()
+    bottom, top = float(low[real].min()), float(high[real].max())
+    scale = height / (top - bottom)
     parts = []
-    for number in np.flatnonzero(real).tolist():
-        y = base - height * (high[number] - bottom) / whole
-        tall = height * (high[number] - low[number]) / whole
-        ply = str(link["ply"].values[number])
-        shade = SHADES[plies.index(ply) % len(SHADES)] if ply else SHADES[0]
-        parts.append(
-            f'<rect x="0.5" y="{y:.2f}" width="{wide:.2f}" height="{tall:.2f}" class="ply" '
-            f'fill-opacity="{shade}"/>'
-        )
-    parts.append(
-        f'<rect x="0.5" y="{base - height:.2f}" width="{wide:.2f}" height="{height:.2f}" '
-        'class="frame"/>'
+    for number in real:
+        tall = scale * (high[number] - low[number])
+        kind = kinds.index(_kind(link.isel(layer=number)))
+        parts.append(_layer(kind, scale * (top - high[number]), wide, tall))
+    frame = f'<rect y="0" width="{wide:.2f}" height="{height:.2f}" class="frame"/>'
+    return _svg(wide, height, "".join(parts) + frame)
+
+
+def _layer(kind: int, y: float, wide: float, tall: float) -> str:
+    outline = " outlined" if tall >= LEAST_OUTLINED else ""
+    return (
+        f'<rect y="{y:.2f}" width="{wide:.2f}" height="{tall:.2f}" class="ply{outline}" '
+        f'fill-opacity="{SHADES[kind % len(SHADES)]}"/>'
     )
-    return "".join(parts)
 
 
-def _words(link: xr.Dataset, thick: float, width: float) -> list[str]:
+def _svg(wide: float, height: float, parts: str) -> str:
+    """A drawing of a fixed size, which narrow screens shrink, with room for its frame."""
+    w, h = wide + 2, height + 2
+    return f'<svg viewBox="-1 -1 {w:.1f} {h:.1f}" width="{w:.1f}" class="stack">{parts}</svg>'
+
+
+def _words(link: xr.Dataset, thick: float, width: float) -> str:
     across = f"{width:.4g} mm wide" if np.isfinite(width) else "width not stated"
-    words = [str(link["link"].item()), f"{thick:.4g} mm thick, {across}"]
+    words = f"{link['link'].item()}: {thick:.4g} mm thick, {across}"
     stack = str(link["stacking"].item())
-    return [*words, stack] if stack else words
+    return f"{words}, {stack}" if stack else words

@@ -252,7 +252,7 @@ def _choices(
 
 def _speed_value(name: str) -> float:
     """Crank speed in rad/s of its name."""
-    return parse_quantity(name.replace("\N{MINUS SIGN}", "-"), ANGULAR_SPEED)
+    return parse_quantity(name, ANGULAR_SPEED)
 
 
 def _versions(results: Results) -> dict[str, str]:

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
-from flexmech.plots.labels import speed_label
 from flexmech.report.results import Results
 from flexmech.types import FloatArray
+from flexmech.units import from_si
 
 __all__ = [
     "crank_degrees",
@@ -33,7 +33,7 @@ def speed_unit_of(results: Results) -> str:
 
 def speed_name(speed: float, unit: str) -> str:
     """A crank speed in rad/s as the reader chooses it."""
-    return speed_label(speed, unit)
+    return f"{from_si(speed, unit):.6g} {unit}"
 
 
 def state_of(attributes: Mapping[str, object]) -> str:
@@ -63,12 +63,12 @@ def crank_degrees(angle: FloatArray) -> FloatArray:
     return np.asarray(np.degrees(angle).round(9))
 
 
-def decimals_of(error: float, least: int = 0) -> int:
+def decimals_of(error: float) -> int:
     """Decimal places of a number that an error of it, rounded to one digit, leaves known."""
     if not (math.isfinite(error) and error > 0):
         return MOST_DECIMALS
     one_digit = float(f"{error:.0e}")
-    return int(np.clip(-math.floor(math.log10(one_digit)), least, MOST_DECIMALS))
+    return int(np.clip(-math.floor(math.log10(one_digit)), 0, MOST_DECIMALS))
 
 
 def with_error(value: float, error: float) -> str:
@@ -92,5 +92,5 @@ def with_error(value: float, error: float) -> str:
         return f"{value:.4g}"
     places = decimals_of(error)
     if error < 10.0**-MOST_DECIMALS:
-        return f"{value:.{places}f}"
+        return f"{value:.{MOST_DECIMALS}g}"
     return f"{value:.{places}f} ± {float(f'{error:.0e}'):.{places}f}"

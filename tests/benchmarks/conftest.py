@@ -62,6 +62,12 @@ def note(benchmark):
     return add
 
 
+@pytest.fixture
+def tell():
+    """Add any line to the summary."""
+    return lambda name, row: ROWS.append((name, row))
+
+
 def pytest_terminal_summary(terminalreporter):
     if ROWS:
         terminalreporter.section("flexmech against plain loops (medians, one thread)")

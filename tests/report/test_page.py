@@ -105,7 +105,8 @@ def test_bad_input_is_one_line(tmp_path: Path, written: Any) -> None:
         assert done.exit_code == 2, arguments
         assert words in done.stderr
         assert len(done.stderr.strip().splitlines()) == 1
-    assert run("report", ALUMINIUM, "--out", str(tmp_path)).exit_code == 2
+    for place in (tmp_path, tmp_path / "no" / "report.html"):
+        assert run("report", ALUMINIUM, "--out", str(place)).exit_code == 2
     assert not Path(out).exists()
     other = flexmech.load_mechanism(ROOT / "models" / "steel_fourbar.toml")
     check = flexmech.check_mechanism(flexmech.ReferenceEngine(other, 2))

@@ -8,7 +8,7 @@ import xarray as xr
 from flexmech.analyses import CampbellDiagram, Table
 from flexmech.report.panel import Panel, Plot, Trace, YAxis
 from flexmech.report.results import Results
-from flexmech.report.words import engine_names, speed_unit_of, with_error
+from flexmech.report.words import engine_names, speed_unit_of, state_of, with_error
 from flexmech.units import from_si
 
 __all__ = ["campbell_panel", "relative_error"]
@@ -42,8 +42,9 @@ def campbell_panel(results: Results) -> Panel | None:
         name="campbell",
         title="Which crank speeds to avoid",
         caption=(
-            f"Campbell diagram by the {engine} engine: filled is each branch from its lowest to "
-            "its highest natural frequency over the turn, the line in it is the mean. Grey rays "
+            f"Campbell diagram by the {engine} engine, {state_of(data.attrs)}: filled is each "
+            "branch from its lowest to its highest natural frequency over the turn, the line in it "
+            "is the mean. Grey rays "
             "are multiples (orders) of the crank's turns per second; where a ray is dark it is "
             "inside a band, and the crank excites that branch: these are critical speeds."
         ),

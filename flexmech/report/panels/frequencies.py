@@ -171,7 +171,7 @@ def _readings(result: MovingFrequencies, unit: str) -> list[Reading]:
         readings.append(
             Reading(
                 *("Natural frequency", f"mode {mode}", "Hz", angle, frequency, error, when),
-                decimals_of(error, least=3),
+                decimals_of(error),
                 str(mode),
             )
         )
@@ -181,7 +181,7 @@ def _readings(result: MovingFrequencies, unit: str) -> list[Reading]:
             readings.append(
                 Reading(
                     *("Damping ratio", f"mode {mode}", "%", angle, ratio, error, when),
-                    decimals_of(error, least=4),
+                    decimals_of(error),
                     str(mode),
                 )
             )

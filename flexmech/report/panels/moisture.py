@@ -15,7 +15,7 @@ from flexmech.units import from_si
 __all__ = ["moisture_panel"]
 
 LAWS: tuple[tuple[str, str, Look], ...] = (
-    ("uptake", "diffusion", "solid"),
+    ("uptake", "", "solid"),
     ("short_time_uptake", "law of the root of time", "dash"),
     ("shen_springer_uptake", "Shen and Springer", "dot"),
 )
@@ -49,7 +49,14 @@ def moisture_panel(results: Results) -> Panel | None:
 def _uptake(data: xr.Dataset, kept: IntArray) -> Plot:
     root = np.sqrt([from_si(float(time), "day") for time in data["time"].values[kept]])
     traces = [
-        Trace(f"{link}, {words}", root, data[name].sel(link=link).values[kept], number, look)
+        Trace(
+            link if name == LAWS[0][0] else words,
+            root,
+            data[name].sel(link=link).values[kept],
+            number,
+            look,
+            legend=name == LAWS[0][0] or number == 0,
+        )
         for number, link in enumerate(map(str, data["link"].values))
         for name, words, look in LAWS
     ]
@@ -79,7 +86,7 @@ def _profiles(data: xr.Dataset) -> Plot:
             traces.append(Trace(name, *line, colour=time, axis=axis, legend=axis == 0))
     return Plot(
         "profiles",
-        "Place from the middle of the thickness (mm)",
+        "Place from the middle (mm)",
         tuple(YAxis(f"{link} (%)") for link in links),
         tuple(traces),
         "Moisture of the resin through the thickness of each link at some times",

@@ -246,7 +246,7 @@ def _readings(data: xr.Dataset, turn: LastTurn, engine: str, when: Choice) -> li
         ("Torque", "shaft", "N m", torque, peak * error_over_peak(data, engine, "_of_torque"))
     )
     return [
-        Reading(group, label, unit, turn.angle, turn.of(values), error, when, decimals_of(error, 3))
+        Reading(group, label, unit, turn.angle, turn.of(values), error, when, decimals_of(error))
         for group, label, unit, values, error in found
     ]
 

@@ -6,9 +6,11 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import ModelCheck, SectionProfiles
-from flexmech.report.drawing import stacks_drawing
+from flexmech.analyses.section_profile.tables import property_table
+from flexmech.report.drawing import stack_drawings
 from flexmech.report.panel import Panel, Plot, Trace, YAxis
 from flexmech.report.results import Results
+from flexmech.report.words import state_of
 from flexmech.types import FloatArray
 
 __all__ = ["section_panel"]
@@ -31,14 +33,14 @@ def section_panel(results: Results) -> Panel | None:
     said = result.summary()
     drawings: tuple[tuple[str, str], ...] = ()
     if check is not None and "layer_low" in check.dataset:
-        drawings = (stacks_drawing(check.dataset),)
+        drawings = stack_drawings(check.dataset)
     return Panel(
         name="sections",
         title="Sections with their layers",
         caption=(
             "Each link's section to one scale, its in-plane thickness upward, and stress through "
             "the thickness under unit loads on the pins' axis: N along the link, M that stretches "
-            "the side of lower y, V along y."
+            f"the side of lower y, V along y. State: {state_of(result.dataset.attrs)}."
         ),
         equation="N = EA ε₀ + B κ,  M = B ε₀ + EI κ,  V = kGA γ;  τ from equilibrium",
         source=(
@@ -47,9 +49,13 @@ def section_panel(results: Results) -> Panel | None:
         ),
         plots=tuple(_plot(result, link, n) for n, link in enumerate(result.links_with_layers)),
         drawings=drawings,
-        tables=tuple(part for part in said.parts if not isinstance(part, str)),
+        tables=tuple(property_table(result.dataset.sel(link=link)) for link in result.links),
         lines=tuple(part for part in said.parts if isinstance(part, str)),
         warnings=said.warnings,
+        thinned=(
+            "sections: stresses of every layer are drawn; their tables are what flexmech section "
+            "writes to through_thickness.csv",
+        ),
     )
 
 
