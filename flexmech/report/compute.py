@@ -36,11 +36,11 @@ __all__ = ["ReportRequest", "report_results"]
 # The Campbell diagram goes beyond the greatest speed asked for by this factor.
 BEYOND = 2.0
 CAMPBELL_SPEEDS = 13
-CAMPBELL_ANGLES = np.radians(np.arange(0.0, 360.0, 10.0))
 MAP_ANGLES = np.radians(np.arange(0.0, 361.0, 5.0))
 PATH_ANGLES = np.radians(np.arange(0.0, 361.0))
 # Mode shapes are stored at so many crank angles at most.
 MOST_SHAPES = 72
+MOST_CAMPBELL_ANGLES = 36
 
 
 @dataclass(frozen=True)
@@ -180,18 +180,15 @@ def _frequencies(
     progress: LabelledProgress | None,
 ) -> MovingFrequencies:
     """Moving frequencies, with mode shapes at the map's own angles or as many as are stored."""
-    angles = np.asarray(request.crank_angles, dtype=float)
-    own = angles[:-1] if _is_full_turn(angles) else angles
-    shapes = own[:: max(1, -(-len(own) // MOST_SHAPES))]
     return moving_frequencies(
         engines,
-        angles,
+        request.crank_angles,
         speeds,
         modes=request.modes,
         environment=request.environment,
         speed_unit=request.speed_unit,
         tolerance=request.tolerance,
-        shapes_at=shapes,
+        shapes_at=_some_angles(request, MOST_SHAPES),
         progress=progress,
     )
 
@@ -207,14 +204,14 @@ def _campbell(
         over = np.linspace(0.0, BEYOND * float(np.abs(speeds).max()), CAMPBELL_SPEEDS)
     else:
         over = np.asarray(request.campbell_speeds, dtype=float)
-    angles, lines = np.asarray(request.crank_angles, dtype=float), []
+    lines: list[str] = []
     if request.environment is not None:
         lines = environment_lines(engine.mechanism, request.environment)
         engine = engine.with_(mechanism=mechanism_in_state(engine.mechanism, request.environment))
     found = campbell_analysis.campbell(
         engine,
         over,
-        crank_angles=CAMPBELL_ANGLES if _is_full_turn(angles) else angles,
+        crank_angles=_some_angles(request, MOST_CAMPBELL_ANGLES),
         modes=request.modes,
         speed_unit=request.speed_unit,
         tolerance=request.tolerance,
@@ -224,8 +221,12 @@ def _campbell(
     return CampbellDiagram(found.dataset.assign_attrs(environment_lines="\n".join(lines)))
 
 
-def _is_full_turn(angles: FloatArray) -> bool:
-    return len(angles) > 1 and bool(np.isclose(angles[-1] - angles[0], 2 * np.pi))
+def _some_angles(request: ReportRequest, most: int) -> FloatArray:
+    """Crank angles asked for, each position once, and every n-th where they are many."""
+    angles = np.asarray(request.crank_angles, dtype=float)
+    if len(angles) > 1 and np.isclose(angles[-1] - angles[0], 2 * np.pi):
+        angles = angles[:-1]
+    return angles[:: max(1, -(-len(angles) // most))]
 
 
 def _responses(

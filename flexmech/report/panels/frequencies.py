@@ -130,12 +130,12 @@ def _places(result: MovingFrequencies) -> list[tuple[str, xr.Dataset, str, float
 def _plot(result: MovingFrequencies, unit: str, variable: str) -> Plot:
     modes = result.dataset["mode"].values.tolist()
     speeds = result.dataset["crank_speed"].values.tolist()
-    words = "Frequency (Hz)" if variable == "frequency" else "Damping ratio"
+    words, factor = ("Frequency (Hz)", 1) if variable == "frequency" else ("Damping ratio (%)", 100)
     traces = tuple(
         Trace(
             name=speed_name(speed, unit),
             x=crank_degrees(data["crank_angle"].values),
-            y=_values(data, variable, engine, speed, mode),
+            y=factor * _values(data, variable, engine, speed, mode),
             colour=speeds.index(speed),
             look=("solid", "dash", "dashdot", "dot")[speeds.index(speed) % 4],
             when={"engine": engine, "state": state},

@@ -27,7 +27,7 @@
   function labelOf(trace) {
     if (!trace.label) return {};
     const text = Array.from(arrays[trace.x], (_, n) => (n === arrays[trace.x].length - 1 ? trace.label : ""));
-    return { mode: "lines+text", text, textposition: "top left", textfont: { size: 10 } };
+    return { mode: "lines+text", text, textposition: "middle right", cliponaxis: false, textfont: { size: 10 } };
   }
 
   function plotlyLayout(spec, width) {
@@ -50,7 +50,7 @@
       const name = n ? `yaxis${n + 1}` : "yaxis";
       layout[name] = {
         title: { text: axis.title, standoff: 6 }, domain: [top - 1 / count + (n < count - 1 ? 0.03 : 0), top],
-        type: axis.log ? "log" : "linear", zeroline: false, showline: true, ticks: "outside", nticks: count > 1 ? 4 : 7,
+        type: axis.log ? "log" : "linear", zeroline: false, showline: true, ticks: "outside", nticks: count > 1 ? 4 : 7, automargin: "left",
         exponentformat: "power",
       };
     });
