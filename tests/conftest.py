@@ -7,6 +7,8 @@ import os
 # Many small matrices: more BLAS threads only slow the tests down.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +51,19 @@ def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 MODELS = Path(__file__).parents[1] / "models"
+
+
+@pytest.fixture(scope="session")
+def held_number() -> Callable[[str], Any]:
+    """The number of a scenario, as the gallery shows it, within its tolerance."""
+    text = (MODELS.parent / "scenarios" / "held_numbers.toml").read_text()
+    numbers = tomllib.loads(text)
+
+    def within(scenario: str) -> Any:
+        number = numbers[scenario]
+        return pytest.approx(number["value"], abs=number["tolerance"], rel=0)
+
+    return within
 
 
 @pytest.fixture(scope="session")

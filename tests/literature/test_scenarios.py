@@ -7,6 +7,7 @@
 import importlib
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -55,6 +56,16 @@ def test_every_scenario_is_tested_here():
     assert [p.stem for p in sorted(SCENARIOS.glob("[!_]*.py"))] == NAMES
 
 
+def test_every_scenario_has_a_number_that_a_test_holds():
+    numbers = tomllib.loads((SCENARIOS / "held_numbers.toml").read_text())
+    assert sorted(numbers) == NAMES
+    for name, number in numbers.items():
+        file, _, function = number["test"].partition("::")
+        text = (SCENARIOS.parent / file).read_text()
+        assert f"def {function}(" in text
+        assert f'held_number("{name}")' in text or "frequencies" in name
+
+
 def test_runs_alone_from_any_folder(tmp_path):
     script = [sys.executable, str(SCENARIOS / f"{NAMES[0]}.py"), "--help"]
     run = subprocess.run(script, cwd=tmp_path, capture_output=True, text=True, timeout=60)
@@ -63,11 +74,11 @@ def test_runs_alone_from_any_folder(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("mechanism", "verdict", "third_to_others"),
-    [("steel", "not borne out", 0.78), ("aluminium", "borne out in part", 0.21)],
+    ("mechanism", "verdict"),
+    [("steel", "not borne out"), ("aluminium", "borne out in part")],
 )
-def test_frequencies(scenario, mechanism, verdict, third_to_others, tmp_path, capsys):
-    """V1 at rest; what speed does to the third mode, within 0.03 on a grid of 12 degrees."""
+def test_frequencies(scenario, mechanism, verdict, held_number, tmp_path, capsys):
+    """V1 at rest; what speed does to the third mode, on a grid of 60 degrees."""
     main = scenario(f"{mechanism}_fourbar_frequencies").main
     answer = main(tmp_path, crank_angles=COARSE_TURN, elements=8)
     frequency = answer.frequencies.dataset["frequency"].sel(crank_speed=0)
@@ -77,7 +88,7 @@ def test_frequencies(scenario, mechanism, verdict, third_to_others, tmp_path, ca
         for engine in ("reference", "exudyn"):
             np.testing.assert_allclose(found.sel(engine=engine), expected, rtol=3e-4)
     assert answer.frequencies.agreement().relative_difference < 2e-4
-    assert answer.third_to_others == pytest.approx(third_to_others, abs=0.03)
+    assert answer.third_to_others == held_number(f"{mechanism}_fourbar_frequencies")
     assert answer.verdict == verdict
     printed = capsys.readouterr().out
     assert f": {verdict}." in printed
@@ -86,7 +97,7 @@ def test_frequencies(scenario, mechanism, verdict, third_to_others, tmp_path, ca
     assert_pictures(tmp_path, *(f"{name}.png" for name in pictures))
 
 
-def test_mode_shapes(scenario, tmp_path):
+def test_mode_shapes(scenario, held_number, tmp_path):
     """The paper: the shapes at rest and at speed are "very consistent in each other"."""
     turn = np.radians([0.0, 13.0, 90.0])
     answers = scenario("mode_shapes").main(tmp_path, crank_angles=turn, elements=8)
@@ -97,7 +108,7 @@ def test_mode_shapes(scenario, tmp_path):
     assert answers["steel"].mac.min() > 0.998
     # The aluminium links' two first modes come close at 20 rad/s and mix there.
     assert answers["aluminium"].mac[-1, 0, :2] == pytest.approx(0.980, abs=2e-3)
-    assert answers["aluminium"].mac[-1, 1, :2] == pytest.approx(0.848, abs=5e-3)
+    assert answers["aluminium"].mac[-1, 1, :2] == held_number("mode_shapes")
     pictures = [f"{m}_{kind}.png" for m in answers for kind in ("at_rest", "by_speed")]
     assert_pictures(tmp_path, *pictures, "likeness.png")
 
@@ -109,7 +120,7 @@ def test_modal_assurance_of_a_shape_with_itself(scenario, monkeypatch, aluminium
     np.testing.assert_allclose(mac, 1.0, rtol=1e-12)
 
 
-def test_axial_force_alone(scenario, tmp_path, capsys):
+def test_axial_force_alone(scenario, held_number, tmp_path, capsys):
     """V2 in both forms, and the part of the effect that the classical form catches."""
     module = scenario("axial_force_alone")
     speeds = np.array([0.0, 20.0, 40.0])
@@ -120,7 +131,7 @@ def test_axial_force_alone(scenario, tmp_path, capsys):
             np.testing.assert_allclose(found, expected, rtol=3e-4)
     steel, aluminium = answers["steel"], answers["aluminium"]
     # V2 less V1.
-    assert steel.caught(0.0, 20.0)[0] == pytest.approx(0.479, abs=0.01)
+    assert steel.caught(0.0, 20.0)[0] == held_number("axial_force_alone")
     assert aluminium.caught(0.0, 20.0)[0] == pytest.approx(0.653, abs=0.005)
     assert steel.not_found == []
     assert aluminium.not_found == []
@@ -142,20 +153,20 @@ def test_axial_force_alone_says_where_no_equilibrium_was_found(scenario, monkeyp
     assert any("180 deg" in reason and "1000 rad/s" in reason for reason in answer.not_found)
 
 
-def test_running_fourbars(scenario, tmp_path, capsys):
+def test_running_fourbars(scenario, held_number, tmp_path, capsys):
     """Half a revolution of the aluminium four-bar at 20 rad/s, deflections of V8's size."""
     answers = scenario("running_fourbars").main(
         tmp_path, names=("aluminium",), speeds=(20.0,), revolutions=0.5, elements=4, samples=180
     )
     aluminium = answers["aluminium", 20.0]
-    assert 0.8e-3 < aluminium.peak < 1.3e-3
+    assert 1e3 * aluminium.peak == held_number("running_fourbars")
     assert aluminium.gap < 0.02
     assert "aluminium four-bar at 20 rad/s" in capsys.readouterr().out
     kinds = ["response", "forces", "spectrum", "spectrogram"]
     assert_pictures(tmp_path, *(f"aluminium_20_{k}.png" for k in kinds))
 
 
-def test_critical_speeds(scenario, tmp_path, capsys):
+def test_critical_speeds(scenario, held_number, tmp_path, capsys):
     module = scenario("critical_speeds")
     speeds = np.array([19.0, 20.0, 21.0])
     answers = module.main(
@@ -167,16 +178,16 @@ def test_critical_speeds(scenario, tmp_path, capsys):
         peak = answer.sweep.dataset["peak_deflection"].sel(link="coupler").values
         assert np.ptp(np.log(peak / speeds**2)) < 0.5
     low = answers["aluminium"].sweep.dataset["critical_speed_low"].sel(mode=1, order=14)
-    assert float(low) == pytest.approx(2 * np.pi * 43.6 / 14, rel=1e-2)
+    assert float(low) == held_number("critical_speeds")
     assert "rings most at" in capsys.readouterr().out
     assert_pictures(tmp_path, *(f"{m}_critical_speeds.png" for m in answers))
 
 
-def test_transmission_angle(scenario, tmp_path, capsys):
+def test_transmission_angle(scenario, held_number, tmp_path, capsys):
     answer = scenario("transmission_angle").main(tmp_path)
     assert answer.limits["case 3 as designed"] == pytest.approx((70.0, 110.0))
     # Errata of Table 3's text: case 1 is printed 1.2 degrees off.
-    assert answer.largest_gap == pytest.approx(1.21, abs=0.01)
+    assert answer.largest_gap == held_number("transmission_angle")
     assert "printed 58.26 to 115.35" in capsys.readouterr().out
     assert_pictures(tmp_path, "design_chart.png", "transmission_angle.png")
 
@@ -189,7 +200,7 @@ def assert_files(folder, pictures, tables):
     assert all(len((folder / f"{name}.csv").read_text().splitlines()) > 1 for name in tables)
 
 
-def test_coupler_curves(scenario, tmp_path, capsys):
+def test_coupler_curves(scenario, held_number, tmp_path, capsys):
     """Which captions hold, of both resins; crunodes of `test_singh_sanyal_coupler_curves`."""
     module = scenario("coupler_curves")
     answer = module.main(tmp_path, angles=360, steps=8, drawn=("4", "6", "8"))
@@ -204,6 +215,7 @@ def test_coupler_curves(scenario, tmp_path, capsys):
     judged = dict.fromkeys(module.FIGURES, "reproduced")
     judged |= dict.fromkeys(("3", "4"), "not judged") | dict.fromkeys(("7", "9"), "not reproduced")
     assert verdicts == judged
+    assert list(verdicts.values()).count("reproduced") == held_number("coupler_curves")
     assert "above its wet glass transition of 106.36 degC" in claims["3"].reason
     assert "deviates: moved by up to 2.615 mm" in claims["3"].reason
     assert "dry is no cusp but a crunode, 8551-7 wet is no cusp" in claims["7"].reason
@@ -265,7 +277,7 @@ def test_claims_of_states_and_resins_are_computed(scenario):
     assert module.refusal(module.neat_resin("3"), module.HygrothermalState(80.0, 0.07)) == ""
 
 
-def test_hygrothermal_frequencies(scenario, tmp_path, capsys):
+def test_hygrothermal_frequencies(scenario, held_number, tmp_path, capsys):
     """Softening lowers, water's mass a little; swelling, which adds no fibres, hardly matters."""
     module = scenario("hygrothermal_frequencies")
     answer = module.main(
@@ -292,7 +304,7 @@ def test_hygrothermal_frequencies(scenario, tmp_path, capsys):
     fall = (1 + evenly.water[-1, 0]) ** -0.5 - 1
     np.testing.assert_allclose(evenly.change["mass"][-1], fall, rtol=3e-2)
     assert evenly.bend[-1] == 0
-    assert unevenly.bend[-1] == pytest.approx(0.33e-3, rel=0.1)
+    assert 1e3 * unevenly.bend[-1] == held_number("hygrothermal_frequencies")
     assert unevenly.water[-1, 2] < 0.6 * unevenly.water[-1, 1]
     # Nine days are not yet the end.
     assert np.all(evenly.change["all"][-1] < unevenly.change["all"][-1])

@@ -1,0 +1,30 @@
+"""All pages that are made from the code, written before Sphinx reads them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from making.commands import command_page
+from making.gallery import gallery_pages
+from making.model_file import model_file_page
+from making.public_names import public_name_page
+from making.verification import verification_page
+
+__all__ = ["write_pages"]
+
+
+def write_pages(folder: Path) -> None:
+    """Write the made pages to a folder; those that are unchanged keep their date."""
+    folder.mkdir(parents=True, exist_ok=True)
+    pages = {
+        "commands.md": command_page(),
+        "model_file.md": model_file_page(),
+        "python.md": public_name_page(),
+        "verification.md": verification_page(folder),
+        **gallery_pages(folder / "gallery"),
+    }
+    for name, text in pages.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if not path.exists() or path.read_text() != text:
+            path.write_text(text)

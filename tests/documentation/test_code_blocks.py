@@ -1,0 +1,107 @@
+"""Every block of code in the README and in the documentation runs, page by page."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import matplotlib.pyplot as plt
+import pytest
+import tomli_w
+
+from flexmech.modelfile import mechanism_from_toml
+from tests.documentation.pages import REPOSITORY, Block, blocks_of, written_pages
+
+PAGES = [page for page in written_pages() if blocks_of(page)]
+# Languages that are shown, not run: output of a program, formulas, and what Sphinx reads.
+SHOWN = ("text", "", "math")
+# Parts of a command line that set flexmech up; .ci/run does, in an environment of its own.
+SETTING_UP = ("python3 -m venv", ".venv/bin/pip install", "python -m pip install", ". .venv/bin")
+# What .ci/run itself runs, and what shows a window or serves pages.
+RUN_BY_CI = ("-m pytest", "pytest", "ruff", "mypy", "python docs/build.py", "python -m build")
+
+
+def test_pages_are_found() -> None:
+    names = {page.name for page in PAGES}
+    assert {"README.md", "CONTRIBUTING.md", "start.md", "own_linkage.md"} <= names
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(REPOSITORY)))
+def test_languages_are_known(page: Path) -> None:
+    languages = {block.language for block in blocks_of(page)}
+    directives = {language for language in languages if language.startswith("{")}
+    assert languages - directives <= {"sh", "python", "toml", "cell", *SHOWN}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(REPOSITORY)))
+def test_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("models", "scenarios", "docs", "tests"):
+        (tmp_path / name).symlink_to(REPOSITORY / name)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    plt.switch_backend("Agg")
+    names: dict[str, Any] = {"__name__": "__main__"}
+    for block in blocks_of(page):
+        if block.language == "sh":
+            for line in command_lines(block.text):
+                run_command_line(line)
+        elif block.language == "toml":
+            load_with_the_rest(block.text)
+        elif block.language == "python" or block.language == "cell":
+            run_cell(block, names)
+    plt.close("all")
+
+
+def command_lines(text: str) -> list[str]:
+    lines = text.replace("\\\n", " ").splitlines()
+    return [line.strip() for line in lines if line.strip() and not line.startswith("#")]
+
+
+def run_command_line(line: str) -> None:
+    """Run the parts of a command line that are flexmech or Python."""
+    for part in line.split("&&"):
+        words = shlex.split(part, comments=True)
+        command = " ".join(words)
+        if command.startswith(SETTING_UP) or any(known in command for known in RUN_BY_CI):
+            continue
+        program = Path(words[0]).name
+        assert program in ("flexmech", "python"), f"nothing runs {command!r}"
+        module = ["-m", "flexmech"] if program == "flexmech" else []
+        run = subprocess.run(
+            [sys.executable, *module, *words[1:]],
+            capture_output=True,
+            text=True,
+            env={**os.environ, "PYTHONPATH": str(REPOSITORY)},
+        )
+        assert run.returncode == 0, f"{command}: {run.stderr}"
+
+
+def run_cell(block: Block, names: dict[str, Any]) -> None:
+    """Run Python as a notebook does: lines with ``!`` are commands, ``%%writefile`` writes."""
+    if block.text.startswith("%%writefile "):
+        head, _, text = block.text.partition("\n")
+        Path(head.split()[1]).write_text(text)
+        return
+    lines = block.text.splitlines()
+    for line in (line for line in lines if line.startswith("!")):
+        run_command_line(line[1:])
+    code = "\n".join(line for line in lines if not line.startswith("!"))
+    exec(compile(code, "cell", "exec"), names)
+
+
+def load_with_the_rest(text: str) -> None:
+    """Part of a model file, with what else a model needs."""
+    part = tomllib.loads(text)
+    whole = tomllib.loads((REPOSITORY / "models" / "aluminium_fourbar.toml").read_text())
+    for table, entries in part.items():
+        if isinstance(entries, dict):
+            whole.setdefault(table, {}).update(entries)
+        else:
+            whole[table] = entries
+    mechanism_from_toml(tomli_w.dumps(whole))
