@@ -14,6 +14,7 @@ MADE = ("_build", "made")
 # A fenced block: its fence, what stands behind it, and its lines.
 FENCED = re.compile(r"^(`{3,})([^\n`]*)\n(.*?)^\1 *$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(?<!\\)\]\(([^)\s]+)\)")
+LABEL = re.compile(r"^(?:\$\$ ?)?\(([\w-]+)\)=?$", re.MULTILINE)
 HEADING = re.compile(r"^#{1,6} +(.*)$", re.MULTILINE)
 
 
@@ -57,6 +58,11 @@ def links_of(page: Path) -> Iterator[str]:
 def anchors_of(page: Path) -> set[str]:
     """Anchors that the headings of a page have, on a public forge and in the built pages."""
     return {_anchor(heading) for heading in HEADING.findall(prose_of(page))}
+
+
+def labels() -> set[str]:
+    """Labels of places and equations, which a link of any page may name."""
+    return {label for page in written_pages() for label in LABEL.findall(page.read_text())}
 
 
 def _anchor(heading: str) -> str:
