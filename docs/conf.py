@@ -46,13 +46,6 @@ nb_merge_streams = True
 os.environ["PYTHONPATH"] = os.pathsep.join(
     [str(HERE.parent), *filter(None, [os.environ.get("PYTHONPATH")])]
 )
-# A command of a cell that fails is an error too, which IPython leaves to its configuration.
-_profile = HERE / "_build" / "ipython" / "profile_default"
-_profile.mkdir(parents=True, exist_ok=True)
-(_profile / "ipython_config.py").write_text(
-    "get_config().InteractiveShell.system_raise_on_error = True\n"
-)
-os.environ["IPYTHONDIR"] = str(_profile.parent)
 # Cells run `flexmech` of this interpreter, not one that happens to be found first.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 

@@ -36,10 +36,11 @@ def verification_page(folder: Path) -> str:
         f"**{len(rows['case'].unique())} cases: {told}.** The picture shows each deviation over "
         "its tolerance.\n\n![Deviation over tolerance of every case](verification.png)\n",
     ]
+    rows["subject"] = rows["case"].str.partition(": ")[0]
     for source, of_source in rows.groupby("source", sort=False):
-        parts += [f"## {source}\n"]
-        for case, of_case in of_source.groupby("case", sort=False):
-            parts += [f"### {case}\n", _table(of_case), ""]
+        parts += [f"## Against: {source}\n"]
+        for subject, of_subject in of_source.groupby("subject", sort=False):
+            parts += [f"### {subject}\n", _told(of_subject), "", _numbers(of_subject), ""]
     return "\n".join(parts)
 
 
@@ -61,15 +62,34 @@ def _of_the_case(verdicts: pd.Series[str]) -> str:
     return "failed" if "failed" in set(verdicts) else str(verdicts.iloc[0])
 
 
-def _table(rows: pd.DataFrame) -> str:
-    """Numbers of a case; what is the same in all of them is said once."""
-    kind, tolerance = rows["deviation_kind"].iloc[0], rows["tolerance"].iloc[0]
-    lines = [f"Tolerance: {tolerance:g} ({kind}).", ""]
-    lines += ["| quantity | expected | measured | deviation | verdict |", "|-|-|-|-|-|"]
+def _told(rows: pd.DataFrame) -> str:
+    """How many numbers were compared, and which came nearest to its tolerance."""
+    compared = rows[rows["verdict"] != "skipped"]
+    if compared.empty:
+        return f"Skipped: {rows['reason'].iloc[0]}."
+    used = pd.to_numeric(compared["deviation"]) / compared["tolerance"]
+    worst = compared.loc[used.idxmax()]
+    failed = (compared["verdict"] == "failed").sum()
+    verdict = f"**{failed} failed**" if failed else "all within their tolerances"
+    return (
+        f"{len(compared)} numbers, {verdict}. The farthest off: {worst['quantity']}, measured "
+        f"{float(worst['measured']):.6g}, expected {float(worst['expected']):.6g}, deviation "
+        f"{float(worst['deviation']):.1e} ({worst['deviation_kind']}), tolerance "
+        f"{worst['tolerance']:g}."
+    )
+
+
+def _numbers(rows: pd.DataFrame) -> str:
+    """All numbers of a subject, folded."""
+    lines = ["| case | quantity | expected | measured | deviation | tolerance | verdict |"]
+    lines += ["|-|-|-|-|-|-|-|"]
     for row in rows.itertuples():
+        case = row.case.removeprefix(f"{row.subject}: ")
         if row.verdict == "skipped":
-            lines.append(f"| {row.quantity} | | | | skipped: {row.reason} |")
+            lines.append(f"| {case} | {row.quantity} | | | | | skipped: {row.reason} |")
             continue
         numbers = f"{float(row.expected):.6g} | {float(row.measured):.6g}"
-        lines.append(f"| {row.quantity} | {numbers} | {float(row.deviation):.1e} | {row.verdict} |")
-    return "\n".join(lines)
+        deviation = f"{float(row.deviation):.1e} | {row.tolerance:g}"
+        lines.append(f"| {case} | {row.quantity} | {numbers} | {deviation} | {row.verdict} |")
+    table = "\n".join(lines)
+    return f":::{{admonition}} All numbers\n:class: dropdown\n\n{table}\n:::"

@@ -83,16 +83,15 @@ def run_command_line(line: str) -> None:
 
 
 def run_cell(block: Block, names: dict[str, Any]) -> None:
-    """Run Python as a notebook does: lines with ``!`` are commands, ``%%writefile`` writes."""
-    if block.text.startswith("%%writefile "):
-        head, _, text = block.text.partition("\n")
-        Path(head.split()[1]).write_text(text)
-        return
-    lines = block.text.splitlines()
-    for line in (line for line in lines if line.startswith("!")):
-        run_command_line(line[1:])
-    code = "\n".join(line for line in lines if not line.startswith("!"))
-    exec(compile(code, "cell", "exec"), names)
+    """Run a cell as a notebook does: ``%%sh`` runs command lines, ``%%writefile`` writes."""
+    head, _, rest = block.text.lstrip().partition("\n")
+    if head.startswith("%%writefile "):
+        Path(head.split()[1]).write_text(rest)
+    elif head == "%%sh":
+        for line in command_lines(rest):
+            run_command_line(line)
+    else:
+        exec(compile(block.text, "cell", "exec"), names)
 
 
 def load_with_the_rest(text: str) -> None:
