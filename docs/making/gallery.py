@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import ast
-import os
 import shutil
 import subprocess
 import sys
 import tomllib
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from making.state import REPOSITORY, cache_folder, environment
 
-__all__ = ["gallery_pages"]
+__all__ = ["gallery_pages", "scenario_names", "scenario_results"]
 
 SCENARIOS = REPOSITORY / "scenarios"
-AT_ONCE = os.cpu_count() or 1
 PRINTED = "printed.txt"
 
 HEAD = """# Gallery
@@ -40,11 +37,9 @@ class Scenario:
 
 
 def gallery_pages(folder: Path) -> dict[str, str]:
-    """Run the scenarios, put their pictures into a folder; Markdown by the name of the page."""
+    """Put the pictures of the scenarios into a folder; Markdown by the name of the page."""
     scenarios = _scenarios()
-    # A scenario runs in a process of its own; a thread only waits for it.
-    with ThreadPoolExecutor(AT_ONCE) as waiting:
-        results = list(waiting.map(_results_of, (scenario.name for scenario in scenarios)))
+    results = [scenario_results(scenario.name) for scenario in scenarios]
     pages = {"gallery/index.md": _index(scenarios)}
     for scenario, result in zip(scenarios, results, strict=True):
         shutil.copytree(result, folder / scenario.name, dirs_exist_ok=True)
@@ -52,10 +47,18 @@ def gallery_pages(folder: Path) -> dict[str, str]:
     return pages
 
 
+def scenario_names() -> list[str]:
+    """Names of the scenarios, in the order of the gallery."""
+    return list(_held_numbers())
+
+
+def _held_numbers() -> dict[str, dict[str, Any]]:
+    return tomllib.loads((SCENARIOS / "held_numbers.toml").read_text())
+
+
 def _scenarios() -> list[Scenario]:
-    held = tomllib.loads((SCENARIOS / "held_numbers.toml").read_text())
     found = []
-    for name, number in held.items():
+    for name, number in _held_numbers().items():
         docstring = ast.get_docstring(ast.parse((SCENARIOS / f"{name}.py").read_text())) or ""
         question, _, rest = docstring.partition("\n\n")
         text = "\n\n".join(part for part in rest.split("\n\n") if not part.startswith("    "))
@@ -63,7 +66,7 @@ def _scenarios() -> list[Scenario]:
     return found
 
 
-def _results_of(name: str) -> Path:
+def scenario_results(name: str) -> Path:
     """Folder of what a scenario printed and drew; it runs only if the folder is not there yet."""
     folder = cache_folder() / "gallery" / name
     if (folder / PRINTED).exists():

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 from making.commands import command_page
-from making.gallery import gallery_pages
+from making.gallery import gallery_pages, scenario_names, scenario_results
 from making.model_file import model_file_page
 from making.public_names import public_name_page
-from making.verification import verification_page
+from making.verification import verification_page, verification_results
 
 __all__ = ["write_pages"]
 
@@ -16,6 +19,7 @@ __all__ = ["write_pages"]
 def write_pages(folder: Path) -> None:
     """Write the made pages to a folder; those that are unchanged keep their date."""
     folder.mkdir(parents=True, exist_ok=True)
+    _run_what_takes_long()
     pages = {
         "commands.md": command_page(),
         "model_file.md": model_file_page(),
@@ -28,3 +32,14 @@ def write_pages(folder: Path) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
         if not path.exists() or path.read_text() != text:
             path.write_text(text)
+
+
+def _run_what_takes_long() -> None:
+    """Verification and scenarios, as many at a time as there are cores.
+
+    Each runs in a process of its own, for which a thread waits.
+    """
+    runs = [verification_results, *(partial(scenario_results, n) for n in scenario_names())]
+    with ThreadPoolExecutor(os.cpu_count()) as waiting:
+        for run in [waiting.submit(run) for run in runs]:
+            run.result()

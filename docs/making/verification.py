@@ -10,7 +10,7 @@ import pandas as pd
 
 from making.state import cache_folder, environment
 
-__all__ = ["verification_page"]
+__all__ = ["verification_page", "verification_results"]
 
 HEAD = """# Verification report
 
@@ -26,7 +26,7 @@ NAME = "verification.csv"
 
 def verification_page(folder: Path) -> str:
     """Run the verification, put its picture into a folder; Markdown of all cases."""
-    results = _results()
+    results = verification_results()
     rows = pd.read_csv(results / NAME, keep_default_na=False)
     (folder / "verification.png").write_bytes((results / "verification.png").read_bytes())
     counts = rows.groupby("case", sort=False)["verdict"].agg(_of_the_case).value_counts()
@@ -44,7 +44,7 @@ def verification_page(folder: Path) -> str:
     return "\n".join(parts)
 
 
-def _results() -> Path:
+def verification_results() -> Path:
     """Folder of what `flexmech verify` wrote; it runs only if the folder is not there yet."""
     folder = cache_folder() / "verification"
     if not (folder / NAME).exists():
