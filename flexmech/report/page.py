@@ -21,6 +21,7 @@ from flexmech.report.markup import equation_markup, json_text
 from flexmech.report.moving_linkage import mechanism_of, moving_linkage
 from flexmech.report.panel import Panel, Plot, Reading, Trace
 from flexmech.report.panels import panels_of
+from flexmech.report.plotly_source import plotly_source
 from flexmech.report.results import Results
 from flexmech.units import ANGULAR_SPEED, parse_quantity
 
@@ -114,7 +115,6 @@ def write_report(
 def _page(results: Results, mechanism: Mechanism | None, command_line: str) -> str:
     """Text of the page."""
     from plotly import __version__ as plotly_version
-    from plotly.offline import get_plotlyjs
 
     arrays, panels = Arrays(), panels_of(results)
     linkage = None if mechanism is None else moving_linkage(mechanism, results, arrays)
@@ -142,7 +142,7 @@ def _page(results: Results, mechanism: Mechanism | None, command_line: str) -> s
             data=json_text(data),
             style=_package_text("style.css"),
             script="\n".join(map(_package_text, SCRIPTS)),
-            plotly=get_plotlyjs().replace("</script", "<\\/script"),
+            plotly=plotly_source(),
             thinned=[line for panel in panels for line in panel.thinned],
             versions=_versions(results) | {"plotly": plotly_version},
             settings=_settings(results),

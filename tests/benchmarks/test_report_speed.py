@@ -41,17 +41,24 @@ def test_report_of_the_aluminium_four_bar(aluminium, tmp_path, benchmark, tell):
         page = browser.new_page(viewport={"width": 1400, "height": 900})
         start = time.perf_counter()
         page.goto(path.as_uri())
-        page.wait_for_selector("html[data-ready=yes]", state="attached")
+        page.wait_for_selector("html[data-opened=yes]", state="attached")
         opened = time.perf_counter() - start
+        page.wait_for_selector("html[data-ready=yes]", state="attached")
+        drawn = time.perf_counter() - start
         frames = page.evaluate(DRAG, SECONDS)
         browser.close()
     megabytes = path.stat().st_size / 1e6
     benchmark.extra_info.update(
-        written_seconds=written, opened_seconds=opened, frames=frames, megabytes=megabytes
+        written_seconds=written,
+        opened_seconds=opened,
+        drawn_seconds=drawn,
+        frames=frames,
+        megabytes=megabytes,
     )
     rows = (
         ("report of the aluminium four-bar, written", f"{written:10.2f} s {megabytes:12.1f} MB"),
-        ("report opened in a browser, all plots drawn", f"{opened:10.2f} s"),
+        ("report opened in a browser", f"{opened:10.2f} s"),
+        ("report, plots below the screen drawn too", f"{drawn:10.2f} s"),
         ("report, crank turned by the slider", f"{frames:10.0f} frames a second"),
     )
     for row in rows:

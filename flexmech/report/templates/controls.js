@@ -128,18 +128,41 @@
   makeTables();
   writeLegend();
   redraw();
-  // Each plot in a frame of its own, so that the page answers while they are drawn.
-  function drawPlots(left) {
-    if (!left.length) {
-      document.documentElement.dataset.ready = "yes";
+  // What is on the screen comes first, each plot in a frame of its own, so that the page answers
+  // meanwhile; then the others, when there is nothing else to do. Paper wants all of them at once.
+  let waiting = [];
+  const whenIdle = window.requestIdleCallback || ((call) => setTimeout(call, 1));
+
+  function drawWaiting(next, done) {
+    if (!waiting.length) {
+      done();
       return;
     }
-    makePlot(left[0]);
-    requestAnimationFrame(() => drawPlots(left.slice(1)));
+    makePlot(waiting.shift());
+    next(() => drawWaiting(next, done));
+  }
+
+  function drawPlots() {
+    const onScreen = (spec) => byId(`plot-${spec.name}`).getBoundingClientRect().top < window.innerHeight;
+    const later = page.plots.filter((spec) => !onScreen(spec));
+    const { dataset } = document.documentElement;
+    waiting = page.plots.filter(onScreen);
+    drawWaiting(requestAnimationFrame, () => {
+      dataset.opened = "yes";
+      performance.mark("opened");
+      waiting = later;
+      drawWaiting(whenIdle, () => { dataset.ready = "yes"; performance.mark("ready"); });
+    });
+  }
+
+  function prepareForPaper() {
+    while (waiting.length) makePlot(waiting.shift());
+    for (const each of document.querySelectorAll("details")) each.open = true;
   }
 
   let resized = 0;
   window.addEventListener("resize", () => { clearTimeout(resized); resized = setTimeout(fitPlots, 120); });
-  window.addEventListener("beforeprint", () => document.querySelectorAll("details").forEach((each) => { each.open = true; }));
-  drawPlots(page.plots);
+  window.addEventListener("beforeprint", prepareForPaper);
+  // Plotly stands behind this script: the linkage turns before it is read.
+  document.addEventListener("DOMContentLoaded", drawPlots);
 })();

@@ -14,7 +14,9 @@
   let pending = false;
 
   function decoded(text) {
-    const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    const letters = atob(text);
+    const bytes = new Uint8Array(letters.length);
+    for (let n = 0; n < letters.length; n += 1) bytes[n] = letters.charCodeAt(n);
     return new Float32Array(bytes.buffer);
   }
 

@@ -33,11 +33,11 @@
   function plotlyLayout(spec, width) {
     const count = spec.axes.length;
     const layout = {
-      margin: { l: 62, r: 14, t: 8, b: 46 }, height: spec.height, width,
+      margin: { l: 70, r: 14, t: 8, b: 46 }, height: spec.height, width,
       paper_bgcolor: "rgba(0,0,0,0)", plot_bgcolor: "rgba(0,0,0,0)",
       font: { family: "system-ui, sans-serif", size: 12 }, hovermode: "closest",
       legend: { orientation: "h", x: 0, y: 1, yanchor: "bottom", font: { size: 12 } },
-      xaxis: { title: { text: spec.xTitle, standoff: 8 }, zeroline: false, showline: true, ticks: "outside", anchor: count > 1 ? `y${count}` : "y" },
+      xaxis: { title: { text: spec.xTitle, standoff: 8 }, zeroline: false, showline: true, ticks: "outside", ticklabeloverflow: "allow", anchor: count > 1 ? `y${count}` : "y" },
       dragmode: width < 500 ? false : "zoom",
     };
     if (spec.tick) layout.xaxis.dtick = spec.tick;
@@ -49,8 +49,8 @@
       const top = 1 - n / count;
       const name = n ? `yaxis${n + 1}` : "yaxis";
       layout[name] = {
-        title: { text: axis.title, standoff: 6 }, domain: [top - 1 / count + (n < count - 1 ? 0.03 : 0), top],
-        type: axis.log ? "log" : "linear", zeroline: false, showline: true, ticks: "outside", nticks: count > 1 ? 4 : 7, automargin: "left",
+        title: { text: axis.title, standoff: 14 }, domain: [top - 1 / count + (n < count - 1 ? 0.03 : 0), top],
+        type: axis.log ? "log" : "linear", zeroline: false, showline: true, ticks: "outside", nticks: count > 1 ? 4 : 7, ticklabeloverflow: "allow",
         exponentformat: "power",
       };
     });
