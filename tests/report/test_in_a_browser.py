@@ -16,6 +16,10 @@ WIDE, PHONE = {"width": 1400, "height": 900}, {"width": 390, "height": 800}
 READY = "html[data-ready=yes]"
 TURN_TO = """angle => { const slider = document.getElementById('angle');
     slider.value = angle; slider.dispatchEvent(new Event('input')); }"""
+# What the place of a plot's first dot says on the plot's own axis.
+VALUE_AT_DOT = """name => { const plot = document.getElementById(name);
+    const dot = plot.querySelector('.cursors circle'), axis = plot._fullLayout.yaxis;
+    return axis.p2l(dot.getAttribute('cy') - axis._offset); }"""
 NEXT_FRAME = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
 BEYOND = """() => [...document.querySelectorAll('.plot, .panel, #stage, #answers, svg')]
     .map(each => each.getBoundingClientRect()).filter(box => box.right > innerWidth + 1).length"""
@@ -120,6 +124,8 @@ def test_numbers_at_the_cursor_are_those_of_the_files(written: Any, opened: Open
             row = row[row["crank_speed_rad_s"] == speed]
             for mode, value in zip(row["mode"], row["frequency_Hz"], strict=True):
                 assert shows(reading(page, f"Natural frequency, mode {mode}"), value)
+            first_mode = row[row["mode"] == 1]["frequency_Hz"].item()
+            assert page.evaluate(VALUE_AT_DOT, "plot-frequency") == pytest.approx(first_mode, 1e-6)
     turn(page, 37)
     assert reading(page, "Natural frequency, mode 1").startswith("≈ "), "between computed angles"
     for angle in (30.0, 201.0):
