@@ -15,6 +15,9 @@ from making.verification import verification_page, verification_results
 
 __all__ = ["write_pages"]
 
+# Scenarios that take a minute start first, so that no core waits for them in the end.
+LONG = ("critical_speeds", "running_fourbars")
+
 
 def write_pages(folder: Path) -> None:
     """Write the made pages to a folder; those that are unchanged keep their date."""
@@ -39,7 +42,8 @@ def _run_what_takes_long() -> None:
 
     Each runs in a process of its own, for which a thread waits.
     """
-    runs = [verification_results, *(partial(scenario_results, n) for n in scenario_names())]
+    names = sorted(scenario_names(), key=lambda name: name not in LONG)
+    runs = [verification_results, *(partial(scenario_results, name) for name in names)]
     with ThreadPoolExecutor(os.cpu_count()) as waiting:
         for run in [waiting.submit(run) for run in runs]:
             run.result()

@@ -119,7 +119,7 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
     name = random_.choice(
         (
             *("frequencies", "frequencies", "response", "check", "section", "coupler-curve"),
-            *("moisture", "campbell", "export"),
+            *("moisture", "campbell", "export", "report"),
         )
     )
     environment = [
@@ -148,6 +148,17 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
             *some("--orders", pick("1:3", "2", "1,4", "0")),
             *some("--prestress", pick("none", "axial", "equilibrium")),
         ]
+    elif name == "report":
+        chosen = [
+            *("--include", pick("frequencies", "section", "frequencies,section", "moisture")),
+            *("--engine", random_.choice(("reference", "reference", "both"))),
+            *("--speeds", pick("0,10", "20", "100 rpm")),
+            *("--angles", pick("0,90", "0:360:120")),
+            *("--elements", pick("1", "2")),
+            *some("--modes", pick("1", "2")),
+            *environment,
+        ]
+        written = ["--out", f"{out}.html"]
     elif name == "export":
         chosen = [
             *("--speed", pick("10", "100 rpm", "-5")),
