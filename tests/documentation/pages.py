@@ -38,8 +38,9 @@ def blocks_of(page: Path) -> list[Block]:
     for match in FENCED.finditer(page.read_text()):
         language, text = match[2].strip(), match[3]
         if language.startswith("{code-cell}"):
+            # Options of a cell; no line of Python begins so.
             lines = text.splitlines(keepends=True)
-            text = "".join(line for line in lines if not re.match(r":[\w-]+:", line))
+            text = "".join(line for line in lines if not line.startswith(":"))
             language = "cell"
         found.append(Block(language, text))
     return found

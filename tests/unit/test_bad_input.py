@@ -372,7 +372,7 @@ def test_wrong_command_lines_are_refused(
         (["check", "nothing.toml"], r"nothing\.toml: there is no such file"),
         (["new"], "Missing argument"),
         (["new", "four-bar"], "Missing argument"),
-        (["new", "six-bar", "x.toml"], "'six-bar' is not one of 'four-bar', 'composite-four-bar',"),
+        (["new", "six-bar", "x.toml"], "no example 'six-bar'; use one of four-bar"),
         (["new", "four-bar", "no/such/folder/x.toml"], "there is no folder"),
         (["new", "four-bar", "."], "is a folder; name a file"),
         (["schema", "--out", "no/such/folder/x.json"], "there is no folder"),
