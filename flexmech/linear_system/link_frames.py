@@ -14,7 +14,7 @@ eq. 1.57). The same code serves every engine: only the link matrices differ.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.linear_system.link_map import LinkMap
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.link_place import LinkPlace, TurningPair
 from flexmech.linkages import RigidMotion, Topology
@@ -156,10 +157,11 @@ class LinkFrames:
     def _number(self, last: Sequence[NDArray[np.bool_]]) -> int:
         """Number the free coordinates, those of the links' ends first."""
         count = 0
-        ends = [
-            np.isin(np.arange(link.size), [*link.start, *link.end]) & ~late
-            for link, late in zip(self.links, last, strict=True)
-        ]
+        ends = [~late for late in last]
+        for link, end in zip(self.links, ends, strict=True):
+            elsewhere = np.ones(link.size, dtype=bool)
+            elsewhere[link.start] = elsewhere[link.end] = False
+            end[elsewhere] = False
         inner = [~(end | late) for end, late in zip(ends, last, strict=True)]
         for group in (ends, inner, last):
             for target, chosen in zip(self.targets, group, strict=True):
@@ -222,23 +224,31 @@ class LinkFrames:
         batch = len(motion.crank_angle)
         if damping is None:
             damping = [LinkDamping(link.damping, link.ends.damping) for link in self.links]
-        mass, rates, total = (np.zeros((batch, self.size, self.size)) for _ in range(3))
-        # What is the same in all positions is summed once.
-        resting_mass, resting = np.zeros((2, self.size, self.size))
-        for number, link in enumerate(self.links):
+        shape = (batch, self.size, self.size)
+        # One block of memory: the allocator keeps it for the next batch.
+        mass, total = np.empty((2, *shape))
+        damps = terms.coriolis or any(own.matrix.any() for own in damping)
+        rates = np.zeros(shape) if damps else np.broadcast_to(0.0, shape)
+        tangents = [
+            _tangent(link, motion, number, matrix, terms)
+            for number, (link, matrix) in enumerate(zip(self.links, stiffness, strict=True))
+        ]
+        factors = [
+            link_map.turning_factors(self._turned(motion, number))
+            for number, link_map in enumerate(self._maps)
+        ]
+        self._sum_steady(mass, {n: link.mass for n, link in enumerate(self.links)}, factors)
+        self._sum_steady(total, {n: t for n, t in enumerate(tangents) if t.ndim == 2}, factors)
+        for number, (link, tangent, own) in enumerate(
+            zip(self.links, tangents, damping, strict=True)
+        ):
+            damped = bool(own.matrix.any())
+            if tangent.ndim == 2 and not damped and not terms.any:
+                continue
             place, pairs = self._places[number], self.turning_pairs(motion, number)
             speed = motion.angular_velocity[:, number, None, None]
-            change = motion.angular_acceleration[:, number, None, None]
-            tangent, own = stiffness[number], damping[number]
-            if terms.centripetal:
-                tangent = tangent - speed**2 * link.translational_mass
-            if terms.tangential:
-                tangent = tangent + change * link.gyroscopic
-            place.add_resting(resting_mass, link.mass)
-            place.add_turning(mass, link.mass, pairs)
-            place.add_resting(resting if tangent.ndim == 2 else total, tangent)
-            place.add_turning(total, tangent, pairs)
-            damped = bool(own.matrix.any())
+            if tangent.ndim == 3:
+                place.add(total, tangent, pairs)
             if damped:
                 place.add(rates, own.matrix, pairs)
             turning = [p.rate for p in pairs]
@@ -253,9 +263,34 @@ class LinkFrames:
                 place.add_following(total, link.ends.gyroscopic, pairs, coriolis)
             if terms.tangential:
                 place.add_following(total, link.ends.mass, pairs, [p.tangential for p in pairs])
-        mass += resting_mass
-        total += resting
         return SystemMatrices(mass, rates, total)
+
+    def _sum_steady(
+        self,
+        total: FloatArray,
+        matrices: Mapping[int, FloatArray],
+        factors: Sequence[FloatArray],
+    ) -> None:
+        """Write the sum of ``N'XN`` over symmetric matrices (n, n) of some links, by number."""
+        resting = np.zeros((1, self.size, self.size))
+        for number, matrix in matrices.items():
+            self._places[number].add_resting(resting, matrix)
+        turning = [self._maps[n].turning_terms(matrix) for n, matrix in matrices.items()]
+        terms = np.concatenate([resting, *turning]).reshape(-1, self.size**2)
+        weights = np.concatenate([np.ones((1, len(total))), *(factors[n] for n in matrices)])
+        np.dot(weights.T, terms, out=total.reshape(len(total), -1))
+
+    def _turned(self, motion: RigidMotion, link: int) -> FloatArray:
+        """Angles by which a link's following ends turn, (k, B)."""
+        leaders = [leader for _, leader in self._followers[link]]
+        return np.asarray(motion.angle[:, leaders].T - motion.angle[:, link])
+
+    @cached_property
+    def _maps(self) -> list[LinkMap]:
+        return [
+            LinkMap.of(target, [pair for pair, _ in followers], self.size)
+            for target, followers in zip(self.targets, self._followers, strict=True)
+        ]
 
     @cached_property
     def _places(self) -> list[LinkPlace]:
@@ -347,3 +382,16 @@ class LinkFrames:
             free = np.flatnonzero(target >= 0)
             total[:, target[free]] += turned[:, free]
         return total
+
+
+def _tangent(
+    link: LinkModel, motion: RigidMotion, number: int, stiffness: FloatArray, terms: RotationTerms
+) -> FloatArray:
+    """Stiffness of a link with what its frame's turning adds; (n, n) or (B, n, n)."""
+    if terms.centripetal:
+        speed = motion.angular_velocity[:, number, None, None]
+        stiffness = stiffness - speed**2 * link.translational_mass
+    if terms.tangential:
+        change = motion.angular_acceleration[:, number, None, None]
+        stiffness = stiffness + change * link.gyroscopic
+    return stiffness

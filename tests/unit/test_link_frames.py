@@ -306,3 +306,22 @@ def test_positions_out_of_reach_are_refused() -> None:
     engine = engine_of(fourbar(linkage, thickness=(2e-3, 2e-3, 2e-3)))
     with pytest.raises(InputError, match="cannot be assembled at crank angle 180 deg"):
         engine.linear_system([0.0, np.pi])
+
+
+def test_matrices_the_same_in_all_positions_turn_with_the_joined_ends() -> None:
+    """``N'XN`` by the sum over cosines and sines, against N of each position by itself."""
+    engine = engine_of(fourbar())
+    system = system_at(engine, np.linspace(0.0, 6.0, 7), 0.0)
+    frames, motion = system.frames, system.motion
+    unit = np.broadcast_to(np.eye(frames.size), (7, frames.size, frames.size))
+    maps = frames.link_coordinates(motion, unit)
+    random = np.random.default_rng(1)
+    stiffness = [random.normal(size=2 * (link.size,)) for link in frames.links]
+    stiffness = [matrix + matrix.T for matrix in stiffness]
+    found = frames.assemble(motion, stiffness, OFF)
+    for matrices, assembled in (
+        (stiffness, found.stiffness),
+        ([link.mass for link in frames.links], found.mass),
+    ):
+        expected = sum(n.swapaxes(1, 2) @ x @ n for n, x in zip(maps, matrices, strict=True))
+        assert assembled == pytest.approx(expected, abs=1e-13 * np.abs(expected).max())
