@@ -8,9 +8,9 @@ import numpy as np
 
 from flexmech.beams.beam_shapes import BeamShapes
 from flexmech.beams.elements import BeamElements
-from flexmech.linear_system import LinkModel, RigidFields
+from flexmech.linear_system import LinkModel, LinkReadings, RigidFields
 from flexmech.linkages import LinkMass
-from flexmech.mesh import middle_curvature, node_positions, station_shapes
+from flexmech.mesh import node_positions
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
@@ -114,9 +114,12 @@ def build_chain(
         end=np.array([last, last + 1]),
         start_rotation=held,
         end_rotation=last + held,
-        shape=station_shapes(nodes, per_node, beams.displacement_shapes),
-        curvature=middle_curvature(
-            nodes, per_node, slope=2, deflection=1 if shapes.stiff_in_shear else None
+        readings=LinkReadings(
+            nodes,
+            per_node,
+            beams.displacement_shapes,
+            slope=2,
+            deflection=1 if shapes.stiff_in_shear else None,
         ),
         fields=_rigid_fields(nodes, shapes),
         start_warping=warping,

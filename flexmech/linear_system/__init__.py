@@ -11,6 +11,7 @@ from flexmech.linear_system.convergence import ConvergenceOrders
 from flexmech.linear_system.engine import Engine
 from flexmech.linear_system.link_frames import LinkDamping, LinkFrames, RotationTerms
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
+from flexmech.linear_system.link_readings import LinkReadings
 from flexmech.linear_system.link_stretch import LinkStretch
 from flexmech.linear_system.position_errors import RefusedPositionsError, refuse_positions
 from flexmech.linear_system.quasi_static import (
@@ -45,6 +46,7 @@ __all__ = [
     "LinkDamping",
     "LinkFrames",
     "LinkModel",
+    "LinkReadings",
     "LinkStretch",
     "Prestress",
     "RefusedPositionsError",

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.linear_system.link_readings import LinkReadings
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray, IntArray
@@ -85,10 +86,8 @@ class LinkModel:
         removed an end that is not joined.
     start_rotation, end_rotation : ndarray of int, shape (k,)
         Coordinates that a clamp at that end holds besides the displacement.
-    shape : ndarray, shape (n_stations, 2, n)
-        Displacement at evenly spaced stations from start to end.
-    curvature : ndarray, shape (n,)
-        Bending curvature in the middle of the link.
+    readings : LinkReadings
+        What :attr:`shape` and :attr:`curvature` are made from.
     fields : RigidFields
         Rigid accelerations in these coordinates (of the unreduced link only).
     reduced_ends : EndMatrices, optional
@@ -110,8 +109,7 @@ class LinkModel:
     end: IntArray
     start_rotation: IntArray
     end_rotation: IntArray
-    shape: FloatArray
-    curvature: FloatArray
+    readings: LinkReadings
     fields: RigidFields
     reduced_ends: EndMatrices | None = None
     start_warping: IntArray = field(default_factory=NONE.copy)
@@ -121,6 +119,16 @@ class LinkModel:
     def ends(self) -> EndMatrices:
         """Forces from displacing the joined ends alone."""
         return self.reduced_ends or EndMatrices(self.mass, self.gyroscopic, self.damping)
+
+    @property
+    def shape(self) -> FloatArray:
+        """Displacement at evenly spaced stations from start to end, (n_stations, 2, n)."""
+        return self.readings.shape
+
+    @property
+    def curvature(self) -> FloatArray:
+        """Bending curvature in the middle of the link, (n,)."""
+        return self.readings.curvature
 
     @property
     def size(self) -> int:
@@ -193,8 +201,7 @@ class LinkModel:
             end_rotation=NONE,
             start_warping=NONE,
             end_warping=NONE,
-            shape=self.shape @ basis,
-            curvature=self.curvature @ basis,
+            readings=self.readings.projected(basis),
             reduced_ends=ends,
         )
 

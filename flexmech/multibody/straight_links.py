@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.linear_system import LinkModel
-from flexmech.mesh import middle_curvature, station_shapes
+from flexmech.linear_system import LinkModel, LinkReadings
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.linearize import linearized, simulation_settings
 from flexmech.multibody.static_model import StaticModel
@@ -55,9 +54,12 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
                 end=np.array([last, last + 1]),
                 start_rotation=np.array([kind.clamped]),
                 end_rotation=np.array([last + kind.clamped]),
-                shape=station_shapes(part.positions, kind.per_node, kind.shape_functions),
-                curvature=middle_curvature(
-                    part.positions, kind.per_node, kind.clamped, kind.deflection
+                readings=LinkReadings(
+                    part.positions,
+                    kind.per_node,
+                    kind.shape_functions,
+                    slope=kind.clamped,
+                    deflection=kind.deflection,
                 ),
                 fields=kind.rigid_fields(part.positions),
             )

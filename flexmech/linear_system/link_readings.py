@@ -1,0 +1,62 @@
+"""What is read off a link's coordinates: displacements along it and its curvature."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from flexmech.mesh import middle_curvature, station_shapes
+from flexmech.types import FloatArray
+
+__all__ = ["LinkReadings"]
+
+
+@dataclass(frozen=True)
+class LinkReadings:
+    """Readings of one link, made when they are first asked for: frequencies need none.
+
+    Parameters
+    ----------
+    nodes : ndarray, shape (k,)
+        Node positions in m.
+    per_node : int
+        Coordinates a node.
+    displacement_shapes : callable
+        Displacement inside elements; see :func:`flexmech.mesh.station_shapes`.
+    slope : int
+        Which of a node's coordinates is its slope or rotation.
+    deflection : int, optional
+        Which is its deflection, where the slope is that of the axis; see
+        :func:`flexmech.mesh.middle_curvature`.
+    basis : ndarray, shape (n_full, n), optional
+        From a reduced link's coordinates to those of the nodes.
+    """
+
+    nodes: FloatArray
+    per_node: int
+    displacement_shapes: Callable[[FloatArray, FloatArray], FloatArray]
+    slope: int
+    deflection: int | None
+    basis: FloatArray | None = None
+
+    @cached_property
+    def shape(self) -> FloatArray:
+        """Displacement at evenly spaced stations from start to end, (n_stations, 2, n)."""
+        return self._reduced(station_shapes(self.nodes, self.per_node, self.displacement_shapes))
+
+    @cached_property
+    def curvature(self) -> FloatArray:
+        """Bending curvature in the middle of the link, (n,)."""
+        return self._reduced(
+            middle_curvature(self.nodes, self.per_node, self.slope, self.deflection)
+        )
+
+    def projected(self, basis: FloatArray) -> LinkReadings:
+        """The same with ``q = basis @ p``; basis (n, m)."""
+        return replace(self, basis=basis if self.basis is None else self.basis @ basis)
+
+    def _reduced(self, nodal: FloatArray) -> FloatArray:
+        return nodal if self.basis is None else np.asarray(nodal @ self.basis)
