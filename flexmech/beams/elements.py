@@ -91,8 +91,8 @@ class BeamElements:
     def gyroscopic(self) -> FloatArray:
         """``S``, the integral of ``rho A N^T J N``; K, eq. 1.54 with ``m_vel = omega S``."""
         momentum = np.tensordot(self.shapes.inertia(self.section)[0], self._along, axes=1)
-        across = self._inside.deflection
-        product = self._integral(across[..., :, None] * momentum[..., None, :])
+        across = self._weights[..., None] * self._inside.deflection
+        product = np.swapaxes(across, 1, 2) @ momentum
         return np.asarray(product - np.swapaxes(product, 1, 2))
 
     @cached_property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -127,4 +127,4 @@ class SpecificDamping:
 
 def _stated(damping: DampingTimes | SpecificDamping) -> dict[str, float]:
     """Values by deformation, without those that are left out."""
-    return {name: value for name, value in asdict(damping).items() if value is not None}
+    return {name: value for name, value in vars(damping).items() if value is not None}
