@@ -1,4 +1,8 @@
-"""Every block of code in the README and in the documentation runs, page by page."""
+"""Every block of code in the README and in the documentation runs, page by page.
+
+Cells of notebooks are run when the pages are built, where an error ends the build; .ci/run builds
+them afresh. All other blocks run here.
+"""
 
 from __future__ import annotations
 
@@ -15,11 +19,12 @@ import pytest
 import tomli_w
 
 from flexmech.modelfile import mechanism_from_toml
-from tests.documentation.pages import REPOSITORY, Block, blocks_of, written_pages
+from tests.documentation.pages import REPOSITORY, blocks_of, written_pages
 
-PAGES = [page for page in written_pages() if blocks_of(page)]
-# Languages that are shown, not run: output of a program, formulas, and what Sphinx reads.
-SHOWN = ("text", "", "math")
+RUN = ("python", "sh", "toml")
+PAGES = [page for page in written_pages() if {b.language for b in blocks_of(page)} & set(RUN)]
+# What is shown, not run here: cells, output of a program, formulas.
+SHOWN = ("cell", "text", "", "math")
 # Parts of a command line that set flexmech up; .ci/run does, in an environment of its own.
 SETTING_UP = ("python3 -m venv", ".venv/bin/pip install", "python -m pip install", ". .venv/bin")
 # What .ci/run itself runs, and what shows a window or serves pages.
@@ -35,7 +40,7 @@ def test_pages_are_found() -> None:
 def test_languages_are_known(page: Path) -> None:
     languages = {block.language for block in blocks_of(page)}
     directives = {language for language in languages if language.startswith("{")}
-    assert languages - directives <= {"sh", "python", "toml", "cell", *SHOWN}
+    assert languages - directives <= {*RUN, *SHOWN}
 
 
 @pytest.mark.thorough
@@ -53,8 +58,8 @@ def test_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
                 run_command_line(line)
         elif block.language == "toml":
             load_with_the_rest(block.text)
-        elif block.language == "python" or block.language == "cell":
-            run_cell(block, names)
+        elif block.language == "python":
+            exec(compile(block.text, str(page), "exec"), names)
     plt.close("all")
 
 
@@ -80,18 +85,6 @@ def run_command_line(line: str) -> None:
             env={**os.environ, "PYTHONPATH": str(REPOSITORY)},
         )
         assert run.returncode == 0, f"{command}: {run.stderr}"
-
-
-def run_cell(block: Block, names: dict[str, Any]) -> None:
-    """Run a cell as a notebook does: ``%%sh`` runs command lines, ``%%writefile`` writes."""
-    head, _, rest = block.text.lstrip().partition("\n")
-    if head.startswith("%%writefile "):
-        Path(head.split()[1]).write_text(rest)
-    elif head == "%%sh":
-        for line in command_lines(rest):
-            run_command_line(line)
-    else:
-        exec(compile(block.text, "cell", "exec"), names)
 
 
 def load_with_the_rest(text: str) -> None:
