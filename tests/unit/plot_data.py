@@ -612,3 +612,16 @@ def mechanism_dataset(linkage: Linkage = FOURBAR, degrees: float = 60.0) -> xr.D
         limits = np.array(linkage.transmission_angle_limits())
         dataset["transmission_angle_limit"] = ("limit", limits)
     return dataset
+
+
+def verification_dataset() -> xr.Dataset:
+    """Two cases of two subjects: the first passes in both of its numbers, the second fails."""
+    return xr.Dataset(
+        {
+            "deviation": (("case", "number"), [[1e-6, 5e-5], [3e-3, np.nan]]),
+            "tolerance": ("case", [1e-4, 1e-3]),
+            "subject": ("case", ["four-bars", "arm"]),
+            "verdict": ("case", ["passed", "failed"]),
+        },
+        coords={"case": ["four-bars: steel", "arm: clamped"]},
+    )

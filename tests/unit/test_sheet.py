@@ -34,6 +34,7 @@ from tests.unit.plot_data import (
     response_dataset,
     sweep_dataset,
     transmission_dataset,
+    verification_dataset,
     vibration_dataset,
 )
 
@@ -123,6 +124,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_speed_sweep: (sweep_dataset, 3),
     plots.plot_transmission_angle: (transmission_dataset, 1),
     plots.plot_vibration_effect: (vibration_dataset, 5),
+    plots.plot_verification: (verification_dataset, 1),
 }
 
 
@@ -130,6 +132,7 @@ OF_SEVERAL_MECHANISMS = {
     plots.plot_composite_damping,
     plots.plot_composite_frequencies,
     plots.plot_laminate_factors,
+    plots.plot_verification,
 }
 
 
