@@ -229,14 +229,8 @@ class LinkFrames:
         mass, total = np.empty((2, *shape))
         damps = terms.coriolis or any(own.matrix.any() for own in damping)
         rates = np.zeros(shape) if damps else np.broadcast_to(0.0, shape)
-        tangents = [
-            _tangent(link, motion, number, matrix, terms)
-            for number, (link, matrix) in enumerate(zip(self.links, stiffness, strict=True))
-        ]
-        factors = [
-            link_map.turning_factors(self._turned(motion, number))
-            for number, link_map in enumerate(self._maps)
-        ]
+        tangents = [_tangent(self.links[n], motion, n, x, terms) for n, x in enumerate(stiffness)]
+        factors = [m.turning_factors(self._turned(motion, n)) for n, m in enumerate(self._maps)]
         self._sum_steady(mass, {n: link.mass for n, link in enumerate(self.links)}, factors)
         self._sum_steady(total, {n: t for n, t in enumerate(tangents) if t.ndim == 2}, factors)
         for number, (link, tangent, own) in enumerate(
@@ -272,13 +266,20 @@ class LinkFrames:
         factors: Sequence[FloatArray],
     ) -> None:
         """Write the sum of ``N'XN`` over symmetric matrices (n, n) of some links, by number."""
-        resting = np.zeros((1, self.size, self.size))
+        # What turns has a row or a column of an end that leads, and those ends come first.
+        led = [self.targets[n][pair] for n in matrices for pair, _ in self._followers[n]]
+        ends = 1 + max((int(pair.max()) for pair in led), default=-1)
+        resting = np.zeros((self.size, self.size))
         for number, matrix in matrices.items():
             self._places[number].add_resting(resting, matrix)
-        turning = [self._maps[n].turning_terms(matrix) for n, matrix in matrices.items()]
-        terms = np.concatenate([resting, *turning]).reshape(-1, self.size**2)
-        weights = np.concatenate([np.ones((1, len(total))), *(factors[n] for n in matrices)])
-        np.dot(weights.T, terms, out=total.reshape(len(total), -1))
+        total[:] = resting
+        if not led:
+            return
+        terms = [self._maps[n].turning_terms(matrix, ends) for n, matrix in matrices.items()]
+        weights = np.concatenate([factors[n] for n in matrices])
+        turning = np.tensordot(weights, np.concatenate(terms), axes=(0, 0))
+        total[:, :, :ends] += turning
+        total[:, :ends, ends:] += np.swapaxes(turning[:, ends:], 1, 2)
 
     def _turned(self, motion: RigidMotion, link: int) -> FloatArray:
         """Angles by which a link's following ends turn, (k, B)."""

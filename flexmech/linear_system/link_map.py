@@ -52,31 +52,27 @@ class LinkMap:
             sine[pair, target[pair[::-1]]] = [-1.0, 1.0]
         return cls(parts)
 
-    def turning_terms(self, matrix: FloatArray) -> FloatArray:
-        """What multiplies the factors of :meth:`turning_factors` in ``N'XN``.
+    def turning_terms(self, matrix: FloatArray, columns: int) -> FloatArray:
+        """What multiplies the factors of :meth:`turning_factors` in columns of ``N'XN``.
 
         Parameters
         ----------
         matrix : ndarray, shape (n, n)
             Symmetric.
+        columns : int
+            How many, the first ones.
 
         Returns
         -------
-        ndarray, shape (m (m + 1) / 2 - 1, size, size)
+        ndarray, shape (m (m + 1) / 2 - 1, size, columns)
         """
         first, second = self._turning
-        terms = np.zeros((len(first), *2 * self.parts.shape[2:]))
         if not len(first):
-            return terms
-        # What turns has a row or a column of an end that leads, and those ends come first.
-        ends = 1 + int(np.flatnonzero(self.parts[1:].any(axis=(0, 1)))[-1])
-        right = np.tensordot(matrix, self.parts[:, :, :ends], axes=(1, 1))
+            return np.zeros((0, self.parts.shape[2], columns))
+        right = np.tensordot(matrix, self.parts[:, :, :columns], axes=(1, 1))
         products = np.tensordot(self.parts, right, axes=(1, 0)).swapaxes(1, 2)
         mirrored = np.where(first == second, 0.0, 1.0)[:, None, None]
-        columns = products[first, second] + mirrored * products[second, first]
-        terms[:, :, :ends] = columns
-        terms[:, :ends] = np.swapaxes(columns, 1, 2)
-        return terms
+        return np.asarray(products[first, second] + mirrored * products[second, first])
 
     def turning_factors(self, angles: FloatArray) -> FloatArray:
         """``f_i f_j`` for i <= j, without the first, which is 1.
