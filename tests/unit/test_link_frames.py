@@ -42,8 +42,9 @@ OFF = RotationTerms.all_or_none(False)
 
 
 def engine_of(mechanism: Mechanism, elements: int = 2) -> ReferenceEngine:
+    """Unreduced, of elements with three coordinates a node; short links would get others."""
     least = 1 + len(mechanism.link_masses)
-    return ReferenceEngine(mechanism, max(elements, least), component_modes=False)
+    return ReferenceEngine(mechanism, max(elements, least), "euler", component_modes=False)
 
 
 def system_at(
