@@ -10,7 +10,7 @@ from typing import ParamSpec
 
 import typer
 
-from flexmech.cli.stopping import Stopped, interrupted_line
+from flexmech.cli.stopping import Stopped, answered_signals, interrupted_line
 from flexmech.errors import ComputationError, FlexmechError, InputError, one_line
 
 __all__ = ["naming", "reports_failures", "telling"]
@@ -35,20 +35,33 @@ def reports_failures(command: Callable[Parameters, None]) -> Callable[Parameters
 
     @functools.wraps(command)
     def wrapped(*args: Parameters.args, **kwargs: Parameters.kwargs) -> None:
+        earlier = len(answered_signals())
         try:
             command(*args, **kwargs)
-        except FlexmechError as error:
-            typer.echo(f"error: {error}", err=True)
-            raise typer.Exit(error.exit_code) from error
-        except MemoryError as error:
-            typer.echo(f"error: {_out_of_memory(error)}", err=True)
-            raise typer.Exit(FlexmechError.exit_code) from error
-        except KeyboardInterrupt as error:
-            stopped = error if isinstance(error, Stopped) else Stopped(signal.SIGINT)
-            typer.echo(interrupted_line(stopped.number), err=True)
-            raise typer.Exit(stopped.exit_code) from error
+        except typer.Exit:
+            raise
+        except (Exception, KeyboardInterrupt) as error:
+            if stopped := _stopped(error, answered_signals()[earlier:]):
+                typer.echo(interrupted_line(stopped.number), err=True)
+                raise typer.Exit(stopped.exit_code) from error
+            if isinstance(error, FlexmechError):
+                typer.echo(f"error: {error}", err=True)
+                raise typer.Exit(error.exit_code) from error
+            if isinstance(error, MemoryError):
+                typer.echo(f"error: {_out_of_memory(error)}", err=True)
+                raise typer.Exit(FlexmechError.exit_code) from error
+            raise
 
     return wrapped
+
+
+def _stopped(error: BaseException, answered: tuple[int, ...]) -> Stopped | None:
+    """The signal that ended a command, even if compiled code made another exception of it."""
+    if isinstance(error, Stopped):
+        return error
+    if answered:
+        return Stopped(answered[-1])
+    return Stopped(signal.SIGINT) if isinstance(error, KeyboardInterrupt) else None
 
 
 def _out_of_memory(error: MemoryError) -> str:

@@ -9,11 +9,19 @@ from types import FrameType
 
 from flexmech.interruption import STOPPING, work_to_tidy
 
-__all__ = ["Stopped", "answer_signals", "ignore_signals", "interrupted_line"]
+__all__ = [
+    "Stopped",
+    "answer_signals",
+    "answered_signals",
+    "ignore_signals",
+    "interrupted_line",
+]
 
 _WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 # A progress bar hides the cursor; the line of the bar is cleared.
 _BARE_LINE = "\x1b[?25h\r\x1b[K"
+# Those that were answered by an exception, the last one at the end.
+_answered: list[int] = []
 
 
 class Stopped(KeyboardInterrupt):
@@ -41,6 +49,14 @@ def answer_signals() -> None:
             signal.signal(number, _stop)
 
 
+def answered_signals() -> tuple[int, ...]:
+    """Signals that this process has answered by an exception, the last one at the end.
+
+    Compiled code may have turned that exception into one of its own.
+    """
+    return tuple(_answered)
+
+
 def ignore_signals() -> None:
     """Let signals pass once the work is done: Python drops its handlers while it shuts down."""
     for number in STOPPING:
@@ -53,6 +69,7 @@ def _stop(number: int, frame: FrameType | None) -> None:
     Imports and compiled code may swallow an exception, or turn it into another one.
     """
     if work_to_tidy():
+        _answered.append(number)
         raise Stopped(number)
     bare = _BARE_LINE if sys.stderr is not None and sys.stderr.isatty() else ""
     try:

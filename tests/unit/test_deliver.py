@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -19,12 +20,14 @@ from typer.testing import CliRunner
 from flexmech import plots
 from flexmech.analyses import Result, Summary, Table
 from flexmech.choices import PAGE_WIDTHS
+from flexmech.cli import stopping
 from flexmech.cli.application import DELIVERING
 from flexmech.cli.deliver import deliver
 from flexmech.cli.failures import reports_failures
 from flexmech.cli.pictures import PNG, Pictures, asked_pictures
 from flexmech.cli.study import composites
 from flexmech.errors import ComputationError, FlexmechError, InputError
+from flexmech.interruption import tidying
 from tests.unit.plot_data import linkage_dataset
 
 TABLE = Table("sizes", ("name", "size"), ((("a", "1"), ("b", "20")), (("c", "3"),)), caption="mm")
@@ -237,3 +240,24 @@ def test_a_result_shows_itself_in_a_notebook_and_in_one_line() -> None:
     page = SIZES._repr_html_()
     assert page.startswith('<img src="data:image/png;base64,')
     assert "the verdict" in page
+
+
+def test_a_signal_that_compiled_code_turned_into_an_error_is_still_one(tmp_path: Path) -> None:
+    """Matplotlib's drawing makes a ValueError of an exception that passes through it."""
+    app = typer.Typer()
+
+    @app.command()
+    @reports_failures
+    def command() -> None:
+        try:
+            with tidying():
+                stopping._stop(signal.SIGTERM, None)
+        except KeyboardInterrupt:
+            raise ValueError("Invalid bounding box") from None
+
+    result = CliRunner().invoke(app, [])
+    assert result.exit_code == 143
+    assert result.stderr == "terminated: files that were not complete were not written\n"
+    # A later run of this process knows nothing of it.
+    failure = ValueError("a defect of the program")
+    assert run(tmp_path, failure).exception is failure
