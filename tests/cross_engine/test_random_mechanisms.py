@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import scipy.linalg
 import xarray as xr
 
 from flexmech import ExudynEngine, ReferenceEngine, moving_frequencies, natural_frequencies
@@ -44,12 +45,22 @@ def test_the_reduction_error_is_small_and_true(seed):
     exact = natural_frequencies(whole, case.crank_angles, case.crank_speed)
     true = np.abs(np.sort(dataset["frequency"].values, axis=-1) / exact - 1).max()
     assert true < 2e-5
-    # Round-off of all coordinates blurs a first mode that is soft against the others by 1e-6.
-    assert dataset["reduction_error"].max() == pytest.approx(true, rel=0.3, abs=1e-6)
+    assert dataset["reduction_error"].max() == pytest.approx(true, rel=0.3, abs=round_off(whole))
+
+
+def round_off(engine: ReferenceEngine) -> float:
+    """How far round-off blurs a lowest frequency that is soft against the highest one.
+
+    Rounding may change squares of frequencies by the machine's precision times the highest one; of
+    0.3 Hz beside 400 kHz it changes the frequency by about a thousandth of that bound (measured).
+    """
+    system = engine.linear_system(0.0, 0.0, prestress="none")
+    squares = scipy.linalg.eigvalsh(system.stiffness[0], system.mass[0])
+    return float(1e-3 * np.finfo(float).eps * squares[-1] / squares[0])
 
 
 def estimates_and_truth(seed: int) -> np.ndarray:
-    """Reported discretisation error of each frequency, and its distance to a fine mesh.
+    """Reported discretisation error of each frequency, its distance to a fine mesh, its round-off.
 
     Few elements and all coordinates: the mesh makes the whole error.
     """
@@ -65,12 +76,13 @@ def estimates_and_truth(seed: int) -> np.ndarray:
         np.take_along_axis(dataset[name].values, order, axis=-1).ravel()
         for name in ("frequency", "discretisation_error")
     )
-    return np.stack([estimate, np.abs(found / exact.ravel() - 1)])
+    blurred = round_off(coarse.with_(elements=4 * COARSE))
+    return np.stack([estimate, np.abs(found / exact.ravel() - 1), np.full(found.shape, blurred)])
 
 
 @pytest.mark.parametrize("seed", range(2))
 def test_the_discretisation_error_is_true(seed):
-    estimate, true = estimates_and_truth(seed)
+    estimate, true, _ = estimates_and_truth(seed)
     assert np.all((estimate > true / 2) & (estimate < 3 * true))
 
 
@@ -78,6 +90,6 @@ def test_the_discretisation_error_is_true(seed):
 def test_discretisation_errors_are_true_of_nearly_all_frequencies():
     """Nine in ten within a factor of two; none that matters is a fifth of the truth or less."""
     pairs = [estimates_and_truth(seed) for seed in range(100)]
-    estimate, true = np.concatenate(pairs, axis=1)
+    estimate, true, blurred = np.concatenate(pairs, axis=1)
     assert np.mean((estimate > true / 2) & (estimate < 2 * true)) > 0.9
-    assert np.all(estimate > np.where(true > 2e-5, true, 0.0) / 5)
+    assert np.all(estimate > np.where(true > 2e-5 + blurred, true, 0.0) / 5)
