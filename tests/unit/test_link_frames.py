@@ -85,7 +85,8 @@ def weighted_displacement(engine: ReferenceEngine, angle: FloatArray) -> FloatAr
 
 def defined(engine: ReferenceEngine, angle: float, speed: float) -> tuple[FloatArray, ...]:
     """M, C, K without elasticity: P'MP, 2 P'M Pdot, P'M Pddot by finite differences."""
-    step = 2e-3
+    # Near a dead point the motion changes within hundredths of a radian.
+    step = 1e-3
     path = weighted_displacement(engine, angle + step * np.arange(-4, 5))
     here = path[4].T
     rate = np.einsum("k,kij->ij", FIRST, path) / step * speed
