@@ -9,7 +9,7 @@ from flexmech.linkages.fourbar import Branch, FourBar, GrashofClass
 from flexmech.linkages.inverse_dynamics import InverseDynamics, LinkMass, inverse_dynamics
 from flexmech.linkages.linkage import Linkage
 from flexmech.linkages.motion import RigidMotion
-from flexmech.linkages.positions import linkage_positions, shown_crank_angle
+from flexmech.linkages.positions import linkage_positions, shown_crank_angle, standing
 from flexmech.linkages.rotating_arm import RotatingArm
 from flexmech.linkages.synthesis import (
     CrankRockerProportions,
@@ -50,6 +50,7 @@ __all__ = [
     "linkage_positions",
     "rocker_swing",
     "shown_crank_angle",
+    "standing",
     "synthesize_crank_rocker",
     "time_ratio",
     "transmission_design",

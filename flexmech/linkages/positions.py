@@ -5,14 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from flexmech.errors import InputError
 from flexmech.linkages.linkage import Linkage
+from flexmech.types import FloatArray
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["linkage_positions", "shown_crank_angle"]
+__all__ = ["linkage_positions", "shown_crank_angle", "standing"]
 
 # In degrees; the first at which the linkage can stand shows it best. Then every degree.
 SHOWN = (60.0, 0.0, 30.0, 90.0, 120.0, 180.0, 240.0, 300.0, *range(1, 360))
@@ -83,9 +85,33 @@ def shown_crank_angle(linkage: Linkage) -> float:
         If the linkage can stand at no crank angle of whole degrees.
     """
     for degrees in SHOWN:
-        try:
-            linkage.motion(np.radians(degrees))
-        except InputError:
-            continue
-        return float(np.radians(degrees))
+        if _stands(linkage, np.radians(degrees)):
+            return float(np.radians(degrees))
     raise InputError("the linkage can stand at no crank angle of whole degrees; check its lengths")
+
+
+def standing(linkage: Linkage, crank_angles: FloatArray) -> NDArray[np.bool_]:
+    """Whether a linkage can stand at each of some crank angles.
+
+    Parameters
+    ----------
+    linkage : Linkage
+    crank_angles : ndarray, shape (A,)
+        In rad.
+
+    Returns
+    -------
+    ndarray of bool, shape (A,)
+    """
+    if _stands(linkage, crank_angles):
+        return np.ones(len(crank_angles), dtype=bool)
+    return np.array([_stands(linkage, angle) for angle in crank_angles.tolist()], dtype=bool)
+
+
+def _stands(linkage: Linkage, crank_angle: ArrayLike) -> bool:
+    """Whether it stands at a crank angle, or at each of several."""
+    try:
+        linkage.motion(crank_angle)
+    except InputError:
+        return False
+    return True

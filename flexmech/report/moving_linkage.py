@@ -14,7 +14,7 @@ import numpy as np
 from flexmech.analyses import MovingFrequencies, Response
 from flexmech.analyses.response.stored import needed
 from flexmech.errors import InputError
-from flexmech.linkages import CouplerCurve, FourBar
+from flexmech.linkages import CouplerCurve, FourBar, standing
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import mechanism_from_toml
 from flexmech.report.arrays import Arrays, thinning
@@ -94,18 +94,10 @@ def moving_linkage(mechanism: Mechanism, results: Results, arrays: Arrays) -> di
 def _standing(mechanism: Mechanism) -> FloatArray:
     """Crank angles in whole degrees at which the linkage stands, without a gap between them."""
     degrees = np.arange(0.0, 361.0)
-
-    def stands(angle: float) -> bool:
-        try:
-            mechanism.linkage.motion(np.radians(angle))
-        except InputError:
-            return False
-        return True
-
-    standing = np.array([stands(angle) for angle in degrees.tolist()])
-    if not standing.any():
+    stands = standing(mechanism.linkage, np.radians(degrees))
+    if not stands.any():
         raise InputError("the linkage can stand at no crank angle of whole degrees")
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], standing, [False]]).astype(int)))
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], stands, [False]]).astype(int)))
     starts, stops = edges[::2], edges[1::2]
     longest = int(np.argmax(stops - starts))
     return degrees[starts[longest] : stops[longest]]

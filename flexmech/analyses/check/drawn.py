@@ -6,10 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from flexmech.errors import InputError
-from flexmech.linkages import CouplerCurve, FourBar, Linkage, linkage_positions
+from flexmech.linkages import CouplerCurve, FourBar, linkage_positions, standing
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
@@ -77,7 +75,7 @@ def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
 def _paths(mechanism: Mechanism, angles: FloatArray) -> dict[str, FloatArray]:
     """Places of what moves at crank angles, by name; shape (angle, 2) each."""
     linkage, topology = mechanism.linkage, mechanism.linkage.topology
-    stands = _stands(linkage, angles)
+    stands = standing(linkage, angles)
     motion = linkage.motion(angles[stands])
     found = {}
     for name, kind in zip(topology.joint_names, topology.joint_kinds, strict=True):
@@ -100,25 +98,8 @@ def _paths(mechanism: Mechanism, angles: FloatArray) -> dict[str, FloatArray]:
     return whole
 
 
-def _stands(linkage: Linkage, angles: FloatArray) -> NDArray[np.bool_]:
-    """Whether a linkage can stand at each of some angles; shape (angle,) of bool."""
-    try:
-        linkage.motion(angles)
-    except InputError:
-        return np.array([_can_stand(linkage, angle) for angle in angles.tolist()])
-    return np.ones(len(angles), dtype=bool)
-
-
-def _can_stand(linkage: Linkage, angle: float) -> bool:
-    try:
-        linkage.motion(angle)
-    except InputError:
-        return False
-    return True
-
-
 def _transmission_angle(linkage: FourBar) -> FloatArray:
-    stands = _stands(linkage, TURN)
+    stands = standing(linkage, TURN)
     angle = np.full(TURN.size, np.nan)
     angle[stands] = linkage.transmission_angle(TURN[stands])
     return angle
