@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from flexmech.verification import Verification
 from making.state import cache_folder, environment
 
 __all__ = ["verification_page", "verification_results"]
@@ -21,20 +22,19 @@ your machine (a minute). A case passes where its deviation is within its toleran
 with the case.
 
 """
-NAME = "verification.csv"
+NAME = "verification.nc"
 
 
 def verification_page(folder: Path) -> str:
     """Run the verification, put its picture into a folder; Markdown of all cases."""
     results = verification_results()
-    rows = pd.read_csv(results / NAME, keep_default_na=False)
+    found = Verification.load(results / NAME)
+    rows = found.tables()["verification"]
     (folder / "verification.png").write_bytes((results / "verification.png").read_bytes())
-    counts = rows.groupby("case", sort=False)["verdict"].agg(_of_the_case).value_counts()
-    told = ", ".join(f"{counts.get(word, 0)} {word}" for word in ("passed", "failed", "skipped"))
     parts = [
         HEAD,
-        f"**{len(rows['case'].unique())} cases: {told}.** The picture shows each deviation over "
-        "its tolerance.\n\n![Deviation over tolerance of every case](verification.png)\n",
+        f"**{found.summary().verdict}.** The picture shows each deviation over its tolerance.\n\n"
+        "![Deviation over tolerance of every case](verification.png)\n",
     ]
     rows["subject"] = rows["case"].str.partition(": ")[0]
     for source, of_source in rows.groupby("source", sort=False):
@@ -57,24 +57,19 @@ def verification_results() -> Path:
     return folder
 
 
-def _of_the_case(verdicts: pd.Series[str]) -> str:
-    """A case fails where one of its numbers does."""
-    return "failed" if "failed" in set(verdicts) else str(verdicts.iloc[0])
-
-
 def _told(rows: pd.DataFrame) -> str:
     """How many numbers were compared, and which came nearest to its tolerance."""
     compared = rows[rows["verdict"] != "skipped"]
     if compared.empty:
         return f"Skipped: {rows['reason'].iloc[0]}."
-    used = pd.to_numeric(compared["deviation"]) / compared["tolerance"]
+    used = compared["deviation"] / compared["tolerance"]
     worst = compared.loc[used.idxmax()]
     failed = (compared["verdict"] == "failed").sum()
     verdict = f"**{failed} failed**" if failed else "all within their tolerances"
     return (
         f"{len(compared)} numbers, {verdict}. The farthest off: {worst['quantity']}, measured "
-        f"{float(worst['measured']):.6g}, expected {float(worst['expected']):.6g}, deviation "
-        f"{float(worst['deviation']):.1e} ({worst['deviation_kind']}), tolerance "
+        f"{worst['measured']:.6g}, expected {worst['expected']:.6g}, deviation "
+        f"{worst['deviation']:.1e} ({worst['deviation_kind']}), tolerance "
         f"{worst['tolerance']:g}."
     )
 
@@ -88,8 +83,8 @@ def _numbers(rows: pd.DataFrame) -> str:
         if row.verdict == "skipped":
             lines.append(f"| {case} | {row.quantity} | | | | | skipped: {row.reason} |")
             continue
-        numbers = f"{float(row.expected):.6g} | {float(row.measured):.6g}"
-        deviation = f"{float(row.deviation):.1e} | {row.tolerance:g}"
+        numbers = f"{row.expected:.6g} | {row.measured:.6g}"
+        deviation = f"{row.deviation:.1e} | {row.tolerance:g}"
         lines.append(f"| {case} | {row.quantity} | {numbers} | {deviation} | {row.verdict} |")
     table = "\n".join(lines)
     # What a browser folds, without a word of script.
