@@ -80,6 +80,16 @@ class Summary:
     warnings: tuple[str, ...] = ()
 
     @property
+    def tables(self) -> tuple[Table, ...]:
+        """The tables among the parts."""
+        return tuple(part for part in self.parts if not isinstance(part, str))
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The lines among the parts."""
+        return tuple(part for part in self.parts if isinstance(part, str))
+
+    @property
     def _warned(self) -> tuple[str, ...]:
         return tuple(f"warning: {text}" for text in self.warnings)
 

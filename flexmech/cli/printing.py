@@ -125,10 +125,9 @@ class Report:
 
     def _content(self) -> dict[str, Any]:
         """What JSON says; numbers of tables are numbers, and what a cell leaves out is null."""
-        parts = self.summary.parts
-        lines = [line for part in parts if isinstance(part, str) for line in part.split("\n")]
+        lines = [line for part in self.summary.lines for line in part.split("\n")]
         return {
-            "tables": [_table_content(part) for part in parts if not isinstance(part, str)],
+            "tables": [_table_content(table) for table in self.summary.tables],
             "lines": [*([self.remark] if self.remark else []), *lines],
             "warnings": list(self.summary.warnings),
             "verdict": self.summary.verdict,

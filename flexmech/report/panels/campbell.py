@@ -52,7 +52,7 @@ def campbell_panel(results: Results) -> Panel | None:
         source="W. Campbell, Trans. ASME 46 (1924), with a band in place of each line",
         plots=(plot,),
         tables=(_table(data, unit),),
-        lines=(*(part for part in said.parts if isinstance(part, str)), said.verdict),
+        lines=(*said.lines, said.verdict),
         warnings=said.warnings,
     )
 

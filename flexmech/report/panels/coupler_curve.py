@@ -56,7 +56,7 @@ def coupler_panel(results: Results) -> Panel | None:
         ),
         equation="p(θ₂) = r₂ e^{iθ₂} + e · e^{i(θ₃ + γ)}, a curve of sixth degree",
         source=(
-            "R. Singh and A. Sanyal (2022); double points from the cubic on the circle of "
+            "S. Singh and S. Sanyal (2022); double points from the cubic on the circle of "
             "singular foci"
         ),
         plots=(
@@ -71,6 +71,6 @@ def coupler_panel(results: Results) -> Panel | None:
                 height=420,
             ),
         ),
-        lines=(*(part for part in said.parts if isinstance(part, str)), said.verdict),
+        lines=(*said.lines, said.verdict),
         warnings=said.warnings,
     )

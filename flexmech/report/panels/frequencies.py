@@ -65,7 +65,7 @@ def frequency_panel(results: Results) -> Panel | None:
         plots=(_plot(result, unit, "frequency"),),
         readings=tuple(_readings(result, unit)),
         tables=_tables(result, unit),
-        lines=(*(part for part in said.parts if isinstance(part, str)), said.verdict),
+        lines=(*said.lines, said.verdict),
         warnings=said.warnings,
     )
 
@@ -79,7 +79,7 @@ def damping_panel(results: Results) -> Panel | None:
     if not variable:
         return None
     by_energy = variable == "strain_energy_damping"
-    lines = [line for line in result.summary().parts if isinstance(line, str) and "damping" in line]
+    lines = [line for line in result.summary().lines if "damping" in line]
     return Panel(
         name="damping",
         title="Damping ratios",

@@ -5,13 +5,15 @@ from __future__ import annotations
 import numpy as np
 
 from flexmech.analyses import ModelCheck
+from flexmech.analyses.check.remarks import LEAST_TRANSMISSION_ANGLE
 from flexmech.report.panel import Panel, Plot, Trace, YAxis
 from flexmech.report.results import Results
 from flexmech.report.words import crank_degrees
 
 __all__ = ["mechanism_panel"]
 
-USUAL = (40.0, 140.0)
+_LEAST = np.degrees(LEAST_TRANSMISSION_ANGLE)
+USUAL = (_LEAST, 180.0 - _LEAST)
 
 
 def mechanism_panel(results: Results) -> Panel | None:
@@ -30,8 +32,8 @@ def mechanism_panel(results: Results) -> Panel | None:
         equation="cos μ = (r₃² + r₄² − d²) / (2 r₃ r₄),  d² = r₁² + r₂² − 2 r₁ r₂ cos θ₂",
         source="law of cosines in the triangle of coupler, rocker and diagonal",
         plots=_transmission_angle(result),
-        tables=tuple(part for part in said.parts if not isinstance(part, str)),
-        lines=tuple(part for part in said.parts if isinstance(part, str)),
+        tables=said.tables,
+        lines=said.lines,
         warnings=said.warnings,
     )
 

@@ -39,8 +39,8 @@ def moisture_panel(results: Results) -> Panel | None:
         equation="∂c/∂t = ∇ · (D ∇c)",
         source="Fick's second law; C.-H. Shen and G. S. Springer, J. Composite Materials 10 (1976)",
         plots=(_uptake(data, kept), _profiles(data)),
-        tables=tuple(part for part in said.parts if not isinstance(part, str)),
-        lines=(*(part for part in said.parts if isinstance(part, str)), said.verdict),
+        tables=said.tables,
+        lines=(*said.lines, said.verdict),
         warnings=said.warnings,
         thinned=(thinned,) if len(kept) < data.sizes["time"] else (),
     )

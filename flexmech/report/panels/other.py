@@ -17,7 +17,6 @@ def other_panel(results: Results) -> Panel | None:
     if not found:
         return None
     said = [each.summary() for each in found]
-    parts = [part for one in said for part in one.parts]
     return Panel(
         name="further-results",
         title="Further results",
@@ -25,9 +24,9 @@ def other_panel(results: Results) -> Panel | None:
         source=", ".join(
             dict.fromkeys(str(each.dataset.attrs.get("source", "")) for each in found)
         ),
-        tables=tuple(part for part in parts if not isinstance(part, str)),
+        tables=tuple(table for one in said for table in one.tables),
         lines=(
-            *(p for p in parts if isinstance(p, str)),
+            *(line for one in said for line in one.lines),
             *(one.verdict for one in said if one.verdict),
         ),
         warnings=tuple(warning for one in said for warning in one.warnings),

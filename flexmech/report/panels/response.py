@@ -80,7 +80,7 @@ def response_panel(results: Results) -> Panel | None:
     lines = [
         f"{speed_name(float(run.dataset.attrs['crank_speed']), unit)}: {line}"
         for run, one in zip(runs, said, strict=True)
-        for line in (*(part for part in one.parts if isinstance(part, str)), one.verdict)
+        for line in (*one.lines, one.verdict)
     ]
     return Panel(
         name="response",

@@ -50,7 +50,7 @@ def section_panel(results: Results) -> Panel | None:
         plots=tuple(_plot(result, link, n) for n, link in enumerate(result.links_with_layers)),
         drawings=drawings,
         tables=tuple(property_table(result.dataset.sel(link=link)) for link in result.links),
-        lines=tuple(part for part in said.parts if isinstance(part, str)),
+        lines=said.lines,
         warnings=said.warnings,
         thinned=(
             "sections: stresses of every layer are drawn; their tables are what flexmech section "
