@@ -4,15 +4,35 @@ from flexmech.choices import INTEGRATORS, Integrator
 from flexmech.time_domain.axial_frequency import lowest_axial_frequency
 from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations import Equations
+from flexmech.time_domain.floquet import FloquetModes, floquet_modes
+from flexmech.time_domain.fourier import FourierSeries
 from flexmech.time_domain.linear_run import linear_run
+from flexmech.time_domain.moving_modes import MovingModes, counts_of_modes, moving_modes
 from flexmech.time_domain.orbit import PeriodicOrbit, simulated_orbit
 from flexmech.time_domain.periodic import TurnMap, periodic_state, periodic_turn, turn_map
+from flexmech.time_domain.periodic_system import (
+    PeriodicSystem,
+    SampledPeriodicSystem,
+    StatedPeriodicSystem,
+)
 from flexmech.time_domain.recording import EnergyHistory, Recorder, StepBlock, Trajectory
 from flexmech.time_domain.reduced_links import DETAIL, can_stretch, is_reduced
+from flexmech.time_domain.sampled_turn import SampledTurn
 from flexmech.time_domain.simulator import Simulator, simulator
 from flexmech.time_domain.state import LinkState, VibrationState
 
 __all__ = [
+    "FloquetModes",
+    "floquet_modes",
+    "FourierSeries",
+    "MovingModes",
+    "counts_of_modes",
+    "moving_modes",
+    "PeriodicSystem",
+    "SampledPeriodicSystem",
+    "StatedPeriodicSystem",
+    "SampledTurn",
+
     "DETAIL",
     "INTEGRATORS",
     "DrivenLinkage",

@@ -1,0 +1,1 @@
+"""Stability of the running linkage: Floquet multipliers over the crank speed."""

@@ -1,0 +1,171 @@
+"""What one engine finds of the stability of the running linkage."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.analyses.stability.band import Band
+from flexmech.linear_system import Engine
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["CheckedErrors", "EngineStability", "FollowedSpeed", "NoEquilibrium"]
+
+
+@dataclass(frozen=True)
+class FollowedSpeed:
+    """Kept Floquet modes of a crank speed, in the order of the branches that they belong to.
+
+    Branch b has the modes 2 b - 2 and 2 b - 1, counted from zero: the one that turns forward and
+    its complex conjugate; where both are real, they are two modes of their own.
+
+    Parameters
+    ----------
+    crank_speed : float
+        rad/s.
+    exponent : ndarray of complex, shape (k,)
+        In 1/s; of the family ``lambda + i n omega`` the member with the largest harmonic.
+    step_error : ndarray, shape (k,)
+        Of the logarithm of each multiplier, by halving the steps.
+    likeness : ndarray, shape (k,)
+        How alike a mode is to the last clear shape of its branch: 1 for the same shape.
+    harmonic_share : ndarray, shape (2 h + 1, k)
+        Parts of the mean square displacement in the harmonics -h to h about the largest.
+    liouville_defect : float
+    steps : int
+    buckled_angle : float or None
+        A crank angle in rad at which the linkage is statically unstable.
+    orbit_distance : float or None
+        Of the periodic motion from the quasi-static equilibrium, relative to the greatest
+        displacement; with prestress ``trajectory`` alone.
+    orbit_residual : float or None
+        Of the periodic motion, relative to the inertia forces.
+    """
+
+    crank_speed: float
+    exponent: NDArray[np.complex128]
+    step_error: FloatArray
+    likeness: FloatArray
+    harmonic_share: FloatArray
+    liouville_defect: float
+    steps: int
+    buckled_angle: float | None = None
+    orbit_distance: float | None = None
+    orbit_residual: float | None = None
+
+    @property
+    def period(self) -> float:
+        """Time of a turn in s."""
+        return 2 * np.pi / abs(self.crank_speed)
+
+    @property
+    def branch(self) -> IntArray:
+        """Number of each mode's branch, from 1, (k,)."""
+        return np.arange(len(self.exponent)) // 2 + 1
+
+    @property
+    def log_modulus(self) -> FloatArray:
+        """Logarithm of the multipliers' moduli, (k,)."""
+        return np.asarray(self.exponent.real * self.period)
+
+    @property
+    def angle(self) -> FloatArray:
+        """Angle of the multipliers between -pi and pi, (k,)."""
+        turned = self.exponent.imag * self.period
+        return np.asarray(turned - 2 * np.pi * np.round(turned / (2 * np.pi)))
+
+    @property
+    def frequency(self) -> FloatArray:
+        """Of the largest harmonic in Hz, (k,)."""
+        return np.abs(self.exponent.imag) / (2 * np.pi)
+
+    @property
+    def damping_ratio(self) -> FloatArray:
+        """Of the largest harmonic: decay rate over the size of the exponent, (k,)."""
+        return np.asarray(-self.exponent.real / np.abs(self.exponent))
+
+    @property
+    def fastest_growing(self) -> int:
+        """Number of the mode that grows most, from zero."""
+        return int(self.exponent.real.argmax())
+
+    @property
+    def growth_rate(self) -> float:
+        """Greatest of all in 1/s."""
+        return float(self.exponent.real.max())
+
+    @property
+    def is_unstable(self) -> bool:
+        """Whether a modulus exceeds one by more than its error."""
+        growing = np.expm1(self.log_modulus)
+        return bool(np.any(growing > self.step_error * (1 + growing)))
+
+
+@dataclass(frozen=True)
+class NoEquilibrium:
+    """A crank speed about which there is no motion to linearize.
+
+    Parameters
+    ----------
+    crank_speed : float
+        rad/s.
+    reason : str
+        Speaks of crank speeds in the result's unit.
+    """
+
+    crank_speed: float
+    reason: str
+
+
+@dataclass(frozen=True)
+class CheckedErrors:
+    """Errors of the logarithms of the multipliers at some speeds, c of them.
+
+    Parameters
+    ----------
+    crank_speed : ndarray, shape (c,)
+        rad/s.
+    reduction, mesh : ndarray, shape (c,)
+        Greatest change of a kept multiplier's logarithm with the next larger number of moving
+        modes; estimated error by the elements' length.
+    """
+
+    crank_speed: FloatArray
+    reduction: FloatArray
+    mesh: FloatArray
+
+
+@dataclass(frozen=True)
+class EngineStability:
+    """Stability map of one engine.
+
+    Parameters
+    ----------
+    engine : Engine
+        With the damping that counts.
+    speeds : list of FollowedSpeed or NoEquilibrium
+        In the order of the crank speeds asked for.
+    bands : list of Band
+        Unstable bands, by increasing speed.
+    errors : CheckedErrors
+    is_definite : bool
+        Whether the Hamilton function of the undamped linkage is positive definite at all speeds,
+        so that only sums of frequencies can be unstable without damping.
+    moving_modes : int
+        Number of moving modes at the fastest speed.
+    closed_early : int
+        Unstable bands so narrow that a damping ratio of 1e-5 closes them; they are left out.
+    interrupted : bool
+        Whether the map ends before the last of the speeds because it was interrupted.
+    """
+
+    engine: Engine
+    speeds: list[FollowedSpeed | NoEquilibrium]
+    bands: list[Band]
+    errors: CheckedErrors
+    is_definite: bool
+    moving_modes: int
+    closed_early: int
+    interrupted: bool

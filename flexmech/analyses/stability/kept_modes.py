@@ -1,0 +1,174 @@
+"""Floquet modes of the running linkage in the band of the natural frequencies asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.optimize
+from numpy.typing import NDArray
+
+from flexmech.time_domain import FloquetModes, MovingModes, floquet_modes
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["SHAPE_ANGLES", "KeptModes", "kept_modes", "matched"]
+
+SHAPE_ANGLES = 16
+"""Crank angles a turn at which the shapes of modes are compared."""
+# Harmonics to either side of the largest whose share is told.
+HARMONICS = 4
+
+
+@dataclass(frozen=True)
+class KeptModes:
+    """The k = 2 m Floquet modes that m natural modes make, at one crank speed.
+
+    A pair of complex conjugate modes is two of them.
+
+    Parameters
+    ----------
+    crank_speed : float
+        rad/s.
+    exponent : ndarray of complex, shape (k,)
+        1/s. Of the family ``lambda + i n omega`` the member whose harmonic is largest.
+    shape : ndarray of complex, shape (SHAPE_ANGLES, N, k)
+        At evenly spaced times of a turn, weighted by the links' mass: ``y^H y`` is that of the
+        displacement. Its largest harmonic is the mean.
+    harmonic_share : ndarray, shape (2 h + 1, k)
+        Part of ``y^H y`` in the harmonics -h to h about the largest.
+    liouville_defect : float
+    steps : int
+    """
+
+    crank_speed: float
+    exponent: NDArray[np.complex128]
+    shape: NDArray[np.complex128]
+    harmonic_share: FloatArray
+    liouville_defect: float
+    steps: int
+
+    @property
+    def period(self) -> float:
+        """Time of a turn in s."""
+        return 2 * np.pi / abs(self.crank_speed)
+
+    @property
+    def log_modulus(self) -> FloatArray:
+        """Logarithm of the multipliers' moduli, (k,)."""
+        return np.asarray(self.exponent.real * self.period)
+
+    @property
+    def angle(self) -> FloatArray:
+        """Angle of the multipliers between -pi and pi, (k,)."""
+        turned = self.exponent.imag * self.period
+        return np.asarray(turned - 2 * np.pi * np.round(turned / (2 * np.pi)))
+
+    @property
+    def growth_rate(self) -> float:
+        """Greatest of all, 1/s."""
+        return float(self.exponent.real.max())
+
+    def taken(self, order: IntArray) -> KeptModes:
+        """The modes in another order."""
+        return KeptModes(
+            self.crank_speed,
+            self.exponent[order],
+            self.shape[..., order],
+            self.harmonic_share[:, order],
+            self.liouville_defect,
+            self.steps,
+        )
+
+
+def kept_modes(moving: MovingModes, damping: float, steps: int, modes: int) -> KeptModes:
+    """Floquet modes that lie in the lowest natural modes of all crank angles.
+
+    Parameters
+    ----------
+    moving : MovingModes
+    damping : float
+        Factor on the damping of ``moving``.
+    steps : int
+        Steps of the propagator a turn; a multiple of :data:`SHAPE_ANGLES`.
+    modes : int
+        Number m of natural modes.
+
+    Returns
+    -------
+    KeptModes
+    """
+    found = floquet_modes(moving.system(damping), steps)
+    largest, shapes, shares = _about_largest_harmonic(found, moving)
+    positions = np.arange(0, len(moving.basis), len(moving.basis) // SHAPE_ANGLES)
+    times = np.arange(0, steps, steps // SHAPE_ANGLES)
+    displaced = moving.basis[positions] @ shapes[times]
+    kept = _within_lowest(moving, positions, displaced, modes)
+    return KeptModes(
+        2 * np.pi / moving.turn.period,
+        found.exponent[kept] + 2j * np.pi * largest[kept] / moving.turn.period,
+        _weighted(moving, positions, displaced[..., kept]),
+        shares[:, kept],
+        found.liouville_defect,
+        steps,
+    )
+
+
+def matched(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> IntArray:
+    """Which of the second logarithms of multipliers (n,) is each of the first (k,).
+
+    Parameters
+    ----------
+    first, second : ndarray of complex
+        Logarithms, whose imaginary parts are angles.
+
+    Returns
+    -------
+    ndarray of int, shape (k,)
+    """
+    gap = first[:, None] - second
+    angle = gap.imag - 2 * np.pi * np.round(gap.imag / (2 * np.pi))
+    pairs = scipy.optimize.linear_sum_assignment(np.hypot(gap.real, angle))
+    return np.asarray(pairs[1], dtype=np.intp)
+
+
+def _about_largest_harmonic(
+    found: FloquetModes, moving: MovingModes
+) -> tuple[IntArray, NDArray[np.complex128], FloatArray]:
+    """Number of each mode's largest harmonic; y without it, (N, m, n); shares of others by it."""
+    shapes = found.shapes()[:, : moving.size] / np.sqrt(moving.scale)[:, None]
+    steps, _, count = shapes.shape
+    size = (np.abs(np.fft.fft(shapes, axis=0)) ** 2).sum(axis=1)
+    place = size.argmax(axis=0)
+    near = (place + np.arange(-HARMONICS, HARMONICS + 1)[:, None]) % steps
+    shares = size[near, np.arange(count)] / size.sum(axis=0)
+    number = np.where(place < steps / 2, place, place - steps)
+    turned = np.exp(-2j * np.pi * np.outer(np.arange(steps), number) / steps)
+    return number.astype(np.intp), shapes * turned[:, None], shares
+
+
+def _within_lowest(
+    moving: MovingModes, positions: IntArray, displaced: NDArray[np.complex128], modes: int
+) -> IntArray:
+    """The 2 m modes whose displacement lies most in the lowest m natural modes."""
+    lowest = np.swapaxes(moving.turn.frozen_modes[positions, :, :modes], 1, 2)
+    mass = moving.turn.mass[positions]
+    inside = (np.abs(lowest @ (mass @ displaced)) ** 2).sum(axis=(0, 1))
+    of_all = np.einsum("aik,aij,ajk->k", displaced.conj(), mass, displaced, optimize=True).real
+    # Of two conjugate modes round-off must not part one from the other.
+    order = np.argsort(-np.round(inside / of_all, 9), kind="stable")
+    return np.sort(order[: 2 * modes])
+
+
+def _weighted(
+    moving: MovingModes, positions: IntArray, displaced: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """Coordinates of all unreduced links, weighted by their mass and of unit size."""
+    turn = moving.turn
+    coordinates = turn.frames.link_coordinates(turn.motion.at(positions), displaced)
+    parts = [
+        np.linalg.cholesky(link.mass).T @ basis @ q
+        for link, basis, q in zip(turn.unreduced, turn.bases, coordinates, strict=True)
+    ]
+    joined = np.concatenate(parts, axis=1)
+    size = np.sqrt((np.abs(joined) ** 2).sum(axis=(0, 1)))
+    return np.asarray(joined / size, dtype=complex)

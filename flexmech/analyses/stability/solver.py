@@ -1,0 +1,131 @@
+"""Floquet modes of one engine's linkage at any crank speed, with the error of their steps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.analyses.stability.kept_modes import SHAPE_ANGLES, KeptModes, kept_modes, matched
+from flexmech.linear_system import Engine, Prestress
+from flexmech.time_domain import (
+    MovingModes,
+    SampledTurn,
+    counts_of_modes,
+    floquet_modes,
+    moving_modes,
+)
+from flexmech.types import FloatArray
+
+__all__ = ["LinkageSolver", "SolvedSpeed"]
+
+SAMPLES = 128
+MOST_SAMPLES = 1024
+# Greatest estimated relative error of the system's matrix between the crank angles sampled.
+SERIES_TOLERANCE = 1e-6
+# Steps are this part of a period of the fastest moving mode over 2 pi, or shorter.
+RADIANS_A_STEP = 1.5
+LEAST_STEPS = 128
+
+
+@dataclass(frozen=True)
+class SolvedSpeed:
+    """Floquet modes at a crank speed, and how far half the steps are from them.
+
+    Parameters
+    ----------
+    modes : KeptModes
+    step_error : ndarray, shape (k,)
+        Change of the logarithm of each multiplier, modulus and angle together, when the steps
+        are halved in number.
+    """
+
+    modes: KeptModes
+    step_error: FloatArray
+
+
+@dataclass(frozen=True)
+class LinkageSolver:
+    """What it takes to solve for the Floquet modes at a crank speed.
+
+    Parameters
+    ----------
+    engine : Engine
+    prestress : {"none", "axial", "equilibrium"}
+    modes : int
+        Number of natural modes whose Floquet modes are kept.
+    damping : float
+        Factor on the damping of the engine's links.
+    steps : int, optional
+        A turn, a multiple of :data:`SHAPE_ANGLES`; chosen by the fastest mode where it is left
+        out.
+    larger : int
+        How many times a larger number of moving modes is taken than is needed.
+    """
+
+    engine: Engine
+    prestress: Prestress
+    modes: int
+    damping: float = 1.0
+    steps: int | None = None
+    larger: int = 0
+
+    def moving(self, crank_speed: float) -> MovingModes:
+        """The linkage in its moving modes.
+
+        Parameters
+        ----------
+        crank_speed : float
+            rad/s, not zero.
+
+        Returns
+        -------
+        MovingModes
+
+        Raises
+        ------
+        ComputationError
+            If there is no equilibrium, or the linkage is statically unstable.
+        """
+        samples = SAMPLES
+        while True:
+            turn = self._turn(crank_speed, samples)
+            counts = counts_of_modes(turn, self.modes, 1 + self.larger)
+            found = moving_modes(turn, counts[-1])
+            if found.series_error <= SERIES_TOLERANCE or 2 * samples > MOST_SAMPLES:
+                return found
+            samples *= 2
+
+    def solve(self, moving: MovingModes, damping: float | None = None) -> KeptModes:
+        """Kept Floquet modes; ``damping`` takes the place of the solver's own factor."""
+        factor = self.damping if damping is None else damping
+        return kept_modes(moving, factor, self._steps(moving), self.modes)
+
+    def growth_rate(self, crank_speed: float) -> float:
+        """Greatest growth rate of the kept modes in 1/s."""
+        return self.solve(self.moving(crank_speed)).growth_rate
+
+    def solved(self, crank_speed: float) -> SolvedSpeed:
+        """Kept Floquet modes with the error of their steps."""
+        moving = self.moving(crank_speed)
+        modes = self.solve(moving)
+        coarse = floquet_modes(moving.system(self.damping), modes.steps // 2)
+        log, other = modes.exponent * modes.period, coarse.exponent * coarse.period
+        gap = log - other[matched(log, other)]
+        angle = gap.imag - 2 * np.pi * np.round(gap.imag / (2 * np.pi))
+        return SolvedSpeed(modes, np.hypot(gap.real, angle))
+
+    def _turn(self, crank_speed: float, samples: int) -> SampledTurn:
+        angle = np.sign(crank_speed) * 2 * np.pi / samples * np.arange(samples)
+        motion = self.engine.mechanism.linkage.motion(angle, crank_speed)
+        stressed = self.engine.stressed_links(motion, self.prestress)
+        return SampledTurn.of(self.engine, motion, stressed, self.prestress, self.modes)
+
+    def _steps(self, moving: MovingModes) -> int:
+        if self.steps is not None:
+            return self.steps
+        if not moving.turn.turns_pins:
+            return LEAST_STEPS
+        radians = float(np.sqrt(moving.turn.frozen_squares[:, moving.size - 1].max()))
+        wanted = max(LEAST_STEPS, radians * moving.turn.period / RADIANS_A_STEP)
+        return 2 * SHAPE_ANGLES * int(np.ceil(wanted / (2 * SHAPE_ANGLES)))

@@ -1,0 +1,240 @@
+"""Floquet multipliers and modes of a periodic linear system, however far apart they are.
+
+A mode is a solution ``phi(t) exp(lambda t)`` whose shape phi repeats itself after a period T; its
+multiplier is ``exp(lambda T)``. Multiplied together, the transition matrices of a whole period
+lose what decays fast beside what does not: of a multiplier of ``exp(-24 * 2 pi)`` beside one of 1
+nothing is left. So they stay short, and are brought to triangular form one after the other::
+
+    G_k Q_(k-1) = Q_k R_k
+
+Where the multipliers come in groups that are far apart, the columns of Q_k tend to the subspaces
+of these groups as the turns go by, the strongest group first (orthogonal iteration; this is the
+periodic Schur form of A. Bojanczyk, G. H. Golub & P. Van Dooren, SPIE 1770 (1992) 31-42, in blocks
+of comparable size). The multipliers of a group are the eigenvalues of the product of its blocks on
+the diagonals of R_k alone. The modes follow backwards in time, where what is weak is not lost
+beside what is strong.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from flexmech.errors import ComputationError
+from flexmech.time_domain.periodic_system import PeriodicSystem, transitions
+from flexmech.types import FloatArray
+
+__all__ = ["FloquetModes", "floquet_modes"]
+
+# Logarithm of how far apart the multipliers of one short transition matrix may be: eight digits
+# of the weakest remain.
+SHORT = 16.0
+# Groups part where the logarithms of neighbouring moduli are this far apart.
+GROUPS_APART = 4.0
+PARTED = 1e-13
+MOST_TURNS = 40
+
+
+@dataclass(frozen=True)
+class FloquetModes:
+    """All n modes of a periodic system, the one that grows most first.
+
+    Parameters
+    ----------
+    period : float
+        T in s.
+    exponent : ndarray of complex, shape (n,)
+        ``lambda`` in 1/s; the imaginary part is known but for multiples of ``2 pi / T`` and taken
+        between ``-pi / T`` and ``pi / T``.
+    trace_integral : float
+        Integral of the trace of A over a period.
+    """
+
+    period: float
+    exponent: NDArray[np.complex128]
+    trace_integral: float
+    _propagated: _Propagated
+
+    @property
+    def log_modulus(self) -> FloatArray:
+        """Logarithm of the multipliers' moduli, (n,)."""
+        return np.asarray(self.exponent.real * self.period)
+
+    @property
+    def angle(self) -> FloatArray:
+        """Angles of the multipliers between -pi and pi, (n,)."""
+        return np.asarray(self.exponent.imag * self.period)
+
+    @property
+    def liouville_defect(self) -> float:
+        """Sum of the logarithms of all moduli against the integral of the trace.
+
+        Relative to the sum of the logarithms' sizes, or absolute where that is below one.
+        """
+        defect = abs(float(self.log_modulus.sum()) - self.trace_integral)
+        return defect / max(1.0, float(np.abs(self.log_modulus).sum()))
+
+    def shapes(self) -> NDArray[np.complex128]:
+        """Shapes ``phi`` at the starts of the N steps, (N, n, n): (step, state, mode)."""
+        return self._propagated.shapes()
+
+
+def floquet_modes(system: PeriodicSystem, steps: int) -> FloquetModes:
+    """Floquet modes of a periodic system.
+
+    Parameters
+    ----------
+    system : PeriodicSystem
+    steps : int
+        Steps of the propagator (:mod:`flexmech.time_domain.magnus`) a period.
+
+    Returns
+    -------
+    FloquetModes
+
+    Raises
+    ------
+    ComputationError
+        If the multipliers do not part into groups.
+    """
+    step_matrices = transitions(system, steps)
+    trace = np.einsum("kii->k", system.matrices(2 * steps, 0.0))
+    integral = float(trace.mean() * system.period)
+    count = _chunk_count(steps, float(np.abs(trace).mean() * system.period))
+    chunks = step_matrices.reshape(count, steps // count, *step_matrices.shape[1:])
+    triangular = _triangular_form(_products(chunks))
+    log, vectors = _block_eigenvalues(triangular)
+    order = np.argsort(-log.real, kind="stable")
+    propagated = _Propagated(chunks, triangular, log, vectors, order)
+    return FloquetModes(system.period, log[order] / system.period, integral, propagated)
+
+
+@dataclass(frozen=True)
+class _Propagated:
+    """What the shapes of the modes are made from; ``order`` is that in which they stand."""
+
+    chunks: FloatArray
+    triangular: _TriangularForm
+    log: NDArray[np.complex128]
+    vectors: NDArray[np.complex128]
+    order: NDArray[np.intp]
+
+    def shapes(self) -> NDArray[np.complex128]:
+        starts = _modes_backwards(self.triangular, self.log, self.vectors)
+        count, length, size, _ = self.chunks.shape
+        shapes = np.empty((count, length, size, size), dtype=complex)
+        back, now = np.exp(-self.log / (count * length)), starts
+        for step in range(length):
+            shapes[:, step] = now
+            now = back * (self.chunks[:, step] @ now)
+        return shapes.reshape(count * length, size, size)[..., self.order]
+
+
+def _chunk_count(steps: int, spread: float) -> int:
+    """Number of short matrices: a divisor of the steps."""
+    wanted = max(1, int(np.ceil(spread / SHORT)))
+    divisors = [n for n in range(1, steps + 1) if steps % n == 0]
+    return next((n for n in divisors if n >= wanted), steps)
+
+
+def _products(chunks: FloatArray) -> FloatArray:
+    """Product of each row of matrices (K, m, n, n), the first rightmost; (K, n, n)."""
+    while chunks.shape[1] > 1:
+        even = chunks.shape[1] // 2 * 2
+        paired = chunks[:, 1:even:2] @ chunks[:, 0:even:2]
+        chunks = np.concatenate([paired, chunks[:, even:]], axis=1)
+    return np.asarray(chunks[:, 0])
+
+
+@dataclass(frozen=True)
+class _TriangularForm:
+    """``G_k Q_(k-1) = Q_k R_k`` over a period after which the groups of columns return.
+
+    Parameters
+    ----------
+    bases : ndarray, shape (K + 1, n, n)
+        Q_0 to Q_K.
+    factors : ndarray, shape (K, n, n)
+        R_1 to R_K.
+    seam : ndarray, shape (n, n)
+        ``Q_0' Q_K``, block diagonal.
+    groups : list of slice
+    """
+
+    bases: FloatArray
+    factors: FloatArray
+    seam: FloatArray
+    groups: list[slice]
+
+
+def _triangular_form(matrices: FloatArray) -> _TriangularForm:
+    count, size, _ = matrices.shape
+    start = np.eye(size)
+    for _ in range(MOST_TURNS):
+        bases, factors = np.empty((count + 1, size, size)), np.empty((count, size, size))
+        bases[0] = start
+        for k, matrix in enumerate(matrices):
+            bases[k + 1], factors[k] = scipy.linalg.qr(matrix @ bases[k], check_finite=False)
+        seam = bases[0].T @ bases[-1]
+        logs = np.log(np.abs(np.einsum("kii->ki", factors))).sum(axis=0)
+        # What all columns before a place have grown more than all after it, at the least.
+        fall = [logs[:i].min() - logs[i:].max() for i in range(1, size)]
+        wanted = [i for i in range(1, size) if fall[i - 1] > GROUPS_APART]
+        open_ends = [float(np.abs(seam[i:, :i]).max()) for i in wanted]
+        if max(open_ends, default=0.0) <= PARTED:
+            edges = [0, *wanted, size]
+            groups = [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+            return _TriangularForm(bases, factors, seam, groups)
+        start = bases[-1]
+    raise ComputationError(
+        "the Floquet multipliers do not part into groups; take more steps, or less damping"
+    )
+
+
+def _block_eigenvalues(
+    form: _TriangularForm,
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Logarithms of the multipliers (n,), and eigenvectors of their groups' blocks (n, n)."""
+    size = len(form.seam)
+    logs = np.zeros(size, dtype=complex)
+    vectors = np.zeros((size, size), dtype=complex)
+    for group in form.groups:
+        product, scale = np.eye(group.stop - group.start), 0.0
+        for factor in form.factors:
+            product = factor[group, group] @ product
+            largest = np.abs(product).max()
+            product, scale = product / largest, scale + np.log(largest)
+        values, vectors[group, group] = np.linalg.eig(form.seam[group, group] @ product)
+        logs[group] = np.log(values.astype(complex)) + scale
+    return logs, vectors
+
+
+def _modes_backwards(
+    form: _TriangularForm, log: NDArray[np.complex128], vectors: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """Shapes of the modes at the starts of the short matrices, (K, n, n).
+
+    Backwards a mode outgrows those that are stronger than it, to which its own group's columns
+    and those before them are open; after some turns its share in them is what it must be.
+    """
+    count = len(form.factors)
+    back = np.exp(log / count)
+    # Round-off would put strong modes into weaker columns, which grow most backwards.
+    seam, stronger = np.zeros_like(form.seam), np.zeros(vectors.shape, dtype=bool)
+    for group in form.groups:
+        seam[group, group] = form.seam[group, group].T
+        stronger[: group.start, group] = True
+    shapes = np.zeros((count, *vectors.shape), dtype=complex)
+    forgotten = -np.log(np.finfo(float).eps) / GROUPS_APART
+    for _ in range(2 + int(np.ceil(forgotten)) if len(form.groups) > 1 else 1):
+        coordinates = seam @ np.where(stronger, shapes[0], vectors)
+        for k in range(count - 1, -1, -1):
+            coordinates = back * scipy.linalg.solve_triangular(
+                form.factors[k], coordinates, check_finite=False
+            )
+            shapes[k] = coordinates
+    shapes = form.bases[:-1] @ shapes
+    return np.asarray(shapes / np.linalg.norm(shapes[0], axis=0))

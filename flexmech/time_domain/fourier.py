@@ -1,0 +1,87 @@
+"""Fourier series of arrays that repeat themselves once a period, from evenly spaced samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.types import FloatArray
+
+__all__ = ["FourierSeries"]
+
+# The highest harmonics, this part of them, tell how large those are that the samples miss.
+TAIL = 4
+
+
+@dataclass(frozen=True)
+class FourierSeries:
+    """A real periodic function of the phase, which counts periods.
+
+    Parameters
+    ----------
+    coefficients : ndarray, shape (h + 1, ...)
+        ``c_k`` of ``Re(c_0 + 2 sum_k c_k exp(2 pi i k phase))``, as of :func:`numpy.fft.rfft`
+        divided by the number of samples.
+    """
+
+    coefficients: NDArray[np.complex128]
+
+    @classmethod
+    def through(cls, samples: FloatArray) -> FourierSeries:
+        """Series through values (N, ...) at the phases k / N.
+
+        Parameters
+        ----------
+        samples : ndarray, shape (N, ...)
+            An odd number N leaves no harmonic whose phase is unknown; of an even number the
+            highest harmonic is left out.
+        """
+        count = len(samples)
+        coefficients = np.fft.rfft(samples, axis=0) / count
+        return cls(coefficients[: (count + 1) // 2])
+
+    @property
+    def harmonics(self) -> int:
+        """Number of harmonics besides the mean."""
+        return len(self.coefficients) - 1
+
+    @property
+    def tail(self) -> float:
+        """Greatest of the highest harmonics relative to the greatest value of all.
+
+        An estimate of the relative error of the series between the samples.
+        """
+        size = np.abs(self.coefficients)
+        highest = size[-max(1, self.harmonics // TAIL) :]
+        return float(highest.max() / size.max()) if size.any() else 0.0
+
+    def rate(self) -> FourierSeries:
+        """Derivative by the phase."""
+        order = 2j * np.pi * np.arange(len(self.coefficients))
+        return FourierSeries(self.coefficients * order.reshape(-1, *[1] * self._rank))
+
+    def samples(self, count: int, shift: float = 0.0) -> FloatArray:
+        """Values at the phases ``(k + shift) / count``, shape (count, ...).
+
+        Parameters
+        ----------
+        count : int
+        shift : float
+            In spacings.
+        """
+        order = np.arange(len(self.coefficients))
+        turn = np.exp(2j * np.pi * order * shift / count).reshape(-1, *[1] * self._rank)
+        shifted = count * turn * self.coefficients
+        if count > 2 * self.harmonics:
+            return np.asarray(np.fft.irfft(shifted, n=count, axis=0))
+        # At these phases a harmonic looks like that of its number modulo the count.
+        spectrum = np.zeros((count, *shifted.shape[1:]), dtype=complex)
+        np.add.at(spectrum, order % count, shifted)
+        np.add.at(spectrum, -order[1:] % count, np.conj(shifted[1:]))
+        return np.asarray(np.fft.ifft(spectrum, axis=0).real)
+
+    @property
+    def _rank(self) -> int:
+        return self.coefficients.ndim - 1

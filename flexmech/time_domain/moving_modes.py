@@ -1,0 +1,192 @@
+"""The running linkage in its moving modes: a small periodic system in canonical form.
+
+The lowest natural modes at every crank angle, without rotation terms, span a subspace that turns
+with the crank. The motion is sought there (Galerkin), with the rates of the turning shapes. What
+is stiff, such as stretching, follows statically in each mode. The coordinates of all links are
+``q = P(t) y`` with ``P' M P = 1``; a dot is a rate. The Lagrange function of links in turning
+frames gives::
+
+    B = P' M P. + P' omega S P                                                 (skew)
+    Q = P' (K - omega^2 M_t) P - P.' M P. + P' omega S P. + (P' omega S P.)'  (symmetric)
+
+and with the momentum ``p = y. + B y`` the equations of motion are those of the Hamilton function
+``H = |p - B y|^2 / 2 + y' Q y / 2`` and of the damping forces ``-P' D (P y. + P. y)``.
+
+The subspace is smooth where its highest mode stays apart from the next one; modes may cross within
+it. At each crank angle its basis is the one nearest to a fixed basis, so that it returns after a
+turn.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.time_domain.fourier import FourierSeries
+from flexmech.time_domain.periodic_system import SampledPeriodicSystem
+from flexmech.time_domain.sampled_turn import SampledTurn
+from flexmech.types import FloatArray
+
+__all__ = ["MovingModes", "counts_of_modes", "moving_modes"]
+
+# A subspace turns fast where its highest frequency comes nearer than this part to the next one,
+# and is far from its fixed basis where a direction of it has less than this part in common.
+LEAST_GAP = 0.1
+LEAST_OVERLAP = 0.2
+# Modes besides those asked for, among which the end of the subspace is sought.
+SPARE_MODES = 10
+
+
+@dataclass(frozen=True)
+class MovingModes:
+    """The linkage in m moving modes; its states are ``(sqrt(w) y, p / sqrt(w))``.
+
+    Parameters
+    ----------
+    turn : SampledTurn
+    basis : ndarray, shape (N, n, m)
+        From y to the coordinates of the linkage.
+    scale : ndarray, shape (m,)
+        ``w`` in rad/s: natural frequencies of the stiffness averaged over the turn. The scaled
+        states are canonical too.
+    conservative, dissipative : FourierSeries
+        Of the system's matrix (2 m, 2 m): without damping, and what damping adds to it, which is
+        proportional to the damping.
+    stiffness : ndarray, shape (N, m, m)
+        Q in (rad/s)^2, as sampled.
+    """
+
+    turn: SampledTurn
+    basis: FloatArray
+    scale: FloatArray
+    conservative: FourierSeries
+    dissipative: FourierSeries
+    stiffness: FloatArray
+
+    @property
+    def size(self) -> int:
+        """Number m of moving modes."""
+        return len(self.scale)
+
+    @property
+    def is_definite(self) -> bool:
+        """Whether the Hamilton function is positive definite at every sample."""
+        return bool(np.linalg.eigvalsh(self.stiffness)[:, 0].min() > 0)
+
+    @property
+    def series_error(self) -> float:
+        """Estimated relative error of the system's matrix between the samples."""
+        return self.conservative.tail
+
+    def system(self, damping: float = 1.0) -> SampledPeriodicSystem:
+        """Periodic system with the damping times a factor; 0 leaves it out."""
+        coefficients = self.conservative.coefficients
+        if damping:
+            coefficients = coefficients + damping * self.dissipative.coefficients
+        return SampledPeriodicSystem(FourierSeries(coefficients), self.turn.period)
+
+
+def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
+    """Numbers of moving modes whose subspace is smooth, and which are more than are asked for.
+
+    Parameters
+    ----------
+    turn : SampledTurn
+    modes : int
+    wanted : int
+        How many numbers to look for.
+
+    Returns
+    -------
+    list of int
+        Increasing. All coordinates, if no subspace is smooth or nothing turns.
+    """
+    squares, largest = turn.frozen_squares, turn.frames.size
+    if not turn.turns_pins:
+        return [largest]
+    counts = []
+    for count in range(modes + 1, min(modes + SPARE_MODES, largest - 1) + 1):
+        if len(counts) == wanted:
+            break
+        below, above = squares[:, count - 1], squares[:, count]
+        gap = float(np.sqrt(above / below).min()) - 1 if below.min() > 0 else 0.0
+        if gap > LEAST_GAP and _against_fixed_basis(turn, count)[1].min() > LEAST_OVERLAP:
+            counts.append(count)
+    return counts or [largest]
+
+
+def moving_modes(turn: SampledTurn, count: int) -> MovingModes:
+    """Write the running linkage in its moving modes.
+
+    Parameters
+    ----------
+    turn : SampledTurn
+    count : int
+        Number m of moving modes, at most all coordinates.
+
+    Returns
+    -------
+    MovingModes
+    """
+    squares = turn.frozen_squares[:, :count]
+    left, _, right = _against_fixed_basis(turn, count)
+    align = left @ right
+    average = np.einsum("aij,ai,aik->jk", align, squares, align) / len(align)
+    mean_squares, turned = np.linalg.eigh(average)
+    scale, basis = np.sqrt(np.abs(mean_squares)), turn.frozen_modes[:, :, :count] @ (align @ turned)
+    skew, stiffness, damping, moving_damping = _projected(turn, basis)
+    root = np.sqrt(scale)
+    matrix, damped = np.zeros((2, len(basis), 2 * count, 2 * count))
+    y, p = slice(0, count), slice(count, None)
+    across = np.swapaxes(skew, 1, 2)
+    matrix[:, y, y] = -skew * root[:, None] / root
+    matrix[:, y, p] = np.diag(scale)
+    matrix[:, p, y] = -(stiffness + across @ skew) / root[:, None] / root
+    matrix[:, p, p] = across / root[:, None] * root
+    damped[:, p, y] = (damping @ skew - moving_damping) / root[:, None] / root
+    damped[:, p, p] = -damping / root[:, None] * root
+    return MovingModes(
+        turn,
+        basis,
+        scale,
+        FourierSeries.through(matrix),
+        FourierSeries.through(damped),
+        stiffness,
+    )
+
+
+def _against_fixed_basis(
+    turn: SampledTurn, count: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Singular values and vectors of what the subspaces have in common with their average."""
+    modes = turn.frozen_modes[:, :, :count]
+    weight = np.linalg.cholesky(turn.mass.mean(axis=0)).T
+    span = np.linalg.qr(weight @ modes)[0]
+    average = (span @ np.swapaxes(span, 1, 2)).mean(axis=0)
+    fixed = np.linalg.solve(weight, np.linalg.eigh(average)[1][:, -count:])
+    return np.linalg.svd(np.swapaxes(modes, 1, 2) @ turn.mass @ fixed)
+
+
+def _projected(
+    turn: SampledTurn, basis: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """B, Q, ``P' D P`` and ``P' D P.``, each (N, m, m)."""
+    count, _, size = basis.shape
+    skew, stiffness, damping, moving_damping = np.zeros((4, count, size, size))
+    for number, shapes in enumerate(turn.frames.link_coordinates(turn.motion, basis)):
+        link, across = turn.models[number], np.swapaxes(shapes, 1, 2)
+        rates = FourierSeries.through(shapes).rate().samples(count) / turn.period
+        speed = turn.motion.angular_velocity[:, number, None, None]
+        coriolis = across @ (speed * (link.gyroscopic @ rates))
+        tangent = turn.tangent[number] - speed**2 * link.translational_mass
+        skew += across @ (link.mass @ rates + speed * (link.gyroscopic @ shapes))
+        stiffness += across @ (tangent @ shapes) + coriolis + np.swapaxes(coriolis, 1, 2)
+        stiffness -= np.swapaxes(rates, 1, 2) @ (link.mass @ rates)
+        forces = across @ turn.damping[number]
+        damping += forces @ shapes
+        moving_damping += forces @ rates
+    # What round-off and the missing harmonics leave of the other part would not be Hamiltonian.
+    skew = (skew - np.swapaxes(skew, 1, 2)) / 2
+    stiffness = (stiffness + np.swapaxes(stiffness, 1, 2)) / 2
+    return skew, stiffness, (damping + np.swapaxes(damping, 1, 2)) / 2, moving_damping

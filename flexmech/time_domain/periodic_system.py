@@ -1,0 +1,87 @@
+"""Linear systems ``x' = A(t) x`` whose matrix repeats itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from flexmech.time_domain.fourier import FourierSeries
+from flexmech.time_domain.magnus import GAUSS_POINTS, step_transitions
+from flexmech.types import FloatArray
+
+__all__ = ["PeriodicSystem", "SampledPeriodicSystem", "StatedPeriodicSystem", "transitions"]
+
+
+class PeriodicSystem(Protocol):
+    """A linear system of n states over a period."""
+
+    @property
+    def period(self) -> float:
+        """In s."""
+
+    @property
+    def size(self) -> int:
+        """Number of states n."""
+
+    def matrices(self, count: int, shift: float) -> FloatArray:
+        """A at the times ``(k + shift) period / count``, shape (count, n, n)."""
+
+
+@dataclass(frozen=True)
+class StatedPeriodicSystem:
+    """A periodic system whose matrix is a function of time.
+
+    Parameters
+    ----------
+    matrix : callable
+        From times of shape (N,) in s to A, shape (N, n, n).
+    period : float
+        In s.
+    """
+
+    matrix: Callable[[FloatArray], FloatArray]
+    period: float
+
+    @property
+    def size(self) -> int:
+        """Number of states n."""
+        return int(self.matrices(1, 0.0).shape[-1])
+
+    def matrices(self, count: int, shift: float) -> FloatArray:
+        """A at the times ``(k + shift) period / count``, shape (count, n, n)."""
+        time = self.period / count * (np.arange(count) + shift)
+        return np.asarray(self.matrix(time), dtype=float)
+
+
+@dataclass(frozen=True)
+class SampledPeriodicSystem:
+    """A periodic system whose matrix is a Fourier series.
+
+    Parameters
+    ----------
+    matrix : FourierSeries
+        Of A, (n, n).
+    period : float
+        In s.
+    """
+
+    matrix: FourierSeries
+    period: float
+
+    @property
+    def size(self) -> int:
+        """Number of states n."""
+        return int(self.matrix.coefficients.shape[-1])
+
+    def matrices(self, count: int, shift: float) -> FloatArray:
+        """A at the times ``(k + shift) period / count``, shape (count, n, n)."""
+        return self.matrix.samples(count, shift)
+
+
+def transitions(system: PeriodicSystem, steps: int) -> FloatArray:
+    """Transition matrices of the steps of a period, (steps, n, n)."""
+    at = [system.matrices(steps, place) for place in GAUSS_POINTS]
+    return step_transitions(*at, system.period / steps)

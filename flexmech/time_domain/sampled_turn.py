@@ -1,0 +1,142 @@
+"""The links of a running linkage at evenly spaced crank angles of a turn, at their stress."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+
+from flexmech.linear_system import (
+    Engine,
+    LinkFrames,
+    LinkModel,
+    Prestress,
+    RotationTerms,
+    StressedLinks,
+)
+from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.time_domain.reduced_links import ReducedLinks, prestressed_links
+from flexmech.types import FloatArray
+
+__all__ = ["SampledTurn"]
+
+# Times the frequency up to which component modes are kept for the natural frequencies alone.
+DETAIL = 2.0
+
+
+@dataclass(frozen=True)
+class SampledTurn:
+    """Links in component modes at N crank angles, and the linkage's frozen natural modes.
+
+    Parameters
+    ----------
+    motion : RigidMotion
+        Batch of shape (N,): a turn of the crank in the order of time.
+    models : tuple of LinkModel
+        Links in component modes whose static shapes turn with the pins.
+    bases : tuple of ndarray, shape (n_full, n_link)
+        From each reduced link's coordinates to the engine's.
+    unreduced : tuple of LinkModel
+    tangent, damping : list of ndarray, shape (n_link, n_link) or (N, n_link, n_link)
+        Of each reduced link.
+    crank_speed : float
+        In rad/s.
+    """
+
+    motion: RigidMotion
+    models: tuple[LinkModel, ...]
+    bases: tuple[FloatArray, ...]
+    unreduced: tuple[LinkModel, ...]
+    tangent: list[FloatArray]
+    damping: list[FloatArray]
+    frames: LinkFrames
+    crank_speed: float
+
+    @classmethod
+    def of(
+        cls,
+        engine: Engine,
+        motion: RigidMotion,
+        stressed: StressedLinks,
+        prestress: Prestress,
+        modes: int,
+    ) -> Self:
+        """Reduce an engine's stressed links.
+
+        Parameters
+        ----------
+        engine : Engine
+        motion : RigidMotion
+            Batch of shape (N,) at one crank speed.
+        stressed : StressedLinks
+            At these positions.
+        prestress : {"none", "axial", "equilibrium"}
+            Level that tells which component modes the links need.
+        modes : int
+            Number of natural frequencies that the reduction must get right.
+
+        Returns
+        -------
+        SampledTurn
+        """
+        speed = float(motion.crank_speed[0])
+        turns_pins = bool(engine.mechanism.linkage.topology.pins)
+        reduced = (
+            prestressed_links(engine, CrankDrive(speed), prestress, modes, DETAIL)
+            if turns_pins
+            else ReducedLinks.all_of(engine)
+        )
+        pairs = list(zip(reduced.bases, engine.links, strict=True))
+        damping = stressed.damping or [link.damping for link in engine.links]
+        return cls(
+            motion=motion,
+            models=reduced.models,
+            bases=reduced.bases,
+            unreduced=engine.links,
+            tangent=[
+                basis.T @ tangent @ basis
+                for (basis, _), tangent in zip(pairs, stressed.tangent, strict=True)
+            ],
+            damping=[basis.T @ d @ basis for (basis, _), d in zip(pairs, damping, strict=True)],
+            frames=LinkFrames(engine.mechanism.linkage.topology, reduced.models),
+            crank_speed=speed,
+        )
+
+    @property
+    def turns_pins(self) -> bool:
+        """Whether a link turns against another one, so that shapes change along the turn."""
+        return bool(self.frames.topology.pins)
+
+    @property
+    def period(self) -> float:
+        """Time of a turn in s."""
+        return 2 * np.pi / abs(self.crank_speed)
+
+    @cached_property
+    def mass(self) -> FloatArray:
+        """Mass matrix in the coordinates of ``frames``, (N, n, n)."""
+        return self._frozen[0]
+
+    @property
+    def frozen_squares(self) -> FloatArray:
+        """Squares of the natural frequencies without rotation terms, (N, n) in (rad/s)^2.
+
+        Negative where the linkage is statically unstable.
+        """
+        return self._frozen[1]
+
+    @property
+    def frozen_modes(self) -> FloatArray:
+        """Natural modes without rotation terms, (N, n, n): one a column, of unit modal mass."""
+        return self._frozen[2]
+
+    @cached_property
+    def _frozen(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        still = RotationTerms.all_or_none(False)
+        matrices = self.frames.assemble(self.motion, self.tangent, still)
+        half = np.linalg.inv(np.linalg.cholesky(matrices.mass))
+        across = np.swapaxes(half, 1, 2)
+        squares, vectors = np.linalg.eigh(half @ matrices.stiffness @ across)
+        return matrices.mass, squares, across @ vectors
