@@ -18,6 +18,7 @@ beside what is strong.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import scipy.linalg
@@ -186,7 +187,7 @@ def _triangular_form(matrices: FloatArray) -> _TriangularForm:
         open_ends = [float(np.abs(seam[i:, :i]).max()) for i in wanted]
         if max(open_ends, default=0.0) <= PARTED:
             edges = [0, *wanted, size]
-            groups = [slice(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+            groups = [slice(a, b) for a, b in pairwise(edges)]
             return _TriangularForm(bases, factors, seam, groups)
         start = bases[-1]
     raise ComputationError(

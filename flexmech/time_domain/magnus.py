@@ -3,7 +3,7 @@
 The Magnus expansion of sixth order: the transition matrix of a step is the exponential of one
 matrix that is made of A at the three Gauss points and its commutators (S. Blanes, F. Casas,
 J. A. Oteo & J. Ros, The Magnus expansion and some of its applications, Physics Reports 470
-(2009) 151-238, eqs. 251-257). What holds for the exact transition matrix holds for this one
+(2009) 151-238, section 5.4). What holds for the exact transition matrix holds for this one
 whatever the step: that of a Hamiltonian system is symplectic, its determinant is the exponential
 of the integral of the trace (Liouville), and what is strongly damped dies out. A constant system
 is solved exactly.
@@ -25,7 +25,9 @@ GAUSS_POINTS = tuple((0.5 + 0.1 * np.sqrt(15.0) * np.array([-1.0, 0.0, 1.0])).to
 """Places in a step at which A is wanted."""
 
 
-def step_transitions(first: FloatArray, middle: FloatArray, last: FloatArray, step: float) -> FloatArray:
+def step_transitions(
+    first: FloatArray, middle: FloatArray, last: FloatArray, step: float
+) -> FloatArray:
     """Transition matrices of N steps.
 
     Parameters

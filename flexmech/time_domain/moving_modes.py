@@ -105,7 +105,7 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
     squares, largest = turn.frozen_squares, turn.frames.size
     if not turn.turns_pins:
         return [largest]
-    counts = []
+    counts: list[int] = []
     for count in range(modes + 1, min(modes + SPARE_MODES, largest - 1) + 1):
         if len(counts) == wanted:
             break

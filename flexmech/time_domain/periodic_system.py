@@ -52,8 +52,8 @@ class StatedPeriodicSystem:
 
     def matrices(self, count: int, shift: float) -> FloatArray:
         """A at the times ``(k + shift) period / count``, shape (count, n, n)."""
-        time = self.period / count * (np.arange(count) + shift)
-        return np.asarray(self.matrix(time), dtype=float)
+        time: FloatArray = self.period / count * (np.arange(count, dtype=float) + shift)
+        return np.asarray(self.matrix(time))
 
 
 @dataclass(frozen=True)
@@ -83,5 +83,5 @@ class SampledPeriodicSystem:
 
 def transitions(system: PeriodicSystem, steps: int) -> FloatArray:
     """Transition matrices of the steps of a period, (steps, n, n)."""
-    at = [system.matrices(steps, place) for place in GAUSS_POINTS]
-    return step_transitions(*at, system.period / steps)
+    first, middle, last = (system.matrices(steps, place) for place in GAUSS_POINTS)
+    return step_transitions(first, middle, last, system.period / steps)

@@ -41,6 +41,8 @@ class SampledTurn:
     unreduced : tuple of LinkModel
     tangent, damping : list of ndarray, shape (n_link, n_link) or (N, n_link, n_link)
         Of each reduced link.
+    frames : LinkFrames
+        Of the reduced links.
     crank_speed : float
         In rad/s.
     """

@@ -1,1 +1,20 @@
 """Stability of the running linkage: Floquet multipliers over the crank speed."""
+
+from flexmech.analyses.stability.band import Band, BandEdge
+from flexmech.analyses.stability.engine_stability import (
+    CheckedErrors,
+    EngineStability,
+    FollowedSpeed,
+    NoEquilibrium,
+)
+from flexmech.analyses.stability.solver import LinkageSolver
+
+__all__ = [
+    "Band",
+    "BandEdge",
+    "CheckedErrors",
+    "EngineStability",
+    "FollowedSpeed",
+    "LinkageSolver",
+    "NoEquilibrium",
+]

@@ -99,8 +99,8 @@ def kept_modes(moving: MovingModes, damping: float, steps: int, modes: int) -> K
     """
     found = floquet_modes(moving.system(damping), steps)
     largest, shapes, shares = _about_largest_harmonic(found, moving)
-    positions = np.arange(0, len(moving.basis), len(moving.basis) // SHAPE_ANGLES)
-    times = np.arange(0, steps, steps // SHAPE_ANGLES)
+    positions = slice(None, None, len(moving.basis) // SHAPE_ANGLES)
+    times = slice(None, None, steps // SHAPE_ANGLES)
     displaced = moving.basis[positions] @ shapes[times]
     kept = _within_lowest(moving, positions, displaced, modes)
     return KeptModes(
@@ -147,7 +147,7 @@ def _about_largest_harmonic(
 
 
 def _within_lowest(
-    moving: MovingModes, positions: IntArray, displaced: NDArray[np.complex128], modes: int
+    moving: MovingModes, positions: slice, displaced: NDArray[np.complex128], modes: int
 ) -> IntArray:
     """The 2 m modes whose displacement lies most in the lowest m natural modes."""
     lowest = np.swapaxes(moving.turn.frozen_modes[positions, :, :modes], 1, 2)
@@ -160,7 +160,7 @@ def _within_lowest(
 
 
 def _weighted(
-    moving: MovingModes, positions: IntArray, displaced: NDArray[np.complex128]
+    moving: MovingModes, positions: slice, displaced: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
     """Coordinates of all unreduced links, weighted by their mass and of unit size."""
     turn = moving.turn
