@@ -11,9 +11,11 @@ from typing import Literal, get_args
 __all__ = [
     "ELEMENTS",
     "INTEGRATORS",
+    "MAP_PRESTRESS_LEVELS",
     "MODES",
     "MOST_ELEMENTS",
     "MOST_MODES",
+    "MOVING_FRAMES",
     "PAGE_WIDTHS",
     "PICTURE_FORMATS",
     "PRESTRESS_LEVELS",
@@ -26,11 +28,13 @@ __all__ = [
     "ExudynElement",
     "Integrator",
     "MapPrestress",
+    "MovingFrame",
     "PageWidth",
     "PictureFormat",
     "Prestress",
     "ReferenceElement",
     "ReportPart",
+    "StabilityPrestress",
     "Start",
     "Store",
     "TemplateKind",
@@ -54,6 +58,12 @@ Prestress = Literal["none", "axial", "equilibrium"]
 PRESTRESS_LEVELS: tuple[Prestress, ...] = get_args(Prestress)
 MapPrestress = Literal["none", "axial", "equilibrium", "trajectory"]
 """With the states of the simulated, settled motion besides."""
+MAP_PRESTRESS_LEVELS: tuple[MapPrestress, ...] = get_args(MapPrestress)
+StabilityPrestress = Literal["axial", "equilibrium", "trajectory"]
+"""Of the motion whose stability is asked for; the last is the periodic orbit itself."""
+MovingFrame = Literal["link", "inertial"]
+"""Axes in which displacements of running links are written."""
+MOVING_FRAMES: tuple[MovingFrame, ...] = get_args(MovingFrame)
 
 Store = Literal["needed", "all"]
 """What a stored response holds: what pictures and comparisons need, or all there is."""

@@ -7,9 +7,11 @@ from flexmech.analyses.stability.engine_stability import (
     FollowedSpeed,
     NoEquilibrium,
 )
+from flexmech.analyses.stability.request import KEPT_MODES, StabilityRequest
 from flexmech.analyses.stability.solver import LinkageSolver
 
 __all__ = [
+    "KEPT_MODES",
     "Band",
     "BandEdge",
     "CheckedErrors",
@@ -17,4 +19,5 @@ __all__ = [
     "FollowedSpeed",
     "LinkageSolver",
     "NoEquilibrium",
+    "StabilityRequest",
 ]
