@@ -33,7 +33,9 @@ class RandomCase:
         return f"seed {self.seed}, {self.crank_speed:.4g} rad/s"
 
 
-def random_case(seed: int, *, damped: bool = False, angles: int = 4) -> RandomCase:
+def random_case(
+    seed: int, *, damped: bool = False, angles: int = 4, thickness: float = 1.0
+) -> RandomCase:
     """Draw a crank-rocker from soft polymers to steel, with point masses on links and joints.
 
     Parameters
@@ -43,6 +45,8 @@ def random_case(seed: int, *, damped: bool = False, angles: int = 4) -> RandomCa
         Whether links have Kelvin-Voigt times, from 10 microseconds to half a millisecond.
     angles : int
         Number of crank angles, at random places of the turn.
+    thickness : float
+        Multiplies that of links, from 1/150 to 1/20 of their lengths.
     """
     random = np.random.default_rng(seed)
     linkage = random_crank_rocker(random)
@@ -57,7 +61,7 @@ def random_case(seed: int, *, damped: bool = False, angles: int = 4) -> RandomCa
         )
         section = BeamSection.rectangle(
             material,
-            in_plane_thickness=length * log_uniform(random, 1 / 150, 1 / 20),
+            in_plane_thickness=thickness * length * log_uniform(random, 1 / 150, 1 / 20),
             out_of_plane_width=log_uniform(random, 3e-3, 60e-3),
         )
         if damped:

@@ -7,7 +7,6 @@ from flexmech.linear_system.component_modes import (
     ComponentModes,
     component_modes,
 )
-from flexmech.linear_system.convergence import ConvergenceOrders
 from flexmech.linear_system.engine import Engine
 from flexmech.linear_system.link_frames import LinkDamping, LinkFrames, RotationTerms
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
@@ -40,7 +39,6 @@ __all__ = [
     "RELATIVE_RESIDUAL",
     "ROUND_OFF",
     "ComponentModes",
-    "ConvergenceOrders",
     "Engine",
     "LinearSystem",
     "LinkDamping",

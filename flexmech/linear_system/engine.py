@@ -13,7 +13,6 @@ from flexmech.choices import MODES, PRESTRESS_LEVELS, Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system.checks import checked_elements, checked_mechanism
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
-from flexmech.linear_system.convergence import ConvergenceOrders
 from flexmech.linear_system.element_kinds import ElementKinds
 from flexmech.linear_system.link_frames import RotationTerms
 from flexmech.linear_system.link_model import LinkModel
@@ -184,10 +183,6 @@ class Engine(ElementKinds):
         None as well where links bend or stretch without load: it is that of straight links.
         """
         return None
-
-    @abstractmethod
-    def convergence(self, prestress: Prestress) -> ConvergenceOrders:
-        """Orders of the frequencies' error in the element length."""
 
     @abstractmethod
     def stressed_links(self, motion: RigidMotion, prestress: Prestress) -> StressedLinks:

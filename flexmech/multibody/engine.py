@@ -12,7 +12,6 @@ from flexmech.beams import compare_theories
 from flexmech.choices import ELEMENTS, INTEGRATORS, MODES, Integrator
 from flexmech.errors import InputError
 from flexmech.linear_system import (
-    ConvergenceOrders,
     Engine,
     LinkModel,
     Prestress,
@@ -86,21 +85,6 @@ class ExudynEngine(Engine):
     def compare_theories(cls, mechanism: Mechanism, modes: int) -> TheoryComparison:
         """See :meth:`Engine.compare_theories`: Exudyn's own beams converge too slowly for it."""
         return compare_theories(mechanism, modes)
-
-    def convergence(self, prestress: Prestress) -> ConvergenceOrders:
-        """Both elements: fourth order in bending.
-
-        Reference strains are constant in a cable, so tension given by them (``axial``)
-        converges in second order, as does what tension does to the linear exact beam. The
-        stretch of a cable is continuous at its nodes: where a point mass makes it jump,
-        stretching converges in first order.
-        """
-        cable = self.element == "ancf"
-        return ConvergenceOrders(
-            elastic=4,
-            prestress=4 if cable and prestress != "axial" else 2,
-            stretching=1 if cable and self.mechanism.link_masses else 2,
-        )
 
     @cached_property
     def model(self) -> StaticModel:

@@ -10,7 +10,6 @@ from flexmech.beams.link_matrices import Chain, assemble_chain, build_chain
 from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.choices import ELEMENTS
 from flexmech.linear_system import (
-    ConvergenceOrders,
     Engine,
     LinkFrames,
     LinkModel,
@@ -63,15 +62,6 @@ class ReferenceEngine(Engine):
     def compare_theories(cls, mechanism: Mechanism, modes: int) -> TheoryComparison:
         """See :meth:`Engine.compare_theories`."""
         return compare_theories(mechanism, modes)
-
-    def convergence(self, prestress: Prestress) -> ConvergenceOrders:
-        """Cubic elements: fourth order; second for links bent without load.
-
-        Straight elements follow an arc, with the axial strain averaged over each.
-        """
-        if self.mechanism.is_free_strained:
-            return ConvergenceOrders(elastic=2, prestress=2)
-        return ConvergenceOrders(elastic=4, prestress=4)
 
     @cached_property
     def chains(self) -> tuple[Chain, ...]:

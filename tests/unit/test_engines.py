@@ -148,3 +148,9 @@ def test_equilibria_of_a_batch_are_those_of_single_positions(aluminium):
             np.testing.assert_allclose(found[number], exact[0], rtol=0, atol=1e-13)
         for found, exact in zip(together.tangent, alone.tangent, strict=True):
             np.testing.assert_allclose(found[number], exact[0], rtol=0, atol=1e-12 * exact.max())
+
+
+def test_exudyn_does_not_warn_of_many_coordinates(aluminium, capfd):
+    """It does on the standard output where a dense solver gets more than a thousand."""
+    assert ExudynEngine(aluminium, 85, "ancf").links
+    assert capfd.readouterr() == ("", "")

@@ -14,7 +14,7 @@ from flexmech.analyses.campbell.edges import exact_edges
 from flexmech.analyses.campbell.projection import ProjectedSystems, projected_systems
 from flexmech.analyses.campbell.request import CampbellRequest
 from flexmech.analyses.campbell.sampling import SampledBands, runs, sampled_bands
-from flexmech.analyses.frequencies.discretisation import check_angle_indices, discretisation_error
+from flexmech.analyses.frequencies.discretisation import check_angle_indices, mesh_error
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
@@ -123,8 +123,8 @@ def engine_diagram(
         raise solver.reason(float(speeds[0]))
     some = there[np.unique(np.linspace(0, len(there) - 1, CHECKED_SPEEDS).astype(np.intp))]
     checked = speeds[some]
-    mesh_error = np.stack(
-        [discretisation_error(systems, checks, w).max(axis=0) for w in checked.tolist()]
+    errors = np.stack(
+        [mesh_error(systems, checks, w).frequency.max(axis=0) for w in checked.tolist()]
     )
     edges, crossing_error = exact_edges(
         solver, sampled, edges_of(sampled.crank_speed, sampled.values, request.orders)
@@ -135,7 +135,7 @@ def engine_diagram(
         places=places,
         critical=critical_speeds(sampled.crank_speed, sampled.values, request.orders, edges),
         gaps=_gaps(solver, sampled, places, speed_unit),
-        mesh_error=mesh_error,
+        mesh_error=errors,
         checked_speeds=checked,
         projection_error=projection_error,
         crossing_error=crossing_error,
@@ -154,7 +154,7 @@ def _projected(
                 systems = Systems(engine, request.formulation)
                 at = np.full(len(checks), speed)
                 projected, projection_error = projected_systems(systems, checks, at)
-                error = discretisation_error(projected, checks, speed)
+                error = mesh_error(projected, checks, speed).frequency
                 if _fine_enough(engine, error, tolerance):
                     return engine, projected, projection_error
                 engine = engine.with_(elements=2 * engine.elements)

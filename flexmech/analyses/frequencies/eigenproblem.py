@@ -17,7 +17,7 @@ from flexmech.errors import InputError
 from flexmech.linear_system import LinearSystem, refuse_positions
 from flexmech.types import FloatArray
 
-__all__ = ["Modes", "solve_damping_ratios", "solve_frequencies", "solve_modes"]
+__all__ = ["Modes", "solve_eigenvalues", "solve_frequencies", "solve_modes"]
 
 
 # Round-off that is allowed in a squared frequency, relatively.
@@ -100,26 +100,24 @@ def solve_frequencies(system: LinearSystem, count: int) -> FloatArray:
 
     Errors as for :func:`solve_modes`.
     """
-    _require(system, count)
-    if not system.is_conservative:
-        return np.abs(_general_eigenvalues(system, count)) / (2 * np.pi)
-    every = np.asarray(np.linalg.eigvalsh(_standard_form(system)[0]), dtype=float)
-    values = every[:, :count].copy()
-    _sharpen(system, every, values)
-    _refuse_unstable(system, values)
-    return np.asarray(np.sqrt(values) / (2 * np.pi), dtype=float)
+    return np.asarray(np.abs(solve_eigenvalues(system, count)) / (2 * np.pi), dtype=float)
 
 
-def solve_damping_ratios(system: LinearSystem, count: int) -> FloatArray:
-    """Damping ratios of the lowest ``count`` modes, without mode shapes; shape (B, count).
+def solve_eigenvalues(system: LinearSystem, count: int) -> NDArray[np.complex128]:
+    """Eigenvalues of the lowest ``count`` modes in rad/s, without mode shapes; shape (B, count).
 
     Errors as for :func:`solve_modes`.
     """
     _require(system, count)
-    if system.is_conservative:
-        return np.zeros((len(system.mass), count))
-    values = _general_eigenvalues(system, count)
-    return np.asarray(-values.real / np.abs(values), dtype=float)
+    if not system.is_conservative:
+        found = quadratic_eigenvalues(system, count)
+        _refuse_unsteady(system, found, count)
+        return found.eigenvalues
+    every = np.asarray(np.linalg.eigvalsh(_standard_form(system)[0]), dtype=float)
+    values = every[:, :count].copy()
+    _sharpen(system, every, values)
+    _refuse_unstable(system, values)
+    return np.asarray(1j * np.sqrt(values))
 
 
 def _require(system: LinearSystem, count: int) -> None:
@@ -212,12 +210,6 @@ def _general(system: LinearSystem, count: int, spare: int) -> Modes:
     shapes = found.vectors
     norm = np.einsum("bim,bij,bjm->bm", shapes.conj(), system.mass, shapes, optimize=True)
     return Modes(found.eigenvalues, shapes / np.sqrt(norm.real)[:, None, :])
-
-
-def _general_eigenvalues(system: LinearSystem, count: int) -> NDArray[np.complex128]:
-    found = quadratic_eigenvalues(system, count)
-    _refuse_unsteady(system, found, count)
-    return found.eigenvalues
 
 
 def _refuse_unsteady(system: LinearSystem, found: QuadraticModes, count: int) -> None:

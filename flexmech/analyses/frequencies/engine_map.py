@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.assignment import same_shapes
 from flexmech.analyses.frequencies.discretisation import (
+    HIGHEST_ORDER,
+    MeshError,
     check_angle_indices,
-    damping_ratio_discretisation_error,
-    discretisation_error,
+    mesh_error,
 )
 from flexmech.analyses.frequencies.eigenproblem import solve_modes
 from flexmech.analyses.frequencies.extremes import extremes_between, known_error
@@ -71,7 +72,7 @@ def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgre
 
     The elements are doubled until the estimated error of the mesh is within the tolerance, or
     until another doubling would exceed :data:`MOST_ELEMENTS`. Meshes that would be too coarse even
-    if the whole error fell with its highest order are passed over. The error is estimated first:
+    if the whole error fell with the highest order are passed over. The error is estimated first:
     along all crank angles modes are solved for on the last mesh alone.
 
     Parameters
@@ -88,12 +89,11 @@ def map_engine(engine: Engine, request: FrequencyRequest, report: LabelledProgre
     """
     checks = _checked_speeds(engine, request)
     while request.tolerance is not None and 2 * engine.elements <= MOST_ELEMENTS:
-        error = max(float(check.discretisation_error.max()) for check in checks)
+        error = max(float(check.mesh_error.frequency.max()) for check in checks)
         if error <= request.tolerance:
             break
         logger.info("%d elements are off by %.1e", engine.elements, error)
-        order = engine.convergence(request.formulation.quasi_static_prestress).elastic
-        doublings = max(1, math.ceil(math.log2(error / request.tolerance) / order))
+        doublings = max(1, math.ceil(math.log2(error / request.tolerance) / HIGHEST_ORDER))
         possible = int(math.log2(MOST_ELEMENTS / engine.elements))
         engine = engine.with_(elements=engine.elements * 2 ** min(doublings, possible))
         checks = _checked_speeds(engine, request)
@@ -111,13 +111,13 @@ class _CheckedSpeed:
     shapes : ndarray, shape (c, m, n_links, n_stations, 2)
         Of the modes asked for and spare ones.
     reduction_error : ReductionError
-    discretisation_error : ndarray, shape (c, modes)
+    mesh_error : MeshError
     """
 
     systems: Systems
     shapes: NDArray[Any]
     reduction_error: ReductionError
-    discretisation_error: FloatArray
+    mesh_error: MeshError
 
 
 def _checked_speeds(engine: Engine, request: FrequencyRequest) -> list[_CheckedSpeed]:
@@ -130,7 +130,7 @@ def _checked_speeds(engine: Engine, request: FrequencyRequest) -> list[_CheckedS
                 checked.systems,
                 checked.system.displacements(checked.modes.vectors),
                 checked.reduction_error,
-                discretisation_error(checked.systems, angles, speed),
+                mesh_error(checked.systems, angles, speed),
             )
         )
     return checks
@@ -173,15 +173,13 @@ def _map_on_mesh(
         count = shapes.shape[1]
         along = _along_angles(systems, count, asked, speed, Tracker(numbering), losses, advance)
         errors = {
-            "discretisation_error": check.discretisation_error,
+            "discretisation_error": check.mesh_error.frequency,
             "reduction_error": check.reduction_error.frequency,
             "mode_shape": scaled_parts(shapes[:, :modes]),
         }
         if systems.is_damped:
             errors |= {
-                "damping_ratio_discretisation_error": damping_ratio_discretisation_error(
-                    systems, _check_angles(request), speed
-                ),
+                "damping_ratio_discretisation_error": check.mesh_error.damping_ratio,
                 "damping_ratio_reduction_error": check.reduction_error.damping_ratio,
             }
         over_checks = {name: (OVER_CHECKS[: v.ndim], v) for name, v in errors.items()}
