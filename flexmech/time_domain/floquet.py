@@ -30,13 +30,17 @@ from flexmech.types import FloatArray
 
 __all__ = ["FloquetModes", "floquet_modes"]
 
-# Logarithm of how far apart the multipliers of one short transition matrix may be: eight digits
+# Logarithm of how far apart the multipliers of one short transition matrix may be: twelve digits
 # of the weakest remain.
-SHORT = 16.0
-# Groups part where the logarithms of neighbouring moduli are this far apart.
+SHORT = 8.0
+# Groups part where the logarithms of neighbouring moduli are this far apart, and where they are
+# less far apart if a group would be wider than that from its strongest to its weakest mode: of
+# the weakest, eight digits remain.
 GROUPS_APART = 4.0
-PARTED = 1e-13
-MOST_TURNS = 40
+WIDEST = 16.0
+PARTED = 1e-12
+# Turns after which the subspaces of groups that part least have no more than PARTED to go.
+MOST_TURNS = 400
 
 
 @dataclass(frozen=True)
@@ -163,36 +167,63 @@ class _TriangularForm:
     seam : ndarray, shape (n, n)
         ``Q_0' Q_K``, block diagonal.
     groups : list of slice
+    apart : float
+        By how much the logarithms of the moduli of neighbouring groups differ at the least.
     """
 
     bases: FloatArray
     factors: FloatArray
     seam: FloatArray
     groups: list[slice]
+    apart: float
 
 
 def _triangular_form(matrices: FloatArray) -> _TriangularForm:
     count, size, _ = matrices.shape
-    start = np.eye(size)
-    for _ in range(MOST_TURNS):
+    # A general start: an invariant subspace of weak modes would stay before the strong ones.
+    start = scipy.linalg.qr(np.random.default_rng(0).normal(size=(size, size)))[0]
+    growth: list[FloatArray] = []
+    for turns in range(1, MOST_TURNS + 1):
         bases, factors = np.empty((count + 1, size, size)), np.empty((count, size, size))
         bases[0] = start
         for k, matrix in enumerate(matrices):
             bases[k + 1], factors[k] = scipy.linalg.qr(matrix @ bases[k], check_finite=False)
         seam = bases[0].T @ bases[-1]
-        logs = np.log(np.abs(np.einsum("kii->ki", factors))).sum(axis=0)
-        # What all columns before a place have grown more than all after it, at the least.
-        fall = [logs[:i].min() - logs[i:].max() for i in range(1, size)]
-        wanted = [i for i in range(1, size) if fall[i - 1] > GROUPS_APART]
-        open_ends = [float(np.abs(seam[i:, :i]).max()) for i in wanted]
-        if max(open_ends, default=0.0) <= PARTED:
-            edges = [0, *wanted, size]
-            groups = [slice(a, b) for a, b in pairwise(edges)]
-            return _TriangularForm(bases, factors, seam, groups)
+        growth.append(np.log(np.abs(np.einsum("kii->ki", factors))).sum(axis=0))
+        # Over one turn columns of a group grow and shrink; on the average they do as its modes.
+        logs = np.mean(growth[turns // 2 :], axis=0)
+        groups = _groups(logs)
+        edges = [group.start for group in groups[1:]]
+        closed = all(np.abs(seam[edge:, :edge]).max() <= PARTED for edge in edges)
+        if closed and all(np.ptp(logs[group]) <= WIDEST for group in groups):
+            apart = min((_fall(logs, edge) for edge in edges), default=np.inf)
+            return _TriangularForm(bases, factors, seam, groups, apart)
         start = bases[-1]
     raise ComputationError(
         "the Floquet multipliers do not part into groups; take more steps, or less damping"
     )
+
+
+def _fall(logs: FloatArray, edge: int) -> float:
+    """By how much all columns before a place have grown more than all after it."""
+    return float(logs[:edge].min() - logs[edge:].max())
+
+
+def _groups(logs: FloatArray) -> list[slice]:
+    """Columns in groups that part far enough, or as far as they do where a group is wide."""
+    size = len(logs)
+    falls = np.array([np.inf, *(_fall(logs, edge) for edge in range(1, size))])
+    pending = [slice(a, b) for a, b in pairwise([*np.flatnonzero(falls > GROUPS_APART), size])]
+    groups: list[slice] = []
+    while pending:
+        group = pending.pop(0)
+        inner = falls[group.start + 1 : group.stop]
+        if np.ptp(logs[group]) <= WIDEST or inner.max() <= 0:
+            groups.append(group)
+        else:
+            edge = group.start + 1 + int(inner.argmax())
+            pending[:0] = [slice(group.start, edge), slice(edge, group.stop)]
+    return groups
 
 
 def _block_eigenvalues(
@@ -229,7 +260,7 @@ def _modes_backwards(
         seam[group, group] = form.seam[group, group].T
         stronger[: group.start, group] = True
     shapes = np.zeros((count, *vectors.shape), dtype=complex)
-    forgotten = -np.log(np.finfo(float).eps) / GROUPS_APART
+    forgotten = -np.log(np.finfo(float).eps) / form.apart
     for _ in range(2 + int(np.ceil(forgotten)) if len(form.groups) > 1 else 1):
         coordinates = seam @ np.where(stronger, shapes[0], vectors)
         for k in range(count - 1, -1, -1):

@@ -1,0 +1,253 @@
+"""Floquet modes of systems whose exponents are known, by the propagator of sixth order."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flexmech.time_domain.floquet import FloquetModes, floquet_modes
+from flexmech.time_domain.periodic_system import StatedPeriodicSystem, transitions
+from flexmech.types import FloatArray
+
+EXACT = 1e-8
+LIOUVILLE = 1e-12
+
+
+def entries(*rows: tuple[object, ...]) -> FloatArray:
+    """Stack (N, n, n) from entries that are numbers or functions' values (N,)."""
+    flat = np.broadcast_arrays(*[np.asarray(value, dtype=float) for row in rows for value in row])
+    return np.stack(flat, axis=-1).reshape(*flat[0].shape, len(rows), len(rows[0]))
+
+
+def trap(t: FloatArray) -> FloatArray:
+    return entries((0, 1), (-10 * np.cos(t), -24 - 10 * np.sin(t)))
+
+
+def turning_dipole(t: FloatArray) -> FloatArray:
+    s, half = np.sin(2 * t), np.sin(4 * t) / 2
+    return entries((-1 - s**2, 2 - half), (-2 - half, -1 - np.cos(2 * t) ** 2))
+
+
+def triangular(t: FloatArray) -> FloatArray:
+    return entries((-1 + np.sin(t), 0 * t), (1 - np.cos(t), -3))
+
+
+# Validation V10 (test set of PeriodicSystems.jl).
+KNOWN = {
+    "trap": (trap, 2 * np.pi, [0, -24]),
+    "dipole over its period": (turning_dipole, np.pi, [-1, -2]),
+    "dipole over half its period": (turning_dipole, np.pi / 2, [-1 + 2j, -2 + 2j]),
+    "triangular": (triangular, 2 * np.pi, [-1, -3]),
+}
+
+
+def known(name: str, steps: int) -> tuple[FloquetModes, list[complex]]:
+    matrix, period, exponents = KNOWN[name]
+    return floquet_modes(StatedPeriodicSystem(matrix, period), steps), exponents
+
+
+def constant(matrix: FloatArray, period: float) -> StatedPeriodicSystem:
+    return StatedPeriodicSystem(lambda t: np.broadcast_to(matrix, (len(t), *matrix.shape)), period)
+
+
+def with_exponents(exponents: list[float], seed: int) -> FloatArray:
+    """Constant matrix of those eigenvalues in general directions."""
+    vectors = np.random.default_rng(seed).normal(size=(len(exponents), len(exponents)))
+    return np.asarray(vectors * exponents @ np.linalg.inv(vectors), dtype=float)
+
+
+@pytest.mark.parametrize("name", KNOWN)
+@pytest.mark.parametrize("steps", [256, 257, 1000])
+def test_known_exponents(name: str, steps: int) -> None:
+    modes, exponents = known(name, steps)
+    period = KNOWN[name][1]
+    assert modes.exponent.real == pytest.approx(np.real(exponents), abs=EXACT)
+    # The imaginary part is known but for multiples of 2 pi / T.
+    turned = np.exp(1j * (modes.exponent.imag - np.imag(exponents)) * period)
+    assert np.abs(turned - 1).max() < EXACT
+    assert modes.liouville_defect < LIOUVILLE
+
+
+def test_one_monodromy_matrix_loses_the_weak_multiplier() -> None:
+    # What the trap is for: without short matrices nothing is left of exp(-48 pi).
+    matrix, period, _ = KNOWN["trap"]
+    whole = np.eye(2)
+    for transition in transitions(StatedPeriodicSystem(matrix, period), 256):
+        whole = transition @ whole
+    weakest = np.log(np.abs(np.linalg.eigvals(whole))).min() / period
+    assert abs(weakest + 24) > 10
+
+
+@pytest.mark.parametrize("name", ["trap", "dipole over its period"])
+def test_error_falls_with_the_sixth_power_of_the_step(name: str) -> None:
+    counts = np.array([64, 128, 256])
+    errors = [
+        np.abs(modes.exponent - exponents).max()
+        for modes, exponents in (known(name, int(count)) for count in counts)
+    ]
+    rates = np.diff(np.log(errors)) / np.diff(np.log(counts))
+    assert rates[-1] == pytest.approx(-6, abs=0.3)
+
+
+@given(seed=st.integers(0, 10**6), steps=st.integers(16, 70), size=st.integers(1, 7))
+@settings(max_examples=30, deadline=None)
+def test_constant_systems_are_solved_exactly(seed: int, steps: int, size: int) -> None:
+    matrix = 0.3 * np.random.default_rng(seed).normal(size=(size, size))
+    modes = floquet_modes(constant(matrix, 1.3), steps)
+    expected = np.linalg.eigvals(matrix)
+    # No eigenvalue turns by more than pi in this period. Those of a cluster are ill conditioned,
+    # and round-off adds up over the steps.
+    condition = np.linalg.cond(np.linalg.eig(matrix)[1])
+    gaps = np.abs(modes.exponent[:, None] - expected)
+    assert gaps.min(axis=1).max() < 1e-14 * steps * condition
+    assert gaps.min(axis=0).max() < 1e-14 * steps * condition
+    assert modes.liouville_defect < LIOUVILLE
+
+
+@pytest.mark.parametrize(
+    "exponents",
+    [
+        [0.0, -2000.0],
+        [0.0, -1.0, -2000.0, -2001.0],
+        [0.0, -150.8, -157.1],
+        [-3.0 * k for k in range(20)],
+        [-1.0 * k for k in range(40)],
+        [-6.0 * k for k in range(12)],
+    ],
+    ids=["underflow", "two groups", "near and far", "chain of 3", "chain of 1", "chain of 6"],
+)
+@pytest.mark.parametrize("steps", [251, 512])
+def test_multipliers_far_apart(exponents: list[float], steps: int) -> None:
+    modes = floquet_modes(constant(with_exponents(exponents, 1), 1.0), steps)
+    # The matrix itself has its eigenvalues to its round-off only.
+    size = max(abs(value) for value in exponents)
+    assert modes.log_modulus == pytest.approx(np.array(exponents), abs=1e-9 * size)
+    assert modes.liouville_defect < 1e-9
+
+
+@pytest.mark.parametrize("weak", [-24.0, -2000.0])
+def test_a_weak_invariant_subspace_that_stands_first(weak: float) -> None:
+    # Columns of the unit matrix span the weak modes: iteration from it would leave them first.
+    matrix = np.array([[weak, 0.0, 5.0], [0.0, 2 * weak, 1.0], [0.0, 0.0, 0.5]])
+    modes = floquet_modes(constant(matrix, 1.0), 600)
+    assert modes.log_modulus == pytest.approx(np.array([0.5, weak, 2 * weak]), rel=1e-11)
+    shapes = modes.shapes()[7]
+    assert np.abs(matrix @ shapes - shapes * modes.exponent).max() < 1e-9 * np.abs(weak)
+
+
+@pytest.mark.parametrize("steps", [64, 65])
+def test_defective_multiplier(steps: int) -> None:
+    # y'' = 0 seen in turning coordinates: the multiplier 1 is double and has one mode.
+    def matrix(t: FloatArray) -> FloatArray:
+        wave, rate = 0.3 * np.sin(t), 0.3 * np.cos(t)
+        # x = T y with T = [1, 0; wave, 1] and y' = [0, 1; 0, 0] y.
+        return entries((-wave, 1), (rate - wave**2, wave))
+
+    modes = floquet_modes(StatedPeriodicSystem(matrix, 2 * np.pi), steps)
+    # A double root feels the square root of an error of about 1e-13.
+    assert np.abs(modes.log_modulus).max() < 1e-5
+    assert modes.log_modulus.sum() == pytest.approx(0, abs=1e-11)
+
+
+def test_multiplier_on_the_negative_real_axis() -> None:
+    # Inside the principal band of Mathieu's equation the multipliers are real and negative.
+    modes = floquet_modes(mathieu(2.0, 0.2), 200)
+    assert np.abs(modes.angle) == pytest.approx(np.pi, abs=1e-12)
+    assert modes.log_modulus[0] > 0.1
+    assert modes.log_modulus.sum() == pytest.approx(0, abs=1e-12)
+    assert modes.exponent.imag == pytest.approx(modes.angle / modes.period)
+
+
+def mathieu(drive: float, depth: float) -> StatedPeriodicSystem:
+    def matrix(t: FloatArray) -> FloatArray:
+        return entries((0, 1), (-1 - depth * np.cos(drive * t), 0))
+
+    return StatedPeriodicSystem(matrix, 2 * np.pi / drive)
+
+
+def damped_chain(t: FloatArray) -> FloatArray:
+    """Three oscillators of far different damping, coupled periodically."""
+    stiffness = entries(
+        (4 + np.cos(t), 1.5 * np.sin(t), 0.4),
+        (1.5 * np.sin(t), 30 + 5 * np.cos(2 * t), np.cos(t)),
+        (0.4, np.cos(t), 400 + 0 * t),
+    )
+    damping = np.diag([0.05, 8.0, 90.0])
+    matrix = np.zeros((len(t), 6, 6))
+    matrix[:, :3, 3:] = np.eye(3)
+    matrix[:, 3:, :3] = -stiffness
+    matrix[:, 3:, 3:] = -damping
+    return matrix
+
+
+@pytest.mark.parametrize(
+    ("matrix", "period"),
+    [(trap, 2 * np.pi), (damped_chain, 2 * np.pi), (turning_dipole, np.pi)],
+)
+@pytest.mark.parametrize("steps", [400, 401])
+def test_shapes_solve_the_equation_and_repeat(
+    matrix: Callable[[FloatArray], FloatArray], period: float, steps: int
+) -> None:
+    system = StatedPeriodicSystem(matrix, period)
+    modes = floquet_modes(system, steps)
+    shapes = modes.shapes()
+    # Over a step phi(t) exp(lambda t) is what the transition matrix makes of it; the last step
+    # leads back to the first shape.
+    growth = np.exp(modes.exponent * period / steps)
+    moved = transitions(system, steps) @ shapes
+    gap = np.linalg.norm(moved - np.roll(shapes, -1, axis=0) * growth, axis=1)
+    assert (gap / np.linalg.norm(shapes, axis=1)).max() < 1e-8
+    # The equation itself, with the shapes' rates: phi' + lambda phi = A phi.
+    order = np.fft.fftfreq(steps, 1 / steps)
+    rates = np.fft.ifft(
+        2j * np.pi / period * order[:, None, None] * np.fft.fft(shapes, axis=0), axis=0
+    )
+    residual = rates + shapes * modes.exponent - system.matrices(steps, 0.0) @ shapes
+    largest = np.abs(system.matrices(steps, 0.0)).max() * np.abs(shapes).max(axis=(0, 1))
+    assert (np.abs(residual).max(axis=(0, 1)) / largest).max() < 1e-6
+
+
+@given(seed=st.integers(0, 10**6), late=st.floats(0.05, 6.0))
+@settings(max_examples=15, deadline=None)
+def test_multipliers_do_not_depend_on_when_the_turn_begins(seed: int, late: float) -> None:
+    matrix = random_periodic(seed, 4)
+    modes = floquet_modes(StatedPeriodicSystem(matrix, 2 * np.pi), 512)
+    other = floquet_modes(StatedPeriodicSystem(lambda t: matrix(t + late), 2 * np.pi), 512)
+    assert symmetric_functions(other) == pytest.approx(symmetric_functions(modes), abs=1e-8)
+
+
+@given(seed=st.integers(0, 10**6))
+@settings(max_examples=15, deadline=None)
+def test_multipliers_do_not_depend_on_periodic_coordinates(seed: int) -> None:
+    matrix = random_periodic(seed, 4)
+    rng = np.random.default_rng(seed + 1)
+    # x = T(t) y with T = 1 + E(t), E small enough for T to be regular.
+    swing, lift = 0.12 * rng.normal(size=(2, 4, 4))
+
+    def changed(t: FloatArray) -> FloatArray:
+        s, c = np.sin(t)[:, None, None], np.cos(t)[:, None, None]
+        turn, rate = np.eye(4) + swing * s + lift * c, swing * c - lift * s
+        return np.asarray(np.linalg.solve(turn, matrix(t) @ turn - rate))
+
+    modes = floquet_modes(StatedPeriodicSystem(matrix, 2 * np.pi), 1024)
+    other = floquet_modes(StatedPeriodicSystem(changed, 2 * np.pi), 1024)
+    assert symmetric_functions(other) == pytest.approx(symmetric_functions(modes), abs=1e-7)
+
+
+def random_periodic(seed: int, size: int) -> Callable[[FloatArray], FloatArray]:
+    mean, swing, lift = 0.3 * np.random.default_rng(seed).normal(size=(3, size, size))
+
+    def matrix(t: FloatArray) -> FloatArray:
+        return np.asarray(
+            mean + swing * np.sin(t)[:, None, None] + lift * np.cos(2 * t)[:, None, None]
+        )
+
+    return matrix
+
+
+def symmetric_functions(modes: FloquetModes) -> FloatArray:
+    """Coefficients of the polynomial of the multipliers: smooth where multipliers are double."""
+    multipliers = np.exp(modes.exponent * modes.period)
+    return np.poly(multipliers / np.abs(multipliers).max())
