@@ -79,6 +79,13 @@ class MovingModes:
         """Estimated relative error of the system's matrix between the samples."""
         return self.conservative.tail
 
+    def samples_for(self, tolerance: float) -> int:
+        """Number of samples at which the estimated error would be within a tolerance.
+
+        Harmonics of smooth functions shrink by the same part from one to the next.
+        """
+        return int(np.ceil(len(self.basis) * np.log(tolerance) / np.log(self.series_error)))
+
     def system(self, damping: float = 1.0) -> SampledPeriodicSystem:
         """Periodic system with the damping times a factor; 0 leaves it out."""
         coefficients = self.conservative.coefficients

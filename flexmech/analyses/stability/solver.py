@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,8 +19,8 @@ from flexmech.types import FloatArray
 
 __all__ = ["LinkageSolver", "SolvedSpeed"]
 
-SAMPLES = 128
-MOST_SAMPLES = 1024
+# Crank angles at which a turn is sampled: the first number that is enough.
+SAMPLES = (96, 144, 224, 336, 512, 768)
 # Greatest estimated relative error of the system's matrix between the crank angles sampled.
 SERIES_TOLERANCE = 1e-6
 # Steps are this part of a period of the fastest moving mode over 2 pi, or shorter.
@@ -38,10 +38,19 @@ class SolvedSpeed:
     step_error : ndarray, shape (k,)
         Change of the logarithm of each multiplier, modulus and angle together, when the steps
         are halved in number.
+    moving_modes : int
+        Number of moving modes.
+    is_definite : bool
+        Whether the Hamilton function is positive definite at all crank angles.
+    buckled_angle : float or None
+        A crank angle in rad at which the linkage is statically unstable.
     """
 
     modes: KeptModes
     step_error: FloatArray
+    moving_modes: int
+    is_definite: bool
+    buckled_angle: float | None
 
 
 @dataclass(frozen=True)
@@ -87,19 +96,35 @@ class LinkageSolver:
         ComputationError
             If there is no equilibrium, or the linkage is statically unstable.
         """
-        samples = SAMPLES
+        samples = SAMPLES[0]
         while True:
             turn = self._turn(crank_speed, samples)
             counts = counts_of_modes(turn, self.modes, 1 + self.larger)
             found = moving_modes(turn, counts[-1])
-            if found.series_error <= SERIES_TOLERANCE or 2 * samples > MOST_SAMPLES:
+            more = [count for count in SAMPLES if count >= found.samples_for(SERIES_TOLERANCE)]
+            if found.series_error <= SERIES_TOLERANCE or samples == SAMPLES[-1]:
                 return found
-            samples *= 2
+            samples = more[0] if more else SAMPLES[-1]
+
+    @property
+    def is_damped(self) -> bool:
+        """Whether a link is damped."""
+        return self.damping > 0 and any(link.damping.any() for link in self.engine.links)
+
+    def refined(self) -> LinkageSolver:
+        """The same on a mesh of half the element length."""
+        return replace(self, engine=self.engine.with_(elements=2 * self.engine.elements))
+
+    @property
+    def mesh_order(self) -> int:
+        """Order of the error in the element length."""
+        orders = self.engine.convergence(self.prestress)
+        return min(orders.elastic, orders.prestress)
 
     def solve(self, moving: MovingModes, damping: float | None = None) -> KeptModes:
         """Kept Floquet modes; ``damping`` takes the place of the solver's own factor."""
         factor = self.damping if damping is None else damping
-        return kept_modes(moving, factor, self._steps(moving), self.modes)
+        return kept_modes(moving, factor, self.steps_for(moving), self.modes)
 
     def growth_rate(self, crank_speed: float) -> float:
         """Greatest growth rate of the kept modes in 1/s."""
@@ -113,7 +138,15 @@ class LinkageSolver:
         log, other = modes.exponent * modes.period, coarse.exponent * coarse.period
         gap = log - other[matched(log, other)]
         angle = gap.imag - 2 * np.pi * np.round(gap.imag / (2 * np.pi))
-        return SolvedSpeed(modes, np.hypot(gap.real, angle))
+        lowest = moving.turn.frozen_squares[:, 0]
+        buckled = lowest.min() <= 0
+        return SolvedSpeed(
+            modes=modes,
+            step_error=np.hypot(gap.real, angle),
+            moving_modes=moving.size,
+            is_definite=moving.is_definite,
+            buckled_angle=float(moving.turn.motion.crank_angle[lowest.argmin()]) if buckled else None,
+        )
 
     def _turn(self, crank_speed: float, samples: int) -> SampledTurn:
         angle = np.sign(crank_speed) * 2 * np.pi / samples * np.arange(samples)
@@ -121,7 +154,8 @@ class LinkageSolver:
         stressed = self.engine.stressed_links(motion, self.prestress)
         return SampledTurn.of(self.engine, motion, stressed, self.prestress, self.modes)
 
-    def _steps(self, moving: MovingModes) -> int:
+    def steps_for(self, moving: MovingModes) -> int:
+        """Steps of the propagator a turn."""
         if self.steps is not None:
             return self.steps
         if not moving.turn.turns_pins:

@@ -1,0 +1,73 @@
+"""Edges of unstable bands, with what steps, reduction and mesh make them wrong by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import scipy.optimize
+
+from flexmech.analyses.stability.band import BandEdge
+from flexmech.analyses.stability.signed_growth import SignedGrowth
+from flexmech.analyses.stability.solver import LinkageSolver
+
+__all__ = ["EdgeSearch", "find_edge"]
+
+# Relative to the crank speed.
+EDGE_TOLERANCE = 1e-8
+MOST_STEPS = 60
+# The slope is taken over this part of the bracket.
+SLOPE_OVER = 1e-3
+
+
+@dataclass(frozen=True)
+class EdgeSearch:
+    """A bracket about an edge.
+
+    Parameters
+    ----------
+    solver : LinkageSolver
+    inside, outside : float
+        Crank speeds in rad/s with and without growth; the same where the band is open.
+    """
+
+    solver: LinkageSolver
+    inside: float
+    outside: float
+
+
+def find_edge(search: EdgeSearch) -> BandEdge:
+    """Find the edge in a bracket.
+
+    Parameters
+    ----------
+    search : EdgeSearch
+
+    Returns
+    -------
+    BandEdge
+    """
+    if search.inside == search.outside:
+        return BandEdge(search.inside, 0.0, 0.0, 0.0, is_open=True)
+    growth = SignedGrowth(search.solver)
+    low, high = sorted((search.inside, search.outside))
+    edge = float(
+        scipy.optimize.brentq(
+            growth, low, high, xtol=EDGE_TOLERANCE * abs(high), rtol=1e-14, maxiter=MOST_STEPS
+        )
+    )
+    apart = SLOPE_OVER * (high - low)
+    moving = search.solver.moving(edge)
+    here = growth.of(search.solver.solve(moving))
+    slope = abs((growth(edge + apart) - growth(edge - apart)) / (2 * apart))
+    fewer = replace(search.solver, steps=search.solver.steps_for(moving) // 2)
+
+    def moved(other: LinkageSolver) -> float:
+        return abs(SignedGrowth(other)(edge) - here) / slope
+
+    return BandEdge(
+        crank_speed=edge,
+        step_error=moved(fewer),
+        reduction_error=moved(replace(search.solver, larger=search.solver.larger + 1)),
+        mesh_error=moved(search.solver.refined()) / (1 - 2.0**-search.solver.mesh_order),
+        is_open=False,
+    )

@@ -1,0 +1,52 @@
+"""How far a crank speed is from an unstable band, or in it: a number that changes its sign."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.analyses.stability.kept_modes import KeptModes
+from flexmech.analyses.stability.solver import LinkageSolver
+
+__all__ = ["GROWS", "SignedGrowth"]
+
+GROWS = 1e-7
+"""Logarithm of a multiplier's modulus that is growth, and not round-off."""
+
+
+@dataclass(frozen=True)
+class SignedGrowth:
+    """Positive where a vibration grows, negative where none does, zero at the edge of a band.
+
+    With damping it is the greatest growth rate in 1/s. Without, that is zero outside of bands;
+    but where modes a and b meet, ``((lambda_a - conj(lambda_b)) / 2)^2`` is the square of the
+    growth rate in the band, negative beside it, and smooth.
+
+    Parameters
+    ----------
+    solver : LinkageSolver
+    """
+
+    solver: LinkageSolver
+
+    def __call__(self, crank_speed: float) -> float:
+        """Measure at a crank speed in rad/s."""
+        return self.of(self.solver.solve(self.solver.moving(crank_speed)))
+
+    def of(self, modes: KeptModes) -> float:
+        """Measure of modes that are known."""
+        growth = modes.growth_rate
+        if self.solver.is_damped:
+            return growth
+        if growth * modes.period > GROWS:
+            return growth**2
+        return -(nearest_meeting(modes) ** 2)
+
+
+def nearest_meeting(modes: KeptModes) -> float:
+    """Half of the least angular velocity by which two modes of opposite sense pass, in rad/s."""
+    forward = modes.angle[modes.exponent.imag > 0]
+    total = forward[:, None] + forward
+    apart = np.abs(total - 2 * np.pi * np.round(total / (2 * np.pi)))
+    return float(apart.min() / (2 * modes.period))
