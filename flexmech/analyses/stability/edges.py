@@ -7,14 +7,17 @@ from dataclasses import dataclass, replace
 import scipy.optimize
 
 from flexmech.analyses.stability.band import BandEdge
+from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.analyses.stability.signed_growth import SignedGrowth
-from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
 
-__all__ = ["EdgeSearch", "find_edge"]
+__all__ = ["EdgeSearch", "Top", "find_edge", "find_top"]
 
 # Relative to the crank speed.
 EDGE_TOLERANCE = 1e-8
 MOST_STEPS = 60
+# The fastest speed of a band, relative to its width.
+TOP_TOLERANCE, MOST_TRIES = 0.02, 12
 # The slope is taken over this part of the bracket.
 SLOPE_OVER = 1e-3
 
@@ -59,7 +62,7 @@ def find_edge(search: EdgeSearch) -> BandEdge:
     moving = search.solver.moving(edge)
     here = growth.of(search.solver.solve(moving))
     slope = abs((growth(edge + apart) - growth(edge - apart)) / (2 * apart))
-    fewer = replace(search.solver, steps=search.solver.steps_for(moving) // 2)
+    fewer = search.solver.with_half_the_steps(moving)
 
     def moved(other: LinkageSolver) -> float:
         return abs(SignedGrowth(other)(edge) - here) / slope
@@ -68,6 +71,40 @@ def find_edge(search: EdgeSearch) -> BandEdge:
         crank_speed=edge,
         step_error=moved(fewer),
         reduction_error=moved(replace(search.solver, larger=search.solver.larger + 1)),
-        mesh_error=moved(search.solver.refined()) / (1 - 2.0**-search.solver.mesh_order),
+        mesh_error=moved(search.solver.refined()) * BY_REFINEMENT,
         is_open=False,
     )
+
+
+@dataclass(frozen=True)
+class Top:
+    """Modes where a band grows most."""
+
+    modes: KeptModes
+
+
+def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> Top:
+    """Find the speed between two edges at which a vibration grows most.
+
+    Parameters
+    ----------
+    solver : LinkageSolver
+    place : tuple of float
+        Fastest growing speed known, lower and upper edge, in rad/s.
+
+    Returns
+    -------
+    Top
+    """
+    known, lower, upper = place
+    best = solver.solve(solver.moving(known))
+    if upper > lower:
+        found = scipy.optimize.minimize_scalar(
+            lambda speed: -solver.growth_rate(speed),
+            bounds=(lower, upper),
+            method="bounded",
+            options={"xatol": TOP_TOLERANCE * (upper - lower), "maxiter": MOST_TRIES},
+        )
+        other = solver.solve(solver.moving(float(found.x)))
+        best = max(best, other, key=lambda modes: modes.growth_rate)
+    return Top(best)

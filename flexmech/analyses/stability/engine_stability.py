@@ -121,15 +121,15 @@ class NoEquilibrium:
 
 @dataclass(frozen=True)
 class CheckedErrors:
-    """Errors of the logarithms of the multipliers at some speeds, c of them.
+    """Relative errors of the kept modes' exponents at some speeds, c of them.
 
     Parameters
     ----------
     crank_speed : ndarray, shape (c,)
         rad/s.
     reduction, mesh : ndarray, shape (c,)
-        Greatest change of a kept multiplier's logarithm with the next larger number of moving
-        modes; estimated error by the elements' length.
+        Greatest change of an exponent with the next larger number of moving modes; estimated
+        greatest error by the elements' length.
     """
 
     crank_speed: FloatArray

@@ -8,7 +8,8 @@ mixtures; the last clear shape of each branch stays the one to compare with.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.optimize
@@ -17,12 +18,14 @@ from numpy.typing import NDArray
 from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["BranchShapes", "Follower", "likeness"]
+__all__ = ["BranchShapes", "FollowedModes", "follow", "likeness"]
 
 # Modes that turn the other way round are taken for a branch only where no other is left.
 OTHER_SENSE = 0.3
 # From one speed to the next a frequency changes by a small part of this part of itself.
-FREQUENCY_CHANGE = 0.1
+FREQUENCY_CHANGE = 0.05
+# A mode at least so much like the shape of its branch takes its place; less alike are mixtures.
+CLEAR = 0.5
 # Logarithm of a modulus that is growth and not round-off.
 GROWS = 1e-7
 
@@ -49,46 +52,89 @@ class BranchShapes:
         size = np.abs(self.frequency)[:, None]
         change = np.abs(np.abs(modes.exponent.imag) / (2 * np.pi) - size)
         near = np.maximum(0.0, 1 - change / (FREQUENCY_CHANGE * size))
-        score = (alike**2 + near) * np.where(same_sense, 1.0, OTHER_SENSE)
+        score = (alike**2 + 2 * near) * np.where(same_sense, 1.0, OTHER_SENSE)
         places = scipy.optimize.linear_sum_assignment(-score)[1]
         return places, alike[np.arange(len(places)), places]
 
-
-@dataclass
-class Follower:
-    """Numbers the modes of one speed after the other, by increasing size of the speed."""
-
-    shapes: BranchShapes | None = None
-
-    def follow(self, modes: KeptModes) -> tuple[KeptModes, FloatArray]:
-        """Modes in the order of their branches, and how alike they are to these, (k,)."""
-        if self.shapes is None:
-            ordered = modes.taken(_by_frequency(modes))
-            frequency = ordered.exponent.imag / (2 * np.pi)
-            self.shapes = BranchShapes(ordered.shape.astype(np.complex64), frequency)
-            return ordered, np.ones(len(frequency))
-        order, alike = self.shapes.order_of(modes)
-        ordered = modes.taken(order)
-        clear = _clear_branches(ordered)
-        frequency = ordered.exponent.imag / (2 * np.pi)
-        self.shapes = replace(
-            self.shapes,
-            shape=np.where(clear, ordered.shape, self.shapes.shape).astype(np.complex64),
-            frequency=np.where(clear, frequency, self.shapes.frequency),
+    def with_clear(self, modes: KeptModes, alike: FloatArray) -> BranchShapes:
+        """Take over the modes of branches that neither grow nor are mixtures."""
+        clear = (modes.log_modulus < GROWS) & (alike > CLEAR)
+        clear = np.repeat(clear.reshape(-1, 2).all(axis=1), 2)
+        return BranchShapes(
+            np.where(clear, modes.shape, self.shape).astype(np.complex64),
+            np.where(clear, modes.exponent.imag / (2 * np.pi), self.frequency),
         )
-        return ordered, alike
+
+    def taken(self, order: IntArray) -> BranchShapes:
+        """The branches in another order."""
+        return BranchShapes(self.shape[..., order], self.frequency[order])
+
+
+@dataclass(frozen=True)
+class FollowedModes:
+    """Modes of all speeds in the order of their branches.
+
+    Parameters
+    ----------
+    modes : list of KeptModes
+    likeness : list of ndarray, shape (k,)
+        How alike modes are to the last clear shapes of their branches.
+    shapes : list of BranchShapes
+        Last clear ones up to each speed.
+    usual_frequency : ndarray, shape (k / 2,)
+        Median over the speeds of each branch's frequency in Hz; increases.
+    """
+
+    modes: list[KeptModes]
+    likeness: list[FloatArray]
+    shapes: list[BranchShapes]
+    usual_frequency: FloatArray
+
+    def last(self, count: int) -> FollowedModes:
+        """The last speeds alone."""
+        first = len(self.modes) - count
+        return FollowedModes(
+            self.modes[first:], self.likeness[first:], self.shapes[first:], self.usual_frequency
+        )
+
+
+def follow(solved: Sequence[KeptModes]) -> FollowedModes:
+    """Follow the branches from the first speed on.
+
+    Parameters
+    ----------
+    solved : sequence of KeptModes
+        By increasing size of the speed.
+
+    Returns
+    -------
+    FollowedModes
+    """
+    first = solved[0].taken(_by_frequency(solved[0]))
+    shapes = [BranchShapes(first.shape.astype(np.complex64), first.exponent.imag / (2 * np.pi))]
+    every, alike = [first], [np.ones(len(first.exponent))]
+    for modes in solved[1:]:
+        order, same = shapes[-1].order_of(modes)
+        every.append(modes.taken(order))
+        alike.append(same)
+        shapes.append(shapes[-1].with_clear(every[-1], same))
+    # Modes that are mixtures at the first speed may stand in each other's place there.
+    frequency = np.abs([modes.exponent.imag[::2] for modes in every]) / (2 * np.pi)
+    usual = np.median(frequency, axis=0)
+    pairs = np.argsort(usual)
+    order = (2 * pairs[:, None] + np.arange(2)).ravel()
+    return FollowedModes(
+        [modes.taken(order) for modes in every],
+        [same[order] for same in alike],
+        [each.taken(order) for each in shapes],
+        usual[pairs],
+    )
 
 
 def likeness(first: NDArray[np.complex64], second: NDArray[np.complex128]) -> FloatArray:
     """How alike shapes (angles, N, k) and (angles, N, l) are, from 0 to 1, (k, l)."""
     products = np.abs(np.swapaxes(first.conj(), 1, 2) @ second)
     return np.asarray(products.sum(axis=0), dtype=float)
-
-
-def _clear_branches(modes: KeptModes) -> NDArray[np.bool_]:
-    """Modes of branches neither of whose modes grows, (k,)."""
-    pairs = (modes.log_modulus.reshape(-1, 2) < GROWS).all(axis=1)
-    return np.repeat(pairs, 2)
 
 
 def _by_frequency(modes: KeptModes) -> IntArray:

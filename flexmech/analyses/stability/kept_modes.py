@@ -134,10 +134,15 @@ def matched(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> In
 def _about_largest_harmonic(
     found: FloquetModes, moving: MovingModes
 ) -> tuple[IntArray, NDArray[np.complex128], FloatArray]:
-    """Number of each mode's largest harmonic; y without it, (N, m, n); shares of others by it."""
-    shapes = found.shapes()[:, : moving.size] / np.sqrt(moving.scale)[:, None]
+    """Number of each mode's largest harmonic; y without it, (N, m, n); shares of others by it.
+
+    Harmonics are measured by the scaled states, as actions: displacements count for slow ones,
+    velocities for fast ones.
+    """
+    states = found.shapes()
+    size = (np.abs(np.fft.fft(states, axis=0)) ** 2).sum(axis=1)
+    shapes = states[:, : moving.size] / np.sqrt(moving.scale)[:, None]
     steps, _, count = shapes.shape
-    size = (np.abs(np.fft.fft(shapes, axis=0)) ** 2).sum(axis=1)
     place = size.argmax(axis=0)
     near = (place + np.arange(-HARMONICS, HARMONICS + 1)[:, None]) % steps
     shares = size[near, np.arange(count)] / size.sum(axis=0)

@@ -40,7 +40,7 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
     object
         Of each item, in their order.
     """
-    workers = min(os.process_cpu_count() if hasattr(os, "process_cpu_count") else _cpus(), len(items))
+    workers = min(_processors(), len(items))
     if workers < 2 or len(items) <= FEW or not sys.platform.startswith("linux"):
         with one_thread():
             yield from map(task, items)
@@ -58,8 +58,11 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
             pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _cpus() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+def _processors() -> int:
+    """Processors that this process may use."""
+    if sys.platform.startswith("linux"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def _begin() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.analyses.stability.solver import LinkageSolver
@@ -36,17 +37,21 @@ class SignedGrowth:
 
     def of(self, modes: KeptModes) -> float:
         """Measure of modes that are known."""
-        growth = modes.growth_rate
+        return self.of_exponents(modes.exponent, modes.period)
+
+    def of_exponents(self, exponent: NDArray[np.complex128], period: float) -> float:
+        """Measure of exponents (k,) in 1/s that are known, of a turn's time in s."""
+        growth = float(exponent.real.max())
         if self.solver.is_damped:
             return growth
-        if growth * modes.period > GROWS:
+        if growth * period > GROWS:
             return growth**2
-        return -(nearest_meeting(modes) ** 2)
+        return -(nearest_meeting(exponent, period) ** 2)
 
 
-def nearest_meeting(modes: KeptModes) -> float:
+def nearest_meeting(exponent: NDArray[np.complex128], period: float) -> float:
     """Half of the least angular velocity by which two modes of opposite sense pass, in rad/s."""
-    forward = modes.angle[modes.exponent.imag > 0]
+    forward = exponent.imag[exponent.imag > 0] * period
     total = forward[:, None] + forward
     apart = np.abs(total - 2 * np.pi * np.round(total / (2 * np.pi)))
-    return float(apart.min() / (2 * modes.period))
+    return float(apart.min() / (2 * period))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.analyses.stability.kept_modes import SHAPE_ANGLES, KeptModes, kept_modes, matched
+from flexmech.choices import MovingFrame
 from flexmech.linear_system import Engine, Prestress
 from flexmech.time_domain import (
     MovingModes,
@@ -17,7 +18,10 @@ from flexmech.time_domain import (
 )
 from flexmech.types import FloatArray
 
-__all__ = ["LinkageSolver", "SolvedSpeed"]
+__all__ = ["BY_REFINEMENT", "LinkageSolver", "SolvedSpeed"]
+
+BY_REFINEMENT = 4 / 3
+"""Error by the mesh over what half the element length changes: of second order, or less."""
 
 # Crank angles at which a turn is sampled: the first number that is enough.
 SAMPLES = (96, 144, 224, 336, 512, 768)
@@ -70,6 +74,8 @@ class LinkageSolver:
         out.
     larger : int
         How many times a larger number of moving modes is taken than is needed.
+    frame : {"link", "inertial"}
+        Of the coordinates whose rates are taken.
     """
 
     engine: Engine
@@ -78,6 +84,7 @@ class LinkageSolver:
     damping: float = 1.0
     steps: int | None = None
     larger: int = 0
+    frame: MovingFrame = "link"
 
     def moving(self, crank_speed: float) -> MovingModes:
         """The linkage in its moving modes.
@@ -115,16 +122,19 @@ class LinkageSolver:
         """The same on a mesh of half the element length."""
         return replace(self, engine=self.engine.with_(elements=2 * self.engine.elements))
 
-    @property
-    def mesh_order(self) -> int:
-        """Order of the error in the element length."""
-        orders = self.engine.convergence(self.prestress)
-        return min(orders.elastic, orders.prestress)
+    def with_half_the_steps(self, moving: MovingModes) -> LinkageSolver:
+        """The same with half the steps of a turn."""
+        half = self.steps_for(moving) // (2 * SHAPE_ANGLES)
+        return replace(self, steps=SHAPE_ANGLES * max(1, half))
 
     def solve(self, moving: MovingModes, damping: float | None = None) -> KeptModes:
         """Kept Floquet modes; ``damping`` takes the place of the solver's own factor."""
         factor = self.damping if damping is None else damping
         return kept_modes(moving, factor, self.steps_for(moving), self.modes)
+
+    def growth_at(self, moving: MovingModes, damping: float) -> float:
+        """Greatest growth rate of the kept modes in 1/s with a factor on the damping."""
+        return self.solve(moving, damping).growth_rate
 
     def growth_rate(self, crank_speed: float) -> float:
         """Greatest growth rate of the kept modes in 1/s."""
@@ -138,14 +148,13 @@ class LinkageSolver:
         log, other = modes.exponent * modes.period, coarse.exponent * coarse.period
         gap = log - other[matched(log, other)]
         angle = gap.imag - 2 * np.pi * np.round(gap.imag / (2 * np.pi))
-        lowest = moving.turn.frozen_squares[:, 0]
-        buckled = lowest.min() <= 0
+        lowest, angle = moving.turn.frozen_squares[:, 0], moving.turn.motion.crank_angle
         return SolvedSpeed(
             modes=modes,
             step_error=np.hypot(gap.real, angle),
             moving_modes=moving.size,
             is_definite=moving.is_definite,
-            buckled_angle=float(moving.turn.motion.crank_angle[lowest.argmin()]) if buckled else None,
+            buckled_angle=float(angle[lowest.argmin()]) if lowest.min() <= 0 else None,
         )
 
     def _turn(self, crank_speed: float, samples: int) -> SampledTurn:

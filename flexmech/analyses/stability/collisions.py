@@ -1,0 +1,240 @@
+"""Where two Floquet modes meet between the crank speeds of a map, and whether they grow there.
+
+Modes a and b of opposite sense meet where ``f_a + f_b = n f_crank``. Near that speed w_0::
+
+    ((lambda_a - conj(lambda_b)) / 2)^2 = kappa^2 - slope^2 (w - w_0)^2
+
+without damping; kappa is the growth rate where they meet, and the slope is known from the
+frequencies. Two speeds tell both. Damping closes the band at about the damping ratio
+``kappa w_1 / (w_a w_b)``, with w_1 the lowest frequency: that of a mode is in proportion to its
+frequency. The bands of a pair shrink as the order n grows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import scipy.optimize
+
+from flexmech.analyses.stability.engine_stability import FollowedSpeed
+from flexmech.analyses.stability.kept_modes import KeptModes
+from flexmech.analyses.stability.runs_of_growth import Sample
+from flexmech.analyses.stability.signed_growth import SignedGrowth
+from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.errors import ComputationError
+from flexmech.types import FloatArray
+
+__all__ = ["Meeting", "MeetingPair", "MetModes", "meetings", "met"]
+
+# After so many orders one after the other that are far from growing, a pair is left.
+HOPELESS = 2
+FAR = 1 / 3
+# Growth is looked at beside a band at this multiple of its half width without damping.
+ASIDE = 1.5
+# Modes are told from each other by their angle and, where angles are alike, by frequency.
+ANGLE_SCALE, FREQUENCY_SCALE = 0.3, 0.1
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """A pair of modes that meets between two speeds of a map.
+
+    Parameters
+    ----------
+    lower, upper : float
+        The speeds in rad/s.
+    lower_frequency, upper_frequency : tuple of float
+        Of modes a and b in Hz at these.
+    order : int
+    """
+
+    lower: float
+    upper: float
+    lower_frequency: tuple[float, float]
+    upper_frequency: tuple[float, float]
+    order: int
+
+    def frequencies(self, crank_speed: float) -> FloatArray:
+        """Frequencies of a and b in Hz, interpolated."""
+        part = (crank_speed - self.lower) / (self.upper - self.lower)
+        first, last = np.array(self.lower_frequency), np.array(self.upper_frequency)
+        return np.asarray(first + part * (last - first))
+
+    def mismatch(self, crank_speed: float) -> float:
+        """Half of ``f_a + f_b - n f_crank`` as an angular velocity in rad/s."""
+        total = float(self.frequencies(crank_speed).sum())
+        return np.pi * total - self.order * abs(crank_speed) / 2
+
+    @property
+    def crank_speed(self) -> float:
+        """Where the modes meet by interpolation, rad/s."""
+        return float(scipy.optimize.brentq(self.mismatch, self.lower, self.upper))
+
+    @property
+    def slope(self) -> float:
+        """Change of :meth:`mismatch` by the crank speed."""
+        return (self.mismatch(self.upper) - self.mismatch(self.lower)) / (self.upper - self.lower)
+
+
+@dataclass(frozen=True)
+class MeetingPair:
+    """All meetings of two branches a and b (from zero), the fastest first."""
+
+    branches: tuple[int, int]
+    meetings: Sequence[Meeting]
+
+
+@dataclass(frozen=True)
+class MetModes:
+    """A meeting that may be the middle of an unstable band.
+
+    Parameters
+    ----------
+    crank_speed : float
+        rad/s.
+    samples : list of Sample
+        Growth with the solver's damping: there and beside the band.
+    """
+
+    crank_speed: float
+    samples: list[Sample]
+
+
+def meetings(speeds: Sequence[FollowedSpeed], branches: int) -> list[MeetingPair]:
+    """Meetings of all pairs of branches between neighbouring speeds.
+
+    Parameters
+    ----------
+    speeds : sequence of FollowedSpeed
+        By increasing size of the speed.
+    branches : int
+
+    Returns
+    -------
+    list of MeetingPair
+    """
+    pairs = [(a, b) for a in range(branches) for b in range(a, branches)]
+    found: dict[tuple[int, int], list[Meeting]] = {pair: [] for pair in pairs}
+    for lower, upper in pairwise(speeds):
+        if lower.is_unstable and upper.is_unstable:
+            continue
+        first, last = lower.frequency[::2], _continued(lower, upper)
+        for a, b in pairs:
+            crank = abs(lower.crank_speed) / (2 * np.pi), abs(upper.crank_speed) / (2 * np.pi)
+            ends = (first[a] + first[b]) / crank[0], (last[a] + last[b]) / crank[1]
+            low, high = sorted(ends)
+            found[a, b] += [
+                Meeting(
+                    lower.crank_speed,
+                    upper.crank_speed,
+                    (float(first[a]), float(first[b])),
+                    (float(last[a]), float(last[b])),
+                    order,
+                )
+                for order in range(int(np.floor(low)) + 1, int(np.floor(high)) + 1)
+            ]
+    return [
+        MeetingPair(pair, sorted(every, key=lambda each: -abs(each.upper) + 1e-9 * each.order))
+        for pair, every in found.items()
+        if every
+    ]
+
+
+def met(
+    solver: LinkageSolver, pair: MeetingPair, lowest: float, least_ratio: float
+) -> tuple[list[MetModes], int]:
+    """Meetings of a pair that damping does not close.
+
+    Parameters
+    ----------
+    solver : LinkageSolver
+    pair : MeetingPair
+    lowest : float
+        Lowest natural frequency in rad/s.
+    least_ratio : float
+        Damping ratio at which a band must be open to be kept.
+
+    Returns
+    -------
+    list of MetModes
+    int
+        Number of those whose modes meet, but whose bands are narrower than that.
+    """
+    found, narrower, hopeless = [], 0, 0
+    for meeting in pair.meetings:
+        if hopeless == HOPELESS:
+            break
+        try:
+            centre, strength = _middle(solver, meeting)
+            ratio = strength * lowest / np.prod(2 * np.pi * meeting.frequencies(centre))
+            hopeless = 0 if ratio > FAR * least_ratio else hopeless + 1
+            if ratio < least_ratio * (FAR if solver.is_damped else 1.0):
+                narrower += strength > 0
+                continue
+            found.append(_sampled(solver, centre, strength / abs(meeting.slope)))
+        except ComputationError:
+            # Beyond the last equilibrium; the map says so at its own speeds.
+            continue
+    return found, narrower
+
+
+def _sampled(solver: LinkageSolver, centre: float, half_width: float) -> MetModes:
+    """Growth in the middle of a band and, where it grows, beside it."""
+    growth = SignedGrowth(solver)
+
+    def sample(speed: float) -> Sample:
+        modes = solver.solve(solver.moving(speed))
+        return Sample(speed, growth.of(modes), modes.growth_rate)
+
+    samples = [sample(centre)]
+    if samples[0].signed_growth > 0:
+        samples += [sample(centre + side * ASIDE * half_width) for side in (-1.0, 1.0)]
+    return MetModes(centre, samples)
+
+
+def _middle(solver: LinkageSolver, meeting: Meeting) -> tuple[float, float]:
+    """Where two modes meet in rad/s, and kappa in 1/s; 0 where they pass each other."""
+    first = meeting.crank_speed
+    square = _square(solver, meeting, first)
+    slope = meeting.slope
+    second = first - np.sqrt(abs(square)) / abs(slope) if square else meeting.lower
+    for _ in range(2):
+        other = _square(solver, meeting, second)
+        centre = (second + first) / 2 + (square - other) / (2 * slope**2 * (first - second))
+        strength = square + slope**2 * (first - centre) ** 2
+        if meeting.lower <= centre <= meeting.upper:
+            break
+        second = 2 * first - second
+    centre = float(np.clip(centre, meeting.lower, meeting.upper))
+    return centre, float(np.sqrt(max(0.0, strength)))
+
+
+def _square(solver: LinkageSolver, meeting: Meeting, crank_speed: float) -> float:
+    """``((lambda_a - conj(lambda_b)) / 2)^2`` without damping at a crank speed."""
+    modes = solver.solve(solver.moving(crank_speed), damping=0.0)
+    a, b = _places(modes, meeting.frequencies(crank_speed))
+    apart = (modes.exponent[a].real - modes.exponent[b].real) / 2
+    turn = modes.angle[a] - modes.angle[b]
+    passing = (turn - 2 * np.pi * np.round(turn / (2 * np.pi))) / (2 * modes.period)
+    return float(apart**2 - passing**2)
+
+
+def _places(modes: KeptModes, frequency: FloatArray) -> tuple[int, int]:
+    """Places of mode a, which turns forward, and of the conjugate of b."""
+    wanted = 2 * np.pi * modes.period * frequency * np.array([1.0, -1.0])
+    gap = modes.angle - wanted[:, None]
+    apart = np.abs(gap - 2 * np.pi * np.round(gap / (2 * np.pi))) / ANGLE_SCALE
+    size = np.abs(modes.exponent.imag) / (2 * np.pi)
+    other = np.abs(size - frequency[:, None]) / (FREQUENCY_SCALE * frequency[:, None])
+    places = scipy.optimize.linear_sum_assignment(apart + np.minimum(other, 1.0))[1]
+    return int(places[0]), int(places[1])
+
+
+def _continued(lower: FollowedSpeed, upper: FollowedSpeed) -> FloatArray:
+    """Frequencies of the branches at the upper speed that continue those at the lower one, (m,)."""
+    crank = abs(upper.crank_speed) / (2 * np.pi)
+    frequency = upper.frequency[::2]
+    return np.asarray(frequency - crank * np.round((frequency - lower.frequency[::2]) / crank))

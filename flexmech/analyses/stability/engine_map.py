@@ -1,0 +1,304 @@
+"""Stability of one engine's linkage over crank speeds: modes, unstable bands, errors."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+from typing import TypeVar
+
+import numpy as np
+
+from flexmech.analyses.stability.band import Band
+from flexmech.analyses.stability.closing import ClosingSearch, closing_damping_ratio
+from flexmech.analyses.stability.collisions import MetModes, meetings, met
+from flexmech.analyses.stability.damping_ratios import lowest_frequency, with_damping_time
+from flexmech.analyses.stability.edges import EdgeSearch, find_edge, find_top
+from flexmech.analyses.stability.engine_stability import (
+    CheckedErrors,
+    EngineStability,
+    FollowedSpeed,
+    NoEquilibrium,
+)
+from flexmech.analyses.stability.exponent_errors import exponent_errors
+from flexmech.analyses.stability.following import FollowedModes, follow, likeness
+from flexmech.analyses.stability.kept_modes import KeptModes, matched
+from flexmech.analyses.stability.naming import BandName, band_name
+from flexmech.analyses.stability.parallel import in_order
+from flexmech.analyses.stability.request import StabilityRequest
+from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth
+from flexmech.analyses.stability.signed_growth import SignedGrowth
+from flexmech.analyses.stability.solver import LinkageSolver, SolvedSpeed
+from flexmech.errors import ComputationError, InputError
+from flexmech.linear_system import Engine, Prestress
+from flexmech.types import FloatArray, LabelledProgress
+
+__all__ = ["map_engine"]
+
+logger = logging.getLogger(__name__)
+
+# Branches are numbered at this part of the lowest natural frequency, and followed in steps of it.
+FOLLOWING_STEP = 1 / 40
+# A band that this damping ratio closes is not worth a line.
+LEAST_CLOSING_RATIO = 1e-5
+CHECKED_SPEEDS = 3
+
+Item = TypeVar("Item")
+Answer = TypeVar("Answer")
+
+
+def map_engine(
+    engine: Engine, request: StabilityRequest, report: LabelledProgress
+) -> EngineStability:
+    """Stability map of one engine.
+
+    Parameters
+    ----------
+    engine : Engine
+    request : StabilityRequest
+    report : callable
+        Progress: ``report(label, done, total)``.
+
+    Returns
+    -------
+    EngineStability
+        What was done before an interruption, if one came while the speeds were solved for.
+
+    Raises
+    ------
+    ComputationError
+        If there is an equilibrium at none of the speeds.
+    """
+    return _EngineMap(engine, request, report).made()
+
+
+@dataclass(frozen=True)
+class _Solution:
+    """Modes at a speed, or why there are none."""
+
+    crank_speed: float
+    solved: SolvedSpeed | None
+    refusal: ComputationError | None
+
+
+class _EngineMap:
+    """The steps that lead to an engine's map."""
+
+    def __init__(self, engine: Engine, request: StabilityRequest, report: LabelledProgress) -> None:
+        self._request = request
+        self._report = report
+        self._lowest = lowest_frequency(engine)
+        # A damping ratio is the factor on the damping of links whose time is that of ratio 1.
+        by_ratio = with_damping_time(engine, 2 / self._lowest)
+        self._by_ratio = LinkageSolver(
+            by_ratio, _level(request), request.modes, steps=request.steps, frame=request.frame
+        )
+        if request.damping_ratio is None:
+            self._solver = replace(self._by_ratio, engine=engine)
+        else:
+            self._solver = replace(self._by_ratio, damping=request.damping_ratio)
+
+    def made(self) -> EngineStability:
+        solutions, interrupted = self._solutions()
+        asked = set(self._request.crank_speeds.tolist())
+        refused = {s.crank_speed: s.refusal for s in solutions if s.refusal is not None}
+        solved = [s.solved for s in solutions if s.solved is not None]
+        if not solved:
+            raise next(iter(refused.values()))
+        branches = follow([each.modes for each in solved])
+        followed = [
+            _followed(each, modes, alike)
+            for each, modes, alike in zip(solved, branches.modes, branches.likeness, strict=True)
+        ]
+        definite = all(each.is_definite for each in solved)
+        bands: list[Band] = []
+        narrower = 0
+        within = [f for f in followed if abs(f.crank_speed) >= abs(self._request.crank_speeds[0])]
+        if not interrupted and within:
+            found, narrower = self._meetings(within)
+            bands = self._bands(within, branches.last(len(within)), found, list(refused), definite)
+        unit = self._request.speed_unit
+        return EngineStability(
+            engine=self._solver.engine,
+            speeds=[
+                *(each for each in followed if each.crank_speed in asked),
+                *(NoEquilibrium(w, e.told(unit)) for w, e in refused.items() if w in asked),
+            ],
+            bands=bands,
+            errors=self._errors(followed),
+            is_definite=definite,
+            moving_modes=solved[-1].moving_modes,
+            closed_early=narrower,
+            interrupted=interrupted,
+        )
+
+    def _solutions(self) -> tuple[list[_Solution], bool]:
+        """Solutions at the speeds asked for and those between, by which modes are followed."""
+        speeds = _with_steps_between(self._request.crank_speeds, FOLLOWING_STEP * self._lowest)
+        solutions: list[_Solution] = []
+        try:
+            for solution in in_order(partial(_solution, self._solver), speeds.tolist()):
+                solutions.append(solution)
+                self._progress("speeds", len(solutions), len(speeds))
+        except KeyboardInterrupt:
+            if not any(s.solved for s in solutions):
+                raise
+            logger.warning("interrupted after %d of %d speeds", len(solutions), len(speeds))
+            return solutions, True
+        return solutions, False
+
+    def _meetings(self, followed: Sequence[FollowedSpeed]) -> tuple[list[MetModes], int]:
+        """Modes that meet between the speeds, and grow or nearly do."""
+        least = LEAST_CLOSING_RATIO
+        if self._request.damping_ratio is not None:
+            least = max(least, self._request.damping_ratio)
+        pairs = meetings(followed, self._request.modes)
+        task = partial(met, self._solver, lowest=self._lowest, least_ratio=least)
+        answers = self._each("meeting modes", task, pairs)
+        return [each for some, _ in answers for each in some], sum(left for _, left in answers)
+
+    def _bands(
+        self,
+        followed: Sequence[FollowedSpeed],
+        branches: FollowedModes,
+        found: Sequence[MetModes],
+        refused: Sequence[float],
+        definite: bool,
+    ) -> list[Band]:
+        growth = SignedGrowth(self._solver)
+        samples = [
+            Sample(f.crank_speed, growth.of_exponents(f.exponent, f.period), f.growth_rate)
+            for f in followed
+        ]
+        samples += [sample for meeting in found for sample in meeting.samples]
+        runs = runs_of_growth(samples, refused)
+        searches = [EdgeSearch(self._solver, *ends) for run in runs for ends in run.brackets]
+        edges = self._each("edges of bands", find_edge, searches)
+        tops = self._each(
+            "growth in bands",
+            partial(find_top, self._solver),
+            [
+                (run.fastest, *sorted((edges[2 * n].crank_speed, edges[2 * n + 1].crank_speed)))
+                for n, run in enumerate(runs)
+            ],
+        )
+        closings = [
+            ClosingSearch(
+                self._by_ratio,
+                top.modes.crank_speed,
+                abs(edges[2 * n + 1].crank_speed - edges[2 * n].crank_speed),
+                self._request.damping_ratio or 0.0,
+            )
+            for n, top in enumerate(tops)
+        ]
+        ratios = self._each("damping that closes bands", closing_damping_ratio, closings)
+        bands = []
+        for n, (top, ratio) in enumerate(zip(tops, ratios, strict=True)):
+            name = _name(top.modes, followed, branches, differences=not definite)
+            bands.append(
+                Band(
+                    lower=edges[2 * n],
+                    upper=edges[2 * n + 1],
+                    kind=name.kind,
+                    branches=name.branches,
+                    order=name.order,
+                    largest_growth_rate=top.modes.growth_rate,
+                    fastest_speed=top.modes.crank_speed,
+                    closing_damping_ratio=ratio,
+                    mismatch=name.mismatch,
+                )
+            )
+        return bands
+
+    def _errors(self, followed: Sequence[FollowedSpeed]) -> CheckedErrors:
+        """Errors by reduction and mesh at some speeds outside of bands."""
+        steady = [each.crank_speed for each in followed if not each.is_unstable]
+        places = np.unique(np.linspace(0, len(steady) - 1, CHECKED_SPEEDS).astype(np.intp))
+        speeds = [steady[place] for place in places.tolist()] if steady else []
+        errors = self._each("errors", partial(exponent_errors, self._solver), speeds)
+        return CheckedErrors(
+            np.array(speeds),
+            np.array([error.reduction for error in errors]),
+            np.array([error.mesh for error in errors]),
+        )
+
+    def _each(
+        self, label: str, task: Callable[[Item], Answer], items: Sequence[Item]
+    ) -> list[Answer]:
+        """Answers of a task to all items, with progress."""
+        answers: list[Answer] = []
+        for answer in in_order(task, items):
+            answers.append(answer)
+            self._progress(label, len(answers), len(items))
+        return answers
+
+    def _progress(self, label: str, done: int, total: int) -> None:
+        self._report(f"{self._solver.engine.name}: {label}", done, total)
+
+
+def _level(request: StabilityRequest) -> Prestress:
+    if request.prestress == "trajectory":
+        raise InputError("prestress 'trajectory' is not told apart here yet; use 'equilibrium'")
+    return request.prestress
+
+
+def _solution(solver: LinkageSolver, crank_speed: float) -> _Solution:
+    try:
+        return _Solution(crank_speed, solver.solved(crank_speed), None)
+    except ComputationError as refusal:
+        return _Solution(crank_speed, None, refusal)
+
+
+def _with_steps_between(speeds: FloatArray, step: float) -> FloatArray:
+    """Speeds from a slow one on in steps small enough to follow modes, those asked for included."""
+    sense = float(np.sign(speeds[0]))
+    size = np.abs(speeds)
+    start = min(2 * step, float(size[0]))
+    ends = np.append(start, size) if start < size[0] else size
+    between = [
+        np.linspace(a, b, int(np.ceil((b - a) / step)), endpoint=False)
+        for a, b in pairwise(ends.tolist())
+    ]
+    return np.asarray(sense * np.concatenate([*between, size[-1:]]))
+
+
+def _followed(solved: SolvedSpeed, modes: KeptModes, alike: FloatArray) -> FollowedSpeed:
+    order = matched(modes.exponent * modes.period, solved.modes.exponent * modes.period)
+    return FollowedSpeed(
+        crank_speed=modes.crank_speed,
+        exponent=modes.exponent,
+        step_error=solved.step_error[order],
+        likeness=alike,
+        harmonic_share=modes.harmonic_share,
+        liouville_defect=modes.liouville_defect,
+        steps=modes.steps,
+        buckled_angle=solved.buckled_angle,
+    )
+
+
+def _name(
+    modes: KeptModes,
+    followed: Sequence[FollowedSpeed],
+    branches: FollowedModes,
+    *,
+    differences: bool,
+) -> BandName:
+    """Name of the band that is fastest growing at these modes."""
+    speeds = np.abs([each.crank_speed for each in followed])
+    below = int(np.searchsorted(speeds, abs(modes.crank_speed), side="right")) - 1
+    growing = modes.shape[..., modes.exponent.real.argmax(), None]
+    before = branches.shapes[max(below, 0)]
+    part = likeness(before.shape, growing)[:, 0].reshape(-1, 2).max(axis=1)
+    frequency = np.abs(before.frequency[::2])
+    crank = 1 / modes.period
+    for after, other in zip(followed[below + 1 :], branches.shapes[below + 1 :], strict=True):
+        if not after.is_unstable:
+            ahead = np.abs(other.frequency[::2])
+            ahead = ahead - crank * np.round((ahead - frequency) / crank)
+            step = abs(after.crank_speed) - speeds[below]
+            share = (abs(modes.crank_speed) - speeds[below]) / step
+            frequency = frequency + share * (ahead - frequency)
+            break
+    return band_name(frequency, part, branches.usual_frequency, crank, differences=differences)

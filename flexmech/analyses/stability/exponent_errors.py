@@ -1,0 +1,59 @@
+"""How far reduction and mesh put the exponents of the Floquet modes off."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.optimize
+
+from flexmech.analyses.stability.kept_modes import KeptModes
+from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
+
+__all__ = ["ExponentErrors", "exponent_errors"]
+
+
+@dataclass(frozen=True)
+class ExponentErrors:
+    """Greatest relative errors of the kept modes' exponents.
+
+    Parameters
+    ----------
+    reduction, mesh : float
+    """
+
+    reduction: float
+    mesh: float
+
+
+def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors:
+    """Compare with more moving modes, and with a mesh of half the element length.
+
+    Parameters
+    ----------
+    solver : LinkageSolver
+    crank_speed : float
+        rad/s.
+
+    Returns
+    -------
+    ExponentErrors
+    """
+    modes = solver.solve(solver.moving(crank_speed))
+    larger, finer = replace(solver, larger=solver.larger + 1), solver.refined()
+    return ExponentErrors(
+        reduction=_apart(modes, larger.solve(larger.moving(crank_speed))),
+        mesh=_apart(modes, finer.solve(finer.moving(crank_speed))) * BY_REFINEMENT,
+    )
+
+
+def _apart(modes: KeptModes, others: KeptModes) -> float:
+    """Greatest relative difference of exponents, whatever members of their families they are."""
+    ours, theirs = modes.exponent, others.exponent
+    size = np.abs(ours.imag)[:, None]
+    cost = np.abs(size - np.abs(theirs.imag)) / (size + 1 / modes.period)
+    cost = cost + (np.sign(ours.imag)[:, None] != np.sign(theirs.imag))
+    gap = ours - theirs[scipy.optimize.linear_sum_assignment(cost)[1]]
+    family = 2 * np.pi / modes.period
+    turned = gap.imag - family * np.round(gap.imag / family)
+    return float((np.hypot(gap.real, turned) / np.abs(ours)).max())
