@@ -148,13 +148,13 @@ class LinkageSolver:
         log, other = modes.exponent * modes.period, coarse.exponent * coarse.period
         gap = log - other[matched(log, other)]
         angle = gap.imag - 2 * np.pi * np.round(gap.imag / (2 * np.pi))
-        lowest, angle = moving.turn.frozen_squares[:, 0], moving.turn.motion.crank_angle
+        lowest, crank_angle = moving.turn.frozen_squares[:, 0], moving.turn.motion.crank_angle
         return SolvedSpeed(
             modes=modes,
             step_error=np.hypot(gap.real, angle),
             moving_modes=moving.size,
             is_definite=moving.is_definite,
-            buckled_angle=float(angle[lowest.argmin()]) if lowest.min() <= 0 else None,
+            buckled_angle=float(crank_angle[lowest.argmin()]) if lowest.min() <= 0 else None,
         )
 
     def _turn(self, crank_speed: float, samples: int) -> SampledTurn:
