@@ -19,14 +19,72 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.beams.elements import BeamElements
 from flexmech.reference.rigid_arms import RigidArms
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["CorotationalElements"]
+__all__ = ["CorotationalElements", "ElementResponse", "LinearStrain"]
+
+
+@dataclass(frozen=True)
+class LinearStrain:
+    """Axial strain of elements to first order about a deformed state.
+
+    Parameters
+    ----------
+    constant : ndarray, shape (e, B)
+    gradient : ndarray, shape (e, r, B)
+        By the relative coordinates of the neutral axis's nodes.
+    """
+
+    constant: FloatArray
+    gradient: FloatArray
+
+    @classmethod
+    def about(cls, relative: FloatArray, strain: FloatArray, gradient: FloatArray) -> LinearStrain:
+        """About a deformed state.
+
+        Parameters
+        ----------
+        relative : ndarray, shape (e, r, B)
+            Its relative coordinates.
+        strain : ndarray, shape (e, B)
+        gradient : ndarray, shape (e, r, B)
+
+        Returns
+        -------
+        LinearStrain
+        """
+        return cls(strain - (gradient * relative).sum(axis=1), gradient)
+
+    def at(self, relative: FloatArray) -> FloatArray:
+        """Strain (e, B) at relative coordinates (e, r, B)."""
+        return np.asarray(self.constant + (self.gradient * relative).sum(axis=1), dtype=float)
+
+    def of(self, which: NDArray[np.bool_]) -> LinearStrain:
+        """That of some positions."""
+        return LinearStrain(self.constant[:, which], self.gradient[..., which])
+
+
+class ElementResponse(NamedTuple):
+    """What elements in relative coordinates answer to a displacement.
+
+    Parameters
+    ----------
+    force : ndarray, shape (e, r, B)
+    tangent : ndarray, shape (e, r, r, B)
+    strain : LinearStrain
+        About the displacement.
+    """
+
+    force: FloatArray
+    tangent: FloatArray
+    strain: LinearStrain
 
 
 @dataclass(frozen=True)
@@ -59,13 +117,17 @@ class CorotationalElements:
         force : ndarray, shape (B, e, 2 p)
         tangent : ndarray, shape (B, e, 2 p, 2 p)
         """
-        force, tangent = self.relative_response(self._relative(displacement), swelling)
+        force, tangent, _ = self.relative_response(self._relative(displacement), swelling)
         of_nodes = self.node_signs[:, None] * force[:, self.relative_places]
         return np.moveaxis(of_nodes, -1, 0), np.moveaxis(self.of_nodes(tangent), -1, 0)
 
     def relative_response(
-        self, relative: FloatArray, swelling: float = 1.0, out: FloatArray | None = None
-    ) -> tuple[FloatArray, FloatArray]:
+        self,
+        relative: FloatArray,
+        swelling: float = 1.0,
+        before: LinearStrain | None = None,
+        out: FloatArray | None = None,
+    ) -> ElementResponse:
         """Internal forces and tangent stiffness by the relative coordinates.
 
         Parameters
@@ -73,33 +135,36 @@ class CorotationalElements:
         relative : ndarray, shape (e, r, B)
         swelling : float
             Part of the section's free strain and curvature that has come on.
+        before : LinearStrain, optional
+            About the state that a step of Newton's method came from: the tangent is taken with the
+            tension to which it leads. Left out: with the tension of the state itself.
         out : ndarray, shape (e, r, r, B), optional
             Where to write the tangent.
 
         Returns
         -------
-        force : ndarray, shape (e, r, B)
-        tangent : ndarray, shape (e, r, r, B)
+        ElementResponse
         """
-        pure = self._pure(self._arms.moved(relative))
-        length = self._length
-        tension = self._axial_stiffness * (
-            pure.strain - swelling * self.elements.section.free_strain
-        )
-        stretched = tension * length
-        moments = self._bending @ (pure.turns - swelling * self._arc)
-        moments += stretched[:, None] * pure.lift
-        couple = moments[:, self._angles].sum(axis=1)
-        force = np.empty_like(relative)
-        force[:, 0] = tension * pure.cosine + couple * pure.sine / pure.chord
-        force[:, 1] = tension * pure.sine - couple * pure.cosine / pure.chord
-        force[:, 2:] = moments
+        moved = self._arms.moved(relative)
+        pure = self._pure(moved)
+        bending = self._bending @ (pure.turns - swelling * self._arc)
+        free = swelling * self.elements.section.free_strain
+
+        def stress(strain: FloatArray) -> _Stress:
+            tension = self._axial_stiffness * (strain - free)
+            moments = bending + (tension * self._length)[:, None] * pure.lift
+            return _Stress(tension, moments, moments[:, self._angles].sum(axis=1))
+
+        own = stress(pure.strain)
+        force = pure.by_relative_coordinates(own.tension, own.moments, own.couple)
         tangent = np.empty((*relative.shape[:2], *relative.shape[1:])) if out is None else out
-        self._fill(
-            tangent, pure, self._axial_stiffness, self._bending, (stretched, tension, couple)
-        )
+        for_tangent = own if before is None else stress(before.at(moved))
+        self._fill(tangent, pure, self._axial_stiffness, self._bending, for_tangent)
         self._arms.turn(relative, tangent, force, turns_force=True)
-        return force, tangent
+        gradient = pure.by_relative_coordinates(
+            1 / self._length, pure.lift, pure.lift[:, self._angles].sum(axis=1)
+        )
+        return ElementResponse(force, tangent, LinearStrain.about(moved, pure.strain, gradient))
 
     def damping(self, displacement: FloatArray) -> FloatArray:
         """Kelvin-Voigt damping matrix of deformed elements.
@@ -217,7 +282,7 @@ class CorotationalElements:
         pure: _PureDeformation,
         axial_stiffness: float,
         bending: FloatArray,
-        stress: tuple[FloatArray, FloatArray, FloatArray] | None,
+        stress: _Stress | None,
     ) -> None:
         """Write the derivative of the forces on the neutral axis's nodes, (e, r, r, B).
 
@@ -228,9 +293,8 @@ class CorotationalElements:
         axial_stiffness : float
         bending : ndarray, shape (e, k, k)
             By what turns and bends the element.
-        stress : tuple of ndarray, shape (e, B), optional
-            Tension times length, tension, and the sum of the nodes' moments; None leaves the
-            part that comes from them out.
+        stress : _Stress, optional
+            None leaves the part that comes from it out.
         """
         length, cosine, sine = self._length, pure.cosine, pure.sine
         own = matrix[:, 2:, 2:]
@@ -238,13 +302,13 @@ class CorotationalElements:
         np.multiply((lift * length[:, None])[:, :, None], pure.lift[:, None], out=own)
         own += bending[..., None]
         if stress is not None:
-            own += stress[0][:, None, None] * self._arch[..., None]
+            own += (stress.tension * length)[:, None, None] * self._arch[..., None]
         by_turn = own[:, self._angles].sum(axis=1)
         turning = by_turn[:, self._angles].sum(axis=1)
         both = -lift[:, self._angles].sum(axis=1)
         if stress is not None:
-            turning += stress[1] * pure.chord
-            both += stress[2] / pure.chord
+            turning += stress.tension * pure.chord
+            both += stress.couple / pure.chord
         stretching = axial_stiffness / length
         # Gradient of the chord's angle, without its signs.
         across, along = sine / pure.chord, cosine / pure.chord
@@ -273,3 +337,24 @@ class _PureDeformation:
     strain: FloatArray
     turns: FloatArray
     lift: FloatArray
+
+    def by_relative_coordinates(
+        self, axial: FloatArray, turning: FloatArray, couple: FloatArray
+    ) -> FloatArray:
+        """What works on the chord's length (e, B) and on the turns (e, k, B); (e, r, B).
+
+        ``couple`` is the sum over the turns that are angles, which the chord's own angle meets.
+        """
+        result = np.empty((len(turning), 2 + turning.shape[1], turning.shape[2]))
+        result[:, 0] = axial * self.cosine + couple * self.sine / self.chord
+        result[:, 1] = axial * self.sine - couple * self.cosine / self.chord
+        result[:, 2:] = turning
+        return result
+
+
+class _Stress(NamedTuple):
+    """Tension (e, B), moments of the nodes (e, k, B) and the sum of those that turn (e, B)."""
+
+    tension: FloatArray
+    moments: FloatArray
+    couple: FloatArray

@@ -282,6 +282,28 @@ def test_corotational_tangent_is_the_derivative_of_the_force(q: FloatArray) -> N
     assert tangent == pytest.approx(tangent.T, abs=1e-12)
 
 
+@given(deformations)
+def test_linear_strain_is_the_mean_strain_and_its_gradient(
+    q: FloatArray,
+) -> None:
+    """Of the shallow arch, about any state."""
+    elements = corotational(0.7)
+    relative = np.array([q[3] - q[0], q[4] - q[1], q[2], q[5]])[None, :, None]
+
+    def stretched(x: FloatArray) -> float:
+        chord = np.hypot(0.7 + x[0], x[1])
+        ends = x[2:] - np.arctan2(x[1], 0.7 + x[0])
+        return float(chord / 0.7 - 1 + (2 * ends @ ends - ends[0] * ends[1]) / 30)
+
+    strain = elements.relative_response(relative).strain
+    assert strain.at(relative)[0, 0] == pytest.approx(stretched(relative[0, :, 0]), abs=1e-12)
+    step = 1e-6
+    for place, unit in enumerate(np.eye(4)):
+        ends = [stretched(relative[0, :, 0] + sign * step * unit) for sign in (1, -1)]
+        slope = (ends[0] - ends[1]) / (2 * step)
+        assert strain.gradient[0, place, 0] == pytest.approx(slope, abs=1e-8)
+
+
 def turned(q: FloatArray, angle: float, length: float = 0.7) -> FloatArray:
     """The deformed element carried around its unloaded first node."""
     moves = np.array([complex(*q[:2]), complex(length + q[3], q[4])]) * np.exp(1j * angle)

@@ -13,6 +13,7 @@ from flexmech import ReferenceEngine, moving_frequencies
 from flexmech.linkages import FourBar
 from flexmech.materials import Material
 from flexmech.mechanism import Mechanism
+from flexmech.reference import equilibrium
 from flexmech.sections import BeamSection
 
 LINKS = ("crank", "coupler", "rocker")
@@ -72,3 +73,19 @@ def test_the_equilibrium_of_a_soft_crank_does_not_stop_at_the_round_off_of_stiff
     )
     for first, second in zip(here, later, strict=True):
         assert np.abs(second - first).max() < 2e-12 * np.abs(first).max()
+
+
+@pytest.mark.parametrize(("speed", "most"), [(20.0, 4), (45.0, 5)])
+def test_newtons_method_takes_few_steps(aluminium, monkeypatch, speed, most):
+    """One or two more, if the tension of what a step bends too far went into the next tangent."""
+    steps, factorize = [], equilibrium.banded.factorize
+
+    def counted(band: np.ndarray) -> np.ndarray:
+        steps.append(band.shape[-1])
+        return factorize(band)
+
+    monkeypatch.setattr(equilibrium.banded, "factorize", counted)
+    angles = np.radians(np.arange(0.0, 360.0, 5.0))
+    motion = aluminium.linkage.motion(angles, np.full(len(angles), speed))
+    ReferenceEngine(aluminium).stressed_links(motion, "equilibrium")
+    assert len(steps) <= most
