@@ -71,7 +71,8 @@ class Meeting:
     @property
     def crank_speed(self) -> float:
         """Where the modes meet by interpolation, rad/s."""
-        return float(scipy.optimize.brentq(self.mismatch, self.lower, self.upper))
+        found = self.lower - self.mismatch(self.lower) / self.slope
+        return float(np.clip(found, *sorted((self.lower, self.upper))))
 
     @property
     def slope(self) -> float:
@@ -199,16 +200,16 @@ def _middle(solver: LinkageSolver, meeting: Meeting) -> tuple[float, float]:
     """Where two modes meet in rad/s, and kappa in 1/s; 0 where they pass each other."""
     first = meeting.crank_speed
     square = _square(solver, meeting, first)
-    slope = meeting.slope
+    slope, (low, high) = meeting.slope, sorted((meeting.lower, meeting.upper))
     second = first - np.sqrt(abs(square)) / abs(slope) if square else meeting.lower
     for _ in range(2):
         other = _square(solver, meeting, second)
         centre = (second + first) / 2 + (square - other) / (2 * slope**2 * (first - second))
         strength = square + slope**2 * (first - centre) ** 2
-        if meeting.lower <= centre <= meeting.upper:
+        if low <= centre <= high:
             break
         second = 2 * first - second
-    centre = float(np.clip(centre, meeting.lower, meeting.upper))
+    centre = float(np.clip(centre, low, high))
     return centre, float(np.sqrt(max(0.0, strength)))
 
 
