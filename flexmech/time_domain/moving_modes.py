@@ -55,6 +55,8 @@ class MovingModes:
         proportional to the damping.
     stiffness : ndarray, shape (N, m, m)
         Q in (rad/s)^2, as sampled.
+    fixed : ndarray, shape (n, m)
+        Fixed basis to which the moving one is nearest.
     """
 
     turn: SampledTurn
@@ -63,6 +65,7 @@ class MovingModes:
     conservative: FourierSeries
     dissipative: FourierSeries
     stiffness: FloatArray
+    fixed: FloatArray
 
     @property
     def size(self) -> int:
@@ -118,12 +121,12 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
             break
         below, above = squares[:, count - 1], squares[:, count]
         gap = float(np.sqrt(above / below).min()) - 1 if below.min() > 0 else 0.0
-        if gap > LEAST_GAP and _against_fixed_basis(turn, count)[1].min() > LEAST_OVERLAP:
+        if gap > LEAST_GAP and _overlap(turn, count) > LEAST_OVERLAP:
             counts.append(count)
     return counts or [largest]
 
 
-def moving_modes(turn: SampledTurn, count: int) -> MovingModes:
+def moving_modes(turn: SampledTurn, count: int, like: MovingModes | None = None) -> MovingModes:
     """Write the running linkage in its moving modes.
 
     Parameters
@@ -131,17 +134,21 @@ def moving_modes(turn: SampledTurn, count: int) -> MovingModes:
     turn : SampledTurn
     count : int
         Number m of moving modes, at most all coordinates.
+    like : MovingModes, optional
+        As many of another crank speed in the same component modes, whose fixed basis and scale
+        to take: matrices of both then change continuously from one speed to the other.
 
     Returns
     -------
     MovingModes
     """
-    squares = turn.frozen_squares[:, :count]
-    left, _, right = _against_fixed_basis(turn, count)
-    align = left @ right
-    average = np.einsum("aij,ai,aik->jk", align, squares, align) / len(align)
-    mean_squares, turned = np.linalg.eigh(average)
-    scale, basis = np.sqrt(np.abs(mean_squares)), turn.frozen_modes[:, :, :count] @ (align @ turned)
+    modes = turn.frozen_modes[:, :, :count]
+    if like is None:
+        scale, fixed = _scale_and_fixed_basis(turn, count)
+    else:
+        scale, fixed = like.scale, like.fixed
+    left, _, right = _in_common(turn, modes, fixed)
+    basis = modes @ (left @ right)
     skew, stiffness, damping, moving_damping = _projected(turn, basis)
     root = np.sqrt(scale)
     matrix, damped = np.zeros((2, len(basis), 2 * count, 2 * count))
@@ -160,18 +167,39 @@ def moving_modes(turn: SampledTurn, count: int) -> MovingModes:
         FourierSeries.through(matrix),
         FourierSeries.through(damped),
         stiffness,
+        fixed,
     )
 
 
-def _against_fixed_basis(
-    turn: SampledTurn, count: int
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Singular values and vectors of what the subspaces have in common with their average."""
-    modes = turn.frozen_modes[:, :, :count]
+def _scale_and_fixed_basis(turn: SampledTurn, count: int) -> tuple[FloatArray, FloatArray]:
+    """Natural frequencies (m,) of the averaged stiffness, and its modes as a fixed basis."""
+    modes, fixed = turn.frozen_modes[:, :, :count], _fixed_basis(turn, count)
+    left, _, right = _in_common(turn, modes, fixed)
+    align = left @ right
+    squares = turn.frozen_squares[:, :count]
+    average = np.einsum("aij,ai,aik->jk", align, squares, align) / len(align)
+    mean_squares, turned = np.linalg.eigh(average)
+    return np.sqrt(np.abs(mean_squares)), fixed @ turned
+
+
+def _fixed_basis(turn: SampledTurn, count: int) -> FloatArray:
+    """Basis (n, m) of the subspace that has most in common with those at all crank angles."""
     weight = np.linalg.cholesky(turn.mass.mean(axis=0)).T
-    span = np.linalg.qr(weight @ modes)[0]
+    span = np.linalg.qr(weight @ turn.frozen_modes[:, :, :count])[0]
     average = (span @ np.swapaxes(span, 1, 2)).mean(axis=0)
-    fixed = np.linalg.solve(weight, np.linalg.eigh(average)[1][:, -count:])
+    return np.asarray(np.linalg.solve(weight, np.linalg.eigh(average)[1][:, -count:]))
+
+
+def _overlap(turn: SampledTurn, count: int) -> float:
+    """Least singular value of what the subspaces have in common with a fixed one."""
+    modes = turn.frozen_modes[:, :, :count]
+    return float(_in_common(turn, modes, _fixed_basis(turn, count))[1].min())
+
+
+def _in_common(
+    turn: SampledTurn, modes: FloatArray, fixed: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Singular values and vectors of what modes (N, n, m) have in common with a fixed basis."""
     return np.linalg.svd(np.swapaxes(modes, 1, 2) @ turn.mass @ fixed)
 
 

@@ -64,6 +64,7 @@ class SampledTurn:
         stressed: StressedLinks,
         prestress: Prestress,
         modes: int,
+        fastest: float | None = None,
     ) -> Self:
         """Reduce an engine's stressed links.
 
@@ -78,6 +79,9 @@ class SampledTurn:
             Level that tells which component modes the links need.
         modes : int
             Number of natural frequencies that the reduction must get right.
+        fastest : float, optional
+            Crank speed in rad/s up to which the component modes must do; that of the motion by
+            default.
 
         Returns
         -------
@@ -86,7 +90,7 @@ class SampledTurn:
         speed = float(motion.crank_speed[0])
         turns_pins = bool(engine.mechanism.linkage.topology.pins)
         reduced = (
-            prestressed_links(engine, CrankDrive(speed), prestress, modes, DETAIL)
+            prestressed_links(engine, CrankDrive(fastest or speed), prestress, modes, DETAIL)
             if turns_pins
             else ReducedLinks.all_of(engine)
         )

@@ -8,7 +8,7 @@ import numpy as np
 import scipy.optimize
 
 from flexmech.analyses.stability.solver import LinkageSolver
-from flexmech.time_domain import MovingModes
+from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 
 __all__ = ["ClosingSearch", "closing_damping_ratio"]
 
@@ -76,7 +76,7 @@ def closing_damping_ratio(search: ClosingSearch) -> float:
 
 def _ratio_at(solver: LinkageSolver, crank_speed: float, start: float) -> float:
     """Largest damping ratio from a start at which a vibration grows at one speed."""
-    moving: MovingModes = solver.moving(crank_speed)
+    moving: VibratingLinkage = solver.moving(crank_speed)
 
     def growth(ratio: float) -> float:
         return solver.growth_at(moving, ratio)

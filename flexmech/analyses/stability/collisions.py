@@ -72,7 +72,8 @@ class Meeting:
     def crank_speed(self) -> float:
         """Where the modes meet by interpolation, rad/s."""
         found = self.lower - self.mismatch(self.lower) / self.slope
-        return float(np.clip(found, *sorted((self.lower, self.upper))))
+        low, high = sorted((self.lower, self.upper))
+        return min(max(found, low), high)
 
     @property
     def slope(self) -> float:

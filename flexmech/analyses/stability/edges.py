@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import scipy.optimize
 
@@ -70,7 +70,7 @@ def find_edge(search: EdgeSearch) -> BandEdge:
     return BandEdge(
         crank_speed=edge,
         step_error=moved(fewer),
-        reduction_error=moved(replace(search.solver, larger=search.solver.larger + 1)),
+        reduction_error=moved(search.solver.with_more_modes()),
         mesh_error=moved(search.solver.refined()) * BY_REFINEMENT,
         is_open=False,
     )

@@ -31,6 +31,7 @@ from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth
 from flexmech.analyses.stability.signed_growth import SignedGrowth
 from flexmech.analyses.stability.solver import LinkageSolver, SolvedSpeed
+from flexmech.analyses.stability.speed_window import SpeedWindow
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import Engine, Prestress
 from flexmech.types import FloatArray, LabelledProgress
@@ -44,6 +45,11 @@ FOLLOWING_STEP = 1 / 40
 # A band that this damping ratio closes is not worth a line.
 LEAST_CLOSING_RATIO = 1e-5
 CHECKED_SPEEDS = 3
+# Width of windows over the lowest natural frequency, least relative width, and the relative error
+# of the system's matrix by interpolation.
+WINDOW = 1 / 40
+NARROWEST = 0.02
+WINDOW_TOLERANCE = 1e-7
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
@@ -95,12 +101,15 @@ class _EngineMap:
         self._by_ratio = LinkageSolver(
             by_ratio, _level(request), request.modes, steps=request.steps, frame=request.frame
         )
-        if request.damping_ratio is None:
+        if request.damping_ratio is not None:
+            self._solver = replace(self._by_ratio, damping=request.damping_ratio)
+        elif any(link.damping.any() for link in engine.links):
             self._solver = replace(self._by_ratio, engine=engine)
         else:
-            self._solver = replace(self._by_ratio, damping=request.damping_ratio)
+            self._solver = replace(self._by_ratio, damping=0.0)
 
     def made(self) -> EngineStability:
+        self._open_windows()
         solutions, interrupted = self._solutions()
         asked = set(self._request.crank_speeds.tolist())
         refused = {s.crank_speed: s.refusal for s in solutions if s.refusal is not None}
@@ -133,6 +142,20 @@ class _EngineMap:
             closed_early=narrower,
             interrupted=interrupted,
         )
+
+    def _open_windows(self) -> None:
+        """Build the linkage at the nodes of windows over the whole range of speeds."""
+        speeds = self._request.crank_speeds
+        low, high = float(speeds.min()), float(speeds.max())
+        count = int(np.ceil((high - low) / (WINDOW * self._lowest)))
+        ends = list(pairwise(np.linspace(low, high, count + 1).tolist()))
+        opened = self._each("stress", partial(_windows, self._by_ratio), ends)
+        windows = tuple(window for some in opened for window in some)
+        self._by_ratio = replace(self._by_ratio, windows=windows)
+        if self._solver.engine is not self._by_ratio.engine:
+            opened = self._each("damping", partial(_windows, self._solver), ends)
+            windows = tuple(window for some in opened for window in some)
+        self._solver = replace(self._solver, windows=windows)
 
     def _solutions(self) -> tuple[list[_Solution], bool]:
         """Solutions at the speeds asked for and those between, by which modes are followed."""
@@ -236,6 +259,25 @@ class _EngineMap:
 
     def _progress(self, label: str, done: int, total: int) -> None:
         self._report(f"{self._solver.engine.name}: {label}", done, total)
+
+
+def _windows(solver: LinkageSolver, ends: tuple[float, float]) -> list[SpeedWindow]:
+    """Windows between two speeds, as narrow as interpolation needs them.
+
+    None is left where there is no equilibrium, or where it changes too fast: there each speed is
+    solved for by itself.
+    """
+    low, high = ends
+    try:
+        window = solver.window(low, high)
+        if window.error <= WINDOW_TOLERANCE:
+            return [window]
+    except ComputationError:
+        pass
+    if high - low < NARROWEST * abs(high):
+        return []
+    middle = (low + high) / 2
+    return [*_windows(solver, (low, middle)), *_windows(solver, (middle, high))]
 
 
 def _level(request: StabilityRequest) -> Prestress:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.optimize
@@ -40,7 +40,7 @@ def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors
     ExponentErrors
     """
     modes = solver.solve(solver.moving(crank_speed))
-    larger, finer = replace(solver, larger=solver.larger + 1), solver.refined()
+    larger, finer = solver.with_more_modes(), solver.refined()
     return ExponentErrors(
         reduction=_apart(modes, larger.solve(larger.moving(crank_speed))),
         mesh=_apart(modes, finer.solve(finer.moving(crank_speed))) * BY_REFINEMENT,

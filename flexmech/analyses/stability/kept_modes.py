@@ -8,13 +8,12 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from flexmech.time_domain import FloquetModes, MovingModes, floquet_modes
+from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
+from flexmech.time_domain import FloquetModes, floquet_modes
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["SHAPE_ANGLES", "KeptModes", "kept_modes", "matched"]
+__all__ = ["KeptModes", "kept_modes", "matched"]
 
-SHAPE_ANGLES = 16
-"""Crank angles a turn at which the shapes of modes are compared."""
 # Harmonics to either side of the largest whose share is told.
 HARMONICS = 4
 
@@ -80,33 +79,30 @@ class KeptModes:
         )
 
 
-def kept_modes(moving: MovingModes, damping: float, steps: int, modes: int) -> KeptModes:
+def kept_modes(linkage: VibratingLinkage, damping: float, steps: int) -> KeptModes:
     """Floquet modes that lie in the lowest natural modes of all crank angles.
 
     Parameters
     ----------
-    moving : MovingModes
+    linkage : VibratingLinkage
     damping : float
-        Factor on the damping of ``moving``.
+        Factor on the damping of the linkage.
     steps : int
         Steps of the propagator a turn; a multiple of :data:`SHAPE_ANGLES`.
-    modes : int
-        Number m of natural modes.
 
     Returns
     -------
     KeptModes
     """
-    found = floquet_modes(moving.system(damping), steps)
-    largest, shapes, shares = _about_largest_harmonic(found, moving)
-    positions = slice(None, None, len(moving.basis) // SHAPE_ANGLES)
-    times = slice(None, None, steps // SHAPE_ANGLES)
-    displaced = moving.basis[positions] @ shapes[times]
-    kept = _within_lowest(moving, positions, displaced, modes)
+    found = floquet_modes(linkage.system(damping), steps)
+    largest, shapes, shares = _about_largest_harmonic(found, linkage)
+    sampled = shapes[:: steps // SHAPE_ANGLES]
+    kept = _within_lowest(linkage, sampled)
+    weighted = linkage.weighted @ sampled[..., kept]
     return KeptModes(
-        2 * np.pi / moving.turn.period,
-        found.exponent[kept] + 2j * np.pi * largest[kept] / moving.turn.period,
-        _weighted(moving, positions, displaced[..., kept]),
+        linkage.crank_speed,
+        found.exponent[kept] + 2j * np.pi * largest[kept] / linkage.period,
+        weighted / np.sqrt((np.abs(weighted) ** 2).sum(axis=(0, 1))),
         shares[:, kept],
         found.liouville_defect,
         steps,
@@ -132,7 +128,7 @@ def matched(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> In
 
 
 def _about_largest_harmonic(
-    found: FloquetModes, moving: MovingModes
+    found: FloquetModes, linkage: VibratingLinkage
 ) -> tuple[IntArray, NDArray[np.complex128], FloatArray]:
     """Number of each mode's largest harmonic; y without it, (N, m, n); shares of others by it.
 
@@ -141,7 +137,7 @@ def _about_largest_harmonic(
     """
     states = found.shapes()
     size = (np.abs(np.fft.fft(states, axis=0)) ** 2).sum(axis=1)
-    shapes = states[:, : moving.size] / np.sqrt(moving.scale)[:, None]
+    shapes = states[:, : linkage.size] / np.sqrt(linkage.scale)[:, None]
     steps, _, count = shapes.shape
     place = size.argmax(axis=0)
     near = (place + np.arange(-HARMONICS, HARMONICS + 1)[:, None]) % steps
@@ -151,29 +147,10 @@ def _about_largest_harmonic(
     return number.astype(np.intp), shapes * turned[:, None], shares
 
 
-def _within_lowest(
-    moving: MovingModes, positions: slice, displaced: NDArray[np.complex128], modes: int
-) -> IntArray:
-    """The 2 m modes whose displacement lies most in the lowest m natural modes."""
-    lowest = np.swapaxes(moving.turn.frozen_modes[positions, :, :modes], 1, 2)
-    mass = moving.turn.mass[positions]
-    inside = (np.abs(lowest @ (mass @ displaced)) ** 2).sum(axis=(0, 1))
-    of_all = np.einsum("aik,aij,ajk->k", displaced.conj(), mass, displaced, optimize=True).real
+def _within_lowest(linkage: VibratingLinkage, shapes: NDArray[np.complex128]) -> IntArray:
+    """The 2 m modes whose displacement (angles, m, n) lies most in the lowest m natural modes."""
+    inside = (np.abs(linkage.lowest @ shapes) ** 2).sum(axis=(0, 1))
+    of_all = (np.abs(shapes) ** 2).sum(axis=(0, 1))
     # Of two conjugate modes round-off must not part one from the other.
     order = np.argsort(-np.round(inside / of_all, 9), kind="stable")
-    return np.sort(order[: 2 * modes])
-
-
-def _weighted(
-    moving: MovingModes, positions: slice, displaced: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
-    """Coordinates of all unreduced links, weighted by their mass and of unit size."""
-    turn = moving.turn
-    coordinates = turn.frames.link_coordinates(turn.motion.at(positions), displaced)
-    parts = [
-        np.linalg.cholesky(link.mass).T @ basis @ q
-        for link, basis, q in zip(turn.unreduced, turn.bases, coordinates, strict=True)
-    ]
-    joined = np.concatenate(parts, axis=1)
-    size = np.sqrt((np.abs(joined) ** 2).sum(axis=(0, 1)))
-    return np.asarray(joined / size, dtype=complex)
+    return np.sort(order[: 2 * linkage.lowest.shape[1]])

@@ -8,8 +8,8 @@ import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor
-from typing import TypeVar
+from concurrent.futures import ProcessPoolExecutor
+from typing import Any, TypeVar
 
 from flexmech.interruption import STOPPING
 from flexmech.threads import one_thread
@@ -18,6 +18,8 @@ __all__ = ["FEW", "in_order"]
 
 FEW = 6
 """Tasks that are not worth processes of their own."""
+
+_tasks: list[Callable[[Any], Any]] = []
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
@@ -45,17 +47,26 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
         with one_thread():
             yield from map(task, items)
         return
-    context = multiprocessing.get_context("fork")
-    with ProcessPoolExecutor(workers, context, _begin) as pool:
-        with warnings.catch_warnings():
-            # Progress runs in a thread of its own, which the processes do not use.
-            warnings.simplefilter("ignore", DeprecationWarning)
-            waiting: list[Future[Answer]] = [pool.submit(task, item) for item in items]
-        try:
-            for future in waiting:
-                yield future.result()
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+    # What a process is split off with need not be sent to it: tasks may hold large arrays.
+    _tasks.append(task)
+    try:
+        context = multiprocessing.get_context("fork")
+        with ProcessPoolExecutor(workers, context, _begin) as pool:
+            with warnings.catch_warnings():
+                # Progress runs in a thread of its own, which the processes do not use.
+                warnings.simplefilter("ignore", DeprecationWarning)
+                waiting = [pool.submit(_do, item) for item in items]
+            try:
+                for future in waiting:
+                    yield future.result()
+            finally:
+                pool.shutdown(wait=True, cancel_futures=True)
+    finally:
+        _tasks.remove(task)
+
+
+def _do(item: Any) -> Any:
+    return _tasks[-1](item)
 
 
 def _processors() -> int:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.stability.kept_modes import SHAPE_ANGLES
+from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES
 from flexmech.choices import MAP_PRESTRESS_LEVELS, MOVING_FRAMES, MapPrestress, MovingFrame
 from flexmech.errors import InputError
 from flexmech.numbers import Bounds, check_choice, check_count, check_number, checked_array

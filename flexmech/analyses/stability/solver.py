@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexmech.analyses.stability.kept_modes import SHAPE_ANGLES, KeptModes, kept_modes, matched
+from flexmech.analyses.stability.kept_modes import KeptModes, kept_modes, matched
+from flexmech.analyses.stability.speed_window import SpeedWindow, chebyshev_nodes
+from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
 from flexmech.choices import MovingFrame
 from flexmech.linear_system import Engine, Prestress
 from flexmech.time_domain import (
@@ -76,6 +78,8 @@ class LinkageSolver:
         How many times a larger number of moving modes is taken than is needed.
     frame : {"link", "inertial"}
         Of the coordinates whose rates are taken.
+    windows : tuple of SpeedWindow
+        In which the linkage is interpolated.
     """
 
     engine: Engine
@@ -85,9 +89,10 @@ class LinkageSolver:
     steps: int | None = None
     larger: int = 0
     frame: MovingFrame = "link"
+    windows: tuple[SpeedWindow, ...] = ()
 
-    def moving(self, crank_speed: float) -> MovingModes:
-        """The linkage in its moving modes.
+    def moving(self, crank_speed: float) -> VibratingLinkage:
+        """The linkage in its moving modes; interpolated, where a window holds the speed.
 
         Parameters
         ----------
@@ -96,21 +101,56 @@ class LinkageSolver:
 
         Returns
         -------
-        MovingModes
+        VibratingLinkage
 
         Raises
         ------
         ComputationError
-            If there is no equilibrium, or the linkage is statically unstable.
+            If there is no equilibrium.
         """
+        for window in self.windows:
+            if window.holds(crank_speed):
+                return window.at(crank_speed)
+        return VibratingLinkage.of(self._moving_modes(crank_speed, crank_speed), self.modes)
+
+    def window(self, low: float, high: float) -> SpeedWindow:
+        """Build the linkage at the nodes of a window of speeds.
+
+        Parameters
+        ----------
+        low, high : float
+            rad/s, of one sign.
+
+        Returns
+        -------
+        SpeedWindow
+
+        Raises
+        ------
+        ComputationError
+            If there is no equilibrium at a node.
+        """
+        speeds = chebyshev_nodes(low, high)
+        if speeds[0] < 0:
+            speeds = speeds[::-1]
+        fastest = float(speeds[0])
+        first = self._moving_modes(fastest, fastest)
+        nodes = [first]
+        for speed in speeds[1:].tolist():
+            turn = self._turn(speed, len(first.basis), fastest)
+            nodes.append(moving_modes(turn, first.size, like=first))
+        return SpeedWindow(low, high, [VibratingLinkage.of(node, self.modes) for node in nodes])
+
+    def _moving_modes(self, crank_speed: float, fastest: float) -> MovingModes:
+        """With as many samples of a turn and as many modes as are needed."""
         samples = SAMPLES[0]
         while True:
-            turn = self._turn(crank_speed, samples)
+            turn = self._turn(crank_speed, samples, fastest)
             counts = counts_of_modes(turn, self.modes, 1 + self.larger)
             found = moving_modes(turn, counts[-1])
-            more = [count for count in SAMPLES if count >= found.samples_for(SERIES_TOLERANCE)]
             if found.series_error <= SERIES_TOLERANCE or samples == SAMPLES[-1]:
                 return found
+            more = [count for count in SAMPLES if count >= found.samples_for(SERIES_TOLERANCE)]
             samples = more[0] if more else SAMPLES[-1]
 
     @property
@@ -120,19 +160,24 @@ class LinkageSolver:
 
     def refined(self) -> LinkageSolver:
         """The same on a mesh of half the element length."""
-        return replace(self, engine=self.engine.with_(elements=2 * self.engine.elements))
+        engine = self.engine.with_(elements=2 * self.engine.elements)
+        return replace(self, engine=engine, windows=())
 
-    def with_half_the_steps(self, moving: MovingModes) -> LinkageSolver:
+    def with_more_modes(self) -> LinkageSolver:
+        """The same with a larger number of moving modes."""
+        return replace(self, larger=self.larger + 1, windows=())
+
+    def with_half_the_steps(self, moving: VibratingLinkage) -> LinkageSolver:
         """The same with half the steps of a turn."""
         half = self.steps_for(moving) // (2 * SHAPE_ANGLES)
         return replace(self, steps=SHAPE_ANGLES * max(1, half))
 
-    def solve(self, moving: MovingModes, damping: float | None = None) -> KeptModes:
+    def solve(self, moving: VibratingLinkage, damping: float | None = None) -> KeptModes:
         """Kept Floquet modes; ``damping`` takes the place of the solver's own factor."""
         factor = self.damping if damping is None else damping
-        return kept_modes(moving, factor, self.steps_for(moving), self.modes)
+        return kept_modes(moving, factor, self.steps_for(moving))
 
-    def growth_at(self, moving: MovingModes, damping: float) -> float:
+    def growth_at(self, moving: VibratingLinkage, damping: float) -> float:
         """Greatest growth rate of the kept modes in 1/s with a factor on the damping."""
         return self.solve(moving, damping).growth_rate
 
@@ -148,27 +193,25 @@ class LinkageSolver:
         log, other = modes.exponent * modes.period, coarse.exponent * coarse.period
         gap = log - other[matched(log, other)]
         angle = gap.imag - 2 * np.pi * np.round(gap.imag / (2 * np.pi))
-        lowest, crank_angle = moving.turn.frozen_squares[:, 0], moving.turn.motion.crank_angle
         return SolvedSpeed(
             modes=modes,
             step_error=np.hypot(gap.real, angle),
             moving_modes=moving.size,
             is_definite=moving.is_definite,
-            buckled_angle=float(crank_angle[lowest.argmin()]) if lowest.min() <= 0 else None,
+            buckled_angle=moving.least_angle if moving.least_square <= 0 else None,
         )
 
-    def _turn(self, crank_speed: float, samples: int) -> SampledTurn:
+    def _turn(self, crank_speed: float, samples: int, fastest: float) -> SampledTurn:
         angle = np.sign(crank_speed) * 2 * np.pi / samples * np.arange(samples)
         motion = self.engine.mechanism.linkage.motion(angle, crank_speed)
         stressed = self.engine.stressed_links(motion, self.prestress)
-        return SampledTurn.of(self.engine, motion, stressed, self.prestress, self.modes)
+        return SampledTurn.of(self.engine, motion, stressed, self.prestress, self.modes, fastest)
 
-    def steps_for(self, moving: MovingModes) -> int:
+    def steps_for(self, moving: VibratingLinkage) -> int:
         """Steps of the propagator a turn."""
         if self.steps is not None:
             return self.steps
-        if not moving.turn.turns_pins:
+        if moving.is_constant:
             return LEAST_STEPS
-        radians = float(np.sqrt(moving.turn.frozen_squares[:, moving.size - 1].max()))
-        wanted = max(LEAST_STEPS, radians * moving.turn.period / RADIANS_A_STEP)
+        wanted = max(LEAST_STEPS, moving.fastest * moving.period / RADIANS_A_STEP)
         return 2 * SHAPE_ANGLES * int(np.ceil(wanted / (2 * SHAPE_ANGLES)))

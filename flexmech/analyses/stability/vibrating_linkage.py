@@ -1,0 +1,113 @@
+"""What stability needs of the linkage at a crank speed: a small periodic system and its shapes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.time_domain import FourierSeries, MovingModes, SampledPeriodicSystem
+from flexmech.types import FloatArray
+
+__all__ = ["SHAPE_ANGLES", "VibratingLinkage"]
+
+SHAPE_ANGLES = 16
+"""Crank angles a turn at which the shapes of modes are compared."""
+
+
+@dataclass(frozen=True)
+class VibratingLinkage:
+    """The linkage in m moving modes, without the matrices from which they were made.
+
+    Parameters
+    ----------
+    crank_speed : float
+        rad/s.
+    scale : ndarray, shape (m,)
+        See :class:`flexmech.time_domain.MovingModes`.
+    conservative, dissipative : FourierSeries
+        Of the system's matrix (2 m, 2 m), and of what damping adds to it.
+    weighted : ndarray, shape (SHAPE_ANGLES, N, m)
+        From y to the coordinates of all unreduced links, weighted by their mass.
+    lowest : ndarray, shape (SHAPE_ANGLES, modes, m)
+        From y to the amplitudes of the lowest natural modes at the same crank angles.
+    fastest : float
+        Greatest natural frequency of the moving modes in rad/s.
+    least_square, least_angle : float
+        Least square of a natural frequency in (rad/s)^2, and its crank angle in rad.
+    is_definite : bool
+        Whether the Hamilton function is positive definite at all crank angles.
+    is_constant : bool
+        Whether nothing changes along the turn.
+    orbit_distance, orbit_residual : float or None
+        Of the periodic motion, if it is about one.
+    """
+
+    crank_speed: float
+    scale: FloatArray
+    conservative: FourierSeries
+    dissipative: FourierSeries
+    weighted: FloatArray
+    lowest: FloatArray
+    fastest: float
+    least_square: float
+    least_angle: float
+    is_definite: bool
+    is_constant: bool
+    orbit_distance: float | None = None
+    orbit_residual: float | None = None
+
+    @classmethod
+    def of(cls, moving: MovingModes, modes: int) -> VibratingLinkage:
+        """Take what is needed from moving modes.
+
+        Parameters
+        ----------
+        moving : MovingModes
+        modes : int
+            Natural modes whose Floquet modes are kept.
+
+        Returns
+        -------
+        VibratingLinkage
+        """
+        turn = moving.turn
+        some = slice(None, None, len(moving.basis) // SHAPE_ANGLES)
+        basis, squares = moving.basis[some], turn.frozen_squares
+        coordinates = turn.frames.link_coordinates(turn.motion.at(some), basis)
+        weighted = [
+            np.linalg.cholesky(link.mass).T @ reduction @ q
+            for link, reduction, q in zip(turn.unreduced, turn.bases, coordinates, strict=True)
+        ]
+        lowest = np.swapaxes(turn.frozen_modes[some, :, :modes], 1, 2)
+        least = int(squares[:, 0].argmin())
+        return cls(
+            crank_speed=turn.crank_speed,
+            scale=moving.scale,
+            conservative=moving.conservative,
+            dissipative=moving.dissipative,
+            weighted=np.concatenate(weighted, axis=1),
+            lowest=lowest @ turn.mass[some] @ basis,
+            fastest=float(np.sqrt(squares[:, moving.size - 1].max())),
+            least_square=float(squares[least, 0]),
+            least_angle=float(turn.motion.crank_angle[least]),
+            is_definite=moving.is_definite,
+            is_constant=not turn.turns_pins,
+        )
+
+    @property
+    def size(self) -> int:
+        """Number m of moving modes."""
+        return len(self.scale)
+
+    @property
+    def period(self) -> float:
+        """Time of a turn in s."""
+        return 2 * np.pi / abs(self.crank_speed)
+
+    def system(self, damping: float) -> SampledPeriodicSystem:
+        """Periodic system with the damping times a factor; 0 leaves it out."""
+        coefficients = self.conservative.coefficients
+        if damping:
+            coefficients = coefficients + damping * self.dissipative.coefficients
+        return SampledPeriodicSystem(FourierSeries(coefficients), self.period)
