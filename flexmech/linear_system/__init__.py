@@ -8,7 +8,12 @@ from flexmech.linear_system.component_modes import (
     component_modes,
 )
 from flexmech.linear_system.engine import Engine
-from flexmech.linear_system.link_frames import LinkDamping, LinkFrames, RotationTerms
+from flexmech.linear_system.link_frames import (
+    LinkDamping,
+    LinkFrames,
+    RotationTerms,
+    SystemMatrices,
+)
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
 from flexmech.linear_system.link_readings import LinkReadings
 from flexmech.linear_system.link_stretch import LinkStretch
@@ -51,6 +56,7 @@ __all__ = [
     "RigidFields",
     "RotationTerms",
     "StressedLinks",
+    "SystemMatrices",
     "TheoryComparison",
     "TheoryDifference",
     "checked_mechanism",

@@ -224,7 +224,7 @@ class Engine(ElementKinds):
     def running_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:
-        """Tangent stiffness of each link in states of the running linkage.
+        """Tangent stiffness, internal forces and damping in states of the running linkage.
 
         Parameters
         ----------

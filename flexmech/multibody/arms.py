@@ -75,6 +75,23 @@ class Arms:
         nodes[..., 1::PER_NODE] -= self.length * np.sin(angle) * spin
         return nodes
 
+    def force(self, axis: FloatArray, force: FloatArray) -> FloatArray:
+        """Forces on the nodes' coordinates as those on the axis points, ``J' f``.
+
+        Parameters
+        ----------
+        axis, force : ndarray, shape (..., n)
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+        """
+        on_axis = force.copy()
+        angle = axis[..., 2::PER_NODE]
+        along, across = force[..., 0::PER_NODE], force[..., 1::PER_NODE]
+        on_axis[..., 2::PER_NODE] -= self.length * (along * np.cos(angle) + across * np.sin(angle))
+        return on_axis
+
     def matrix(self, axis: FloatArray, matrix: FloatArray) -> FloatArray:
         """A matrix of the nodes' coordinates in those of the axis points, ``J' X J``.
 

@@ -25,7 +25,7 @@ from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
-from flexmech.multibody.linearize import running_tangents, static_equilibrium
+from flexmech.multibody.linearize import internal_forces, running_tangents, static_equilibrium
 from flexmech.multibody.running_model import RunningModel
 from flexmech.multibody.simulation import Simulation
 from flexmech.multibody.static_model import StaticModel
@@ -222,9 +222,10 @@ class ExudynEngine(Engine):
     def running_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:
-        """Tangent stiffness in running states; see :meth:`Engine.running_links`."""
+        """Stiffness and internal forces in running states; see :meth:`Engine.running_links`."""
         tangent, damping = running_tangents(self.model, motion, displacement)
-        return StressedLinks(tangent, list(displacement), damping=damping)
+        force = internal_forces(self.model, displacement)
+        return StressedLinks(tangent, list(displacement), force, damping)
 
     def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
         nodes = [part.positions for part in self.model.assembly.parts]

@@ -25,6 +25,7 @@ from flexmech.types import FloatArray, IntArray
 
 __all__ = [
     "StaticEquilibrium",
+    "internal_forces",
     "linearized",
     "running_tangents",
     "simulation_settings",
@@ -171,6 +172,30 @@ def running_tangents(
         state = model.move_to(motion, number) + _turned(assembly, q, relative[number])
         tangents.take(number, settings, state)
     return tangents.in_link_frames(relative)
+
+
+def internal_forces(model: StaticModel, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+    """Elastic forces of each link in its frame in given states.
+
+    Parameters
+    ----------
+    model : StaticModel
+    displacement : sequence of ndarray, shape (B, n_link)
+        Elastic displacement of each link in its frame.
+
+    Returns
+    -------
+    list of ndarray, shape (B, n_link)
+        The derivatives of the strain energy by which Exudyn's elements store it.
+    """
+    forces = []
+    for link, (part, q) in enumerate(zip(model.assembly.parts, displacement, strict=True)):
+        arms = part.arms
+        if arms is None:
+            forces.append(_internal_force(model.assembly, link, q))
+        else:
+            forces.append(arms.force(q, _internal_force(model.assembly, link, arms.moved(q))))
+    return forces
 
 
 class _Tangents:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import ClassVar
 
@@ -114,11 +115,27 @@ class ReferenceEngine(Engine):
         displacement = self.equilibrium.solve(motion, loads, varying)
         topology = self.mechanism.linkage.topology
         refuse_large_displacements(topology, self.links, motion, displacement)
+        return self._displaced(displacement, varying)
+
+    def running_links(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> StressedLinks:
+        """Stiffness and internal forces in running states; see :meth:`Engine.running_links`.
+
+        The tension varies inside an element as the inertia forces of the rigid motion make it;
+        what those of the elastic motion add inside it is left out, and falls with the square
+        of the element length. Their mean is that of the state.
+        """
+        return self._displaced(displacement, self._geometric(motion, varying_part_only=True))
+
+    def _displaced(
+        self, displacement: Sequence[FloatArray], varying: Sequence[FloatArray]
+    ) -> StressedLinks:
         force, tangent = self.equilibrium.response(displacement, varying)
         damping = None
         if any(section.damping.any for section in self.mechanism.sections.values()):
             damping = [assemble_chain(d) for d in self.equilibrium.damping(displacement)]
-        return StressedLinks(tangent, displacement, force, damping)
+        return StressedLinks(tangent, list(displacement), force, damping)
 
     def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
         geometric = self._geometric(motion, varying_part_only=False)

@@ -8,6 +8,7 @@ from flexmech.time_domain.floquet import FloquetModes, floquet_modes
 from flexmech.time_domain.fourier import FourierSeries
 from flexmech.time_domain.linear_run import linear_run
 from flexmech.time_domain.moving_modes import MovingModes, counts_of_modes, moving_modes
+from flexmech.time_domain.nonlinear_orbit import NonlinearOrbit, nonlinear_orbit
 from flexmech.time_domain.orbit import PeriodicOrbit, simulated_orbit
 from flexmech.time_domain.periodic import TurnMap, periodic_state, periodic_turn, turn_map
 from flexmech.time_domain.periodic_system import (
@@ -32,6 +33,7 @@ __all__ = [
     "Integrator",
     "LinkState",
     "MovingModes",
+    "NonlinearOrbit",
     "PeriodicOrbit",
     "PeriodicSystem",
     "Recorder",
@@ -50,6 +52,7 @@ __all__ = [
     "linear_run",
     "lowest_axial_frequency",
     "moving_modes",
+    "nonlinear_orbit",
     "periodic_state",
     "periodic_turn",
     "simulated_orbit",
