@@ -112,7 +112,7 @@ def nonlinear_orbit(engine: Engine, crank_speed: float, samples: int = 128) -> N
     >>> orbit.residual < 1e-9
     True
     >>> round(orbit.distance, 2)
-    0.1
+    0.09
     """
     CrankDrive(crank_speed)  # refuses what is no speed
     check_count(samples, "samples")
