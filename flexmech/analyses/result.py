@@ -201,7 +201,29 @@ class Result(ABC):
         path = given_path(path)
         if not path.is_file():
             raise InputError(f"{path}: no such result file")
-        loaded = read_netcdf(path)
+        return cls.of_file(path, read_netcdf(path))
+
+    @classmethod
+    def of_file(cls, path: Path, loaded: xr.Dataset) -> Self:
+        """Make the result of what a file holds.
+
+        Parameters
+        ----------
+        path : Path
+            Named in messages.
+        loaded : xarray.Dataset
+            What :func:`flexmech.analyses.netcdf.read_netcdf` gives of it.
+
+        Returns
+        -------
+        Result
+            Of this class.
+
+        Raises
+        ------
+        InputError
+            If it is no such result of flexmech.
+        """
         if cls.hallmark not in loaded:
             raise InputError(
                 f"{path}: holds no variable {cls.hallmark!r}; not a {cls.stem} result of flexmech"

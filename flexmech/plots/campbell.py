@@ -11,11 +11,11 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator
 
 from flexmech.plots import scales, style
-from flexmech.plots.frequencies import contiguous_runs
 from flexmech.plots.labels import engine_label, link_label, speed_unit
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
 from flexmech.plots.reading import names_of, values_of
 from flexmech.plots.series import Look, line_handle, series_line, series_style
+from flexmech.runs import unbroken_runs
 from flexmech.units import from_si
 
 __all__ = ["plot_campbell"]
@@ -164,8 +164,8 @@ def _draw_gaps(axes: Axes, dataset: xr.Dataset, factor: float, *, labelled: bool
     """Speeds without a result by the first engine, as far as the next ones with one."""
     exists = np.isfinite(values_of(dataset["lowest_frequency"], "engine", "crank_speed", "branch"))
     exists, speed = exists[0, :, 0], factor * dataset["crank_speed"].values
-    for low, high in contiguous_runs(~exists):
-        left, right = speed[max(low - 1, 0)], speed[min(high + 1, len(speed) - 1)]
+    for run in unbroken_runs(~exists):
+        left, right = speed[max(run.start - 1, 0)], speed[min(run.stop, len(speed) - 1)]
         axes.axvspan(left, right, **GAP, zorder=0)
         if labelled:
             middle = (left + right) / 2

@@ -16,9 +16,10 @@ from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.reading import MAP, cell_edges, degrees, values_of
 from flexmech.plots.series import Look, line_handle
 from flexmech.plots.speed_colours import colour_bar, has_many_speeds, speed_lines
+from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray
 
-__all__ = ["contiguous_runs", "mode_groups", "plot_frequencies", "points_between"]
+__all__ = ["mode_groups", "plot_frequencies", "points_between"]
 
 # Two modes whose bands are this close in ratio can exchange branches; modes further apart
 # only seem to, where the crank angles are too coarse to follow a branch.
@@ -114,19 +115,13 @@ def mode_groups(dataset: xr.Dataset) -> list[list[int]]:
     return [group.tolist() for group in np.split(np.arange(n_modes), cuts)]
 
 
-def contiguous_runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """First and last position of each unbroken run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
-    return [(int(start), int(stop) - 1) for start, stop in edges.reshape(-1, 2)]
-
-
 def _mark_veering(axes: Axes, angles: FloatArray, veering: NDArray[np.bool_]) -> None:
     """Grey strip along the axis where a mode veers at any speed; (speed, angle, mode)."""
     # A flagged angle stands for the interval half way to its neighbours.
     edges = np.clip(cell_edges(angles), angles[0], angles[-1])
     height = VEERING_STRIP / veering.shape[-1]
-    for first, last in contiguous_runs(np.any(veering, axis=(0, 2))):
-        axes.axvspan(edges[first], edges[last + 1], ymax=height, **STRIP, zorder=0)
+    for run in unbroken_runs(np.any(veering, axis=(0, 2))):
+        axes.axvspan(edges[run.start], edges[run.stop], ymax=height, **STRIP, zorder=0)
 
 
 def points_between(dataset: xr.Dataset) -> list[Between]:

@@ -46,7 +46,6 @@ TEXT_POINTS, LINE_INCHES = 7.0, 0.13
 DRAWN, BAR_INCHES = 0.42, 0.32
 # More layers than these are told by their greys alone.
 MOST_EDGES = 60
-USUAL = (40.0, 140.0)
 
 
 def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -147,7 +146,8 @@ def _handles(dataset: xr.Dataset) -> list[Artist]:
     for ply, grey in plies.items() if len(plies) > 1 else ():
         handles.append(Patch(fc=grey, ec=style.MID_GREY, lw=0.6, label=ply.replace("$", r"\$")))
     if "transmission_angle" in dataset:
-        usual = f"usual transmission angle, {USUAL[0]:g}° to {USUAL[1]:g}°"
+        low, high = _degrees(dataset["usual_transmission_angle"])
+        usual = f"usual transmission angle, {low:g}° to {high:g}°"
         handles.append(Patch(color=style.LIGHT_GREY, lw=0, label=usual))
     return handles
 
@@ -337,15 +337,23 @@ def _draw_transmission_angle(axes: Axes, dataset: xr.Dataset) -> None:
     """Transmission angle over the turn, with the usual range and where the posture is."""
     angles = degrees(dataset["crank_angle"])
     values = np.degrees(dataset["transmission_angle"].values.astype(float))
-    axes.axhspan(*USUAL, color=style.LIGHT_GREY, lw=0, zorder=0)
+    usual = _degrees(dataset["usual_transmission_angle"])
+    axes.axhspan(*usual, color=style.LIGHT_GREY, lw=0, zorder=0)
     axes.axhline(90.0, color=style.MID_GREY, lw=0.6, zorder=1)
     axes.plot(angles, values, color="black")
     posture = np.degrees(dataset["posture_angle"].item()) % 360.0
     axes.plot(posture, np.interp(posture, angles, values), "o", color="black", ms=4, zorder=3)
-    low, high = np.degrees(dataset["transmission_angle_limit"].values.astype(float)).tolist()
+    low, high = _degrees(dataset["transmission_angle_limit"])
     axes.set_title(f"Transmission angle {low:.3g}° to {high:.3g}°")
-    lowest, highest = min(low, USUAL[0]) - 8.0, max(high, USUAL[1]) + 8.0
-    axes.set_yticks([tick for tick in (0.0, 40.0, 90.0, 140.0, 180.0) if lowest < tick < highest])
+    lowest, highest = min(low, *usual) - 8.0, max(high, *usual) + 8.0
+    ticks = (0.0, 90.0, 180.0, *usual)
+    axes.set_yticks([tick for tick in ticks if lowest < tick < highest])
     axes.set_ylim(lowest, highest)
     scales.crank_angle_axis(axes, angles, narrow=True)
     axes.set(xlabel="Crank angle (deg)", ylabel="Transmission angle (deg)")
+
+
+def _degrees(limits: xr.DataArray) -> list[float]:
+    """Lowest and highest of a range in degrees."""
+    found: list[float] = np.degrees(limits.values.astype(float)).tolist()
+    return found

@@ -22,6 +22,7 @@ from flexmech.report.last_turn import over_a_turn
 from flexmech.report.panels.frequencies import in_each_state
 from flexmech.report.results import Results
 from flexmech.report.words import crank_degrees, engine_names, speed_name, speed_unit_of, state_of
+from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray
 
 __all__ = ["mechanism_of", "moving_linkage"]
@@ -97,10 +98,7 @@ def _standing(mechanism: Mechanism) -> FloatArray:
     stands = standing(mechanism.linkage, np.radians(degrees))
     if not stands.any():
         raise InputError("the linkage can stand at no crank angle of whole degrees")
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], stands, [False]]).astype(int)))
-    starts, stops = edges[::2], edges[1::2]
-    longest = int(np.argmax(stops - starts))
-    return degrees[starts[longest] : stops[longest]]
+    return degrees[max(unbroken_runs(stands), key=len)]
 
 
 def _mode_shapes(results: Results, unit: str, arrays: Arrays) -> list[dict[str, Any]]:

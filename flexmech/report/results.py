@@ -138,8 +138,9 @@ def stored_results(folder: str | Path) -> Results:
 
 def _load(path: Path) -> Result:
     """A result of the kind that its title names."""
-    title = str(read_netcdf(path).attrs.get("title", ""))
+    loaded = read_netcdf(path)
+    title = str(loaded.attrs.get("title", ""))
     for kind in KINDS:
         if title == kind.subject or title.startswith(f"{kind.subject} of "):
-            return kind.load(path)
+            return kind.of_file(path, loaded)
     raise InputError(f"{path}: is {title!r}, which no panel of the report knows; move it away")

@@ -611,6 +611,7 @@ def mechanism_dataset(linkage: Linkage = FOURBAR, degrees: float = 60.0) -> xr.D
         dataset["transmission_angle"] = ("crank_angle", linkage.transmission_angle(turn))
         limits = np.array(linkage.transmission_angle_limits())
         dataset["transmission_angle_limit"] = ("limit", limits)
+        dataset["usual_transmission_angle"] = ("limit", np.radians([40.0, 140.0]))
     return dataset
 
 

@@ -35,6 +35,7 @@ ORDER = [
     "plausible",
     "numbers",
     "short_repr",
+    "runs",
     "model_text",
     "plots",
     "materials",
@@ -63,7 +64,7 @@ STRANGERS = {
     "analyses": {"reference", "multibody"},
 }
 # A figure is drawn from a dataset: it knows nothing of what computed it.
-PLOTS_KNOW = {"errors", "types", "units", "plots"}
+PLOTS_KNOW = {"errors", "types", "units", "runs", "plots"}
 MOST_LINES = 400
 MOST_LINES_OF_A_COMMAND = 120
 

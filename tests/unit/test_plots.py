@@ -21,10 +21,11 @@ from flexmech.plots import (
     plot_mode_shapes,
     plot_speed_effect,
 )
-from flexmech.plots.frequencies import contiguous_runs, mode_groups
+from flexmech.plots.frequencies import mode_groups
 from flexmech.plots.labels import speed_label
 from flexmech.plots.layout import legend_columns
 from flexmech.plots.series import SERIES_STYLES
+from flexmech.runs import unbroken_runs
 from tests.unit.figure_checks import check_layout, heading, legend_texts, lines_in, panels
 from tests.unit.plot_data import FULL_TURN, TERMS, arm_dataset, frequency_dataset
 
@@ -154,13 +155,13 @@ class TestBranches:
         crossing = frequency_dataset(crossing=True)
         figure = plot_frequencies(crossing)
         flags = crossing["veering"].isel(engine=0).any(("crank_speed", "mode")).values
-        assert len(figure.axes[0].patches) == len(contiguous_runs(flags)) > 0
+        assert len(figure.axes[0].patches) == len(unbroken_runs(flags)) > 0
         assert not figure.axes[1].patches
         assert "veering" in legend_texts(figure)
 
     def test_runs_of_flags(self) -> None:
         flags = np.array([True, False, True, True, False, True])
-        assert contiguous_runs(flags) == [(0, 0), (2, 3), (5, 5)]
+        assert unbroken_runs(flags) == [range(1), range(2, 4), range(5, 6)]
 
 
 class TestSpeedEffect:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.campbell.sampling import runs
+from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["CriticalSpeed", "Edge", "critical_speeds", "edges_of", "ray"]
@@ -95,8 +95,8 @@ def edges_of(crank_speed: FloatArray, values: FloatArray, orders: IntArray) -> l
     for order in orders.tolist():
         for branch in range(values.shape[2]):
             side = _side(crank_speed, values, order, branch)
-            for stretch in runs(np.isfinite(side)):
-                for place in stretch[:-1].tolist():
+            for stretch in unbroken_runs(np.isfinite(side)):
+                for place in stretch[:-1]:
                     before, after = side[place], side[place + 1]
                     ends = _ends_between(before, after)
                     found += [
@@ -131,7 +131,7 @@ def critical_speeds(
             side = _side(crank_speed, values, order, branch)
             own = [(e, w) for e, w in edges.items() if (e.order, e.branch) == (order, branch + 1)]
             ranges = []
-            for stretch in runs(np.isfinite(side)):
+            for stretch in unbroken_runs(np.isfinite(side)):
                 here = [(e, w) for e, w in own if stretch[0] <= e.place < stretch[-1]]
                 ends = float(crank_speed[stretch[0]]), float(crank_speed[stretch[-1]])
                 ranges += _ranges(order, branch + 1, here, ends, inside=side[stretch[0]] == 0)

@@ -13,11 +13,12 @@ from flexmech.analyses.campbell.crossings import CriticalSpeed, critical_speeds,
 from flexmech.analyses.campbell.edges import exact_edges
 from flexmech.analyses.campbell.projection import ProjectedSystems, projected_systems
 from flexmech.analyses.campbell.request import CampbellRequest
-from flexmech.analyses.campbell.sampling import SampledBands, runs, sampled_bands
+from flexmech.analyses.campbell.sampling import SampledBands, sampled_bands
 from flexmech.analyses.frequencies.discretisation import check_angle_indices, mesh_error
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
+from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["EngineDiagram", "Gap", "engine_diagram"]
@@ -114,7 +115,8 @@ def engine_diagram(
     speeds, turn = request.crank_speeds, request.turn
     checks = turn[check_angle_indices(turn, request.full_turn)]
     # Before the long work, and where links are bent least: the error of far bent links is told.
-    engine, systems, projection_error = _projected(engine, request, checks, tolerance)
+    meshed = _on_a_fine_mesh(engine, request, checks, tolerance)
+    systems = meshed.systems
     error = np.full(request.formulation.modes, ASSUMED_ERROR)
     solver = BandSolver(systems, turn, request.full_turn, error, report)
     sampled, places = sampled_bands(solver, speeds)
@@ -123,28 +125,43 @@ def engine_diagram(
         raise solver.reason(float(speeds[0]))
     some = there[np.unique(np.linspace(0, len(there) - 1, CHECKED_SPEEDS).astype(np.intp))]
     checked = speeds[some]
-    errors = np.stack(
-        [mesh_error(systems, checks, w).frequency.max(axis=0) for w in checked.tolist()]
-    )
+    errors = np.stack([meshed.error_at(w, checks).max(axis=0) for w in checked.tolist()])
     edges, crossing_error = exact_edges(
         solver, sampled, edges_of(sampled.crank_speed, sampled.values, request.orders)
     )
     return EngineDiagram(
-        engine=engine,
+        engine=meshed.engine,
         sampled=sampled,
         places=places,
         critical=critical_speeds(sampled.crank_speed, sampled.values, request.orders, edges),
         gaps=_gaps(solver, sampled, places, speed_unit),
         mesh_error=errors,
         checked_speeds=checked,
-        projection_error=projection_error,
+        projection_error=meshed.projection_error,
         crossing_error=crossing_error,
     )
 
 
-def _projected(
+@dataclass(frozen=True)
+class _Meshed:
+    """Systems on a mesh, and their mesh error (c, m) at the speed for which it was chosen."""
+
+    engine: Engine
+    systems: ProjectedSystems
+    projection_error: float
+    speed: float
+    error: FloatArray
+
+    def error_at(self, speed: float, checks: FloatArray) -> FloatArray:
+        """Mesh error at a speed."""
+        if speed == self.speed:
+            return self.error
+        return mesh_error(self.systems, checks, speed).frequency
+
+
+def _on_a_fine_mesh(
     engine: Engine, request: CampbellRequest, checks: FloatArray, tolerance: float | None
-) -> tuple[Engine, ProjectedSystems, float]:
+) -> _Meshed:
     """Systems on a mesh that is fine enough at the slowest speed that has a solution."""
     failure: ComputationError | None = None
     by_size = np.sort(np.abs(request.crank_speeds))
@@ -156,7 +173,7 @@ def _projected(
                 projected, projection_error = projected_systems(systems, checks, at)
                 error = mesh_error(projected, checks, speed).frequency
                 if _fine_enough(engine, error, tolerance):
-                    return engine, projected, projection_error
+                    return _Meshed(engine, projected, projection_error, speed, error)
                 engine = engine.with_(elements=2 * engine.elements)
         except ComputationError as refusal:
             failure = failure or refusal
@@ -184,5 +201,5 @@ def _gaps(
             len(run),
             solver.reason(float(speeds[run[0]])).told(speed_unit),
         )
-        for run in runs(~sampled.exists[places])
+        for run in unbroken_runs(~sampled.exists[places])
     ]

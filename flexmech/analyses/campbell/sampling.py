@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.campbell.bands import Bands, BandSolver
 from flexmech.analyses.campbell.fit import band_fit
+from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["FIT_TOLERANCE", "SampledBands", "runs", "sampled_bands", "speed_grid"]
+__all__ = ["FIT_TOLERANCE", "SampledBands", "sampled_bands", "speed_grid"]
 
 FIT_TOLERANCE = 3e-4
 """Relative difference of a predicted and a solved frequency up to which a fit is accepted."""
@@ -193,12 +194,6 @@ def _pairs(known: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return list(pairwise(places))
 
 
-def runs(flags: NDArray[np.bool_]) -> list[IntArray]:
-    """Places of each unbroken run of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
-    return [np.arange(start, stop) for start, stop in edges.reshape(-1, 2)]
-
-
 def _fitted(
     grid: FloatArray,
     solved: IntArray,
@@ -211,7 +206,7 @@ def _fitted(
     Not a number at failures and beyond the solved speeds.
     """
     found = np.full((len(places), *values.shape[1:]), np.nan)
-    for stretch in runs(~failed):
+    for stretch in unbroken_runs(~failed):
         own = np.isin(solved, stretch)
         nodes = solved[own]
         if not len(nodes):

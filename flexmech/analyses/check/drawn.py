@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.check.remarks import USUAL_TRANSMISSION_ANGLE
 from flexmech.linkages import CouplerCurve, FourBar, linkage_positions, standing
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
@@ -36,7 +37,8 @@ def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
         (mass, component) where there are some, and ``path_position`` (path, component). Over the
         turn ``path`` (path, crank_angle, component) of the pins that move, an arm's tip and the
         coupler point, and of a four-bar ``transmission_angle`` (crank_angle), not a number where
-        the linkage cannot stand, and ``transmission_angle_limit`` (limit). Of the sections
+        the linkage cannot stand, ``transmission_angle_limit`` and
+        ``usual_transmission_angle`` (limit). Of the sections
         ``layer_low`` and ``layer_high`` in m, ``ply`` and ``ply_angle`` over (link, layer), and
         ``stacking`` (link).
 
@@ -69,6 +71,7 @@ def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
         dataset["transmission_angle"] = ("crank_angle", _transmission_angle(linkage))
         limits = linkage.transmission_angle_limits()
         dataset["transmission_angle_limit"] = ("limit", np.array(limits))
+        dataset["usual_transmission_angle"] = ("limit", np.radians(USUAL_TRANSMISSION_ANGLE))
     return dataset.merge(_stacks(mechanism.sections))
 
 

@@ -28,8 +28,8 @@ LEAST_DENSITY, MOST_DENSITY = 10.0, 2.3e4
 LEAST_WAVE_SPEED, MOST_WAVE_SPEED = 10.0, 1.9e4
 # Below it shear and the ends govern: a link is no beam. Above it its own weight bends it.
 LEAST_SLENDERNESS, MOST_SLENDERNESS = 5.0, 1000.0
-LEAST_TRANSMISSION_ANGLE = math.radians(40.0)
-"""Alt's 40 degrees, as in Balli & Chand 2002, Mechanism and Machine Theory 37, 175-195."""
+USUAL_TRANSMISSION_ANGLE = (40.0, 140.0)
+"""In degrees; Alt's limits, as in Balli & Chand 2002, Mechanism and Machine Theory 37, 175-195."""
 MOST_LENGTH_RATIO = 20.0
 NEARLY_IN_LINE = 1e-3
 # Point masses over the mass of all links.
@@ -144,6 +144,7 @@ def _on_environment(mechanism: Mechanism) -> Iterator[str]:
 
 def _on_four_bar(linkage: FourBar, speeds: tuple[float, ...]) -> Iterator[str]:
     least, greatest = linkage.transmission_angle_limits()
+    low, high = USUAL_TRANSMISSION_ANGLE
     if not linkage.crank_turns_fully:
         # It ends where coupler and rocker are in line: its transmission angle says no more.
         if speeds:
@@ -151,11 +152,10 @@ def _on_four_bar(linkage: FourBar, speeds: tuple[float, ...]) -> Iterator[str]:
                 f"the crank cannot turn fully ({linkage.grashof_class}), and operating speeds are "
                 "stated"
             )
-    elif min(least, math.pi - greatest) < LEAST_TRANSMISSION_ANGLE:
-        low, high = (f"{math.degrees(angle):.4g}" for angle in (least, greatest))
-        allowed = math.degrees(LEAST_TRANSMISSION_ANGLE)
+    elif least < math.radians(low) or greatest > math.radians(high):
+        found = " to ".join(f"{math.degrees(angle):.4g}" for angle in (least, greatest))
         yield (
-            f"transmission angle {low} to {high} deg leaves {allowed:g} to {180 - allowed:g} deg: "
+            f"transmission angle {found} deg leaves {low:g} to {high:g} deg: "
             "large forces in the pins and little motion for them; see flexmech synthesize"
         )
     lengths = sorted(linkage.lengths.values())

@@ -5,15 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from flexmech.analyses import ModelCheck
-from flexmech.analyses.check.remarks import LEAST_TRANSMISSION_ANGLE
 from flexmech.report.panel import Panel, Plot, Trace, YAxis
 from flexmech.report.results import Results
 from flexmech.report.words import crank_degrees
 
 __all__ = ["mechanism_panel"]
-
-_LEAST = np.degrees(LEAST_TRANSMISSION_ANGLE)
-USUAL = (_LEAST, 180.0 - _LEAST)
 
 
 def mechanism_panel(results: Results) -> Panel | None:
@@ -60,7 +56,7 @@ def _transmission_angle(result: ModelCheck) -> tuple[Plot, ...]:
             1.0,
             legend=False,
         )
-        for limit in USUAL
+        for limit in np.degrees(data["usual_transmission_angle"].values).tolist()
     ]
     return (
         Plot(
