@@ -6,6 +6,7 @@ from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.floquet import FloquetModes, floquet_modes
 from flexmech.time_domain.fourier import FourierSeries
+from flexmech.time_domain.krein import krein_signature
 from flexmech.time_domain.linear_run import linear_run
 from flexmech.time_domain.moving_modes import MovingModes, counts_of_modes, moving_modes
 from flexmech.time_domain.nonlinear_orbit import NonlinearOrbit, nonlinear_orbit
@@ -49,6 +50,7 @@ __all__ = [
     "counts_of_modes",
     "floquet_modes",
     "is_reduced",
+    "krein_signature",
     "linear_run",
     "lowest_axial_frequency",
     "moving_modes",

@@ -19,28 +19,32 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError
-from flexmech.time_domain.periodic_system import PeriodicSystem, transitions
+from flexmech.time_domain.periodic_system import PeriodicSystem, exponents
 from flexmech.types import FloatArray
 
 __all__ = ["FloquetModes", "floquet_modes"]
 
-# Logarithm of how far apart the multipliers of one short transition matrix may be: twelve digits
-# of the weakest remain.
+# Logarithm of how far apart the multipliers, and singular values, of one short transition matrix
+# may be: twelve digits of the weakest remain.
 SHORT = 8.0
 # Groups part where the logarithms of neighbouring moduli are this far apart, and where they are
 # less far apart if a group would be wider than that from its strongest to its weakest mode: of
 # the weakest, eight digits remain.
 GROUPS_APART = 4.0
 WIDEST = 16.0
-PARTED = 1e-12
-# Turns after which the subspaces of groups that part least have no more than PARTED to go.
-MOST_TURNS = 400
+PARTED = 1e-11
+# Turns that groups take to show, and how many times what their distance asks for they may take.
+FIRST_TURNS = 20
+PATIENCE = 3.0
+# Of a step, to which damping ratios far above one lead.
+MOST_PARTS = 1024
 
 
 @dataclass(frozen=True)
@@ -61,7 +65,7 @@ class FloquetModes:
     period: float
     exponent: NDArray[np.complex128]
     trace_integral: float
-    _propagated: _Propagated
+    _propagated: _Shapes
 
     @property
     def log_modulus(self) -> FloatArray:
@@ -103,24 +107,60 @@ def floquet_modes(system: PeriodicSystem, steps: int) -> FloquetModes:
     Raises
     ------
     ComputationError
-        If the multipliers do not part into groups.
+        If the steps are so few that their transition matrices overflow, or if the multipliers
+        do not part into groups.
     """
-    step_matrices = transitions(system, steps)
     trace = np.einsum("kii->k", system.matrices(2 * steps, 0.0))
     integral = float(trace.mean() * system.period)
-    count = _chunk_count(steps, float(np.abs(trace).mean() * system.period))
-    chunks = step_matrices.reshape(count, steps // count, *step_matrices.shape[1:])
-    triangular = _triangular_form(_products(chunks))
+    exponent = exponents(system, steps)
+    if not np.ptp(exponent, axis=0).any():
+        return _constant_modes(exponent, system.period)
+    spread = float(np.abs(trace).mean() * system.period)
+    chunks, products = _short_products(exponent, spread)
+    triangular = _triangular_form(products)
     log, vectors = _block_eigenvalues(triangular)
     order = np.argsort(-log.real, kind="stable")
-    propagated = _Propagated(chunks, triangular, log, vectors, order)
+    propagated = _Propagated(steps, chunks, triangular, log, vectors, order)
     return FloquetModes(system.period, log[order] / system.period, integral, propagated)
+
+
+class _Shapes(Protocol):
+    """What the shapes of the modes are made from."""
+
+    def shapes(self) -> NDArray[np.complex128]:
+        """At the starts of the N steps, (N, n, n)."""
+
+
+@dataclass(frozen=True)
+class _Turning:
+    """Shapes of a constant system's modes, which turn by whole angles in a period."""
+
+    steps: int
+    vectors: NDArray[np.complex128]
+    turns: FloatArray
+
+    def shapes(self) -> NDArray[np.complex128]:
+        phase = 2j * np.pi * np.arange(self.steps)[:, None] / self.steps
+        return np.asarray(self.vectors * np.exp(phase * self.turns)[:, None])
+
+
+def _constant_modes(exponent: FloatArray, period: float) -> FloquetModes:
+    """Modes of a constant system, by its eigenvalues: some may die out within any step."""
+    steps = len(exponent)
+    values, vectors = np.linalg.eig(exponent[0])
+    order = np.argsort(-values.real, kind="stable")
+    log = steps * values[order].astype(complex)
+    turns = np.round(log.imag / (2 * np.pi))
+    shapes = _Turning(steps, vectors[:, order].astype(complex), turns)
+    trace = steps * float(np.trace(exponent[0]))
+    return FloquetModes(period, (log - 2j * np.pi * turns) / period, trace, shapes)
 
 
 @dataclass(frozen=True)
 class _Propagated:
     """What the shapes of the modes are made from; ``order`` is that in which they stand."""
 
+    steps: int
     chunks: FloatArray
     triangular: _TriangularForm
     log: NDArray[np.complex128]
@@ -135,14 +175,47 @@ class _Propagated:
         for step in range(length):
             shapes[:, step] = now
             now = back * (self.chunks[:, step] @ now)
-        return shapes.reshape(count * length, size, size)[..., self.order]
+        parts = count * length // self.steps
+        return shapes.reshape(self.steps, parts, size, size)[:, 0][..., self.order]
 
 
-def _chunk_count(steps: int, spread: float) -> int:
-    """Number of short matrices: a divisor of the steps."""
-    wanted = max(1, int(np.ceil(spread / SHORT)))
+def _short_products(exponent: FloatArray, spread: float) -> tuple[FloatArray, FloatArray]:
+    """Transition matrices (K, m, n, n) in rows whose products (K, n, n) lose no weak multiplier.
+
+    ``spread`` is what the damping alone asks for; where others grow, rows are halved on. A step
+    that is too long for itself is taken in parts: its matrix is the power of another one.
+    """
+    steps = len(exponent)
+    matrices = np.asarray(scipy.linalg.expm(exponent), dtype=float)
     divisors = [n for n in range(1, steps + 1) if steps % n == 0]
-    return next((n for n in divisors if n >= wanted), steps)
+    wanted, count = max(1, int(np.ceil(spread / SHORT))), 0
+    while count < steps:
+        count = next((n for n in divisors if n >= wanted), steps)
+        chunks = matrices.reshape(count, steps // count, *matrices.shape[1:])
+        # Steps far longer than a vibration's period can let it grow beyond all numbers.
+        with np.errstate(over="ignore", invalid="ignore"):
+            products = _products(chunks)
+        if _log_condition(products) <= SHORT:
+            return chunks, products
+        wanted = 2 * count
+    parts = 1
+    while parts < MOST_PARTS:
+        parts *= 2
+        split = np.asarray(scipy.linalg.expm(exponent / parts), dtype=float)
+        if _log_condition(split) <= SHORT:
+            products = np.repeat(split, parts, axis=0)
+            return products[:, None], products
+    raise ComputationError(
+        f"modes grow or die out too far within one of {steps} steps a turn; take more steps"
+    )
+
+
+def _log_condition(matrices: FloatArray) -> float:
+    """Logarithm of the greatest ratio of a matrix's singular values."""
+    if not np.isfinite(matrices).all():
+        return np.inf
+    with np.errstate(divide="ignore"):
+        return float(np.log(np.linalg.cond(matrices).max()))
 
 
 def _products(chunks: FloatArray) -> FloatArray:
@@ -179,29 +252,39 @@ class _TriangularForm:
 
 
 def _triangular_form(matrices: FloatArray) -> _TriangularForm:
-    count, size, _ = matrices.shape
+    size = matrices.shape[1]
     # A general start: an invariant subspace of weak modes would stay before the strong ones.
     start = scipy.linalg.qr(np.random.default_rng(0).normal(size=(size, size)))[0]
     growth: list[FloatArray] = []
-    for turns in range(1, MOST_TURNS + 1):
-        bases, factors = np.empty((count + 1, size, size)), np.empty((count, size, size))
-        bases[0] = start
-        for k, matrix in enumerate(matrices):
-            bases[k + 1], factors[k] = scipy.linalg.qr(matrix @ bases[k], check_finite=False)
+    turns, most_turns = 0, 1.0 * FIRST_TURNS
+    while turns < most_turns:
+        turns += 1
+        bases, factors = _iterated(matrices, start)
         seam = bases[0].T @ bases[-1]
         growth.append(np.log(np.abs(np.einsum("kii->ki", factors))).sum(axis=0))
         # Over one turn columns of a group grow and shrink; on the average they do as its modes.
         logs = np.mean(growth[turns // 2 :], axis=0)
         groups = _groups(logs)
         edges = [group.start for group in groups[1:]]
+        apart = min((_fall(logs, edge) for edge in edges), default=np.inf)
         closed = all(np.abs(seam[edge:, :edge]).max() <= PARTED for edge in edges)
         if closed and all(np.ptp(logs[group]) <= WIDEST for group in groups):
-            apart = min((_fall(logs, edge) for edge in edges), default=np.inf)
             return _TriangularForm(bases, factors, seam, groups, apart)
+        most_turns = FIRST_TURNS - PATIENCE * np.log(PARTED) / apart
         start = bases[-1]
     raise ComputationError(
         "the Floquet multipliers do not part into groups; take more steps, or less damping"
     )
+
+
+def _iterated(matrices: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Bases Q_0 to Q_K and factors R_1 to R_K of one turn."""
+    count, size, _ = matrices.shape
+    bases, factors = np.empty((count + 1, size, size)), np.empty((count, size, size))
+    bases[0] = start
+    for k, matrix in enumerate(matrices):
+        bases[k + 1], factors[k] = scipy.linalg.qr(matrix @ bases[k], check_finite=False)
+    return bases, factors
 
 
 def _fall(logs: FloatArray, edge: int) -> float:

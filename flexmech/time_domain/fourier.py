@@ -42,6 +42,11 @@ class FourierSeries:
         coefficients = np.fft.rfft(samples, axis=0) / count
         return cls(coefficients[: (count + 1) // 2])
 
+    @classmethod
+    def constant(cls, value: FloatArray) -> FourierSeries:
+        """Series of one value (...) at all phases."""
+        return cls(np.asarray(value, dtype=complex)[None])
+
     @property
     def harmonics(self) -> int:
         """Number of harmonics besides the mean."""
@@ -53,6 +58,8 @@ class FourierSeries:
 
         An estimate of the relative error of the series between the samples.
         """
+        if not self.harmonics:
+            return 0.0
         size = np.abs(self.coefficients)
         highest = size[-max(1, self.harmonics // TAIL) :]
         return float(highest.max() / size.max()) if size.any() else 0.0
@@ -71,6 +78,8 @@ class FourierSeries:
         shift : float
             In spacings.
         """
+        if not self.harmonics:
+            return np.repeat(self.coefficients.real, count, axis=0)
         order = np.arange(len(self.coefficients))
         turn = np.exp(2j * np.pi * order * shift / count).reshape(-1, *[1] * self._rank)
         shifted = count * turn * self.coefficients

@@ -12,11 +12,10 @@ is solved exactly.
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg
 
 from flexmech.types import FloatArray
 
-__all__ = ["GAUSS_POINTS", "ORDER", "step_transitions"]
+__all__ = ["GAUSS_POINTS", "ORDER", "step_exponents"]
 
 
 ORDER = 6
@@ -25,10 +24,10 @@ GAUSS_POINTS = tuple((0.5 + 0.1 * np.sqrt(15.0) * np.array([-1.0, 0.0, 1.0])).to
 """Places in a step at which A is wanted."""
 
 
-def step_transitions(
+def step_exponents(
     first: FloatArray, middle: FloatArray, last: FloatArray, step: float
 ) -> FloatArray:
-    """Transition matrices of N steps.
+    """Matrices whose exponentials are the transition matrices of N steps.
 
     Parameters
     ----------
@@ -47,7 +46,7 @@ def step_transitions(
     turn = _commutator(mean, slope)
     twist = _commutator(mean, 2.0 * bow + turn) / -60.0
     outer = _commutator(turn - 20.0 * mean - bow, slope + twist)
-    return np.asarray(scipy.linalg.expm(mean + bow / 12.0 + outer / 240.0), dtype=float)
+    return np.asarray(mean + bow / 12.0 + outer / 240.0)
 
 
 def _commutator(first: FloatArray, second: FloatArray) -> FloatArray:

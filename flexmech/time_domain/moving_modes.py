@@ -164,11 +164,18 @@ def moving_modes(turn: SampledTurn, count: int, like: MovingModes | None = None)
         turn,
         basis,
         scale,
-        FourierSeries.through(matrix),
-        FourierSeries.through(damped),
+        _series(turn, matrix),
+        _series(turn, damped),
         stiffness,
         fixed,
     )
+
+
+def _series(turn: SampledTurn, matrix: FloatArray) -> FourierSeries:
+    """Series through a matrix (N, 2 m, 2 m), of its mean where it is constant by nature."""
+    if turn.is_constant:
+        return FourierSeries.constant(matrix.mean(axis=0))
+    return FourierSeries.through(matrix)
 
 
 def _scale_and_fixed_basis(turn: SampledTurn, count: int) -> tuple[FloatArray, FloatArray]:

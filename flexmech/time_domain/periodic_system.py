@@ -7,12 +7,19 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+import scipy.linalg
 
 from flexmech.time_domain.fourier import FourierSeries
-from flexmech.time_domain.magnus import GAUSS_POINTS, step_transitions
+from flexmech.time_domain.magnus import GAUSS_POINTS, step_exponents
 from flexmech.types import FloatArray
 
-__all__ = ["PeriodicSystem", "SampledPeriodicSystem", "StatedPeriodicSystem", "transitions"]
+__all__ = [
+    "PeriodicSystem",
+    "SampledPeriodicSystem",
+    "StatedPeriodicSystem",
+    "exponents",
+    "transitions",
+]
 
 
 class PeriodicSystem(Protocol):
@@ -81,7 +88,12 @@ class SampledPeriodicSystem:
         return self.matrix.samples(count, shift)
 
 
+def exponents(system: PeriodicSystem, steps: int) -> FloatArray:
+    """Matrices whose exponentials are the transition matrices of a period's steps."""
+    first, middle, last = (system.matrices(steps, place) for place in GAUSS_POINTS)
+    return step_exponents(first, middle, last, system.period / steps)
+
+
 def transitions(system: PeriodicSystem, steps: int) -> FloatArray:
     """Transition matrices of the steps of a period, (steps, n, n)."""
-    first, middle, last = (system.matrices(steps, place) for place in GAUSS_POINTS)
-    return step_transitions(first, middle, last, system.period / steps)
+    return np.asarray(scipy.linalg.expm(exponents(system, steps)), dtype=float)

@@ -24,6 +24,8 @@ __all__ = ["SampledTurn"]
 
 # Times the frequency up to which component modes are kept for the natural frequencies alone.
 DETAIL = 2.0
+# Relative change of a matrix along the turn that round-off makes.
+UNCHANGED = 1e-13
 
 
 @dataclass(frozen=True)
@@ -114,6 +116,14 @@ class SampledTurn:
     def turns_pins(self) -> bool:
         """Whether a link turns against another one, so that shapes change along the turn."""
         return bool(self.frames.topology.pins)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether nothing changes along the turn: no link turns against another, nor its stress."""
+        return not self.turns_pins and all(
+            matrix.ndim == 2 or np.ptp(matrix, axis=0).max() <= UNCHANGED * np.abs(matrix).max()
+            for matrix in (*self.tangent, *self.damping)
+        )
 
     @property
     def period(self) -> float:

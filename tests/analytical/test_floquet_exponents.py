@@ -4,9 +4,11 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from flexmech.errors import ComputationError
 from flexmech.time_domain.floquet import FloquetModes, floquet_modes
 from flexmech.time_domain.periodic_system import StatedPeriodicSystem, transitions
 from flexmech.types import FloatArray
@@ -50,6 +52,15 @@ def known(name: str, steps: int) -> tuple[FloquetModes, list[complex]]:
 
 def constant(matrix: FloatArray, period: float) -> StatedPeriodicSystem:
     return StatedPeriodicSystem(lambda t: np.broadcast_to(matrix, (len(t), *matrix.shape)), period)
+
+
+def uneven(matrix: FloatArray, period: float) -> StatedPeriodicSystem:
+    """A system that runs through a constant one at a periodic pace: with its exponents."""
+
+    def paced(t: FloatArray) -> FloatArray:
+        return np.asarray((1 + 0.3 * np.cos(2 * np.pi / period * t))[:, None, None] * matrix)
+
+    return StatedPeriodicSystem(paced, period)
 
 
 def with_exponents(exponents: list[float], seed: int) -> FloatArray:
@@ -115,12 +126,23 @@ def test_constant_systems_are_solved_exactly(seed: int, steps: int, size: int) -
         [-3.0 * k for k in range(20)],
         [-1.0 * k for k in range(40)],
         [-6.0 * k for k in range(12)],
+        [0.0, -1.0, -8e3, -9e3],
+        [20.0, 19.0, -19.0, -20.0],
     ],
-    ids=["underflow", "two groups", "near and far", "chain of 3", "chain of 1", "chain of 6"],
+    ids=[
+        "underflow",
+        "two groups",
+        "near and far",
+        "chain of 3",
+        "chain of 1",
+        "chain of 6",
+        "lost in a step",
+        "grown",
+    ],
 )
 @pytest.mark.parametrize("steps", [251, 512])
 def test_multipliers_far_apart(exponents: list[float], steps: int) -> None:
-    modes = floquet_modes(constant(with_exponents(exponents, 1), 1.0), steps)
+    modes = floquet_modes(uneven(with_exponents(exponents, 1), 1.0), steps)
     # The matrix itself has its eigenvalues to its round-off only.
     size = max(abs(value) for value in exponents)
     assert modes.log_modulus == pytest.approx(np.array(exponents), abs=1e-9 * size)
@@ -131,10 +153,34 @@ def test_multipliers_far_apart(exponents: list[float], steps: int) -> None:
 def test_a_weak_invariant_subspace_that_stands_first(weak: float) -> None:
     # Columns of the unit matrix span the weak modes: iteration from it would leave them first.
     matrix = np.array([[weak, 0.0, 5.0], [0.0, 2 * weak, 1.0], [0.0, 0.0, 0.5]])
-    modes = floquet_modes(constant(matrix, 1.0), 600)
+    modes = floquet_modes(uneven(matrix, 1.0), 600)
     assert modes.log_modulus == pytest.approx(np.array([0.5, weak, 2 * weak]), rel=1e-11)
-    shapes = modes.shapes()[7]
+    # Where the pace is that of the mean, and what it has gained is made up for.
+    shapes = modes.shapes()[0]
     assert np.abs(matrix @ shapes - shapes * modes.exponent).max() < 1e-9 * np.abs(weak)
+
+
+def test_a_constant_system_whose_modes_die_out_within_a_step() -> None:
+    matrix = with_exponents([0.0, -1.0, -1e7, -2e7], 3)
+    modes = floquet_modes(constant(matrix, 1.0), 32)
+    assert modes.log_modulus[:2] == pytest.approx([0.0, -1.0], abs=1e-7)
+    assert modes.log_modulus[2:] == pytest.approx([-1e7, -2e7], rel=1e-9)
+    assert modes.liouville_defect < LIOUVILLE
+
+
+def test_modes_that_die_out_beyond_measure_within_a_step_are_refused() -> None:
+    with pytest.raises(ComputationError, match="take more steps"):
+        floquet_modes(uneven(np.diag([0.0, -1e7]), 1.0), 32)
+
+
+def test_shapes_of_a_constant_system_turn() -> None:
+    # An angle of 4.1 rad a period is one of 4.1 - 2 pi, and the shape makes up for it.
+    turn = 4.1 * np.array([[0.0, 1.0], [-1.0, 0.0]])
+    modes, steps = floquet_modes(constant(turn, 1.0), 20), 20
+    shapes = modes.shapes()
+    moved = scipy.linalg.expm(turn / steps) @ shapes * np.exp(-modes.exponent / steps)
+    assert moved == pytest.approx(np.roll(shapes, -1, axis=0), abs=1e-13)
+    assert np.abs(modes.angle) == pytest.approx(2 * np.pi - 4.1)
 
 
 @pytest.mark.parametrize("steps", [64, 65])

@@ -67,3 +67,13 @@ def test_tail_follows_the_error_between_the_samples() -> None:
 def test_tail_of_a_constant() -> None:
     assert FourierSeries.through(np.zeros((7, 2))).tail == 0.0
     assert FourierSeries.through(np.ones((7, 2))).tail < 1e-15
+
+
+@pytest.mark.parametrize("count", [1, 2, 7])
+def test_constant_series(count: int) -> None:
+    value = np.array([[1.0, 0.1], [3.0, -1e-9]])
+    series = FourierSeries.constant(value)
+    assert np.array_equal(series.samples(count, 0.3), np.stack(count * [value]))
+    assert not series.rate().samples(count).any()
+    assert series.harmonics == 0
+    assert series.tail == 0.0
