@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
 
 from flexmech.analyses.frequencies.eigenproblem import Modes, solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
@@ -178,19 +180,30 @@ def _inverse_iteration(full: LinearSystem, shapes: NDArray[Any]) -> NDArray[np.c
 def _newton_step(
     full: LinearSystem, eigenvalues: NDArray[np.complex128], shapes: NDArray[Any]
 ) -> NDArray[np.complex128]:
-    """One Newton step on ``P(lambda) x = 0`` for each mode (Ruhe 1973, eq. 3.5)."""
+    """One Newton step on ``P(lambda) x = 0`` for each mode (Ruhe 1973, eq. 3.5).
+
+    Links are chains of elements: few entries of the unreduced matrices are not zero.
+    """
     improved = np.empty_like(eigenvalues)
-    for mode in range(eigenvalues.shape[1]):
-        value = eigenvalues[:, mode, None, None]
-        x = shapes[:, :, mode, None]
-        inertia = full.mass @ x
-        slope = 2 * value * inertia + full.damping @ x
-        # In place: these matrices are the largest of all.
-        dynamic = value * full.mass
-        dynamic += full.damping
-        dynamic *= value
-        dynamic += full.stiffness
-        weight = np.swapaxes(inertia.conj(), 1, 2)
-        change = (weight @ x) / (weight @ np.linalg.solve(dynamic, slope))
-        improved[:, mode] = eigenvalues[:, mode] - change[:, 0, 0]
+    for position, of_modes in enumerate(eigenvalues):
+        mass, damping, stiffness = _sparse(
+            full.mass[position], full.damping[position], full.stiffness[position]
+        )
+        for mode, value in enumerate(of_modes):
+            x = shapes[position, :, mode].astype(complex)
+            inertia = mass @ x
+            dynamic = mass.astype(complex)
+            dynamic.data = value * (value * mass.data + damping.data) + stiffness.data
+            better = splu(dynamic).solve(2 * value * inertia + damping @ x)
+            improved[position, mode] = value - np.vdot(inertia, x) / np.vdot(inertia, better)
     return improved
+
+
+def _sparse(*matrices: FloatArray) -> list[csc_array]:
+    """Matrices (n, n) with their entries at the same places, those that are zero in none."""
+    taken = np.any([matrix.T != 0 for matrix in matrices], axis=0)
+    columns, rows = np.nonzero(taken)
+    starts = np.concatenate([[0], np.cumsum(taken.sum(axis=1))])
+    return [
+        csc_array((matrix[rows, columns], rows, starts), shape=matrix.shape) for matrix in matrices
+    ]
