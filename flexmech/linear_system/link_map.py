@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -92,7 +93,7 @@ class LinkMap:
         first, second = self._turning
         return np.asarray(factors[first] * factors[second])
 
-    @property
+    @cached_property
     def _turning(self) -> tuple[IntArray, IntArray]:
         """Numbers i <= j of two terms that do not both rest."""
         first, second = np.triu_indices(len(self.parts))
