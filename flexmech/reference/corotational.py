@@ -37,38 +37,27 @@ class LinearStrain:
 
     Parameters
     ----------
-    constant : ndarray, shape (e, B)
+    relative : ndarray, shape (e, r, B)
+        Relative coordinates of the neutral axis's nodes in that state.
+    strain : ndarray, shape (e, B)
     gradient : ndarray, shape (e, r, B)
-        By the relative coordinates of the neutral axis's nodes.
+        By the relative coordinates.
     """
 
-    constant: FloatArray
+    relative: FloatArray
+    strain: FloatArray
     gradient: FloatArray
-
-    @classmethod
-    def about(cls, relative: FloatArray, strain: FloatArray, gradient: FloatArray) -> LinearStrain:
-        """About a deformed state.
-
-        Parameters
-        ----------
-        relative : ndarray, shape (e, r, B)
-            Its relative coordinates.
-        strain : ndarray, shape (e, B)
-        gradient : ndarray, shape (e, r, B)
-
-        Returns
-        -------
-        LinearStrain
-        """
-        return cls(strain - (gradient * relative).sum(axis=1), gradient)
 
     def at(self, relative: FloatArray) -> FloatArray:
         """Strain (e, B) at relative coordinates (e, r, B)."""
-        return np.asarray(self.constant + (self.gradient * relative).sum(axis=1), dtype=float)
+        change = np.einsum("erb,erb->eb", self.gradient, relative - self.relative)
+        return np.asarray(self.strain + change, dtype=float)
 
     def of(self, which: NDArray[np.bool_]) -> LinearStrain:
         """That of some positions."""
-        return LinearStrain(self.constant[:, which], self.gradient[..., which])
+        return LinearStrain(
+            self.relative[..., which], self.strain[:, which], self.gradient[..., which]
+        )
 
 
 class ElementResponse(NamedTuple):
@@ -164,7 +153,7 @@ class CorotationalElements:
         gradient = pure.by_relative_coordinates(
             1 / self._length, pure.lift, pure.lift[:, self._angles].sum(axis=1)
         )
-        return ElementResponse(force, tangent, LinearStrain.about(moved, pure.strain, gradient))
+        return ElementResponse(force, tangent, LinearStrain(moved, pure.strain, gradient))
 
     def damping(self, displacement: FloatArray) -> FloatArray:
         """Kelvin-Voigt damping matrix of deformed elements.
