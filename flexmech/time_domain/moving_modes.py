@@ -110,20 +110,23 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
     Returns
     -------
     list of int
-        Increasing. All coordinates, if no subspace is smooth or nothing turns.
+        Increasing; fewer, where fewer are smooth, and the smoothest one where none is. All
+        coordinates, if nothing turns.
     """
     squares, largest = turn.frozen_squares, turn.frames.size
     if not turn.turns_pins:
         return [largest]
     counts: list[int] = []
+    smoothness: dict[int, float] = {}
     for count in range(modes + 1, min(modes + SPARE_MODES, largest - 1) + 1):
         if len(counts) == wanted:
             break
         below, above = squares[:, count - 1], squares[:, count]
         gap = float(np.sqrt(above / below).min()) - 1 if below.min() > 0 else 0.0
-        if gap > LEAST_GAP and _overlap(turn, count) > LEAST_OVERLAP:
+        smoothness[count] = min(gap / LEAST_GAP, _overlap(turn, count) / LEAST_OVERLAP)
+        if smoothness[count] > 1:
             counts.append(count)
-    return counts or [largest]
+    return counts or [max(smoothness, key=lambda count: smoothness[count])]
 
 
 def moving_modes(turn: SampledTurn, count: int, like: MovingModes | None = None) -> MovingModes:

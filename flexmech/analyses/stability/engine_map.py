@@ -22,6 +22,7 @@ from flexmech.analyses.stability.engine_stability import (
     FollowedSpeed,
     NoEquilibrium,
 )
+from flexmech.analyses.stability.equilibria import speeds_without_equilibrium
 from flexmech.analyses.stability.exponent_errors import exponent_errors
 from flexmech.analyses.stability.following import FollowedModes, follow, likeness
 from flexmech.analyses.stability.kept_modes import KeptModes, matched
@@ -32,8 +33,8 @@ from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth
 from flexmech.analyses.stability.signed_growth import SignedGrowth
 from flexmech.analyses.stability.solver import LinkageSolver, SolvedSpeed
 from flexmech.analyses.stability.speed_window import SpeedWindow
-from flexmech.errors import ComputationError, InputError
-from flexmech.linear_system import Engine, Prestress
+from flexmech.errors import ComputationError
+from flexmech.linear_system import Engine
 from flexmech.types import FloatArray, LabelledProgress
 
 __all__ = ["map_engine"]
@@ -99,7 +100,7 @@ class _EngineMap:
         # A damping ratio is the factor on the damping of links whose time is that of ratio 1.
         by_ratio = with_damping_time(engine, 2 / self._lowest)
         self._by_ratio = LinkageSolver(
-            by_ratio, _level(request), request.modes, steps=request.steps, frame=request.frame
+            by_ratio, request.prestress, request.modes, steps=request.steps, frame=request.frame
         )
         if request.damping_ratio is not None:
             self._solver = replace(self._by_ratio, damping=request.damping_ratio)
@@ -107,12 +108,22 @@ class _EngineMap:
             self._solver = replace(self._by_ratio, engine=engine)
         else:
             self._solver = replace(self._by_ratio, damping=0.0)
+        if request.prestress == "trajectory":
+            running = self._solver.engine
+            if running is by_ratio:
+                running = with_damping_time(engine, self._solver.damping * 2 / self._lowest)
+            self._by_ratio = replace(self._by_ratio, orbit_engine=running)
+            self._solver = replace(self._solver, orbit_engine=running)
 
     def made(self) -> EngineStability:
-        self._open_windows()
-        solutions, interrupted = self._solutions()
+        refused = speeds_without_equilibrium(self._solver, self._request.crank_speeds.tolist())
+        standing = [w for w in self._request.crank_speeds.tolist() if w not in refused]
+        if not standing:
+            raise next(iter(refused.values()))
+        self._open_windows(standing)
+        solutions, interrupted = self._solutions(standing)
         asked = set(self._request.crank_speeds.tolist())
-        refused = {s.crank_speed: s.refusal for s in solutions if s.refusal is not None}
+        refused |= {s.crank_speed: s.refusal for s in solutions if s.refusal is not None}
         solved = [s.solved for s in solutions if s.solved is not None]
         if not solved:
             raise next(iter(refused.values()))
@@ -125,28 +136,34 @@ class _EngineMap:
         bands: list[Band] = []
         narrower = 0
         within = [f for f in followed if abs(f.crank_speed) >= abs(self._request.crank_speeds[0])]
-        if not interrupted and within:
-            found, narrower = self._meetings(within)
-            bands = self._bands(within, branches.last(len(within)), found, list(refused), definite)
+        errors = CheckedErrors(np.empty(0), np.empty(0), np.empty(0))
+        try:
+            if not interrupted and within:
+                found, narrower = self._meetings(within)
+                same = branches.last(len(within))
+                bands = self._bands(within, same, found, list(refused), definite)
+                errors = self._errors(within)
+        except KeyboardInterrupt:
+            interrupted = True
         unit = self._request.speed_unit
+        speeds = [
+            *(each for each in followed if each.crank_speed in asked),
+            *(NoEquilibrium(w, e.told(unit)) for w, e in refused.items() if w in asked),
+        ]
         return EngineStability(
             engine=self._solver.engine,
-            speeds=[
-                *(each for each in followed if each.crank_speed in asked),
-                *(NoEquilibrium(w, e.told(unit)) for w, e in refused.items() if w in asked),
-            ],
+            speeds=sorted(speeds, key=lambda each: abs(each.crank_speed)),
             bands=bands,
-            errors=self._errors(followed),
+            errors=errors,
             is_definite=definite,
             moving_modes=solved[-1].moving_modes,
             closed_early=narrower,
             interrupted=interrupted,
         )
 
-    def _open_windows(self) -> None:
+    def _open_windows(self, speeds: Sequence[float]) -> None:
         """Build the linkage at the nodes of windows over the whole range of speeds."""
-        speeds = self._request.crank_speeds
-        low, high = float(speeds.min()), float(speeds.max())
+        low, high = min(speeds), max(speeds)
         count = int(np.ceil((high - low) / (WINDOW * self._lowest)))
         ends = list(pairwise(np.linspace(low, high, count + 1).tolist()))
         opened = self._each("stress", partial(_windows, self._by_ratio), ends)
@@ -157,9 +174,9 @@ class _EngineMap:
             windows = tuple(window for some in opened for window in some)
         self._solver = replace(self._solver, windows=windows)
 
-    def _solutions(self) -> tuple[list[_Solution], bool]:
+    def _solutions(self, asked: Sequence[float]) -> tuple[list[_Solution], bool]:
         """Solutions at the speeds asked for and those between, by which modes are followed."""
-        speeds = _with_steps_between(self._request.crank_speeds, FOLLOWING_STEP * self._lowest)
+        speeds = _with_steps_between(np.array(asked), FOLLOWING_STEP * self._lowest)
         solutions: list[_Solution] = []
         try:
             for solution in in_order(partial(_solution, self._solver), speeds.tolist()):
@@ -280,12 +297,6 @@ def _windows(solver: LinkageSolver, ends: tuple[float, float]) -> list[SpeedWind
     return [*_windows(solver, (low, middle)), *_windows(solver, (middle, high))]
 
 
-def _level(request: StabilityRequest) -> Prestress:
-    if request.prestress == "trajectory":
-        raise InputError("prestress 'trajectory' is not told apart here yet; use 'equilibrium'")
-    return request.prestress
-
-
 def _solution(solver: LinkageSolver, crank_speed: float) -> _Solution:
     try:
         return _Solution(crank_speed, solver.solved(crank_speed), None)
@@ -317,6 +328,8 @@ def _followed(solved: SolvedSpeed, modes: KeptModes, alike: FloatArray) -> Follo
         liouville_defect=modes.liouville_defect,
         steps=modes.steps,
         buckled_angle=solved.buckled_angle,
+        orbit_distance=solved.orbit_distance,
+        orbit_residual=solved.orbit_residual,
     )
 
 

@@ -9,14 +9,16 @@ import numpy as np
 from flexmech.analyses.stability.kept_modes import KeptModes, kept_modes, matched
 from flexmech.analyses.stability.speed_window import SpeedWindow, chebyshev_nodes
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
-from flexmech.choices import MovingFrame
+from flexmech.choices import MapPrestress, MovingFrame
 from flexmech.linear_system import Engine, Prestress
 from flexmech.time_domain import (
     MovingModes,
+    NonlinearOrbit,
     SampledTurn,
     counts_of_modes,
     floquet_modes,
     moving_modes,
+    nonlinear_orbit,
 )
 from flexmech.types import FloatArray
 
@@ -50,6 +52,9 @@ class SolvedSpeed:
         Whether the Hamilton function is positive definite at all crank angles.
     buckled_angle : float or None
         A crank angle in rad at which the linkage is statically unstable.
+    orbit_distance, orbit_residual : float or None
+        Of the periodic motion, with prestress ``trajectory``; see
+        :class:`flexmech.time_domain.NonlinearOrbit`.
     """
 
     modes: KeptModes
@@ -57,6 +62,16 @@ class SolvedSpeed:
     moving_modes: int
     is_definite: bool
     buckled_angle: float | None
+    orbit_distance: float | None
+    orbit_residual: float | None
+
+
+@dataclass(frozen=True)
+class _SampledState:
+    """A sampled turn, and the periodic motion that it is about, if it is about one."""
+
+    turn: SampledTurn
+    orbit: NonlinearOrbit | None
 
 
 @dataclass(frozen=True)
@@ -66,7 +81,7 @@ class LinkageSolver:
     Parameters
     ----------
     engine : Engine
-    prestress : {"none", "axial", "equilibrium"}
+    prestress : {"none", "axial", "equilibrium", "trajectory"}
     modes : int
         Number of natural modes whose Floquet modes are kept.
     damping : float
@@ -80,16 +95,20 @@ class LinkageSolver:
         Of the coordinates whose rates are taken.
     windows : tuple of SpeedWindow
         In which the linkage is interpolated.
+    orbit_engine : Engine, optional
+        With the damping with which the linkage runs; prestress ``trajectory`` is about its
+        periodic motion. The engine itself by default.
     """
 
     engine: Engine
-    prestress: Prestress
+    prestress: MapPrestress
     modes: int
     damping: float = 1.0
     steps: int | None = None
     larger: int = 0
     frame: MovingFrame = "link"
     windows: tuple[SpeedWindow, ...] = ()
+    orbit_engine: Engine | None = None
 
     def moving(self, crank_speed: float) -> VibratingLinkage:
         """The linkage in its moving modes; interpolated, where a window holds the speed.
@@ -111,7 +130,7 @@ class LinkageSolver:
         for window in self.windows:
             if window.holds(crank_speed):
                 return window.at(crank_speed)
-        return VibratingLinkage.of(self._moving_modes(crank_speed, crank_speed), self.modes)
+        return self._linkage(*self._moving_modes(crank_speed, crank_speed))
 
     def window(self, low: float, high: float) -> SpeedWindow:
         """Build the linkage at the nodes of a window of speeds.
@@ -134,22 +153,31 @@ class LinkageSolver:
         if speeds[0] < 0:
             speeds = speeds[::-1]
         fastest = float(speeds[0])
-        first = self._moving_modes(fastest, fastest)
-        nodes = [first]
+        first, orbit = self._moving_modes(fastest, fastest)
+        nodes = [self._linkage(first, orbit)]
         for speed in speeds[1:].tolist():
-            turn = self._turn(speed, len(first.basis), fastest)
-            nodes.append(moving_modes(turn, first.size, like=first))
-        return SpeedWindow(low, high, [VibratingLinkage.of(node, self.modes) for node in nodes])
+            state = self._turn(speed, len(first.basis), fastest)
+            other = moving_modes(state.turn, first.size, like=first)
+            nodes.append(self._linkage(other, state.orbit))
+        return SpeedWindow(low, high, nodes)
 
-    def _moving_modes(self, crank_speed: float, fastest: float) -> MovingModes:
+    def _linkage(self, moving: MovingModes, orbit: NonlinearOrbit | None) -> VibratingLinkage:
+        linkage = VibratingLinkage.of(moving, self.modes)
+        if orbit is None:
+            return linkage
+        return replace(linkage, orbit_distance=orbit.distance, orbit_residual=orbit.residual)
+
+    def _moving_modes(
+        self, crank_speed: float, fastest: float
+    ) -> tuple[MovingModes, NonlinearOrbit | None]:
         """With as many samples of a turn and as many modes as are needed."""
         samples = SAMPLES[0]
         while True:
-            turn = self._turn(crank_speed, samples, fastest)
-            counts = counts_of_modes(turn, self.modes, 1 + self.larger)
-            found = moving_modes(turn, counts[-1])
+            state = self._turn(crank_speed, samples, fastest)
+            counts = counts_of_modes(state.turn, self.modes, 1 + self.larger)
+            found = moving_modes(state.turn, counts[-1])
             if found.series_error <= SERIES_TOLERANCE or samples == SAMPLES[-1]:
-                return found
+                return found, state.orbit
             more = [count for count in SAMPLES if count >= found.samples_for(SERIES_TOLERANCE)]
             samples = more[0] if more else SAMPLES[-1]
 
@@ -161,7 +189,10 @@ class LinkageSolver:
     def refined(self) -> LinkageSolver:
         """The same on a mesh of half the element length."""
         engine = self.engine.with_(elements=2 * self.engine.elements)
-        return replace(self, engine=engine, windows=())
+        orbit = self.orbit_engine
+        if orbit is not None:
+            orbit = orbit.with_(elements=2 * orbit.elements)
+        return replace(self, engine=engine, orbit_engine=orbit, windows=())
 
     def with_more_modes(self) -> LinkageSolver:
         """The same with a larger number of moving modes."""
@@ -199,13 +230,32 @@ class LinkageSolver:
             moving_modes=moving.size,
             is_definite=moving.is_definite,
             buckled_angle=moving.least_angle if moving.least_square <= 0 else None,
+            orbit_distance=moving.orbit_distance,
+            orbit_residual=moving.orbit_residual,
         )
 
-    def _turn(self, crank_speed: float, samples: int, fastest: float) -> SampledTurn:
-        angle = np.sign(crank_speed) * 2 * np.pi / samples * np.arange(samples)
+    @property
+    def quasi_static(self) -> Prestress:
+        """Level of the quasi-static state: that itself, or the one next to the periodic motion."""
+        return "equilibrium" if self.prestress == "trajectory" else self.prestress
+
+    def _turn(self, crank_speed: float, samples: int, fastest: float) -> _SampledState:
+        order = np.arange(samples) if crank_speed > 0 else -np.arange(samples) % samples
+        angle = 2 * np.pi / samples * order
         motion = self.engine.mechanism.linkage.motion(angle, crank_speed)
-        stressed = self.engine.stressed_links(motion, self.prestress)
-        return SampledTurn.of(self.engine, motion, stressed, self.prestress, self.modes, fastest)
+        orbit = None
+        if self.prestress == "trajectory":
+            orbit = nonlinear_orbit(self._moving_engine, crank_speed, samples)
+            stressed = self.engine.running_links(motion, [q[order] for q in orbit.displacement])
+        else:
+            stressed = self.engine.stressed_links(motion, self.prestress)
+        turn = SampledTurn.of(self.engine, motion, stressed, self.quasi_static, self.modes, fastest)
+        return _SampledState(turn, orbit)
+
+    @property
+    def _moving_engine(self) -> Engine:
+        """With the damping that holds the periodic motion."""
+        return self.engine if self.orbit_engine is None else self.orbit_engine
 
     def steps_for(self, moving: VibratingLinkage) -> int:
         """Steps of the propagator a turn."""
