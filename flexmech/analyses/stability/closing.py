@@ -16,7 +16,7 @@ __all__ = ["ClosingSearch", "closing_damping_ratio"]
 RATIO_TOLERANCE = 1e-5
 LARGEST_RATIO = 1.0
 # Speeds to either side of the last one, relative to the width, and how often they are moved.
-ASIDE, PASSES = 0.2, 4
+ASIDE, LEAST_ASIDE, PASSES = 0.2, 0.005, 4
 
 
 @dataclass(frozen=True)
@@ -29,15 +29,16 @@ class ClosingSearch:
         With damping such that its factor is the damping ratio.
     crank_speed : float
         Where the vibration grows most, rad/s.
-    width : float
-        Of the band in rad/s.
+    lower, upper : float
+        Ends of the band in rad/s.
     start : float
         Damping ratio at which it grows.
     """
 
     solver: LinkageSolver
     crank_speed: float
-    width: float
+    lower: float
+    upper: float
     start: float
 
 
@@ -55,10 +56,14 @@ def closing_damping_ratio(search: ClosingSearch) -> float:
     float
         NaN if a damping ratio of 1 does not close the band.
     """
-    speed, ratio, aside = search.crank_speed, search.start, ASIDE * search.width
+    speed, ratio, width = search.crank_speed, search.start, search.upper - search.lower
     for _ in range(PASSES):
         ratio = _ratio_at(search.solver, speed, ratio)
         if np.isnan(ratio):
+            return ratio
+        # Not beyond the band: there may be no equilibrium.
+        aside = min(ASIDE * width, speed - search.lower, search.upper - speed)
+        if aside <= LEAST_ASIDE * width:
             return ratio
         here, below, above = (
             search.solver.growth_at(search.solver.moving(w), ratio)

@@ -10,6 +10,7 @@ from flexmech.analyses.stability.band import BandEdge
 from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.analyses.stability.signed_growth import SignedGrowth
 from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
+from flexmech.errors import ComputationError
 
 __all__ = ["EdgeSearch", "Top", "find_edge", "find_top"]
 
@@ -65,7 +66,11 @@ def find_edge(search: EdgeSearch) -> BandEdge:
     fewer = search.solver.with_half_the_steps(moving)
 
     def moved(other: LinkageSolver) -> float:
-        return abs(SignedGrowth(other)(edge) - here) / slope
+        try:
+            return abs(SignedGrowth(other)(edge) - here) / slope
+        except ComputationError:
+            # There it has no equilibrium: the edge may be anywhere in the bracket.
+            return high - low
 
     return BandEdge(
         crank_speed=edge,

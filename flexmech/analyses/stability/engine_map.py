@@ -146,7 +146,7 @@ class _EngineMap:
         except KeyboardInterrupt:
             interrupted = True
         unit = self._request.speed_unit
-        speeds = [
+        speeds: list[FollowedSpeed | NoEquilibrium] = [
             *(each for each in followed if each.crank_speed in asked),
             *(NoEquilibrium(w, e.told(unit)) for w, e in refused.items() if w in asked),
         ]
@@ -228,7 +228,7 @@ class _EngineMap:
             ClosingSearch(
                 self._by_ratio,
                 top.modes.crank_speed,
-                abs(edges[2 * n + 1].crank_speed - edges[2 * n].crank_speed),
+                *sorted((edges[2 * n].crank_speed, edges[2 * n + 1].crank_speed)),
                 self._request.damping_ratio or 0.0,
             )
             for n, top in enumerate(tops)
