@@ -21,6 +21,8 @@ MOST_STEPS = 60
 TOP_TOLERANCE, MOST_TRIES = 0.02, 12
 # The slope is taken over this part of the bracket.
 SLOPE_OVER = 1e-3
+# An edge that moves by less than this part of its bracket moves as the slope says.
+LINEAR = 0.25
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,7 @@ def find_edge(search: EdgeSearch) -> BandEdge:
 
     def moved(other: LinkageSolver) -> float:
         try:
-            return abs(SignedGrowth(other)(edge) - here) / slope
+            return _moved(SignedGrowth(other), edge, here, slope, high - low)
         except ComputationError:
             # There it has no equilibrium: the edge may be anywhere in the bracket.
             return high - low
@@ -79,6 +81,23 @@ def find_edge(search: EdgeSearch) -> BandEdge:
         mesh_error=moved(search.solver.refined()) * BY_REFINEMENT,
         is_open=False,
     )
+
+
+def _moved(other: SignedGrowth, edge: float, here: float, slope: float, width: float) -> float:
+    """How far an edge is from where another measure of growth puts it."""
+    change = other(edge) - here
+    by_slope = abs(change) / slope
+    if by_slope <= LINEAR * width:
+        return by_slope
+    # Too far for the slope at the edge: the measure's own sign change is sought.
+    ends = [edge - 2 * width, edge + 2 * width]
+    values = [other(end) for end in ends]
+    distances = [2 * width]
+    for end, value in zip(ends, values, strict=True):
+        if value * (here + change) < 0:
+            root = scipy.optimize.brentq(other, *sorted((edge, end)), xtol=1e-3 * width)
+            distances.append(abs(float(root) - edge))
+    return min(distances)
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ CHECKED_SPEEDS = 3
 # of the system's matrix by interpolation.
 WINDOW = 1 / 40
 NARROWEST = 0.02
-WINDOW_TOLERANCE = 1e-7
+WINDOW_TOLERANCE = 1e-6
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
@@ -216,22 +216,16 @@ class _EngineMap:
         runs = runs_of_growth(samples, refused)
         searches = [EdgeSearch(self._solver, *ends) for run in runs for ends in run.brackets]
         edges = self._each("edges of bands", find_edge, searches)
-        tops = self._each(
-            "growth in bands",
-            partial(find_top, self._solver),
-            [
-                (run.fastest, *sorted((edges[2 * n].crank_speed, edges[2 * n + 1].crank_speed)))
-                for n, run in enumerate(runs)
-            ],
-        )
+        ends = [
+            (lower.crank_speed, upper.crank_speed)
+            for lower, upper in zip(edges[::2], edges[1::2], strict=True)
+        ]
+        places = [(run.fastest, *pair) for run, pair in zip(runs, ends, strict=True)]
+        tops = self._each("growth in bands", partial(find_top, self._solver), places)
+        start = self._request.damping_ratio or 0.0
         closings = [
-            ClosingSearch(
-                self._by_ratio,
-                top.modes.crank_speed,
-                *sorted((edges[2 * n].crank_speed, edges[2 * n + 1].crank_speed)),
-                self._request.damping_ratio or 0.0,
-            )
-            for n, top in enumerate(tops)
+            ClosingSearch(self._by_ratio, top.modes.crank_speed, *pair, start)
+            for top, pair in zip(tops, ends, strict=True)
         ]
         ratios = self._each("damping that closes bands", closing_damping_ratio, closings)
         bands = []
