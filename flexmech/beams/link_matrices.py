@@ -124,6 +124,7 @@ def build_chain(
         fields=_rigid_fields(nodes, shapes),
         start_warping=warping,
         end_warping=last + warping,
+        vectors=per_node * np.arange(len(nodes)) + np.array([[0], [1]]),
     )
     return Chain(model, nodes, beams)
 

@@ -17,6 +17,7 @@ __all__ = ["EndMatrices", "LinkModel", "RigidFields", "inertia_loads"]
 
 
 NONE = np.zeros(0, dtype=np.intp)
+NO_VECTORS = np.zeros((2, 0), dtype=np.intp)
 
 
 @dataclass(frozen=True)
@@ -95,6 +96,9 @@ class LinkModel:
     start_warping, end_warping : ndarray of int, shape (k,)
         Coordinates that a joint at that end holds, whatever its kind: its pin sits in a fitting
         that keeps the cross-section plane.
+    vectors : ndarray of int, shape (2, k)
+        Coordinates along x and across it of all vectors that turn with the link: displacements
+        of nodes, and their slope vectors. Of a reduced link there are none.
     """
 
     name: str
@@ -114,6 +118,7 @@ class LinkModel:
     reduced_ends: EndMatrices | None = None
     start_warping: IntArray = field(default_factory=NONE.copy)
     end_warping: IntArray = field(default_factory=NONE.copy)
+    vectors: IntArray = field(default_factory=NO_VECTORS.copy)
 
     @property
     def ends(self) -> EndMatrices:
@@ -201,6 +206,7 @@ class LinkModel:
             end_rotation=NONE,
             start_warping=NONE,
             end_warping=NONE,
+            vectors=NO_VECTORS,
             readings=self.readings.projected(basis),
             reduced_ends=ends,
         )

@@ -62,6 +62,7 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
                     deflection=kind.deflection,
                 ),
                 fields=kind.rigid_fields(part.positions),
+                vectors=np.stack([x, y]),
             )
         )
     return tuple(models)

@@ -23,7 +23,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.choices import MovingFrame
+from flexmech.linear_system import LinkModel
 from flexmech.time_domain.fourier import FourierSeries
+from flexmech.time_domain.nodal_frames import NodalFrame, quarter_turn
 from flexmech.time_domain.periodic_system import SampledPeriodicSystem
 from flexmech.time_domain.sampled_turn import SampledTurn
 from flexmech.types import FloatArray
@@ -129,7 +132,9 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
     return counts or [max(smoothness, key=lambda count: smoothness[count])]
 
 
-def moving_modes(turn: SampledTurn, count: int, like: MovingModes | None = None) -> MovingModes:
+def moving_modes(
+    turn: SampledTurn, count: int, like: MovingModes | None = None, frame: MovingFrame = "link"
+) -> MovingModes:
     """Write the running linkage in its moving modes.
 
     Parameters
@@ -140,6 +145,9 @@ def moving_modes(turn: SampledTurn, count: int, like: MovingModes | None = None)
     like : MovingModes, optional
         As many of another crank speed in the same component modes, whose fixed basis and scale
         to take: matrices of both then change continuously from one speed to the other.
+    frame : {"link", "inertial"}
+        Axes in which rates are taken of the nodes' displacements: those of the links, or of
+        the ground. It is the same system; see :mod:`flexmech.time_domain.nodal_frames`.
 
     Returns
     -------
@@ -152,7 +160,7 @@ def moving_modes(turn: SampledTurn, count: int, like: MovingModes | None = None)
         scale, fixed = like.scale, like.fixed
     left, _, right = _in_common(turn, modes, fixed)
     basis = modes @ (left @ right)
-    skew, stiffness, damping, moving_damping = _projected(turn, basis)
+    skew, stiffness, damping, moving_damping = _projected(turn, basis, frame)
     root = np.sqrt(scale)
     matrix, damped = np.zeros((2, len(basis), 2 * count, 2 * count))
     y, p = slice(0, count), slice(count, None)
@@ -214,20 +222,17 @@ def _in_common(
 
 
 def _projected(
-    turn: SampledTurn, basis: FloatArray
+    turn: SampledTurn, basis: FloatArray, frame: MovingFrame
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """B, Q, ``P' D P`` and ``P' D P.``, each (N, m, m)."""
     count, _, size = basis.shape
     skew, stiffness, damping, moving_damping = np.zeros((4, count, size, size))
     for number, shapes in enumerate(turn.frames.link_coordinates(turn.motion, basis)):
-        link, across = turn.models[number], np.swapaxes(shapes, 1, 2)
-        rates = FourierSeries.through(shapes).rate().samples(count) / turn.period
-        speed = turn.motion.angular_velocity[:, number, None, None]
-        coriolis = across @ (speed * (link.gyroscopic @ rates))
-        tangent = turn.tangent[number] - speed**2 * link.translational_mass
-        skew += across @ (link.mass @ rates + speed * (link.gyroscopic @ shapes))
-        stiffness += across @ (tangent @ shapes) + coriolis + np.swapaxes(coriolis, 1, 2)
-        stiffness -= np.swapaxes(rates, 1, 2) @ (link.mass @ rates)
+        across = np.swapaxes(shapes, 1, 2)
+        in_frame = _in_link_frame if frame == "link" else _in_ground_axes
+        inertia, rates = in_frame(turn, number, shapes)
+        skew += inertia.skew
+        stiffness += across @ (turn.tangent[number] @ shapes) + inertia.stiffness
         forces = across @ turn.damping[number]
         damping += forces @ shapes
         moving_damping += forces @ rates
@@ -235,3 +240,55 @@ def _projected(
     skew = (skew - np.swapaxes(skew, 1, 2)) / 2
     stiffness = (stiffness + np.swapaxes(stiffness, 1, 2)) / 2
     return skew, stiffness, (damping + np.swapaxes(damping, 1, 2)) / 2, moving_damping
+
+
+@dataclass(frozen=True)
+class _Inertia:
+    """What a link's inertia gives to B and Q."""
+
+    skew: FloatArray
+    stiffness: FloatArray
+
+
+def _inertia(
+    link: LinkModel | NodalFrame,
+    mass: FloatArray,
+    speed: FloatArray,
+    shapes: FloatArray,
+    rates: FloatArray,
+) -> _Inertia:
+    """Of the energy ``|P y. + P. y|_M^2 / 2 + omega (P y. + P. y)' S P y + ...``."""
+    turning = speed * (link.gyroscopic @ shapes)
+    across, across_rates = np.swapaxes(shapes, 1, 2), np.swapaxes(rates, 1, 2)
+    coriolis = across_rates @ turning
+    return _Inertia(
+        skew=across @ (mass @ rates + turning),
+        stiffness=-coriolis
+        - np.swapaxes(coriolis, 1, 2)
+        - across_rates @ (mass @ rates)
+        - across @ (speed**2 * (link.translational_mass @ shapes)),
+    )
+
+
+def _in_link_frame(
+    turn: SampledTurn, number: int, shapes: FloatArray
+) -> tuple[_Inertia, FloatArray]:
+    """Inertia by rates in the link's frame, and these rates (N, n_link, m)."""
+    link, speed = turn.models[number], turn.motion.angular_velocity[:, number, None, None]
+    rates = FourierSeries.through(shapes).rate().samples(len(shapes)) / turn.period
+    return _inertia(link, link.mass, speed, shapes, rates), rates
+
+
+def _in_ground_axes(
+    turn: SampledTurn, number: int, shapes: FloatArray
+) -> tuple[_Inertia, FloatArray]:
+    """Inertia by rates in ground axes; the rates that damping feels, (N, n_link, m)."""
+    frame, reduction = NodalFrame(turn.unreduced[number]), turn.bases[number]
+    speed = turn.motion.angular_velocity[:, number, None, None]
+    full = reduction @ shapes
+    moving = frame.rates(full, turn.motion.angle[:, number], turn.period)
+    rates = moving - speed * (quarter_turn(frame.link) @ full)
+    return (
+        _inertia(frame, frame.link.mass, speed, full, moving),
+        np.linalg.pinv(reduction) @ rates,
+    )

@@ -11,7 +11,8 @@ import scipy.integrate
 import scipy.interpolate
 import scipy.linalg
 
-from flexmech import Mechanism, ReferenceEngine, load_mechanism
+from flexmech import ExudynEngine, Mechanism, ReferenceEngine, load_mechanism
+from flexmech.choices import MovingFrame
 from flexmech.linear_system import Engine, Prestress
 from flexmech.time_domain import (
     FloquetModes,
@@ -20,6 +21,7 @@ from flexmech.time_domain import (
     floquet_modes,
     moving_modes,
 )
+from flexmech.time_domain.nodal_frames import NodalFrame
 from flexmech.time_domain.periodic_system import transitions
 from flexmech.types import FloatArray
 
@@ -220,3 +222,52 @@ def test_running_backwards_and_mirrored(mechanisms, time):
         found.append(multipliers(floquet_modes(moving.system(), 512)))
     assert farthest(found[0], found[1]) < 1e-9
     assert farthest(found[0], found[2]) < 1e-9
+
+
+def in_both_frames(engine: Engine, speed: float, prestress: Prestress) -> list[FloatArray]:
+    turn = sampled(engine, speed, prestress, samples=512)
+    count = counts_of_modes(turn, MODES, 1)[0]
+    frames: tuple[MovingFrame, ...] = ("link", "inertial")
+    return [
+        multipliers(
+            floquet_modes(moving_modes(turn, count, frame=frame).system(), steps_of(turn, count))
+        )
+        for frame in frames
+    ]
+
+
+@pytest.mark.parametrize("prestress", LOADED)
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("time", [0.0, 2e-5])
+def test_multipliers_do_not_depend_on_the_frame(mechanisms, name, prestress, time):
+    mechanism = damped(mechanisms[name], time) if time else mechanisms[name]
+    for speed in (20.0, -60.0):
+        link, inertial = in_both_frames(ReferenceEngine(mechanism, elements=4), speed, prestress)
+        assert farthest(inertial, link) < 1e-8
+        assert farthest(link, inertial) < 1e-8
+
+
+def test_cables_have_no_terms_of_turning_frames_in_ground_axes(mechanisms):
+    engine = ExudynEngine(mechanisms["aluminium"], elements=4)
+    for link in engine.links:
+        frame, size = NodalFrame(link), np.abs(link.mass).max()
+        assert np.abs(frame.gyroscopic).max() < 1e-12 * size
+        assert np.abs(frame.translational_mass).max() < 1e-12 * size
+    link, inertial = in_both_frames(engine, 20.0, "axial")
+    assert farthest(inertial, link) < 1e-8
+
+
+def test_what_beams_do_not_turn_with_their_nodes_falls_with_their_length(mechanisms):
+    # In a rotation about the link's start the nodes move as the link, but displacements along
+    # and across between them are of different degree; bending shows it.
+    left = []
+    for elements in (2, 4, 8):
+        link = ReferenceEngine(mechanisms["aluminium"], elements=elements).links[1]
+        place = link.fields.centripetal / link.fields.centripetal.max()
+        bow = np.zeros(link.size)
+        bow[1::3] = np.sin(np.pi * place[0::3])
+        bow[2::3] = np.pi / link.fields.centripetal.max() * np.cos(np.pi * place[0::3])
+        frame = NodalFrame(link)
+        left.append(np.linalg.norm(frame.gyroscopic @ bow) / np.linalg.norm(link.gyroscopic @ bow))
+    assert left[0] > 1e-3
+    assert np.all(np.diff(np.log2(left)) < -1.5)
