@@ -72,7 +72,16 @@ class NodalFrame:
 
 
 def quarter_turn(link: LinkModel) -> FloatArray:
-    """Matrix (n, n) that turns all vectors of a link by a quarter and drops other coordinates."""
+    """Matrix that turns all vectors of a link by a quarter and drops other coordinates.
+
+    Parameters
+    ----------
+    link : LinkModel
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+    """
     turn = np.zeros((link.size, link.size))
     x, y = link.vectors
     turn[x, y], turn[y, x] = -1.0, 1.0
@@ -80,7 +89,19 @@ def quarter_turn(link: LinkModel) -> FloatArray:
 
 
 def vectors_turned(link: LinkModel, shapes: FloatArray, angle: FloatArray) -> FloatArray:
-    """Shapes (N, n, m) whose vectors are turned by angles (N,); others stay."""
+    """Shapes whose vectors are turned; other coordinates stay.
+
+    Parameters
+    ----------
+    link : LinkModel
+    shapes : ndarray, shape (N, n, m)
+    angle : ndarray, shape (N,)
+        In rad.
+
+    Returns
+    -------
+    ndarray, shape (N, n, m)
+    """
     x, y = link.vectors
     cosine, sine = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
     turned = shapes.copy()

@@ -12,6 +12,8 @@ import scipy.interpolate
 import scipy.linalg
 
 from flexmech import ExudynEngine, Mechanism, ReferenceEngine, load_mechanism
+from flexmech.analyses.frequencies.eigenproblem import solve_eigenvalues
+from flexmech.analyses.stability import frozen_eigenvalues
 from flexmech.choices import MovingFrame
 from flexmech.linear_system import Engine, Prestress
 from flexmech.time_domain import (
@@ -28,6 +30,7 @@ from flexmech.types import FloatArray
 SAMPLES = 128
 MODES = 6
 NAMES = ("aluminium", "steel")
+FRAMES: tuple[MovingFrame, ...] = ("link", "inertial")
 LOADED: tuple[Prestress, ...] = ("axial", "equilibrium")
 
 
@@ -227,12 +230,11 @@ def test_running_backwards_and_mirrored(mechanisms, time):
 def in_both_frames(engine: Engine, speed: float, prestress: Prestress) -> list[FloatArray]:
     turn = sampled(engine, speed, prestress, samples=512)
     count = counts_of_modes(turn, MODES, 1)[0]
-    frames: tuple[MovingFrame, ...] = ("link", "inertial")
     return [
         multipliers(
             floquet_modes(moving_modes(turn, count, frame=frame).system(), steps_of(turn, count))
         )
-        for frame in frames
+        for frame in FRAMES
     ]
 
 
@@ -271,3 +273,35 @@ def test_what_beams_do_not_turn_with_their_nodes_falls_with_their_length(mechani
         left.append(np.linalg.norm(frame.gyroscopic @ bow) / np.linalg.norm(link.gyroscopic @ bow))
     assert left[0] > 1e-3
     assert np.all(np.diff(np.log2(left)) < -1.5)
+
+
+def test_frozen_eigenvalues_at_rest_do_not_depend_on_the_frame(mechanisms):
+    engine = ReferenceEngine(damped(mechanisms["steel"], 2e-5), elements=4)
+    link, inertial = (
+        frozen_eigenvalues(engine, [0.3, 2.0, 4.0], 0.0, prestress="none", frame=frame, modes=4)
+        for frame in FRAMES
+    )
+    np.testing.assert_allclose(inertial, link, rtol=1e-8)
+
+
+@pytest.mark.parametrize("engine_kind", [ReferenceEngine, ExudynEngine])
+def test_frozen_eigenvalues_of_a_running_linkage_depend_on_the_frame(mechanisms, engine_kind):
+    engine = engine_kind(damped(mechanisms["aluminium"], 2e-5), elements=4)
+    link, inertial = (
+        frozen_eigenvalues(engine, [0.0, 2.0], 60.0, prestress="axial", frame=frame, modes=2)
+        for frame in FRAMES
+    )
+    assert (np.abs(link.real - inertial.real) / np.abs(link.real)).min() > 5e-3
+    expected = engine.linear_system([0.0, 2.0], 60.0, prestress="axial")
+    np.testing.assert_allclose(np.abs(link), np.abs(solve_eigenvalues(expected, 2)), rtol=1e-3)
+
+
+def test_an_arm_in_ground_axes_has_its_flapping_frequencies(models):
+    # Along the ground's axes the centripetal term is missing: chord^2 + speed^2, as in V3.
+    engine = ReferenceEngine(load_mechanism(models / "rotating_arm.toml"), elements=8)
+    link, inertial = (
+        np.abs(frozen_eigenvalues(engine, 1.1, 30.0, prestress="axial", frame=frame, modes=1))
+        for frame in FRAMES
+    )
+    assert inertial**2 == pytest.approx(link**2 + 30.0**2, rel=2e-4)
+    assert inertial > link + 1

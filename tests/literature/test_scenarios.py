@@ -23,6 +23,7 @@ NAMES = [
     "composite_crank_rockers",
     "coupler_curves",
     "critical_speeds",
+    "frames_and_stability",
     "hygrothermal_frequencies",
     "mode_shapes",
     "running_fourbars",
@@ -151,6 +152,20 @@ def test_axial_force_alone_says_where_no_equilibrium_was_found(scenario, monkeyp
     assert np.isfinite(answer.over_turn).all()
     assert len(answer.not_found) >= 1
     assert any("180 deg" in reason and "1000 rad/s" in reason for reason in answer.not_found)
+
+
+def test_frames_and_stability(scenario, held_number, tmp_path, capsys):
+    """Floquet modes are the same in both frames; frozen damping ratios are not."""
+    module = scenario("frames_and_stability")
+    below, inside = module.main(tmp_path, elements=4)
+    assert inside.growth_rate == held_number("frames_and_stability")
+    assert below.growth_rate < 0
+    for answer in (below, inside):
+        assert answer.floquet_gap < 1e-8
+        assert answer.frame_gap > 1e-4
+        assert min(ratios.min() for ratios in answer.frozen.values()) > 1e-3
+    assert "87 rad/s: frozen damping ratios 0.1" in capsys.readouterr().out
+    assert_pictures(tmp_path, "damping_over_turn.png")
 
 
 def test_running_fourbars(scenario, held_number, tmp_path, capsys):

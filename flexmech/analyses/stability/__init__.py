@@ -7,6 +7,7 @@ from flexmech.analyses.stability.engine_stability import (
     FollowedSpeed,
     NoEquilibrium,
 )
+from flexmech.analyses.stability.frames import frozen_eigenvalues
 from flexmech.analyses.stability.request import KEPT_MODES, StabilityRequest
 from flexmech.analyses.stability.solver import LinkageSolver
 
@@ -20,4 +21,5 @@ __all__ = [
     "LinkageSolver",
     "NoEquilibrium",
     "StabilityRequest",
+    "frozen_eigenvalues",
 ]
