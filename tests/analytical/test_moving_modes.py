@@ -14,6 +14,7 @@ import scipy.linalg
 from flexmech import ExudynEngine, Mechanism, ReferenceEngine, load_mechanism
 from flexmech.analyses.frequencies.eigenproblem import solve_eigenvalues
 from flexmech.analyses.stability import frozen_eigenvalues
+from flexmech.analyses.stability.frames import in_ground_axes
 from flexmech.choices import MovingFrame
 from flexmech.linear_system import Engine, Prestress
 from flexmech.time_domain import (
@@ -121,7 +122,9 @@ def soft(mechanism: Mechanism, time: float = 0.0) -> Mechanism:
     return damped(made, time) if time else made
 
 
-def integrated_monodromy(engine: Engine, speed: float, prestress: Prestress) -> FloatArray:
+def integrated_monodromy(
+    engine: Engine, speed: float, prestress: Prestress, frame: MovingFrame = "link"
+) -> FloatArray:
     """Transition matrix of a turn of ``M z'' + C z' + K z = 0`` by an explicit Runge-Kutta code.
 
     In all coordinates of the link frames, with all rotation terms; the matrices between the
@@ -130,6 +133,8 @@ def integrated_monodromy(engine: Engine, speed: float, prestress: Prestress) -> 
     count = 2880
     angle = 2 * np.pi / count * np.arange(count + 1)
     system = engine.unreduced().linear_system(angle, speed, prestress=prestress)
+    if frame == "inertial":
+        system = in_ground_axes(system)
     size = system.size
     matrix = np.zeros((count + 1, 2 * size, 2 * size))
     matrix[:, :size, size:] = np.eye(size)
@@ -273,6 +278,16 @@ def test_what_beams_do_not_turn_with_their_nodes_falls_with_their_length(mechani
         left.append(np.linalg.norm(frame.gyroscopic @ bow) / np.linalg.norm(link.gyroscopic @ bow))
     assert left[0] > 1e-3
     assert np.all(np.diff(np.log2(left)) < -1.5)
+
+
+def test_matrices_in_ground_axes_are_the_same_system(mechanisms):
+    # Frozen eigenvalues differ, those of a whole turn do not.
+    engine = ReferenceEngine(soft(mechanisms["aluminium"], 1e-3), elements=1, component_modes=False)
+    link, inertial = (
+        np.linalg.eigvals(integrated_monodromy(engine, 30.0, "axial", frame)) for frame in FRAMES
+    )
+    assert farthest(inertial, link) < 1e-8
+    assert farthest(link, inertial) < 1e-8
 
 
 def test_frozen_eigenvalues_at_rest_do_not_depend_on_the_frame(mechanisms):

@@ -13,7 +13,7 @@ from flexmech.linear_system import Engine, LinearSystem
 from flexmech.numbers import check_choice, check_count
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["frozen_eigenvalues"]
+__all__ = ["frozen_eigenvalues", "in_ground_axes"]
 
 
 def frozen_eigenvalues(
@@ -56,23 +56,35 @@ def frozen_eigenvalues(
     Examples
     --------
     >>> engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/steel_fourbar.toml"))
-    >>> for frame in ("link", "inertial"):
+    >>> for frame in ("link", "inertial"):  # there is no damping
     ...     found = frozen_eigenvalues(engine, 1.0, 20.0, prestress="axial", frame=frame, modes=1)
-    ...     print(f"{found[0, 0].real:.2f} 1/s")
+    ...     print(f"{found[0, 0].real:.3f} 1/s")
+    0.022 1/s
+    0.006 1/s
     """
     check_choice(frame, MOVING_FRAMES, "frame")
     check_count(modes, "modes")
     system = engine.unreduced().linear_system(crank_angle, crank_speed, prestress=prestress)
     if frame == "inertial":
-        system = _in_ground_axes(system)
+        system = in_ground_axes(system)
     return quadratic_eigenvalues(system, modes).eigenvalues
 
 
-def _in_ground_axes(system: LinearSystem) -> LinearSystem:
+def in_ground_axes(system: LinearSystem) -> LinearSystem:
     """The system of ``d = T(t) z``, T the turn of each node's vectors by its link's angle.
 
     With ``W = T'``: ``T M W``, ``T (2 M W. + C W)`` and ``T (M W.. + C W. + K W)``. A vector of
     which one component is held is the other component's number in any axes and stays.
+
+    Parameters
+    ----------
+    system : LinearSystem
+        Unreduced, in link frames.
+
+    Returns
+    -------
+    LinearSystem
+        Its coordinates d are displacements in ground axes.
     """
     motion, size = system.motion, system.size
     batch = len(motion.crank_angle)
