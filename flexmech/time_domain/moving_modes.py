@@ -113,8 +113,8 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
     Returns
     -------
     list of int
-        Increasing; fewer, where fewer are smooth, and the smoothest one where none is. All
-        coordinates, if nothing turns.
+        Increasing. Where fewer are smooth, the smoothest ones above them follow. All coordinates,
+        if nothing turns.
     """
     squares, largest = turn.frozen_squares, turn.frames.size
     if not turn.turns_pins:
@@ -129,7 +129,12 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
         smoothness[count] = min(gap / LEAST_GAP, _overlap(turn, count) / LEAST_OVERLAP)
         if smoothness[count] > 1:
             counts.append(count)
-    return counts or [max(smoothness, key=lambda count: smoothness[count])]
+    while len(counts) < wanted:
+        more = [count for count in smoothness if count > max(counts, default=0)]
+        if not more:
+            break
+        counts.append(max(more, key=lambda count: smoothness[count]))
+    return counts
 
 
 def moving_modes(
