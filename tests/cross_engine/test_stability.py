@@ -1,0 +1,102 @@
+"""Stability of the running aluminium linkage: both engines, their bands, and what closes these."""
+
+import numpy as np
+import pytest
+
+from flexmech.analyses.stability.damping_ratios import lowest_frequency, with_damping_time
+from flexmech.analyses.stability.engine_map import map_engine
+from flexmech.analyses.stability.kept_modes import matched
+from flexmech.analyses.stability.request import StabilityRequest
+from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.multibody import ExudynEngine
+from flexmech.reference import ReferenceEngine
+from flexmech.threads import one_thread
+
+
+def quiet(label, done, total):
+    pass
+
+
+def damped(engine, ratio):
+    return with_damping_time(engine, 2 * ratio / lowest_frequency(engine))
+
+
+@pytest.mark.parametrize("prestress", ["axial", "equilibrium"])
+@pytest.mark.parametrize("speed", [20.0, 60.0])
+def test_engines_have_the_same_moduli(aluminium, prestress, speed):
+    engines = [ReferenceEngine(aluminium), ExudynEngine(aluminium)]
+    with one_thread():
+        first, other = (
+            (solver := LinkageSolver(damped(engine, 0.001), prestress, 8)).solve(
+                solver.moving(speed)
+            )
+            for engine in engines
+        )
+    order = matched(first.exponent * first.period, other.exponent * other.period)
+    assert np.exp(other.log_modulus[order]) == pytest.approx(np.exp(first.log_modulus), abs=1e-3)
+
+
+@pytest.fixture(scope="module")
+def maps(aluminium):
+    request = StabilityRequest(
+        np.array([74.0, 76.0, 78.0]), prestress="axial", modes=5, damping_ratio=0.001
+    )
+    engines = [ReferenceEngine(aluminium), ExudynEngine(aluminium)]
+    return [map_engine(engine, request, quiet) for engine in engines]
+
+
+def test_a_band_that_is_narrower_than_the_step_is_found_named_and_closed(maps):
+    band = maps[0].bands[0]
+    assert (band.kind, band.branches, band.order) == ("principal", (2, 2), 8)
+    assert not band.lower.is_open
+    assert not band.upper.is_open
+    # Twice the second frequency, some 48.8 Hz, is eight times that of the crank.
+    assert 76.0 < band.lower.crank_speed < 76.6 < band.upper.crank_speed < 77.5
+    assert 0.004 < band.closing_damping_ratio < 0.01
+
+
+def test_the_edges_of_both_engines_agree_within_their_errors(maps):
+    first, other = (found.bands[0] for found in maps)
+    for ours, theirs in ((first.lower, other.lower), (first.upper, other.upper)):
+        apart = abs(ours.crank_speed - theirs.crank_speed)
+        assert apart < 0.1
+        assert apart < 3 * (ours.error + theirs.error)
+
+
+def test_growth_ends_at_the_closing_damping_ratio(maps, aluminium):
+    band = maps[0].bands[0]
+    engine = ReferenceEngine(aluminium)
+    solver = LinkageSolver(damped(engine, 1.0), "axial", 5)
+    speeds = np.linspace(band.lower.crank_speed, band.upper.crank_speed, 9)
+    with one_thread():
+        linkages = [solver.moving(float(speed)) for speed in speeds]
+        below, above = (
+            max(solver.growth_at(each, part * band.closing_damping_ratio) for each in linkages)
+            for part in (0.97, 1.01)
+        )
+    assert below > 0 > above
+
+
+def test_the_edge_error_is_true(maps, aluminium):
+    # Of the mesh, which is the greatest: twice the elements put the edge nearly where they are.
+    request = StabilityRequest(
+        np.array([75.5, 76.0, 77.6]), prestress="axial", modes=5, damping_ratio=0.001
+    )
+    finer = map_engine(ReferenceEngine(aluminium, elements=16), request, quiet).bands[0]
+    for ours, theirs in zip(
+        (maps[0].bands[0].lower, maps[0].bands[0].upper), (finer.lower, finer.upper), strict=True
+    ):
+        assert abs(ours.crank_speed - theirs.crank_speed) < 1.5 * ours.error
+        assert theirs.mesh_error < 0.5 * ours.mesh_error
+
+
+def test_a_speed_without_equilibrium_is_told_and_the_map_goes_on(aluminium):
+    request = StabilityRequest(np.array([20.0, 150.0]), modes=3)
+    found = map_engine(ReferenceEngine(aluminium, elements=4), request, quiet)
+    assert [each.crank_speed for each in found.speeds] == [20.0, 150.0]
+    assert "crank angle" in found.speeds[1].reason
+
+
+def test_multipliers_obey_liouville_in_every_row(maps):
+    for found in maps:
+        assert max(each.liouville_defect for each in found.speeds) < 1e-6

@@ -1,0 +1,103 @@
+"""Parts of a stability map: names of bands, runs of growth, windows of speeds, processes."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexmech.analyses.stability.naming import band_name
+from flexmech.analyses.stability.parallel import FEW, in_order
+from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth
+from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.errors import ComputationError
+from flexmech.reference import ReferenceEngine
+
+USUAL = np.array([44.0, 49.0, 180.0])
+
+
+def name_of(frequency, part, crank, *, differences=False):
+    found = band_name(np.array(frequency), np.array(part), USUAL, crank, differences=differences)
+    return found.kind, found.branches, found.order
+
+
+def test_a_mode_that_meets_itself_makes_a_principal_band():
+    assert name_of([44.5, 49.0, 181.0], [0.99, 0.05, 0.02], 89 / 7) == ("principal", (1, 1), 7)
+
+
+def test_two_modes_make_a_sum():
+    assert name_of([44.5, 49.0, 181.0], [0.7, 0.7, 0.02], 93.5 / 6) == ("sum", (1, 2), 6)
+
+
+def test_differences_have_names_only_where_they_can_grow():
+    frequency, part, crank = [44.5, 49.0, 181.0], [0.02, 0.7, 0.7], 132 / 11
+    assert name_of(frequency, part, crank, differences=True) == ("difference", (2, 3), 11)
+    assert name_of(frequency, part, crank)[0] != "difference"
+
+
+def test_modes_that_changed_places_are_named_by_their_frequency():
+    # Branch 3 carries the frequency that is usual for branch 2.
+    assert name_of([44.0, 180.0, 49.0], [0.1, 0.1, 0.99], 14.0) == ("principal", (2, 2), 7)
+
+
+def test_no_multiple_is_no_name():
+    assert name_of([44.5, 49.0, 181.0], [0.99, 0.0, 0.0], 89 / 7.5) == ("unnamed", (), 0)
+    found = band_name(np.array([44.5]), np.array([0.9]), np.array([44.0]), 7.0, differences=False)
+    assert math.isnan(found.mismatch) or found.mismatch < 0.25
+
+
+def samples(growth):
+    return [Sample(float(speed), g, g) for speed, g in growth.items()]
+
+
+def test_runs_lie_between_speeds_at_which_nothing_grows():
+    runs = runs_of_growth(samples({1: -1, 2: 1, 3: 2, 4: -1, 5: 3, 6: -1}), [])
+    assert [run.brackets for run in runs] == [((2, 1), (3, 4)), ((5, 4), (5, 6))]
+    assert [run.fastest for run in runs] == [3, 5]
+
+
+def test_runs_are_open_at_the_ends_and_where_equilibrium_ends():
+    runs = runs_of_growth(samples({1: 1, 2: 1, 4: 1, 5: -1}), [3.0])
+    assert [run.brackets for run in runs] == [((1, 1), (2, 2)), ((4, 4), (4, 5))]
+
+
+@pytest.fixture(scope="module")
+def solver(aluminium):
+    return LinkageSolver(ReferenceEngine(aluminium, elements=4), "equilibrium", 4)
+
+
+def test_a_window_gives_what_is_built_at_each_speed(solver):
+    windowed = replace(solver, windows=(solver.window(30.0, 34.0),))
+    assert windowed.windows[0].error < 1e-8
+    speed = 31.234
+    direct, between = (s.solve(s.moving(speed)) for s in (solver, windowed))
+    for exponent in direct.exponent:
+        assert np.abs(between.exponent - exponent).min() < 1e-6 * abs(exponent)
+
+
+def test_a_window_does_not_reach_beyond_the_last_equilibrium(solver):
+    with pytest.raises(ComputationError):
+        solver.window(150.0, 160.0)
+
+
+def test_clockwise_speeds_have_windows_too(solver):
+    windowed = replace(solver, windows=(solver.window(-34.0, -30.0),))
+    direct, between = (s.solve(s.moving(-33.0)) for s in (solver, windowed))
+    for exponent in direct.exponent:
+        assert np.abs(between.exponent - exponent).min() < 1e-6 * abs(exponent)
+
+
+@pytest.mark.parametrize("count", [1, FEW, 3 * FEW])
+def test_tasks_answer_in_order_from_any_number_of_processes(count):
+    offset = np.arange(5)
+    assert list(in_order(lambda item: item + int(offset[-1]), range(count))) == [
+        item + 4 for item in range(count)
+    ]
+
+
+def test_an_error_of_a_task_arrives_as_it_is():
+    def fails(item):
+        raise ComputationError("item 3") if item == 3 else ValueError(item)
+
+    with pytest.raises(ComputationError, match="item 3"):
+        list(in_order(lambda item: fails(item) if item == 3 else item, range(20)))
