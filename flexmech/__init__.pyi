@@ -21,6 +21,7 @@ from .analyses import ResponseRequest as ResponseRequest
 from .analyses import Result as Result
 from .analyses import SectionProfiles as SectionProfiles
 from .analyses import SpeedSweep as SpeedSweep
+from .analyses import StabilityMap as StabilityMap
 from .analyses import check_mechanism as check_mechanism
 from .analyses import coupler_paths as coupler_paths
 from .analyses import crank_rocker_synthesis as crank_rocker_synthesis
@@ -33,6 +34,7 @@ from .analyses.campbell import campbell as campbell
 from .analyses.response import exudyn_system as exudyn_system
 from .analyses.response import response as response
 from .analyses.speed_sweep import speed_sweep as speed_sweep
+from .analyses.stability import stability as stability
 from .errors import ComputationError as ComputationError
 from .errors import FlexmechError as FlexmechError
 from .errors import InputError as InputError

@@ -11,6 +11,7 @@ from typing import Literal, get_args
 __all__ = [
     "ELEMENTS",
     "INTEGRATORS",
+    "KEPT_MODES",
     "MAP_PRESTRESS_LEVELS",
     "MODES",
     "MOST_ELEMENTS",
@@ -94,6 +95,8 @@ ELEMENTS_A_LINK = 8
 """Finite elements on each link by default, where a map begins to refine."""
 TOLERANCE = 1e-3
 """Relative error by the mesh up to which the ``frequencies`` command refines."""
+KEPT_MODES = 8
+"""Natural modes whose Floquet modes a stability map keeps by default."""
 MODES = 4
 """Natural frequencies asked for by default, in maps and responses alike."""
 

@@ -26,6 +26,7 @@ from flexmech.cli.report import report
 from flexmech.cli.response import response
 from flexmech.cli.schema import schema
 from flexmech.cli.section import section
+from flexmech.cli.stability import stability
 from flexmech.cli.stopping import Stopped, interrupted_line
 from flexmech.cli.streams import check_streams
 from flexmech.cli.study import study_app
@@ -37,6 +38,7 @@ from flexmech.errors import FlexmechError, InputError, one_line
 DELIVERING: tuple[Callable[..., None], ...] = (
     frequencies,
     campbell,
+    stability,
     response,
     export,
     coupler_curve,

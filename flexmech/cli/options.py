@@ -88,6 +88,15 @@ CampbellSpeeds = Annotated[
         metavar="LIST",
     ),
 ]
+TurningSpeeds = Annotated[
+    str,
+    Option(
+        "--speeds",
+        help="Crank speeds: START:STOP:STEP or a comma list with one unit at the end, as in "
+        '"50:1100:10 rpm"; rad/s if there is none. Not zero, and all of one sign.',
+        metavar="LIST",
+    ),
+]
 FurtherCampbellSpeeds = Annotated[
     str | None,
     Option(
@@ -125,6 +134,9 @@ Engine = Annotated[choices.EngineChoice, Option(help="Which engine computes.")]
 CampbellEngine = Annotated[
     choices.EngineChoice,
     Option(help="Which engine computes; exudyn takes ten times as long, both stand side by side."),
+]
+StabilityEngine = Annotated[
+    choices.EngineChoice, Option(help="Which engine computes; both stand side by side.")
 ]
 Element = Annotated[
     choices.ElementName | None,
@@ -177,6 +189,52 @@ Prestress = Annotated[
     Option(
         help="none: elastic stiffness alone; axial: with the axial forces of the rigid motion; "
         "equilibrium: at the nonlinear quasi-static equilibrium."
+    ),
+]
+StabilityPrestress = Annotated[
+    choices.StabilityPrestress,
+    Option(
+        help="About which motion: axial: straight links with the axial forces of the rigid "
+        "motion; equilibrium: the nonlinear quasi-static equilibrium; trajectory: the periodic "
+        "motion itself."
+    ),
+]
+Frame = Annotated[
+    choices.MovingFrame,
+    Option(help="Frame of the coordinates; multipliers are the same in both."),
+]
+KeptModes = Annotated[
+    int,
+    Option(
+        "--modes",
+        min=1,
+        max=choices.MOST_MODES,
+        help="Natural modes whose Floquet modes are kept.",
+    ),
+]
+StepsATurn = Annotated[
+    str,
+    Option(
+        "--steps",
+        help="Steps of the propagator a turn, a multiple of 16; auto: by the fastest mode.",
+        metavar="auto|N",
+    ),
+]
+DampingRatio = Annotated[
+    str | None,
+    Option(
+        help='Damping ratio of the first natural frequency at rest, as in "0.1%" or 0.001, for all '
+        "links in place of the model's damping. Left out: the model's.",
+        metavar="Z",
+    ),
+]
+Against = Annotated[
+    tuple[str, str] | None,
+    Option(
+        help="Also a map over a second parameter: damping-ratio, moisture, temperature-rise, or a "
+        "quantity of the model file such as links.coupler.in_plane_thickness; over a comma list or "
+        'START:STOP:STEPS, as in "damping-ratio 0:2%:20" for 20 equal steps from 0 to 2 %.',
+        metavar="PARAMETER RANGE",
     ),
 ]
 PeriodicResponse = Annotated[

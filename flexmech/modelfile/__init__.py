@@ -1,6 +1,15 @@
 """Model files: TOML with a unit in every value, to a :class:`~flexmech.mechanism.Mechanism`."""
 
+from flexmech.modelfile.quantities import mechanism_with, quantities_of
 from flexmech.modelfile.read import json_schema, load_mechanism, mechanism_from_toml
 from flexmech.modelfile.templates import KINDS, template
 
-__all__ = ["KINDS", "json_schema", "load_mechanism", "mechanism_from_toml", "template"]
+__all__ = [
+    "KINDS",
+    "json_schema",
+    "load_mechanism",
+    "mechanism_from_toml",
+    "mechanism_with",
+    "quantities_of",
+    "template",
+]

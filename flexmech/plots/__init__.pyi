@@ -8,6 +8,8 @@ from .composite_study import plot_composite_frequencies as plot_composite_freque
 from .composite_study import plot_laminate_factors as plot_laminate_factors
 from .coupler_curve import plot_coupler_angles as plot_coupler_angles
 from .coupler_curve import plot_coupler_curve as plot_coupler_curve
+from .floquet import plot_floquet_frequencies as plot_floquet_frequencies
+from .floquet import plot_floquet_harmonics as plot_floquet_harmonics
 from .frequencies import plot_frequencies as plot_frequencies
 from .hygrothermal_effect import plot_hygrothermal_effect as plot_hygrothermal_effect
 from .labels import mode_label as mode_label
@@ -36,6 +38,8 @@ from .spectra import plot_spectrogram as plot_spectrogram
 from .spectra import plot_spectrum as plot_spectrum
 from .speed_effect import plot_speed_effect as plot_speed_effect
 from .speed_sweep import plot_speed_sweep as plot_speed_sweep
+from .stability import plot_stability as plot_stability
+from .stability_against import plot_stability_against as plot_stability_against
 from .style import LIGHT_GREY as LIGHT_GREY
 from .style import MID_GREY as MID_GREY
 from .style import figure_html as figure_html

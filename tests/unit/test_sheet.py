@@ -37,6 +37,7 @@ from tests.unit.plot_data import (
     verification_dataset,
     vibration_dataset,
 )
+from tests.unit.stability_data import stability_dataset
 
 Plot = Callable[..., Figure]
 
@@ -106,6 +107,8 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_campbell: (campbell_dataset, 2),
     plots.plot_coupler_angles: (coupler_dataset, 2),
     plots.plot_coupler_curve: (coupler_dataset, 3),
+    plots.plot_floquet_frequencies: (stability_dataset, 1),
+    plots.plot_floquet_harmonics: (stability_dataset, 4),
     plots.plot_forces: (response_dataset, 5),
     plots.plot_frequencies: (frequency_dataset, 4),
     plots.plot_hygrothermal_effect: (in_two_states, 4),
@@ -122,6 +125,8 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_spectrum: (response_dataset, 3),
     plots.plot_speed_effect: (frequency_dataset, 4),
     plots.plot_speed_sweep: (sweep_dataset, 3),
+    plots.plot_stability: (stability_dataset, 2),
+    plots.plot_stability_against: (stability_dataset, 1),
     plots.plot_transmission_angle: (transmission_dataset, 1),
     plots.plot_vibration_effect: (vibration_dataset, 5),
     plots.plot_verification: (verification_dataset, 1),

@@ -1,6 +1,8 @@
 """Stability of the running linkage: Floquet multipliers over the crank speed."""
 
+from flexmech.analyses.stability.against import parameters_of
 from flexmech.analyses.stability.band import Band, BandEdge
+from flexmech.analyses.stability.compute import stability
 from flexmech.analyses.stability.engine_stability import (
     CheckedErrors,
     EngineStability,
@@ -8,11 +10,11 @@ from flexmech.analyses.stability.engine_stability import (
     NoEquilibrium,
 )
 from flexmech.analyses.stability.frames import frozen_eigenvalues
-from flexmech.analyses.stability.request import KEPT_MODES, StabilityRequest
+from flexmech.analyses.stability.request import StabilityRequest
+from flexmech.analyses.stability.result import StabilityMap
 from flexmech.analyses.stability.solver import LinkageSolver
 
 __all__ = [
-    "KEPT_MODES",
     "Band",
     "BandEdge",
     "CheckedErrors",
@@ -20,6 +22,9 @@ __all__ = [
     "FollowedSpeed",
     "LinkageSolver",
     "NoEquilibrium",
+    "StabilityMap",
     "StabilityRequest",
     "frozen_eigenvalues",
+    "parameters_of",
+    "stability",
 ]

@@ -7,15 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES
-from flexmech.choices import MAP_PRESTRESS_LEVELS, MOVING_FRAMES, MapPrestress, MovingFrame
+from flexmech.choices import (
+    KEPT_MODES,
+    MAP_PRESTRESS_LEVELS,
+    MOVING_FRAMES,
+    MapPrestress,
+    MovingFrame,
+)
 from flexmech.errors import InputError
 from flexmech.numbers import Bounds, check_choice, check_count, check_number, checked_array
 from flexmech.types import FloatArray
 
-__all__ = ["KEPT_MODES", "StabilityRequest"]
+__all__ = ["StabilityRequest"]
 
-KEPT_MODES = 8
-"""Natural modes whose Floquet modes are kept by default."""
 LEAST_STEPS, MOST_STEPS = 2 * SHAPE_ANGLES, 1_000_000
 DAMPING_RATIO = Bounds(least=0.0, below=1.0)
 

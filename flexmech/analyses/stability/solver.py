@@ -22,7 +22,7 @@ from flexmech.time_domain import (
 )
 from flexmech.types import FloatArray
 
-__all__ = ["BY_REFINEMENT", "LinkageSolver", "SolvedSpeed"]
+__all__ = ["BY_REFINEMENT", "LinkageSolver", "SolvedSpeed", "step_error"]
 
 BY_REFINEMENT = 4 / 3
 """Error by the mesh over what half the element length changes: of second order, or less."""
@@ -72,6 +72,28 @@ class _SampledState:
 
     turn: SampledTurn
     orbit: NonlinearOrbit | None
+
+
+def step_error(moving: VibratingLinkage, modes: KeptModes, damping: float) -> FloatArray:
+    """Change of the logarithms of multipliers (k,) when the steps are halved in number.
+
+    Parameters
+    ----------
+    moving : VibratingLinkage
+    modes : KeptModes
+        Found with all steps.
+    damping : float
+        Factor on the damping, with which they were found.
+
+    Returns
+    -------
+    ndarray, shape (k,)
+    """
+    coarse = floquet_modes(moving.system(damping), modes.steps // 2)
+    log, other = modes.exponent * modes.period, coarse.exponent * coarse.period
+    gap = log - other[matched(log, other)]
+    angle = gap.imag - 2 * np.pi * np.round(gap.imag / (2 * np.pi))
+    return np.hypot(gap.real, angle)
 
 
 @dataclass(frozen=True)
@@ -220,13 +242,9 @@ class LinkageSolver:
         """Kept Floquet modes with the error of their steps."""
         moving = self.moving(crank_speed)
         modes = self.solve(moving)
-        coarse = floquet_modes(moving.system(self.damping), modes.steps // 2)
-        log, other = modes.exponent * modes.period, coarse.exponent * coarse.period
-        gap = log - other[matched(log, other)]
-        angle = gap.imag - 2 * np.pi * np.round(gap.imag / (2 * np.pi))
         return SolvedSpeed(
             modes=modes,
-            step_error=np.hypot(gap.real, angle),
+            step_error=step_error(moving, modes, self.damping),
             moving_modes=moving.size,
             is_definite=moving.is_definite,
             buckled_angle=moving.least_angle if moving.least_square <= 0 else None,

@@ -1,0 +1,272 @@
+"""Stability over the crank speed and a second parameter."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from flexmech.analyses.stability.damping_ratios import lowest_frequency, with_damping_time
+from flexmech.analyses.stability.dataset import NO, NO_EQUILIBRIUM, NOT_COMPUTED, YES
+from flexmech.analyses.stability.parallel import in_order
+from flexmech.analyses.stability.request import DAMPING_RATIO, StabilityRequest
+from flexmech.analyses.stability.solver import LinkageSolver, step_error
+from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
+from flexmech.errors import ComputationError, InputError, suggestion
+from flexmech.hygrothermal import HygrothermalState, mechanism_in_state
+from flexmech.linear_system import Engine
+from flexmech.mechanism import Mechanism
+from flexmech.modelfile import mechanism_with, quantities_of
+from flexmech.numbers import check_number, checked_array
+from flexmech.types import FloatArray, LabelledProgress
+from flexmech.units import RATIO, TEMPERATURE_DIFFERENCE, Dimension
+
+__all__ = ["DAMPING_PARAMETER", "Against", "map_against", "parameters_of"]
+
+DAMPING_PARAMETER, MOISTURE, TEMPERATURE_RISE = "damping-ratio", "moisture", "temperature-rise"
+OF_ITS_OWN = {
+    DAMPING_PARAMETER: RATIO,
+    MOISTURE: RATIO,
+    TEMPERATURE_RISE: TEMPERATURE_DIFFERENCE,
+}
+MOST_VALUES = 1000
+
+
+def parameters_of(mechanism: Mechanism) -> dict[str, Dimension]:
+    """What a stability map can go over besides the crank speed.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+
+    Returns
+    -------
+    dict of str to Dimension
+        ``damping-ratio``, ``moisture``, ``temperature-rise``, and the quantities of the model
+        file by their keys, such as ``linkage.coupler`` or ``links.coupler.in_plane_thickness``.
+    """
+    return OF_ITS_OWN | quantities_of(mechanism)
+
+
+@dataclass(frozen=True)
+class Against:
+    """A parameter and its values.
+
+    Parameters
+    ----------
+    parameter : str
+        One of :func:`parameters_of`.
+    values : ndarray, shape (P,)
+        In SI units; kept ascending.
+    dimension : Dimension
+
+    Raises
+    ------
+    InputError
+        If a value is not finite or repeats.
+    """
+
+    parameter: str
+    values: FloatArray
+    dimension: Dimension
+
+    def __post_init__(self) -> None:
+        values = checked_array(self.values, f"against: {self.parameter}", self.dimension.unit)
+        if values.ndim != 1 or not 1 <= len(values) <= MOST_VALUES:
+            raise InputError(f"against: give a list of 1 to {MOST_VALUES} values")
+        if len(np.unique(values)) != len(values):
+            raise InputError("against: a value repeats; give each one once")
+        if self.parameter == DAMPING_PARAMETER:
+            for value in values.tolist():
+                check_number(value, "against: damping-ratio", bounds=DAMPING_RATIO)
+        object.__setattr__(self, "values", np.sort(values))
+
+    @classmethod
+    def of(cls, mechanism: Mechanism, asked: tuple[str, ArrayLike]) -> Against:
+        """A parameter of a mechanism and its values, as a user gives them.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+        asked : tuple of str and array_like
+
+        Returns
+        -------
+        Against
+
+        Raises
+        ------
+        InputError
+            If the mechanism has no such parameter, or values are impossible.
+        """
+        if not isinstance(asked, Sequence) or isinstance(asked, str) or len(asked) != 2:
+            raise InputError(
+                'against: give a parameter and its values, such as ("damping-ratio", [0.0, 0.01]), '
+                f"got {asked!r}"
+            )
+        parameter, values = asked
+        known = parameters_of(mechanism)
+        if parameter not in known:
+            raise InputError(
+                f"against: there is no {parameter!r}; {suggestion(str(parameter), list(known))}"
+            )
+        return cls(parameter, np.asanyarray(values), known[parameter])
+
+    @property
+    def column(self) -> str:
+        """Of tables, with the unit: ``damping_ratio`` or ``linkage_coupler_m``."""
+        unit = self.dimension.unit.replace("/", "_").replace("^", "")
+        return re.sub(r"\W+", "_", f"{self.parameter}_{unit}".rstrip("_"))
+
+    def engine_at(self, engine: Engine, value: float) -> Engine:
+        """The engine with the parameter at a value.
+
+        Parameters
+        ----------
+        engine : Engine
+        value : float
+            In SI units.
+
+        Returns
+        -------
+        Engine
+
+        Raises
+        ------
+        InputError
+            If the mechanism cannot be so.
+        """
+        if self.parameter == DAMPING_PARAMETER:
+            return _damped(engine, value)
+        mechanism = engine.mechanism
+        if self.parameter == MOISTURE:
+            changed = mechanism_in_state(mechanism, HygrothermalState(moisture=value))
+        elif self.parameter == TEMPERATURE_RISE:
+            changed = mechanism_in_state(mechanism, HygrothermalState(temperature_rise=value))
+        else:
+            changed = mechanism_with(mechanism, self.parameter, value)
+        return engine.with_(mechanism=changed)
+
+
+Grown = tuple[float, str]
+"""A growth rate in 1/s, and what the column ``unstable`` says."""
+NOTHING: Grown = (np.nan, NO_EQUILIBRIUM)
+ONE = np.ones(1)
+
+
+def map_against(
+    engines: Sequence[Engine],
+    request: StabilityRequest,
+    against: Against,
+    report: LabelledProgress,
+) -> xr.Dataset:
+    """Growth rates over the parameter and the crank speed.
+
+    Parameters
+    ----------
+    engines : sequence of Engine
+    request : StabilityRequest
+    against : Against
+    report : callable
+
+    Returns
+    -------
+    xarray.Dataset
+        ``against_growth_rate`` and ``against_unstable`` over (engine, parameter, crank_speed). An
+        interruption leaves the rest out and is noted as ``interrupted_against`` in the attributes.
+    """
+    shape = len(engines), len(against.values), len(request.crank_speeds)
+    rate, state = np.full(shape, np.nan), np.full(shape, NOT_COMPUTED, dtype=object)
+    interrupted = False
+    try:
+        for number, engine in enumerate(engines):
+            _fill(rate[number], state[number], engine, request, against, report)
+    except KeyboardInterrupt:
+        interrupted = True
+    over = ("engine", "parameter", "crank_speed")
+    return xr.Dataset(
+        {"against_growth_rate": (over, rate), "against_unstable": (over, state.astype(str))},
+        coords={"parameter": ("parameter", against.values, _attributes(against))},
+        attrs={
+            "against": against.parameter,
+            "against_column": against.column,
+            "interrupted_against": int(interrupted),
+        },
+    )
+
+
+def _attributes(against: Against) -> dict[str, str]:
+    words = against.parameter.replace("_", " ").replace("-", " ").replace(".", " ")
+    return {"units": against.dimension.unit or "1", "long_name": words}
+
+
+def _fill(
+    rate: FloatArray,
+    state: NDArray[np.object_],
+    engine: Engine,
+    request: StabilityRequest,
+    against: Against,
+    report: LabelledProgress,
+) -> None:
+    """Rates and states of one engine, (parameter, crank_speed), row by row or speed by speed."""
+    label = f"{engine.name}: {against.parameter}"
+    speeds, done = request.crank_speeds.tolist(), 0
+    if against.parameter == DAMPING_PARAMETER:
+        # The linkage is the same at all damping ratios, and damping enters the system linearly.
+        solvers = [(slice(None), _solver(_damped(engine, 1.0), request), against.values)]
+    else:
+        solvers = [
+            (slice(row, row + 1), _solver(_changed(engine, request, against, value), request), ONE)
+            for row, value in enumerate(against.values.tolist())
+        ]
+    for rows, solver, factors in solvers:
+        task = partial(_at_dampings, solver, factors)
+        for place, grown in enumerate(in_order(task, speeds)):
+            rate[rows, place] = [each for each, _ in grown]
+            state[rows, place] = [each for _, each in grown]
+            done += len(grown)
+            report(label, done, rate.size)
+
+
+def _changed(engine: Engine, request: StabilityRequest, against: Against, value: float) -> Engine:
+    """The engine at a value of the parameter, with the damping that counts."""
+    changed = against.engine_at(engine, value)
+    ratio = request.damping_ratio
+    return changed if ratio is None else _damped(changed, ratio)
+
+
+def _damped(engine: Engine, ratio: float) -> Engine:
+    """The engine with the damping ratio of the first frequency at rest for all its links."""
+    return with_damping_time(engine, 2 * ratio / lowest_frequency(engine))
+
+
+def _solver(engine: Engine, request: StabilityRequest) -> LinkageSolver:
+    level = request.prestress
+    assert level != "trajectory"
+    return LinkageSolver(engine, level, request.modes, steps=request.steps, frame=request.frame)
+
+
+def _at_dampings(solver: LinkageSolver, factors: FloatArray, speed: float) -> list[Grown]:
+    """Growth at one crank speed with the damping times factors."""
+    try:
+        moving = solver.moving(speed)
+    except ComputationError:
+        return [NOTHING] * len(factors)
+    buckled = moving.least_square <= 0
+    grown = [_grown(solver, moving, factor) for factor in factors.tolist()]
+    return [(rate, NO_EQUILIBRIUM) for rate, _ in grown] if buckled else grown
+
+
+def _grown(solver: LinkageSolver, moving: VibratingLinkage, factor: float) -> Grown:
+    """Growth rate, and whether it exceeds the error of the steps."""
+    modes = solver.solve(moving, factor)
+    if not (modes.log_modulus > 0).any():
+        return modes.growth_rate, NO
+    growing = np.expm1(modes.log_modulus)
+    exceeds = growing > step_error(moving, modes, factor) * (1 + growing)
+    return modes.growth_rate, YES if exceeds.any() else NO

@@ -1,0 +1,138 @@
+"""Stability of the running linkage over crank speed, by one engine or several."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.provenance import with_units
+from flexmech.analyses.requests import engines_of
+from flexmech.analyses.stability.against import Against, map_against
+from flexmech.analyses.stability.dataset import dataset_of
+from flexmech.analyses.stability.engine_map import map_engine
+from flexmech.analyses.stability.engine_stability import EngineStability
+from flexmech.analyses.stability.moving_frequencies import moving_bands
+from flexmech.analyses.stability.request import StabilityRequest
+from flexmech.analyses.stability.result import StabilityMap
+from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame
+from flexmech.errors import InputError
+from flexmech.interruption import tidying
+from flexmech.linear_system import Engine
+from flexmech.threads import one_thread
+from flexmech.types import LabelledProgress
+
+__all__ = ["stability"]
+
+
+def stability(
+    engine: Engine | Sequence[Engine],
+    crank_speeds: ArrayLike,
+    *,
+    prestress: MapPrestress = "equilibrium",
+    frame: MovingFrame = "link",
+    modes: int = KEPT_MODES,
+    steps: int | None = None,
+    damping_ratio: float | None = None,
+    against: tuple[str, ArrayLike] | None = None,
+    speed_unit: str = "rad/s",
+    progress: LabelledProgress | None = None,
+) -> StabilityMap:
+    """At which crank speeds vibrations of the running linkage grow by themselves.
+
+    At constant crank speed the linear equations of the links' vibration are periodic. Floquet's
+    multipliers say by what factor each vibration has grown after a turn; where one exceeds 1, the
+    linkage shakes itself up although it may be stable in every frozen position.
+
+    Parameters
+    ----------
+    engine : Engine or sequence of Engine
+        Several engines give results side by side.
+    crank_speeds : array_like, shape (S,)
+        rad/s, not zero, all of one sign.
+    prestress : {"none", "axial", "equilibrium", "trajectory"}
+        Of the motion that vibrations are about: the quasi-static equilibrium along the turn, or
+        the periodic motion itself (``trajectory``).
+    frame : {"link", "inertial"}
+        Of the coordinates. The multipliers are the same in both.
+    modes : int
+        Natural modes whose Floquet modes are kept.
+    steps : int, optional
+        Of the propagator a turn, a multiple of 16. Left out: chosen by the fastest mode.
+    damping_ratio : float, optional
+        Z: all links get the Kelvin-Voigt time 2 Z/omega_1, with the first natural frequency at
+        rest averaged over the turn. Left out: the model's damping counts.
+    against : tuple of (str, array_like), optional
+        A second parameter and its values in SI units: ``"damping-ratio"``, ``"moisture"``,
+        ``"temperature-rise"``, or a quantity of the model file by its key, such as
+        ``"linkage.coupler"`` or ``"links.coupler.in_plane_thickness"``.
+    speed_unit : str
+        In which the result speaks of crank speeds, such as ``"rpm"``.
+    progress : callable, optional
+        Called as ``progress(label, done, total)``.
+
+    Returns
+    -------
+    StabilityMap
+        A speed without equilibrium is a row that says so. Where Ctrl-C interrupts the map, what
+        is done is in it.
+
+    Raises
+    ------
+    InputError
+        If the request makes no sense or the crank cannot turn round.
+    ComputationError
+        If there is an equilibrium at none of the speeds.
+
+    Examples
+    --------
+    >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
+    >>> engine = flexmech.ReferenceEngine(mechanism, elements=2)
+    >>> found = flexmech.stability(
+    ...     engine, [86.0, 87.0, 88.0], prestress="axial", modes=2, damping_ratio=0.01
+    ... )
+    >>> found.bands()[["from_rad_s", "to_rad_s", "kind", "branches", "order"]].round(1)
+       from_rad_s  to_rad_s       kind branches  order
+    0        86.2      88.0  principal        2      7
+    """
+    engines = engines_of(engine, modes)
+    request = StabilityRequest(
+        np.asanyarray(crank_speeds), prestress, frame, modes, steps, damping_ratio, speed_unit
+    )
+    second = None if against is None else Against.of(engines[0].mechanism, against)
+    if second is not None and prestress == "trajectory":
+        raise InputError(
+            "a map over a second parameter is about the quasi-static equilibrium; leave against "
+            "out, or choose prestress 'equilibrium'"
+        )
+    report = progress or (lambda label, done, total: None)
+    maps: list[EngineStability] = []
+    with one_thread(), tidying():
+        extra = _moving(engines[0], request)
+        for each in engines:
+            maps.append(map_engine(each, request, report))
+            if maps[-1].interrupted:
+                break
+        if second is not None and not maps[-1].interrupted:
+            over_both = map_against(engines, request, second, report)
+            extra = extra.merge(over_both).assign_attrs(over_both.attrs)
+    dataset = dataset_of(maps, request)
+    attributes = dataset.attrs | extra.attrs | theory_attributes(engines, modes)
+    return StabilityMap(with_units(dataset.merge(extra), "stability").assign_attrs(attributes))
+
+
+def _moving(engine: Engine, request: StabilityRequest) -> xr.Dataset:
+    """Bands of the first engine's moving frequencies, without rotation terms."""
+    found = moving_bands(engine, request)
+    over = ("moving_speed", "branch")
+    return xr.Dataset(
+        {
+            "lowest_frequency": (over, found.lowest),
+            "mean_frequency": (over, found.mean),
+            "highest_frequency": (over, found.highest),
+        },
+        coords={"moving_speed": found.crank_speed, "branch": np.arange(1, request.modes + 1)},
+    )

@@ -1,0 +1,235 @@
+"""The result of a stability map: multipliers, bands, tables and pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from flexmech import plots
+from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.result import Result
+from flexmech.analyses.stability import words
+from flexmech.analyses.stability.dataset import NOT_COMPUTED
+from flexmech.analyses.summary import Summary, Table
+from flexmech.analyses.tables import table_over
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+__all__ = ["StabilityMap"]
+
+
+class StabilityMap(Result):
+    """Floquet multipliers over crank speed, and the bands of speeds at which a vibration grows.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        ``growth_rate``, ``multiplier_modulus`` and ``unstable`` over (engine, crank_speed);
+        ``log_modulus``, ``angle``, ``frequency`` and ``damping_ratio`` over (engine, crank_speed,
+        multiplier), not a number where there is no equilibrium; ``harmonic_share`` over the
+        harmonics too; ``band_...`` over ``band``; ``against_growth_rate`` over (engine,
+        parameter, crank_speed) where a second parameter was asked for.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
+    """
+
+    stem = "stability"
+    subject = "stability map"
+    hallmark = "multiplier_modulus"
+    files = (
+        "stability.csv",
+        "multipliers.csv",
+        "bands.csv",
+        "against.csv",
+        "stability.nc",
+        "stability.png",
+        "floquet_frequencies.png",
+        "harmonics.png",
+        "stability_against.png",
+    )
+
+    @property
+    def is_interrupted(self) -> bool:
+        """Whether the map ends early because it was interrupted."""
+        data = self.dataset
+        return bool(data["interrupted"].any()) or bool(data.attrs.get("interrupted_against", 0))
+
+    def growth(self) -> pd.DataFrame:
+        """Growth at every crank speed, with the band that holds it.
+
+        Returns
+        -------
+        pandas.DataFrame
+            ``unstable`` is ``yes``, ``no`` or ``no equilibrium``; ``kind`` and ``branches`` are
+            empty outside the bands.
+        """
+        data = self.dataset
+        kind, branches = _bands_at(data)
+        table = table_over(
+            *("engine", "crank_speed"),
+            engine=data["engine"],
+            crank_speed_rad_s=data["crank_speed"],
+            multiplier_modulus=data["multiplier_modulus"],
+            growth_rate_1_s=data["growth_rate"],
+            unstable=data["unstable"],
+            kind=kind,
+            branches=branches,
+        )
+        return table[table["unstable"] != NOT_COMPUTED].reset_index(drop=True)
+
+    def multipliers(self) -> pd.DataFrame:
+        """Floquet multipliers, one row for each; speeds without them have none.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        data = self.dataset
+        table = table_over(
+            *("engine", "crank_speed", "multiplier"),
+            engine=data["engine"],
+            crank_speed_rad_s=data["crank_speed"],
+            number=data["multiplier"],
+            modulus=xr.apply_ufunc(np.exp, data["log_modulus"]),
+            angle_rad=data["angle"],
+            damping_ratio=data["damping_ratio"],
+            frequency_Hz=data["frequency"],
+        )
+        return table.dropna(subset=["modulus"], ignore_index=True)
+
+    def bands(self) -> pd.DataFrame:
+        """Unstable bands of crank speeds, one row for each.
+
+        Returns
+        -------
+        pandas.DataFrame
+            ``error_rad_s`` is that of the less certain edge; ``closing_damping_ratio`` is not a
+            number where none closes the band.
+        """
+        data = self.dataset
+        lower, upper = (
+            np.sum([data[f"band_{edge}_{part}_error"].values for part in words.PARTS], axis=0)
+            for edge in ("lower", "upper")
+        )
+        return pd.DataFrame(
+            {
+                "engine": data["band_engine"].values,
+                "from_rad_s": data["band_lower"].values,
+                "to_rad_s": data["band_upper"].values,
+                "error_rad_s": np.maximum(lower, upper),
+                "kind": data["band_kind"].values,
+                "branches": data["band_branches"].values,
+                "order": data["band_order"].values,
+                "largest_growth_rate_1_s": data["band_largest_growth_rate"].values,
+                "closing_damping_ratio": data["band_closing_damping_ratio"].values,
+            }
+        )
+
+    def against(self) -> pd.DataFrame:
+        """Growth over the second parameter and the crank speed; empty where none was asked for.
+
+        Returns
+        -------
+        pandas.DataFrame
+        """
+        data = self.dataset
+        if "against_growth_rate" not in data:
+            return pd.DataFrame()
+        values: dict[str, xr.DataArray] = {str(data.attrs["against_column"]): data["parameter"]}
+        table = table_over(
+            *("engine", "parameter", "crank_speed"),
+            engine=data["engine"],
+            **values,
+            crank_speed_rad_s=data["crank_speed"],
+            growth_rate_1_s=data["against_growth_rate"],
+            unstable=data["against_unstable"],
+        )
+        return table[table["unstable"] != NOT_COMPUTED].reset_index(drop=True)
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """``stability``, ``multipliers``, ``bands``, and ``against`` if there is one."""
+        tables = {
+            self.stem: self.growth(),
+            "multipliers": self.multipliers(),
+            "bands": self.bands(),
+        }
+        return tables | ({"against": self.against()} if "parameter" in self.dataset.dims else {})
+
+    def figures(self) -> dict[str, Figure]:
+        """Growth, Floquet frequencies and harmonics over crank speed, and the second parameter."""
+        data = self.dataset
+        if not np.isfinite(data["growth_rate"]).any():
+            return {}
+        figures = {
+            self.stem: self.plot(),
+            "floquet_frequencies": plots.plot_floquet_frequencies(data),
+            "harmonics": plots.plot_floquet_harmonics(data),
+        }
+        if "parameter" in data.dims and np.isfinite(data["against_growth_rate"]).any():
+            figures["stability_against"] = plots.plot_stability_against(data)
+        return figures
+
+    def plot(
+        self,
+        *,
+        ax: plots.AxesLike | None = None,
+        engine: str | Sequence[str] | None = None,
+    ) -> Figure:
+        """Draw growth rate and largest modulus against crank speed, with the unstable bands.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes or sequence of them, optional
+            Two.
+        engine : str or sequence of str, optional
+            These alone.
+
+        Returns
+        -------
+        matplotlib.figure.Figure
+
+        Raises
+        ------
+        InputError
+            If there is nothing to draw, or the axes are too few or too many.
+        """
+        return plots.plot_stability(plots.chosen(self.dataset, engine=engine), ax=ax)
+
+    def summary(self) -> Summary:
+        """Speeds to avoid, errors, gaps, and how the engines agree."""
+        data = self.dataset
+        table = words.band_table(data)
+        parts: tuple[Table | str, ...] = (
+            *([table] if table is not None else []),
+            *words.avoid_lines(data),
+            *theory_lines(data.attrs),
+            *words.gap_lines(data),
+            *words.error_lines(data),
+            *words.motion_lines(data),
+        )
+        warned = (*words.interrupted_warnings(data), *theory_warnings(data.attrs))
+        return Summary(parts, words.verdict(data), warned)
+
+
+def _bands_at(data: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
+    """Kind and branches of the band that holds each speed, over (engine, crank_speed)."""
+    shape = data.sizes["engine"], data.sizes["crank_speed"]
+    found = np.full((2, *shape), "", dtype=object)
+    for place, name in enumerate(data["engine"].values):
+        for n in np.flatnonzero(data["band_engine"].values == name).tolist():
+            band = data.isel(band=n)
+            low, high = sorted((float(band["band_lower"]), float(band["band_upper"])))
+            speeds = data["crank_speed"].values
+            inside = (speeds >= low) & (speeds <= high)
+            found[0, place, inside] = str(band["band_kind"].item())
+            found[1, place, inside] = str(band["band_branches"].item())
+    kind, branches = (
+        xr.DataArray(each.astype(str), dims=("engine", "crank_speed")) for each in found
+    )
+    return kind, branches

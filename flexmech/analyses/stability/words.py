@@ -1,0 +1,330 @@
+"""What a stability map says: speeds to avoid, how sure that is, gaps, and how engines agree."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import groupby
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.beam_theory import theory_reason
+from flexmech.analyses.stability.dataset import NO_EQUILIBRIUM, NOT_COMPUTED
+from flexmech.analyses.summary import Table
+from flexmech.units import from_si
+
+__all__ = [
+    "avoid_lines",
+    "band_name",
+    "band_range",
+    "band_table",
+    "error_lines",
+    "gap_lines",
+    "interrupted_warnings",
+    "motion_lines",
+    "verdict",
+]
+
+MOST_LINES, MOST_ROWS = 6, 24
+"""Bands of an engine that are told in a sentence and in a row; of more, the fastest growing."""
+PARTS = ("step", "reduction", "mesh")
+FRAME_LINE = (
+    "Floquet multipliers are the same in every frame; damping ratios of frozen positions with "
+    "rotation terms are not"
+)
+
+
+def avoid_lines(dataset: xr.Dataset) -> list[str]:
+    """The bands of the first engine, a sentence each; and how many more there are."""
+    first = str(dataset["engine"].values[0])
+    own = dataset.isel(band=np.flatnonzero(dataset["band_engine"].values == first))
+    if not own.sizes["band"]:
+        return [f"avoid: {first} finds no crank speed{_within(dataset)} at which a vibration grows"]
+    lines = [f"avoid {_sentence(own.isel(band=n))}" for n in _fastest(own, MOST_LINES)]
+    if rest := max(own.sizes["band"] - MOST_LINES, 0):
+        bands = "1 more band" if rest == 1 else f"{rest} more bands"
+        lines.append(f"{bands}, in which vibrations grow more slowly: see the table and bands.csv")
+    return lines
+
+
+def band_table(dataset: xr.Dataset) -> Table | None:
+    """Edges with their errors, names and growth rates, grouped by engine; None without bands."""
+    unit = _unit(dataset)
+    groups, left_out = [], 0
+    for name in dataset["engine"].values:
+        own = dataset.isel(band=np.flatnonzero(dataset["band_engine"].values == name))
+        shown = _fastest(own, MOST_ROWS)
+        left_out += own.sizes["band"] - len(shown)
+        rows = tuple(_row(str(name), own.isel(band=n), unit) for n in shown)
+        groups += [rows] if rows else []
+    if not groups:
+        return None
+    caption = "+-: greater error of the two edges by steps, moving modes and mesh"
+    if dataset["band_lower_open"].any() or dataset["band_upper_open"].any():
+        caption += "; <, >: the band goes on beyond"
+    if left_out:
+        caption += f"; {left_out} that grow more slowly are left out here"
+    return Table(
+        f"unstable bands, {dataset.attrs.get('mechanism', '')}",
+        ("engine", "what meets", f"from {unit}", f"to {unit}", "+-", "grows 1/s", "closed by"),
+        tuple(groups),
+        text_columns=2,
+        caption=caption,
+    )
+
+
+def band_name(band: xr.Dataset) -> str:
+    """Which frequencies make a multiple of the crank's frequency.
+
+    Parameters
+    ----------
+    band : xarray.Dataset
+        At one band.
+
+    Returns
+    -------
+    str
+        Such as ``"the sum of modes 1 and 3 is 11 times the crank's frequency"``.
+    """
+    kind, branches = str(band["band_kind"].item()), str(band["band_branches"].item()).split()
+    if kind == "unnamed" or not branches:
+        return "no two frequencies of the kept modes name it"
+    times = f"{int(band['band_order'])} times the crank's frequency"
+    if kind == "principal":
+        return f"twice the frequency of mode {branches[0]} is {times}"
+    return f"the {kind} of modes {branches[0]} and {branches[-1]} is {times}"
+
+
+def band_range(band: xr.Dataset, unit: str) -> str:
+    """From where to where a band reaches, such as ``"88.12 to 89.34 rad/s"``."""
+    lower, upper = (text.lstrip("<> ") for text in _edges(band, unit))
+    below = "below " if bool(band["band_lower_open"]) else ""
+    beyond = " and beyond" if bool(band["band_upper_open"]) else ""
+    return f"{below}{lower} to {upper} {unit}{beyond}"
+
+
+def error_lines(dataset: xr.Dataset) -> list[str]:
+    """How sure edges and multipliers are, of each engine."""
+    lines, unit = [], _unit(dataset)
+    for place, name in enumerate(dataset["engine"].values):
+        own = dataset.isel(engine=place)
+        said = []
+        bands = dataset.isel(band=np.flatnonzero(dataset["band_engine"].values == name))
+        if bands.sizes["band"]:
+            said.append(f"edges of bands at most {_edge_error(bands, unit)}")
+        if np.isfinite(own["step_error"]).any():
+            said.append(f"logarithms of multipliers at most {_multiplier_error(own, name)}")
+            defect = float(own["liouville_defect"].max())
+            said.append(f"their sum meets Liouville's integral of the trace within {defect:.0e}")
+        if said:
+            lines.append(f"errors, {name}: {'; '.join(said)}")
+    return lines
+
+
+def gap_lines(dataset: xr.Dataset) -> list[str]:
+    """Crank speeds without equilibrium, and why."""
+    unit, lines = _unit(dataset), []
+    for name in dataset["engine"].values:
+        own = dataset.sel(engine=name)
+        for places in _runs(own):
+            run = own.isel(crank_speed=places)
+            first, last = (from_si(float(w), unit) for w in run["crank_speed"].values[[0, -1]])
+            count = len(places)
+            where = f"at {first:.6g}" if count == 1 else f"from {first:.6g} to {last:.6g}"
+            told = f"({count} speed{'' if count == 1 else 's'}): {run['reason'].values[0]}"
+            if np.isfinite(run["growth_rate"].values).any():
+                told += "; multipliers there are those of the linear equations about straight links"
+            lines.append(f"gap: {name} has no equilibrium {where} {unit} {told}")
+    return lines
+
+
+def motion_lines(dataset: xr.Dataset) -> list[str]:
+    """About which motion the map is, and what that leaves out."""
+    lines, unit = [], _unit(dataset)
+    for number, name in enumerate(dataset["engine"].values):
+        own = dataset.isel(engine=number)
+        if np.isfinite(own["orbit_distance"]).any():
+            distance = own["orbit_distance"].fillna(0.0)
+            place = int(distance.values.argmax())
+            at = from_si(float(own["crank_speed"].values[place]), unit)
+            lines.append(
+                f"{name}: the periodic motion is at most {100 * float(distance.max()):.3g} % of "
+                f"the greatest displacement from the quasi-static equilibrium, at {at:.6g} {unit}; "
+                f"its residual is at most {float(own['orbit_residual'].max()):.0e}"
+            )
+        if bool(own["is_definite"]):
+            lines.append(
+                f"{name}: the undamped Hamilton function is positive definite at all speeds, so "
+                "that without damping only sums of frequencies can grow"
+            )
+        if count := int(own["closed_early"]):
+            bands = "1 band is" if count == 1 else f"{count} bands are"
+            lines.append(
+                f"{name}: {bands} left out, so narrow that a damping ratio of "
+                f"{100 * float(own.attrs['least_closing_ratio']):.3g} % closes "
+                f"{'it' if count == 1 else 'them'}"
+            )
+    return [*lines, FRAME_LINE]
+
+
+def interrupted_warnings(dataset: xr.Dataset) -> list[str]:
+    """How far an interrupted map has come."""
+    if not bool(dataset["interrupted"].any()) and not dataset.attrs.get("interrupted_against"):
+        return []
+    done = [
+        f"{int((dataset['unstable'].sel(engine=name) != NOT_COMPUTED).sum())} of "
+        f"{dataset.sizes['crank_speed']} crank speeds by {name}"
+        for name in dataset["engine"].values
+    ]
+    return [f"interrupted after {', '.join(done)}; what was done is kept"]
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """How far two engines' multipliers and band edges differ; or that only one ran."""
+    names = [str(name) for name in dataset["engine"].values]
+    if len(names) < 2:
+        return f"engines: no comparison was made, only the {names[0]} engine ran"
+    moduli = np.exp(np.sort(dataset["log_modulus"].values[:2], axis=-1))
+    apart = np.abs(moduli[1] - moduli[0])
+    if not np.isfinite(apart).any():
+        return "engines: no comparison is possible, at no speed have both a result"
+    unit, place = _unit(dataset), int(np.nanargmax(np.nan_to_num(apart).max(axis=-1)))
+    where = from_si(float(dataset["crank_speed"][place]), unit)
+    return (
+        f"engines: moduli of {names[0]} and {names[1]} differ by at most "
+        f"{float(np.nanmax(apart)):.1e}, at {where:.6g} {unit}; "
+        f"{_edges_apart(dataset, names, unit)}{theory_reason(dataset.attrs)}"
+    )
+
+
+def _edges_apart(dataset: xr.Dataset, names: Sequence[str], unit: str) -> str:
+    """How far edges of bands of the same name are apart, and how many bands have no other."""
+    named: list[dict[tuple[str, str, int], list[xr.Dataset]]] = []
+    for name in names[:2]:
+        own: dict[tuple[str, str, int], list[xr.Dataset]] = {}
+        for n in np.flatnonzero(dataset["band_engine"].values == name).tolist():
+            band = dataset.isel(band=n)
+            key = str(band["band_kind"].item()), str(band["band_branches"].item())
+            own.setdefault((*key, int(band["band_order"])), []).append(band)
+        named.append(own)
+    pairs = [
+        (one, two)
+        for key in named[0].keys() & named[1].keys()
+        for one, two in zip(named[0][key], named[1][key], strict=False)
+    ]
+    alone = sum(len(found) for own in named for found in own.values()) - 2 * len(pairs)
+    if not pairs and not alone:
+        return "neither has an unstable band"
+    without = f"{alone} band{'' if alone == 1 else 's'} without a counterpart"
+    if not pairs:
+        return without
+    widest = max(
+        abs(float(one[f"band_{edge}"]) - float(two[f"band_{edge}"]))
+        for one, two in pairs
+        for edge in ("lower", "upper")
+    )
+    said = f"edges of bands by at most {abs(from_si(widest, unit)):.2g} {unit}"
+    return f"{said}, {without}" if alone else said
+
+
+def _fastest(bands: xr.Dataset, most: int) -> list[int]:
+    """Places of the fastest growing bands, in the order of the speeds."""
+    order = np.argsort(-bands["band_largest_growth_rate"].values, kind="stable")
+    return sorted(order[:most].tolist())
+
+
+def _sentence(band: xr.Dataset) -> str:
+    unit, closing = _unit(band), float(band["band_closing_damping_ratio"])
+    closed = (
+        f"a damping ratio of {100 * closing:.3g} % closes it"
+        if np.isfinite(closing)
+        else "no damping ratio below 1 closes it"
+    )
+    rate = float(band["band_largest_growth_rate"])
+    return f"{band_range(band, unit)}: {band_name(band)}; grows with {rate:.3g} 1/s; {closed}"
+
+
+def _row(engine: str, band: xr.Dataset, unit: str) -> tuple[str, ...]:
+    closing = float(band["band_closing_damping_ratio"])
+    return (
+        engine,
+        _short_name(band),
+        *_edges(band, unit),
+        f"{from_si(max(_edge_parts(band, edge).sum() for edge in ('lower', 'upper')), unit):.1g}",
+        f"{float(band['band_largest_growth_rate']):.3g}",
+        f"{100 * closing:.3g} %" if np.isfinite(closing) else "-",
+    )
+
+
+def _short_name(band: xr.Dataset) -> str:
+    """Frequencies that meet, such as ``"f1 + f3 = 11 f"``, with f of the crank."""
+    kind, branches = str(band["band_kind"].item()), str(band["band_branches"].item()).split()
+    if kind == "unnamed" or not branches:
+        return "unnamed"
+    sign = "-" if kind == "difference" else "+"
+    return f"f{branches[0]} {sign} f{branches[-1]} = {int(band['band_order'])} f"
+
+
+def _edges(band: xr.Dataset, unit: str) -> tuple[str, str]:
+    """Edges with the digits that their errors leave known; < and > where a band goes on.
+
+    Two edges are told from each other, too, however great their errors are.
+    """
+    scale = abs(from_si(1.0, unit))
+    values = [from_si(float(band[f"band_{edge}"]), unit) for edge in ("lower", "upper")]
+    error = scale * max(_edge_parts(band, edge).sum() for edge in ("lower", "upper"))
+    finest = max(min(error, abs(values[1] - values[0]) / 5), 1e-6 * max(map(abs, values)))
+    decimals = int(np.clip(np.ceil(-np.log10(finest)), 0, 6))
+    lower, upper = (f"{value:.{decimals}f}" for value in values)
+    opened = [bool(band[f"band_{edge}_open"]) for edge in ("lower", "upper")]
+    return f"{'< ' * opened[0]}{lower}", f"{'> ' * opened[1]}{upper}"
+
+
+def _edge_parts(band: xr.Dataset, edge: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    return np.array([float(band[f"band_{edge}_{part}_error"]) for part in PARTS])
+
+
+def _edge_error(bands: xr.Dataset, unit: str) -> str:
+    """Greatest error of all edges with its parts."""
+    edges = [
+        _edge_parts(bands.isel(band=n), edge)
+        for n in range(bands.sizes["band"])
+        for edge in ("lower", "upper")
+    ]
+    worst = from_si(1.0, unit) * max(edges, key=lambda parts: float(parts.sum()))
+    parts = ", ".join(
+        f"{n} {e:.1g}" for n, e in zip(("steps", "moving modes", "mesh"), worst, strict=True)
+    )
+    return f"{float(worst.sum()):.2g} {unit} ({parts})"
+
+
+def _multiplier_error(own: xr.Dataset, engine: object) -> str:
+    said = f"{float(own['step_error'].max()):.0e} by steps"
+    checks = own.isel(check=np.flatnonzero(own["check_engine"].values == engine))
+    if checks.sizes["check"]:
+        unit = _unit(own)
+        speeds = ", ".join(f"{from_si(float(w), unit):.6g}" for w in checks["check_speed"].values)
+        said += (
+            f", {float(checks['check_reduction'].max()):.0e} by the number of moving modes and "
+            f"{float(checks['check_mesh'].max()):.0e} by the mesh (estimated), at {speeds} {unit}"
+        )
+    return said
+
+
+def _runs(own: xr.Dataset) -> Iterator[list[int]]:
+    """Places of neighbouring speeds without equilibrium whose reasons are of one kind."""
+    states = own["unstable"].values.tolist()
+    buckled = np.isfinite(own["growth_rate"].values).tolist()
+    for (state, _), group in groupby(range(len(states)), lambda n: (states[n], buckled[n])):
+        if state == NO_EQUILIBRIUM:
+            yield list(group)
+
+
+def _within(dataset: xr.Dataset) -> str:
+    unit, speeds = _unit(dataset), dataset["crank_speed"].values
+    first, last = (f"{from_si(float(w), unit):.6g}" for w in speeds[[0, -1]])
+    return f" from {first} to {last} {unit}" if len(speeds) > 1 else f" at {first} {unit}"
+
+
+def _unit(dataset: xr.Dataset) -> str:
+    return str(dataset.attrs.get("speed_unit", "rad/s"))

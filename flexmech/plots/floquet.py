@@ -1,0 +1,199 @@
+"""Floquet modes over crank speed: their frequencies, and the harmonics that they are made of."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.ticker import FuncFormatter, LogLocator
+
+from flexmech.errors import InputError
+from flexmech.plots import scales, style
+from flexmech.plots.labels import speed_unit
+from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.reading import cell_edges, values_of
+from flexmech.plots.series import Look, line_handle, series_style
+from flexmech.plots.unstable_bands import (
+    draw_gaps,
+    limit_speeds,
+    shade_bands,
+    speed_axes,
+    unstable_handles,
+)
+from flexmech.types import FloatArray
+from flexmech.units import from_si
+
+__all__ = ["plot_floquet_frequencies", "plot_floquet_harmonics"]
+
+HEIGHT, NARROW_HEIGHT, AXES_HEIGHT = 3.9, 3.2, 0.9
+FILL: Look = {"alpha": 0.22, "lw": 0}
+POINT_SIZE = 2.2
+LABEL_POINTS = 7.0
+# Of two numbers at the edge, so that they do not touch.
+LEAST_RATIO = 1.12
+ROOM = 1.06
+# Of the lowest mean frequency, at which the axis begins: the linkage may be near to buckling.
+LOWEST_PART = 0.4
+# Harmonics of the lowest branches are drawn.
+MOST_BRANCHES = 4
+PANEL_HEIGHT = 1.45
+LEAST_SHARE = 1e-4
+NOTHING = "this map has no Floquet multipliers: there is no equilibrium at any speed"
+
+
+def plot_floquet_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the Floquet frequencies of the first engine over the bands of moving frequencies.
+
+    A point is the frequency of a Floquet mode's largest harmonic. Filled is each natural
+    frequency from its lowest to its highest value over the turn, at the stress of the running
+    links and without rotation terms. Where a point is outside the bands, another harmonic of its
+    mode has become the largest.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``StabilityMap`` result.
+    ax : Axes, optional
+        The user's. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If there is an equilibrium at no speed.
+    """
+    frequency = values_of(dataset["frequency"].isel(engine=0), "crank_speed", "multiplier")[:, ::2]
+    if not np.isfinite(frequency).any():
+        raise InputError(NOTHING)
+    factor = from_si(1.0, speed_unit(dataset))
+    height = NARROW_HEIGHT if style.is_narrow() else HEIGHT
+    with sheet(grid(1, 1, height + AXES_HEIGHT), ax=ax) as drawn:
+        drawn.header(_frequency_handles(dataset), "Floquet frequencies", of=dataset)
+        (axes,) = drawn.panels
+        limit_speeds(axes, dataset)
+        shade_bands(axes, dataset)
+        draw_gaps(axes, dataset)
+        _draw_moving(axes, dataset, factor)
+        speed = factor * dataset["crank_speed"].values
+        for branch in range(frequency.shape[1]):
+            axes.plot(speed, frequency[:, branch], **_points(branch), zorder=3)
+        _number_branches(axes, dataset)
+        low, high = _limits(dataset, frequency)
+        scales.log_scale(axes, low, high)
+        axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
+        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.set_ylabel("Frequency (Hz)")
+        drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
+        speed_axes(drawn.panels, dataset)
+    return drawn.figure
+
+
+def plot_floquet_harmonics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw which harmonics of the crank the Floquet modes are made of, a panel a branch.
+
+    The darker, the greater a part of the mode's mean square displacement is in the harmonic,
+    counted from the largest one: a mode that does not change along the turn has the harmonic 0
+    alone. Of the first engine and of the four lowest branches.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``StabilityMap`` result.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a branch. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If there is an equilibrium at no speed.
+    """
+    share = dataset["harmonic_share"].isel(engine=0)
+    if not np.isfinite(share).any():
+        raise InputError(NOTHING)
+    first = values_of(share, "multiplier", "harmonic", "crank_speed")[::2][:MOST_BRANCHES]
+    ordered = dataset.sortby("crank_speed")
+    speed = from_si(1.0, speed_unit(dataset)) * ordered["crank_speed"].values
+    first = first[..., np.argsort(dataset["crank_speed"].values)]
+    number, order = len(first), dataset["harmonic"].values.astype(float)
+    columns = 2 if number > 1 else 1
+    rows = -(-number // columns)
+    shared = {"sharex": True, "sharey": True}
+    layout = grid(rows, columns, rows * PANEL_HEIGHT + 0.6, count=number, **shared)
+    with sheet(layout, ax=ax) as drawn:
+        key = Patch(color=style.MID_GREY, label="the darker, the greater a part of the mode")
+        drawn.header([key], "Harmonics of the Floquet modes", of=dataset)
+        for branch, axes in enumerate(drawn.panels):
+            cells = axes.pcolormesh(
+                cell_edges(speed),
+                cell_edges(order),
+                np.clip(first[branch], LEAST_SHARE, 1.0),
+                norm=LogNorm(LEAST_SHARE, 1.0),
+                cmap="Greys",
+                rasterized=True,
+            )
+            axes.set_xlim(*cell_edges(speed)[[0, -1]])
+            axes.set_yticks(order[:: 2 if len(order) > 3 else 1])
+            axes.set_title(f"Branch {branch + 1}", loc="left")
+        drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
+        drawn.label_y("Harmonic of the crank")
+        bar = drawn.figure.colorbar(cells, ax=drawn.panels, pad=0.02, aspect=30)
+        bar.set_label("Part of the mean square")
+        bar.outline.set_linewidth(0.6)
+    return drawn.figure
+
+
+def _limits(dataset: xr.Dataset, frequency: FloatArray) -> tuple[float, float]:
+    """Of the frequency axis: around the means of the moving frequencies, and their highest."""
+    if not dataset.sizes["moving_speed"]:
+        return float(np.nanmin(frequency)) / ROOM, float(np.nanmax(frequency)) * ROOM
+    mean, highest = dataset["mean_frequency"], dataset["highest_frequency"]
+    return LOWEST_PART * float(mean.min()), ROOM * float(highest.max())
+
+
+def _draw_moving(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
+    speed = factor * dataset["moving_speed"].values
+    lowest, mean, highest = (
+        values_of(dataset[f"{name}_frequency"], "branch", "moving_speed")
+        for name in ("lowest", "mean", "highest")
+    )
+    for branch in range(len(mean)):
+        color = series_style(branch).color
+        axes.fill_between(speed, lowest[branch], highest[branch], color=color, **FILL, zorder=1)
+        axes.plot(speed, mean[branch], color=color, lw=0.6, ls=series_style(branch).linestyle)
+
+
+def _number_branches(axes: Axes, dataset: xr.Dataset) -> None:
+    """Numbers of the branches beside the right edge, at their means."""
+    if not dataset.sizes["moving_speed"]:
+        return
+    mean = values_of(dataset["mean_frequency"], "branch", "moving_speed")[:, -1]
+    free = 0.0
+    look: Look = {"fontsize": LABEL_POINTS, "va": "center", "textcoords": "offset points"}
+    for number, value in zip(dataset["branch"].values.tolist(), mean.tolist(), strict=True):
+        if value >= LEAST_RATIO * free:
+            free = value
+            place = (axes.get_xlim()[1], value)
+            color = series_style(number - 1).color
+            axes.annotate(str(number), place, xytext=(3, 0), color=color, **look)
+
+
+def _points(branch: int) -> Look:
+    each = series_style(branch)
+    return {"color": each.color, "ls": "", "marker": each.marker, "ms": POINT_SIZE, "mew": 0.3}
+
+
+def _frequency_handles(dataset: xr.Dataset) -> list[Artist]:
+    handles = [line_handle("Floquet frequency, in its branch's colour", **_points(0))]
+    handles.append(Patch(color=style.MID_GREY, **FILL, label="moving frequencies"))
+    return [*handles, *unstable_handles(dataset)]
