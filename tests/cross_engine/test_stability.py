@@ -1,5 +1,7 @@
 """Stability of the running aluminium linkage: both engines, their bands, and what closes these."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -100,3 +102,30 @@ def test_a_speed_without_equilibrium_is_told_and_the_map_goes_on(aluminium):
 def test_multipliers_obey_liouville_in_every_row(maps):
     for found in maps:
         assert max(each.liouville_defect for each in found.speeds) < 1e-6
+
+
+def test_multipliers_are_the_same_in_both_frames(aluminium):
+    solver = LinkageSolver(damped(ReferenceEngine(aluminium), 0.001), "equilibrium", 8)
+    with one_thread():
+        link, ground = (
+            (own := replace(solver, frame=frame)).solve(own.moving(60.0))
+            for frame in ("link", "inertial")
+        )
+    logs = [modes.log_modulus + 1j * modes.angle for modes in (link, ground)]
+    apart = np.exp(logs[0]) - np.exp(logs[1][matched(*logs)])
+    assert np.abs(apart).max() < 1e-8
+
+
+def test_the_periodic_motion_has_nearly_the_multipliers_of_the_equilibrium(aluminium):
+    # At 20 rad/s the motion is some tenth of its greatest displacement away from it.
+    engine = damped(ReferenceEngine(aluminium, elements=4), 0.005)
+    solvers = [LinkageSolver(engine, level, 4) for level in ("equilibrium", "trajectory")]
+    with one_thread():
+        linkages = [solver.moving(20.0) for solver in solvers]
+        modes = [s.solve(linkage) for s, linkage in zip(solvers, linkages, strict=True)]
+    assert linkages[0].orbit_distance is None
+    assert 0.01 < linkages[1].orbit_distance < 0.5
+    assert linkages[1].orbit_residual < 1e-6
+    order = matched(*(each.exponent * each.period for each in modes))
+    rates = modes[1].exponent.real[order] - modes[0].exponent.real
+    assert 0 < np.abs(rates).max() < 0.2 * np.abs(modes[0].exponent.real).max()

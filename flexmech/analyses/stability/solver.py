@@ -179,7 +179,7 @@ class LinkageSolver:
         nodes = [self._linkage(first, orbit)]
         for speed in speeds[1:].tolist():
             state = self._turn(speed, len(first.basis), fastest)
-            other = moving_modes(state.turn, first.size, like=first)
+            other = moving_modes(state.turn, first.size, first, self.frame)
             nodes.append(self._linkage(other, state.orbit))
         return SpeedWindow(low, high, nodes)
 
@@ -197,7 +197,7 @@ class LinkageSolver:
         while True:
             state = self._turn(crank_speed, samples, fastest)
             counts = counts_of_modes(state.turn, self.modes, 1 + self.larger)
-            found = moving_modes(state.turn, counts[-1])
+            found = moving_modes(state.turn, counts[-1], frame=self.frame)
             if found.series_error <= SERIES_TOLERANCE or samples == SAMPLES[-1]:
                 return found, state.orbit
             more = [count for count in SAMPLES if count >= found.samples_for(SERIES_TOLERANCE)]
