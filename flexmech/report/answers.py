@@ -8,7 +8,13 @@ from itertools import pairwise
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses import CampbellDiagram, MovingFrequencies, Response, Summary
+from flexmech.analyses import (
+    CampbellDiagram,
+    MovingFrequencies,
+    Response,
+    StabilityMap,
+    Summary,
+)
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.report.panels.frequencies import in_each_state
 from flexmech.report.panels.response import error_over_peak
@@ -46,6 +52,7 @@ def answers(results: Results) -> list[Answer]:
     """Answers to the questions that there are results for."""
     found = [
         Answer("Which crank speeds to avoid", _speeds_to_avoid(results)),
+        Answer("Where the linkage shakes itself up", _growth(results)),
         Answer("Natural frequencies", _frequencies(results)),
         Answer("Deflection", _deflection(results)),
         Answer("How sure is that", _trust(results)),
@@ -148,6 +155,15 @@ def _listed(ranges: Ranges, within: tuple[float, float] | None, unit: str) -> st
     return f"{', '.join(texts)} {unit}"
 
 
+def _growth(results: Results) -> tuple[str, ...]:
+    """Unstable bands of crank speeds, in sentences."""
+    result = results.first(StabilityMap)
+    if result is None:
+        return ()
+    told = (line for line in result.summary().lines if line.startswith("avoid"))
+    return tuple(line.removeprefix("avoid: ") for line in told)
+
+
 def _frequencies(results: Results) -> tuple[str, ...]:
     """Lowest and highest frequency over crank angles and speeds, in each state."""
     result = results.first(MovingFrequencies)
@@ -197,7 +213,7 @@ def _deflection(results: Results) -> tuple[str, ...]:
 def _trust(results: Results) -> tuple[str, ...]:
     """What each result says of its engines, and what limits it."""
     lines = []
-    for kind in (MovingFrequencies, CampbellDiagram, Response):
+    for kind in (MovingFrequencies, CampbellDiagram, StabilityMap, Response):
         for result in results.of_kind(kind):
             said = result.summary()
             subject = result.subject[:1].upper() + result.subject[1:]

@@ -18,6 +18,7 @@ from flexmech.analyses import (
     Result,
     SectionProfiles,
     SpeedSweep,
+    StabilityMap,
 )
 from flexmech.analyses.netcdf import read_netcdf
 from flexmech.errors import InputError
@@ -30,6 +31,7 @@ KINDS: tuple[type[Result], ...] = (
     ModelCheck,
     MovingFrequencies,
     CampbellDiagram,
+    StabilityMap,
     Response,
     SectionProfiles,
     CouplerPaths,

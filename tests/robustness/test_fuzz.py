@@ -119,7 +119,7 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
     name = random_.choice(
         (
             *("frequencies", "frequencies", "response", "check", "section", "coupler-curve"),
-            *("moisture", "campbell", "export", "report"),
+            *("moisture", "campbell", "export", "report", "stability"),
         )
     )
     environment = [
@@ -147,6 +147,17 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
             *("--modes", pick("1", "2")),
             *some("--orders", pick("1:3", "2", "1,4", "0")),
             *some("--prestress", pick("none", "axial", "equilibrium")),
+        ]
+    elif name == "stability":
+        chosen = [
+            *("--speeds", pick("10", "20,30", "-20,-10", "100:300:100 rpm", "0,10")),
+            *("--elements", pick("1", "2")),
+            *("--modes", pick("1", "2")),
+            *("--damping-ratio", pick("1%", "0.05", "0", "2")),
+            *some("--prestress", pick("axial", "equilibrium")),
+            *some("--steps", pick("auto", "64", "100")),
+            *some("--frame", pick("link", "inertial")),
+            *some("--against", pick("damping-ratio", "moisture"), pick("0:1%:1", "0,0.01")),
         ]
     elif name == "report":
         chosen = [

@@ -13,6 +13,7 @@ from flexmech.report.panels.moisture import moisture_panel
 from flexmech.report.panels.other import other_panel
 from flexmech.report.panels.response import response_panel, spectrum_panel
 from flexmech.report.panels.sections import section_panel
+from flexmech.report.panels.stability import stability_panel
 from flexmech.report.results import Results
 
 __all__ = ["PANELS", "panels_of"]
@@ -21,6 +22,7 @@ PANELS: tuple[Callable[[Results], Panel | None], ...] = (
     frequency_panel,
     damping_panel,
     campbell_panel,
+    stability_panel,
     response_panel,
     spectrum_panel,
     coupler_panel,
