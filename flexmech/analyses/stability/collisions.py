@@ -12,6 +12,7 @@ frequency. The bands of a pair shrink as the order n grows.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -30,10 +31,18 @@ from flexmech.types import FloatArray
 __all__ = ["Meeting", "MeetingPair", "MetModes", "meetings", "met"]
 
 # After so many orders one after the other that are far from growing, a pair is left.
-HOPELESS = 2
+HOPELESS = 3
 FAR = 1 / 3
 # Growth is looked at beside a band at this multiple of its half width without damping.
 ASIDE = 1.5
+# Speeds about a meeting are at least this part of the step from it; it is refined so often.
+LEAST_ASIDE = 0.02
+REFINED = 2
+# In a band the sum of the frequencies is this near to its order times that of the crank: the edge
+# beyond is found without looking for a meeting.
+LOCKED = 0.05
+# With damping two modes may stay together at a speed without growing there.
+TOUCHES = 1e-6
 # Modes are told from each other by their angle and, where angles are alike, by frequency.
 ANGLE_SCALE, FREQUENCY_SCALE = 0.3, 0.1
 
@@ -136,7 +145,9 @@ def meetings(speeds: Sequence[FollowedSpeed], branches: int) -> list[MeetingPair
                     (float(last[a]), float(last[b])),
                     order,
                 )
-                for order in range(int(np.floor(low)) + 1, int(np.floor(high)) + 1)
+                for order in range(math.ceil(low - TOUCHES), math.floor(high + TOUCHES) + 1)
+                if not (lower.is_unstable and abs(ends[0] - order) < LOCKED)
+                if not (upper.is_unstable and abs(ends[1] - order) < LOCKED)
             ]
     return [
         MeetingPair(pair, sorted(every, key=lambda each: -abs(each.upper) + 1e-9 * each.order))
@@ -203,15 +214,28 @@ def _middle(solver: LinkageSolver, meeting: Meeting) -> tuple[float, float]:
     square = _square(solver, meeting, first)
     slope, (low, high) = meeting.slope, sorted((meeting.lower, meeting.upper))
     second = first - np.sqrt(abs(square)) / abs(slope) if square else meeting.lower
-    for _ in range(2):
-        other = _square(solver, meeting, second)
-        centre = (second + first) / 2 + (square - other) / (2 * slope**2 * (first - second))
-        strength = square + slope**2 * (first - centre) ** 2
-        if low <= centre <= high:
-            break
-        second = 2 * first - second
+    other = _square(solver, meeting, second)
+    centre = (second + first) / 2 + (square - other) / (2 * slope**2 * (first - second))
+    strength = square + slope**2 * (first - centre) ** 2
     centre = float(np.clip(centre, low, high))
-    return centre, float(np.sqrt(max(0.0, strength)))
+    if strength <= 0:
+        return centre, 0.0
+    # Beside a narrow band damped modes stay together, and their slope is not that of free ones:
+    # three speeds about the middle tell all.
+    for _ in range(REFINED):
+        aside = max(np.sqrt(strength) / (2 * abs(slope)), LEAST_ASIDE * (high - low))
+        centre = float(np.clip(centre, low + aside, high - aside))
+        below, here, above = (
+            _square(solver, meeting, centre + step) for step in (-aside, 0.0, aside)
+        )
+        bow = 2 * here - below - above
+        if bow <= 0:
+            return centre, float(np.sqrt(max(0.0, here)))
+        strength = here + (above - below) ** 2 / (8 * bow)
+        centre = float(np.clip(centre + aside * (above - below) / (2 * bow), low, high))
+        if strength <= 0:
+            return centre, 0.0
+    return centre, float(np.sqrt(strength))
 
 
 def _square(solver: LinkageSolver, meeting: Meeting, crank_speed: float) -> float:
@@ -236,7 +260,11 @@ def _places(modes: KeptModes, frequency: FloatArray) -> tuple[int, int]:
 
 
 def _continued(lower: FollowedSpeed, upper: FollowedSpeed) -> FloatArray:
-    """Frequencies of the branches at the upper speed that continue those at the lower one, (m,)."""
-    crank = abs(upper.crank_speed) / (2 * np.pi)
-    frequency = upper.frequency[::2]
-    return np.asarray(frequency - crank * np.round((frequency - lower.frequency[::2]) / crank))
+    """Frequencies of the branches at the upper speed that continue those at the lower one, (m,).
+
+    Two modes of opposite sense that have met share their family of frequencies.
+    """
+    crank, before = abs(upper.crank_speed) / (2 * np.pi), lower.frequency[::2]
+    both = upper.frequency[::2] * np.array([[1.0], [-1.0]])
+    near = both - crank * np.round((both - before) / crank)
+    return np.asarray(near[np.abs(near - before).argmin(axis=0), np.arange(len(before))])

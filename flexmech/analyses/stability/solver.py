@@ -279,7 +279,5 @@ class LinkageSolver:
         """Steps of the propagator a turn."""
         if self.steps is not None:
             return self.steps
-        if moving.is_constant:
-            return LEAST_STEPS
         wanted = max(LEAST_STEPS, moving.fastest * moving.period / RADIANS_A_STEP)
         return 2 * SHAPE_ANGLES * int(np.ceil(wanted / (2 * SHAPE_ANGLES)))

@@ -32,13 +32,11 @@ class VibratingLinkage:
     lowest : ndarray, shape (SHAPE_ANGLES, modes, m)
         From y to the amplitudes of the lowest natural modes at the same crank angles.
     fastest : float
-        Greatest natural frequency of the moving modes in rad/s.
+        Greatest natural frequency in rad/s that the steps must resolve.
     least_square, least_angle : float
         Least square of a natural frequency in (rad/s)^2, and its crank angle in rad.
     is_definite : bool
         Whether the Hamilton function is positive definite at all crank angles.
-    is_constant : bool
-        Whether nothing changes along the turn.
     orbit_distance, orbit_residual : float or None
         Of the periodic motion, if it is about one.
     """
@@ -53,7 +51,6 @@ class VibratingLinkage:
     least_square: float
     least_angle: float
     is_definite: bool
-    is_constant: bool
     orbit_distance: float | None = None
     orbit_residual: float | None = None
 
@@ -81,6 +78,8 @@ class VibratingLinkage:
         ]
         lowest = np.swapaxes(turn.frozen_modes[some, :, :modes], 1, 2)
         least = int(squares[:, 0].argmin())
+        # A constant system is solved exactly, whatever else moves in it.
+        counted = moving.size if turn.turns_pins else min(modes, moving.size)
         return cls(
             crank_speed=turn.crank_speed,
             scale=moving.scale,
@@ -88,11 +87,10 @@ class VibratingLinkage:
             dissipative=moving.dissipative,
             weighted=np.concatenate(weighted, axis=1),
             lowest=lowest @ turn.mass[some] @ basis,
-            fastest=float(np.sqrt(squares[:, moving.size - 1].max())),
+            fastest=float(np.sqrt(squares[:, counted - 1].max())),
             least_square=float(squares[least, 0]),
             least_angle=float(turn.motion.crank_angle[least]),
             is_definite=moving.is_definite,
-            is_constant=not turn.turns_pins,
         )
 
     @property
