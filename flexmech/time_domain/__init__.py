@@ -5,6 +5,7 @@ from flexmech.time_domain.axial_frequency import lowest_axial_frequency
 from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.floquet import FloquetModes, floquet_modes
+from flexmech.time_domain.floquet_state import floquet_state
 from flexmech.time_domain.fourier import FourierSeries
 from flexmech.time_domain.krein import krein_signature
 from flexmech.time_domain.linear_run import linear_run
@@ -49,6 +50,7 @@ __all__ = [
     "can_stretch",
     "counts_of_modes",
     "floquet_modes",
+    "floquet_state",
     "is_reduced",
     "krein_signature",
     "linear_run",
