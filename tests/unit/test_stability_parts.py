@@ -17,7 +17,9 @@ USUAL = np.array([44.0, 49.0, 180.0])
 
 
 def name_of(frequency, part, crank, *, differences=False):
-    found = band_name(np.array(frequency), np.array(part), USUAL, crank, differences=differences)
+    found = band_name(
+        np.array(frequency), np.array(part), USUAL, crank, 0.02, differences=differences
+    )
     return found.kind, found.branches, found.order
 
 
@@ -40,9 +42,21 @@ def test_modes_that_changed_places_are_named_by_their_frequency():
     assert name_of([44.0, 180.0, 49.0], [0.1, 0.1, 0.99], 14.0) == ("principal", (2, 2), 7)
 
 
+def test_a_narrow_band_is_named_by_what_meets_exactly():
+    # Twice f1 is near seven times the crank's frequency, but f1 + f2 is eight times that.
+    parts, crank = np.array([0.8, 0.5, 0.02]), 93.5 / 8
+    names = [
+        band_name(np.array([41.2, 52.3, 181.0]), parts, USUAL, crank, width, differences=False)
+        for width in (0.001, 0.05)
+    ]
+    assert [(name.kind, name.order) for name in names] == [("sum", 8), ("principal", 7)]
+
+
 def test_no_multiple_is_no_name():
     assert name_of([44.5, 49.0, 181.0], [0.99, 0.0, 0.0], 89 / 7.5) == ("unnamed", (), 0)
-    found = band_name(np.array([44.5]), np.array([0.9]), np.array([44.0]), 7.0, differences=False)
+    found = band_name(
+        np.array([44.5]), np.array([0.9]), np.array([44.0]), 7.0, 0.02, differences=False
+    )
     assert math.isnan(found.mismatch) or found.mismatch < 0.25
 
 

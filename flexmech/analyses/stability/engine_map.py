@@ -230,7 +230,8 @@ class _EngineMap:
         ratios = self._each("damping that closes bands", closing_damping_ratio, closings)
         bands = []
         for n, (top, ratio) in enumerate(zip(tops, ratios, strict=True)):
-            name = _name(top.modes, followed, branches, differences=not definite)
+            width = (ends[n][1] - ends[n][0]) / abs(top.modes.crank_speed)
+            name = _name(top.modes, followed, branches, width, differences=not definite)
             bands.append(
                 Band(
                     lower=edges[2 * n],
@@ -331,6 +332,7 @@ def _name(
     modes: KeptModes,
     followed: Sequence[FollowedSpeed],
     branches: FollowedModes,
+    width: float,
     *,
     differences: bool,
 ) -> BandName:
@@ -350,4 +352,6 @@ def _name(
             share = (abs(modes.crank_speed) - speeds[below]) / step
             frequency = frequency + share * (ahead - frequency)
             break
-    return band_name(frequency, part, branches.usual_frequency, crank, differences=differences)
+    return band_name(
+        frequency, part, branches.usual_frequency, crank, width, differences=differences
+    )

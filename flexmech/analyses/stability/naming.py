@@ -15,6 +15,8 @@ __all__ = ["BandName", "band_name"]
 LEAST_PART = 0.15
 # Farther from a whole multiple, relative to the crank's frequency, there is no name.
 FARTHEST = 0.25
+# In a band frequencies are pulled to its order: by no more than its width tells, or by this.
+PULLED = 0.01
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,7 @@ def band_name(
     part: FloatArray,
     usual: FloatArray,
     crank_frequency: float,
+    width: float,
     *,
     differences: bool,
 ) -> BandName:
@@ -59,6 +62,8 @@ def band_name(
         changed their branches; a name goes by the nearest frequency.
     crank_frequency : float
         In Hz.
+    width : float
+        Of the band, relative to its speed.
     differences : bool
         Whether differences of frequencies can be unstable.
 
@@ -86,7 +91,8 @@ def band_name(
                     continue
                 branches = tuple(sorted((int(label[a]), int(label[b]))))
                 name = BandName(kind, branches, order, abs(ratio - order))
-                found.append((common * (1 - abs(ratio - order) / FARTHEST), name))
+                pulled = max(PULLED, order * width / 2)
+                found.append((common / (1 + ((ratio - order) / pulled) ** 2), name))
     if not found:
         return BandName("unnamed", (), 0, float("nan"))
     return max(found, key=lambda scored: scored[0])[1]
