@@ -27,7 +27,9 @@ NAMES = [
     "hygrothermal_frequencies",
     "instability_confirmed",
     "mode_shapes",
+    "moisture_and_stability",
     "running_fourbars",
+    "stability_maps",
     "steel_fourbar_frequencies",
     "transmission_angle",
 ]
@@ -368,3 +370,30 @@ def test_hygrothermal_frequencies(scenario, held_number, tmp_path, capsys):
     assert "engines differ by at most" in capsys.readouterr().out
     names = ["over_crank_angle", "by_moisture", "by_time"]
     assert_files(tmp_path, names, names)
+
+
+def test_stability_maps(scenario, held_number, tmp_path):
+    module = scenario("stability_maps")
+    speeds = {"aluminium": np.arange(83.0, 89.0, 1.0)}
+    ratios = np.array([0.0, 0.01, 0.03])
+    answers = module.main(tmp_path, names=("aluminium",), speeds=speeds, ratios=ratios, elements=8)
+    bands = answers["aluminium"].bands()
+    (band,) = bands[(bands["kind"] == "principal") & (bands["branches"] == "2")].itertuples()
+    assert band.from_rad_s == held_number("stability_maps")
+    assert (band.order, band.largest_growth_rate_1_s > 5.0) == (7, True)
+    # Three percent of damping close it.
+    damped = answers["aluminium"].against().query("damping_ratio == 0.03")
+    assert (damped["unstable"] == "no").all()
+    assert_pictures(tmp_path, "aluminium_stability.png", "aluminium_damping.png")
+
+
+def test_moisture_and_stability(scenario, held_number, tmp_path):
+    module = scenario("moisture_and_stability")
+    states = (module.STATES[0], module.STATES[-1])
+    dry, wet = module.main(tmp_path, states=states).values()
+    change = 100 * (wet.edge / dry.edge - 1)
+    assert change == held_number("moisture_and_stability")
+    # The band moves as the frequency does.
+    moved = 100 * (wet.first_frequency / dry.first_frequency - 1)
+    assert change == pytest.approx(moved, abs=0.3)
+    assert_pictures(tmp_path, "moisture_and_stability.png")

@@ -1,0 +1,134 @@
+"""Where do heat and moisture move the unstable bands of a composite four-bar?
+
+Water and heat soften the epoxy of the moist composite four-bar and make it heavier: its natural
+frequencies fall. Unstable bands lie where sums of frequencies are multiples of the crank's, so they
+move to lower crank speeds. Growth rates over crank speed, dry and in three states, with light
+Kelvin-Voigt damping; how far the lower edge of one band moves is held against how far the first
+frequency at rest moves. Where bands of different names touch, the edge is that of both: so with
+moisture alone.
+
+    python scenarios/moisture_and_stability.py [--out results/moisture_and_stability]
+"""  # noqa: D400 - a scenario asks a question
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from _common import MODELS, output_folder, save_pictures
+from matplotlib.figure import Figure
+
+from flexmech import (
+    HygrothermalState,
+    ReferenceEngine,
+    StabilityMap,
+    load_mechanism,
+    mechanism_in_state,
+    natural_frequencies,
+    plots,
+    stability,
+)
+from flexmech.types import FloatArray
+
+STATES = (
+    HygrothermalState(),
+    HygrothermalState(temperature_rise=60.0),
+    HygrothermalState(moisture=0.04),
+    HygrothermalState(temperature_rise=60.0, moisture=0.04),
+)
+SPEEDS = np.arange(152.0, 181.0, 2.0)
+DAMPING_RATIO = 0.002
+MODES = 4
+# The band that is followed: twice the first frequency is six times the crank's.
+BAND = {"kind": "principal", "branches": "1", "order": 6}
+
+
+@dataclass(frozen=True)
+class StateAnswer:
+    """The linkage in one state.
+
+    Parameters
+    ----------
+    found : StabilityMap
+    first_frequency : float
+        At rest, averaged over the turn, in Hz.
+    """
+
+    found: StabilityMap
+    first_frequency: float
+
+    @property
+    def edge(self) -> float:
+        """Crank speed in rad/s at which the band followed begins; NaN where there is none."""
+        bands = self.found.bands()
+        own = bands[(bands[list(BAND)] == list(BAND.values())).all(axis=1)]
+        return float(own["from_rad_s"].iloc[0]) if len(own) else float("nan")
+
+
+def main(
+    out: Path,
+    *,
+    states: tuple[HygrothermalState, ...] = STATES,
+    speeds: FloatArray = SPEEDS,
+    elements: int = 4,
+) -> dict[str, StateAnswer]:
+    """Map the stability in every state, print where the band is, draw all of them.
+
+    Parameters
+    ----------
+    out : Path
+        Folder for the picture.
+    states : tuple of HygrothermalState
+        The first is the one to compare with.
+    speeds : ndarray, shape (S,)
+        Crank speeds in rad/s.
+    elements : int
+        Elements a link.
+
+    Returns
+    -------
+    dict of str to StateAnswer
+        By the labels of the states.
+    """
+    dry = load_mechanism(MODELS / "moist_composite_fourbar.toml")
+    turn = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+    answers = {}
+    for state in states:
+        engine = ReferenceEngine(mechanism_in_state(dry, state), elements)
+        found = stability(engine, speeds, modes=MODES, damping_ratio=DAMPING_RATIO)
+        frequency = natural_frequencies(engine, turn, modes=1, prestress="equilibrium").mean()
+        answer = answers[state.label] = StateAnswer(found, float(frequency))
+        first = next(iter(answers.values()))
+        print(
+            f"{state.label}: band from {answer.edge:.2f} rad/s, "
+            f"{100 * (answer.edge / first.edge - 1):+.2f} %; first frequency at rest "
+            f"{answer.first_frequency:.2f} Hz, "
+            f"{100 * (answer.first_frequency / first.first_frequency - 1):+.2f} %"
+        )
+    save_pictures({"moisture_and_stability": draw(answers)}, out)
+    return answers
+
+
+def draw(answers: dict[str, StateAnswer]) -> Figure:
+    """Growth rates of all states over crank speed."""
+    figure = Figure(figsize=(7.0, 3.6), layout="constrained")
+    with plots.publication_style():
+        axes = figure.subplots()
+        for number, (label, answer) in enumerate(answers.items()):
+            growth = answer.found.growth()
+            axes.plot(
+                growth["crank_speed_rad_s"],
+                growth["growth_rate_1_s"],
+                label=label,
+                **plots.series_line(number),
+            )
+        axes.axhline(0.0, color=plots.MID_GREY, lw=0.6)
+        axes.set_xlabel("Crank speed (rad/s)")
+        axes.set_ylabel("Growth rate (1/s)")
+        axes.legend()
+    return figure
+
+
+if __name__ == "__main__":
+    main(output_folder(__doc__, "results/moisture_and_stability"))
