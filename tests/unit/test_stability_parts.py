@@ -115,3 +115,10 @@ def test_an_error_of_a_task_arrives_as_it_is():
 
     with pytest.raises(ComputationError, match="item 3"):
         list(in_order(lambda item: fails(item) if item == 3 else item, range(20)))
+
+
+def test_multipliers_that_miss_liouvilles_integral_are_refused(solver, monkeypatch):
+    linkage = solver.moving(30.0)
+    monkeypatch.setattr("flexmech.analyses.stability.solver.LIOUVILLE", -1.0)
+    with pytest.raises(ComputationError, match="Liouville"):
+        solver.solve(linkage)

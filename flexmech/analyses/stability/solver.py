@@ -10,6 +10,7 @@ from flexmech.analyses.stability.kept_modes import KeptModes, kept_modes, matche
 from flexmech.analyses.stability.speed_window import SpeedWindow, chebyshev_nodes
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
 from flexmech.choices import MapPrestress, MovingFrame
+from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import Engine, Prestress
 from flexmech.time_domain import (
     MovingModes,
@@ -34,6 +35,8 @@ SERIES_TOLERANCE = 1e-6
 # Steps are this part of a period of the fastest moving mode over 2 pi, or shorter.
 RADIANS_A_STEP = 1.5
 LEAST_STEPS = 128
+# Part of their size by which the multipliers' logarithms may miss the integral of the trace.
+LIOUVILLE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -226,9 +229,23 @@ class LinkageSolver:
         return replace(self, steps=SHAPE_ANGLES * max(1, half))
 
     def solve(self, moving: VibratingLinkage, damping: float | None = None) -> KeptModes:
-        """Kept Floquet modes; ``damping`` takes the place of the solver's own factor."""
+        """Kept Floquet modes; ``damping`` takes the place of the solver's own factor.
+
+        Raises
+        ------
+        ComputationError
+            If the sum of the multipliers' logarithms is not the integral of the trace.
+        """
         factor = self.damping if damping is None else damping
-        return kept_modes(moving, factor, self.steps_for(moving))
+        modes = kept_modes(moving, factor, self.steps_for(moving))
+        if modes.liouville_defect > LIOUVILLE:
+            raise ComputationError(
+                f"the Floquet multipliers at crank speed {CRANK_SPEED} are not those of the "
+                f"linkage: their logarithms add up to {modes.liouville_defect:.1e} of themselves "
+                "beside the integral of the trace (Liouville); take more steps",
+                crank_speed=moving.crank_speed,
+            )
+        return modes
 
     def growth_at(self, moving: VibratingLinkage, damping: float) -> float:
         """Greatest growth rate of the kept modes in 1/s with a factor on the damping."""
