@@ -229,7 +229,17 @@ class LinkageSolver:
         return replace(self, steps=SHAPE_ANGLES * max(1, half))
 
     def solve(self, moving: VibratingLinkage, damping: float | None = None) -> KeptModes:
-        """Kept Floquet modes; ``damping`` takes the place of the solver's own factor.
+        """Kept Floquet modes.
+
+        Parameters
+        ----------
+        moving : VibratingLinkage
+        damping : float, optional
+            Takes the place of the solver's own factor.
+
+        Returns
+        -------
+        KeptModes
 
         Raises
         ------
