@@ -19,7 +19,7 @@ from flexmech import ReferenceEngine, StabilityMap, plots, stability
 from flexmech.types import FloatArray
 
 DAMPING_RATIO = 0.001
-RATIOS = np.linspace(0.0, 0.03, 13)
+RATIOS = {"aluminium": np.linspace(0.0, 0.03, 13), "steel": np.linspace(0.0, 0.006, 13)}
 SPEEDS = {"aluminium": np.arange(60.0, 100.5, 1.0), "steel": np.arange(140.0, 201.0, 2.0)}
 MODES = 4
 
@@ -29,7 +29,7 @@ def main(
     *,
     names: tuple[str, ...] = ("steel", "aluminium"),
     speeds: dict[str, FloatArray] = SPEEDS,
-    ratios: FloatArray = RATIOS,
+    ratios: dict[str, FloatArray] = RATIOS,
     elements: int = 4,
 ) -> dict[str, StabilityMap]:
     """Map the stability of both four-bars, print the bands, draw them.
@@ -42,7 +42,7 @@ def main(
         Which four-bars.
     speeds : dict of str to ndarray
         Crank speeds of each in rad/s.
-    ratios : ndarray, shape (P,)
+    ratios : dict of str to ndarray
         Damping ratios of the map over both.
     elements : int
         Elements a link.
@@ -59,7 +59,7 @@ def main(
             speeds[name],
             modes=MODES,
             damping_ratio=DAMPING_RATIO,
-            against=("damping-ratio", ratios),
+            against=("damping-ratio", ratios[name]),
         )
         print(found.summary())
         if not found.bands().empty:

@@ -375,7 +375,7 @@ def test_hygrothermal_frequencies(scenario, held_number, tmp_path, capsys):
 def test_stability_maps(scenario, held_number, tmp_path):
     module = scenario("stability_maps")
     speeds = {"aluminium": np.arange(83.0, 89.0, 1.0)}
-    ratios = np.array([0.0, 0.01, 0.03])
+    ratios = {"aluminium": np.array([0.0, 0.01, 0.03])}
     answers = module.main(tmp_path, names=("aluminium",), speeds=speeds, ratios=ratios, elements=8)
     bands = answers["aluminium"].bands()
     (band,) = bands[(bands["kind"] == "principal") & (bands["branches"] == "2")].itertuples()
