@@ -206,6 +206,7 @@ class TestInterrupted:
         cut = engine_stability(speeds=SPEEDS[:7], bands=[], interrupted=True)
         found = StabilityMap(dataset_of([cut], request()))
         assert found.is_interrupted
+        assert "bands were not searched for; speeds that grow: none" in str(found.summary())
         assert len(found.growth()) == 7
         assert found.summary().warnings == (
             "interrupted after 7 of 21 crank speeds by reference; what was done is kept",

@@ -38,6 +38,11 @@ def avoid_lines(dataset: xr.Dataset) -> list[str]:
     """The bands of the first engine, a sentence each; and how many more there are."""
     first = str(dataset["engine"].values[0])
     own = dataset.isel(band=np.flatnonzero(dataset["band_engine"].values == first))
+    if not own.sizes["band"] and bool(dataset["interrupted"][0]):
+        growing = dataset["unstable"].values[0] == "yes"
+        speeds = from_si(1.0, _unit(dataset)) * dataset["crank_speed"].values[growing]
+        some = ", ".join(f"{speed:.6g}" for speed in speeds[:MOST_ROWS]) or "none"
+        return [f"bands were not searched for; speeds that grow: {some} {_unit(dataset)}"]
     if not own.sizes["band"]:
         return [f"avoid: {first} finds no crank speed{_within(dataset)} at which a vibration grows"]
     lines = [f"avoid {_sentence(own.isel(band=n))}" for n in _fastest(own, MOST_LINES)]
