@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexmech.analyses.stability.collisions import Meeting
 from flexmech.analyses.stability.naming import band_name
 from flexmech.analyses.stability.parallel import FEW, in_order
 from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth
@@ -122,3 +123,10 @@ def test_multipliers_that_miss_liouvilles_integral_are_refused(solver, monkeypat
     monkeypatch.setattr("flexmech.analyses.stability.solver.LIOUVILLE", -1.0)
     with pytest.raises(ComputationError, match="Liouville"):
         solver.solve(linkage)
+
+
+def test_modes_that_stay_together_between_two_speeds_meet_between_them():
+    free = 10 * 76.0 / (4 * np.pi)
+    meeting = Meeting(76.0, 77.0, (free, free), (free * 77 / 76, free * 77 / 76), 10)
+    assert 76.0 <= meeting.crank_speed <= 77.0
+    assert meeting.slope == -5.0

@@ -38,6 +38,8 @@ ASIDE = 1.5
 # Speeds about a meeting are at least this part of the step from it; it is refined so often.
 LEAST_ASIDE = 0.02
 REFINED = 2
+# Of the slope of free modes.
+LEAST_SLOPE = 0.1
 # In a band the sum of the frequencies is this near to its order times that of the crank: the edge
 # beyond is found without looking for a meeting.
 LOCKED = 0.05
@@ -86,8 +88,14 @@ class Meeting:
 
     @property
     def slope(self) -> float:
-        """Change of :meth:`mismatch` by the crank speed."""
-        return (self.mismatch(self.upper) - self.mismatch(self.lower)) / (self.upper - self.lower)
+        """Change of :meth:`mismatch` by the crank speed.
+
+        Modes that damping keeps together are taken to pass each other as free ones do, whose
+        frequencies hardly change.
+        """
+        found = (self.mismatch(self.upper) - self.mismatch(self.lower)) / (self.upper - self.lower)
+        free = -np.sign(self.upper) * self.order / 2
+        return float(found if found / free > LEAST_SLOPE else free)
 
 
 @dataclass(frozen=True)
