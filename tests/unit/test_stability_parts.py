@@ -9,7 +9,7 @@ import pytest
 from flexmech.analyses.stability.collisions import Meeting
 from flexmech.analyses.stability.naming import band_name
 from flexmech.analyses.stability.parallel import FEW, in_order
-from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth
+from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth, speeds_between
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.errors import ComputationError
 from flexmech.reference import ReferenceEngine
@@ -74,6 +74,12 @@ def test_runs_lie_between_speeds_at_which_nothing_grows():
 def test_runs_are_open_at_the_ends_and_where_equilibrium_ends():
     runs = runs_of_growth(samples({1: 1, 2: 1, 4: 1, 5: -1}), [3.0])
     assert [run.brackets for run in runs] == [((1, 1), (2, 2)), ((4, 4), (4, 5))]
+
+
+def test_between_growing_speeds_far_apart_more_are_asked_for():
+    grown = samples({1: 1, 3: 1, 3.5: 1, 5: -1, 6: 1, 8: 1})
+    assert speeds_between(grown, 1.0, [7.0]) == [2.0]
+    assert speeds_between(grown, 0.5, [7.0]) == [1.5, 2.0, 2.5]
 
 
 @pytest.fixture(scope="module")

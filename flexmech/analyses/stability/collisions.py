@@ -205,14 +205,9 @@ def met(
 def _sampled(solver: LinkageSolver, centre: float, half_width: float) -> MetModes:
     """Growth in the middle of a band and, where it grows, beside it."""
     growth = SignedGrowth(solver)
-
-    def sample(speed: float) -> Sample:
-        modes = solver.solve(solver.moving(speed))
-        return Sample(speed, growth.of(modes), modes.growth_rate)
-
-    samples = [sample(centre)]
+    samples = [growth.sample(centre)]
     if samples[0].signed_growth > 0:
-        samples += [sample(centre + side * ASIDE * half_width) for side in (-1.0, 1.0)]
+        samples += [growth.sample(centre + side * ASIDE * half_width) for side in (-1.0, 1.0)]
     return MetModes(centre, samples)
 
 

@@ -29,7 +29,7 @@ from flexmech.analyses.stability.kept_modes import KeptModes, matched
 from flexmech.analyses.stability.naming import BandName, band_name
 from flexmech.analyses.stability.parallel import in_order
 from flexmech.analyses.stability.request import StabilityRequest
-from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth
+from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth, speeds_between
 from flexmech.analyses.stability.signed_growth import SignedGrowth
 from flexmech.analyses.stability.solver import LinkageSolver, SolvedSpeed
 from flexmech.analyses.stability.speed_window import SpeedWindow
@@ -46,6 +46,9 @@ FOLLOWING_STEP = 1 / 40
 # A band that this damping ratio closes is not worth a line.
 LEAST_CLOSING_RATIO = 1e-5
 CHECKED_SPEEDS = 3
+# Between growing speeds farther apart than this part of the lowest frequency, a band may end and
+# another begin.
+BETWEEN = 1 / 300
 # Width of windows over the lowest natural frequency, least relative width, and the relative error
 # of the system's matrix by interpolation.
 WINDOW = 1 / 40
@@ -216,6 +219,8 @@ class _EngineMap:
             for f in followed
         ]
         samples += [sample for meeting in found for sample in meeting.samples]
+        between = speeds_between(samples, BETWEEN * self._lowest, refused)
+        samples += self._each("growth in bands", growth.sample, between)
         runs = runs_of_growth(samples, refused)
         searches = [EdgeSearch(self._solver, *ends) for run in runs for ends in run.brackets]
         edges = self._each("edges of bands", find_edge, searches)

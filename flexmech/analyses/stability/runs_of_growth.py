@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
-__all__ = ["RunOfGrowth", "Sample", "runs_of_growth"]
+__all__ = ["RunOfGrowth", "Sample", "runs_of_growth", "speeds_between"]
 
 
 @dataclass(frozen=True)
@@ -98,3 +100,30 @@ def runs_of_growth(samples: Sequence[Sample], refused: Sequence[float]) -> list[
         last = sample.crank_speed
     end(None)
     return runs
+
+
+def speeds_between(samples: Sequence[Sample], step: float, refused: Sequence[float]) -> list[float]:
+    """Speeds between neighbouring samples that grow, no farther apart than a step.
+
+    Parameters
+    ----------
+    samples : sequence of Sample
+        In any order.
+    step : float
+        rad/s.
+    refused : sequence of float
+        Crank speeds without equilibrium; nothing is asked for across them.
+
+    Returns
+    -------
+    list of float
+    """
+    found: list[float] = []
+    ordered = sorted(samples, key=lambda sample: sample.crank_speed)
+    for first, last in pairwise(ordered):
+        low, high = first.crank_speed, last.crank_speed
+        grows = first.signed_growth > 0 and last.signed_growth > 0
+        if grows and not any(low < speed < high for speed in refused):
+            count = math.ceil((high - low) / step)
+            found += [low + (high - low) * number / count for number in range(1, count)]
+    return found

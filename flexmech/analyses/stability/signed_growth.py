@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.analyses.stability.kept_modes import KeptModes
+from flexmech.analyses.stability.runs_of_growth import Sample
 from flexmech.analyses.stability.solver import LinkageSolver
 
 __all__ = ["GROWS", "SignedGrowth"]
@@ -34,6 +35,11 @@ class SignedGrowth:
     def __call__(self, crank_speed: float) -> float:
         """Measure at a crank speed in rad/s."""
         return self.of(self.solver.solve(self.solver.moving(crank_speed)))
+
+    def sample(self, crank_speed: float) -> Sample:
+        """Measure and growth rate at a crank speed in rad/s."""
+        modes = self.solver.solve(self.solver.moving(crank_speed))
+        return Sample(crank_speed, self.of(modes), modes.growth_rate)
 
     def of(self, modes: KeptModes) -> float:
         """Measure of modes that are known."""
