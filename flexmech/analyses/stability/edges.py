@@ -67,18 +67,21 @@ def find_edge(search: EdgeSearch) -> BandEdge:
     slope = abs((growth(edge + apart) - growth(edge - apart)) / (2 * apart))
     fewer = search.solver.with_half_the_steps(moving)
 
-    def moved(other: LinkageSolver) -> float:
+    coarse = search.solver.sampled_coarsely()
+
+    def moved(other: LinkageSolver, one: LinkageSolver = coarse) -> float:
         try:
-            return _moved(SignedGrowth(other), edge, here, slope, high - low)
+            same = here if one is search.solver else SignedGrowth(one)(edge)
+            return _moved(SignedGrowth(other), edge, same, slope, high - low)
         except ComputationError:
             # There it has no equilibrium: the edge may be anywhere in the bracket.
             return high - low
 
     return BandEdge(
         crank_speed=edge,
-        step_error=moved(fewer),
-        reduction_error=moved(search.solver.with_more_modes()),
-        mesh_error=moved(search.solver.refined()) * BY_REFINEMENT,
+        step_error=moved(fewer, search.solver),
+        reduction_error=moved(coarse.with_more_modes()),
+        mesh_error=moved(coarse.refined()) * BY_REFINEMENT,
         is_open=False,
     )
 

@@ -39,8 +39,9 @@ def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors
     -------
     ExponentErrors
     """
-    modes = solver.solve(solver.moving(crank_speed))
-    larger, finer = solver.with_more_modes(), solver.refined()
+    coarse = solver.sampled_coarsely()
+    modes = coarse.solve(coarse.moving(crank_speed))
+    larger, finer = coarse.with_more_modes(), coarse.refined()
     return ExponentErrors(
         reduction=_apart(modes, larger.solve(larger.moving(crank_speed))),
         mesh=_apart(modes, finer.solve(finer.moving(crank_speed))) * BY_REFINEMENT,

@@ -123,6 +123,8 @@ class LinkageSolver:
     orbit_engine : Engine, optional
         With the damping with which the linkage runs; prestress ``trajectory`` is about its
         periodic motion. The engine itself by default.
+    samples : tuple of int
+        Numbers of crank angles to sample a turn at, of which the first that is enough is taken.
     """
 
     engine: Engine
@@ -134,6 +136,7 @@ class LinkageSolver:
     frame: MovingFrame = "link"
     windows: tuple[SpeedWindow, ...] = ()
     orbit_engine: Engine | None = None
+    samples: tuple[int, ...] = SAMPLES
 
     def moving(self, crank_speed: float) -> VibratingLinkage:
         """The linkage in its moving modes; interpolated, where a window holds the speed.
@@ -196,20 +199,25 @@ class LinkageSolver:
         self, crank_speed: float, fastest: float
     ) -> tuple[MovingModes, NonlinearOrbit | None]:
         """With as many samples of a turn and as many modes as are needed."""
-        samples = SAMPLES[0]
+        samples = self.samples[0]
         while True:
             state = self._turn(crank_speed, samples, fastest)
             counts = counts_of_modes(state.turn, self.modes, 1 + self.larger)
             found = moving_modes(state.turn, counts[-1], frame=self.frame)
-            if found.series_error <= SERIES_TOLERANCE or samples == SAMPLES[-1]:
+            if found.series_error <= SERIES_TOLERANCE or samples == self.samples[-1]:
                 return found, state.orbit
-            more = [count for count in SAMPLES if count >= found.samples_for(SERIES_TOLERANCE)]
-            samples = more[0] if more else SAMPLES[-1]
+            enough = found.samples_for(SERIES_TOLERANCE)
+            more = [count for count in self.samples if count >= enough]
+            samples = more[0] if more else self.samples[-1]
 
     @property
     def is_damped(self) -> bool:
         """Whether a link is damped."""
         return self.damping > 0 and any(link.damping.any() for link in self.engine.links)
+
+    def sampled_coarsely(self) -> LinkageSolver:
+        """The same from few crank angles: enough to tell what another mesh changes."""
+        return replace(self, samples=self.samples[:1], windows=())
 
     def refined(self) -> LinkageSolver:
         """The same on a mesh of half the element length."""
