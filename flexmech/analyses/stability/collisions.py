@@ -189,8 +189,10 @@ def met(
         if hopeless == HOPELESS:
             break
         try:
-            centre, strength = _middle(solver, meeting)
-            ratio = strength * lowest / np.prod(2 * np.pi * meeting.frequencies(centre))
+            frequency = meeting.frequencies(meeting.crank_speed)
+            for_ratio = float(np.prod(2 * np.pi * frequency)) / lowest
+            centre, strength = _middle(solver, meeting, FAR**2 * least_ratio * for_ratio)
+            ratio = strength / for_ratio
             hopeless = 0 if ratio > FAR * least_ratio else hopeless + 1
             if ratio < least_ratio * (FAR if solver.is_damped else 1.0):
                 narrower += strength > 0
@@ -211,8 +213,8 @@ def _sampled(solver: LinkageSolver, centre: float, half_width: float) -> MetMode
     return MetModes(centre, samples)
 
 
-def _middle(solver: LinkageSolver, meeting: Meeting) -> tuple[float, float]:
-    """Where two modes meet in rad/s, and kappa in 1/s; 0 where they pass each other."""
+def _middle(solver: LinkageSolver, meeting: Meeting, negligible: float) -> tuple[float, float]:
+    """Where two modes meet in rad/s, and kappa in 1/s; rough, where it is negligible."""
     first = meeting.crank_speed
     square = _square(solver, meeting, first)
     slope, (low, high) = meeting.slope, sorted((meeting.lower, meeting.upper))
@@ -221,8 +223,8 @@ def _middle(solver: LinkageSolver, meeting: Meeting) -> tuple[float, float]:
     centre = (second + first) / 2 + (square - other) / (2 * slope**2 * (first - second))
     strength = square + slope**2 * (first - centre) ** 2
     centre = float(np.clip(centre, low, high))
-    if strength <= 0:
-        return centre, 0.0
+    if strength <= negligible**2:
+        return centre, float(np.sqrt(max(0.0, strength)))
     # Beside a narrow band damped modes stay together, and their slope is not that of free ones:
     # three speeds about the middle tell all.
     for _ in range(REFINED):
