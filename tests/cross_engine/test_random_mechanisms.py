@@ -50,7 +50,9 @@ def test_the_reduction_error_is_small_and_true(seed):
     exact = natural_frequencies(whole, case.crank_angles, case.crank_speed)
     true = np.abs(np.sort(dataset["frequency"].values, axis=-1) / exact - 1).max()
     assert true < 2e-5
-    assert dataset["reduction_error"].max() == pytest.approx(true, rel=0.3, abs=round_off(whole))
+    # Round-off blurs the reported error and the true one.
+    blurred = 2 * round_off(whole)
+    assert dataset["reduction_error"].max() == pytest.approx(true, rel=0.3, abs=blurred)
 
 
 def round_off(engine: ReferenceEngine) -> float:
