@@ -246,9 +246,9 @@ def _damped(engine: Engine, ratio: float) -> Engine:
 
 
 def _solver(engine: Engine, request: StabilityRequest) -> LinkageSolver:
-    level = request.prestress
-    assert level != "trajectory"
-    return LinkageSolver(engine, level, request.modes, steps=request.steps, frame=request.frame)
+    return LinkageSolver(
+        engine, request.prestress, request.modes, steps=request.steps, frame=request.frame
+    )
 
 
 def _at_dampings(solver: LinkageSolver, factors: FloatArray, speed: float) -> list[Grown]:
@@ -267,6 +267,5 @@ def _grown(solver: LinkageSolver, moving: VibratingLinkage, factor: float) -> Gr
     modes = solver.solve(moving, factor)
     if not (modes.log_modulus > 0).any():
         return modes.growth_rate, NO
-    growing = np.expm1(modes.log_modulus)
-    exceeds = growing > step_error(moving, modes, factor) * (1 + growing)
-    return modes.growth_rate, YES if exceeds.any() else NO
+    exceeds = modes.grows_beyond(step_error(moving, modes, factor))
+    return modes.growth_rate, YES if exceeds else NO

@@ -21,6 +21,7 @@ import numpy as np
 import scipy.optimize
 
 from flexmech.analyses.stability.engine_stability import FollowedSpeed
+from flexmech.analyses.stability.exponents import wrapped
 from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.analyses.stability.runs_of_growth import Sample
 from flexmech.analyses.stability.signed_growth import SignedGrowth
@@ -249,7 +250,7 @@ def _square(solver: LinkageSolver, meeting: Meeting, crank_speed: float) -> floa
     a, b = _places(modes, meeting.frequencies(crank_speed))
     apart = (modes.exponent[a].real - modes.exponent[b].real) / 2
     turn = modes.angle[a] - modes.angle[b]
-    passing = (turn - 2 * np.pi * np.round(turn / (2 * np.pi))) / (2 * modes.period)
+    passing = wrapped(turn) / (2 * modes.period)
     return float(apart**2 - passing**2)
 
 
@@ -257,7 +258,7 @@ def _places(modes: KeptModes, frequency: FloatArray) -> tuple[int, int]:
     """Places of mode a, which turns forward, and of the conjugate of b."""
     wanted = 2 * np.pi * modes.period * frequency * np.array([1.0, -1.0])
     gap = modes.angle - wanted[:, None]
-    apart = np.abs(gap - 2 * np.pi * np.round(gap / (2 * np.pi))) / ANGLE_SCALE
+    apart = np.abs(wrapped(gap)) / ANGLE_SCALE
     size = np.abs(modes.exponent.imag) / (2 * np.pi)
     other = np.abs(size - frequency[:, None]) / (FREQUENCY_SCALE * frequency[:, None])
     places = scipy.optimize.linear_sum_assignment(apart + np.minimum(other, 1.0))[1]
@@ -271,5 +272,5 @@ def _continued(lower: FollowedSpeed, upper: FollowedSpeed) -> FloatArray:
     """
     crank, before = abs(upper.crank_speed) / (2 * np.pi), lower.frequency[::2]
     both = upper.frequency[::2] * np.array([[1.0], [-1.0]])
-    near = both - crank * np.round((both - before) / crank)
+    near = before + wrapped(both - before, crank)
     return np.asarray(near[np.abs(near - before).argmin(axis=0), np.arange(len(before))])

@@ -12,7 +12,7 @@ from flexmech.analyses.stability.signed_growth import SignedGrowth
 from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
 from flexmech.errors import ComputationError
 
-__all__ = ["EdgeSearch", "Top", "find_edge", "find_top"]
+__all__ = ["EdgeSearch", "find_edge", "find_top"]
 
 # Relative to the crank speed.
 EDGE_TOLERANCE = 1e-8
@@ -103,14 +103,7 @@ def _moved(other: SignedGrowth, edge: float, here: float, slope: float, width: f
     return min(distances)
 
 
-@dataclass(frozen=True)
-class Top:
-    """Modes where a band grows most."""
-
-    modes: KeptModes
-
-
-def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> Top:
+def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> KeptModes:
     """Find the speed between two edges at which a vibration grows most.
 
     Parameters
@@ -121,7 +114,8 @@ def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> Top:
 
     Returns
     -------
-    Top
+    KeptModes
+        At that speed.
     """
     known, lower, upper = place
     best = solver.solve(solver.moving(known))
@@ -134,4 +128,4 @@ def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> Top:
         )
         other = solver.solve(solver.moving(float(found.x)))
         best = max(best, other, key=lambda modes: modes.growth_rate)
-    return Top(best)
+    return best

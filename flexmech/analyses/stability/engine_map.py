@@ -24,6 +24,7 @@ from flexmech.analyses.stability.engine_stability import (
 )
 from flexmech.analyses.stability.equilibria import speeds_without_equilibrium
 from flexmech.analyses.stability.exponent_errors import exponent_errors
+from flexmech.analyses.stability.exponents import wrapped
 from flexmech.analyses.stability.following import FollowedModes, follow, likeness
 from flexmech.analyses.stability.kept_modes import KeptModes, matched
 from flexmech.analyses.stability.naming import BandName, band_name
@@ -232,14 +233,14 @@ class _EngineMap:
         tops = self._each("growth in bands", partial(find_top, self._solver), places)
         start = self._request.damping_ratio or 0.0
         closings = [
-            ClosingSearch(self._by_ratio, top.modes.crank_speed, *pair, start)
+            ClosingSearch(self._by_ratio, top.crank_speed, *pair, start)
             for top, pair in zip(tops, ends, strict=True)
         ]
         ratios = self._each("damping that closes bands", closing_damping_ratio, closings)
         bands = []
         for n, (top, ratio) in enumerate(zip(tops, ratios, strict=True)):
-            width = (ends[n][1] - ends[n][0]) / abs(top.modes.crank_speed)
-            name = _name(top.modes, followed, branches, width, differences=not definite)
+            width = (ends[n][1] - ends[n][0]) / abs(top.crank_speed)
+            name = _name(top, followed, branches, width, differences=not definite)
             bands.append(
                 Band(
                     lower=edges[2 * n],
@@ -247,8 +248,8 @@ class _EngineMap:
                     kind=name.kind,
                     branches=name.branches,
                     order=name.order,
-                    largest_growth_rate=top.modes.growth_rate,
-                    fastest_speed=top.modes.crank_speed,
+                    largest_growth_rate=top.growth_rate,
+                    fastest_speed=top.crank_speed,
                     closing_damping_ratio=ratio,
                     mismatch=name.mismatch,
                 )
@@ -290,10 +291,11 @@ def _windows(solver: LinkageSolver, ends: tuple[float, float]) -> list[SpeedWind
     low, high = ends
     try:
         window = solver.window(low, high)
+    except ComputationError as refusal:
+        logger.info("no window from %g to %g rad/s: %s", low, high, refusal)
+    else:
         if window.error <= WINDOW_TOLERANCE:
             return [window]
-    except ComputationError:
-        pass
     if high - low < NARROWEST * abs(high):
         return []
     middle = (low + high) / 2
@@ -355,10 +357,9 @@ def _name(
     for after, other in zip(followed[below + 1 :], branches.shapes[below + 1 :], strict=True):
         if not after.is_unstable:
             ahead = np.abs(other.frequency[::2])
-            ahead = ahead - crank * np.round((ahead - frequency) / crank)
             step = abs(after.crank_speed) - speeds[below]
             share = (abs(modes.crank_speed) - speeds[below]) / step
-            frequency = frequency + share * (ahead - frequency)
+            frequency = frequency + share * wrapped(ahead - frequency, crank)
             break
     return band_name(
         frequency, part, branches.usual_frequency, crank, width, differences=differences

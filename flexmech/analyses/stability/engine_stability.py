@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.analyses.stability.band import Band
+from flexmech.analyses.stability.exponents import FloquetExponents
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray, IntArray
 
@@ -15,7 +15,7 @@ __all__ = ["CheckedErrors", "EngineStability", "FollowedSpeed", "NoEquilibrium"]
 
 
 @dataclass(frozen=True)
-class FollowedSpeed:
+class FollowedSpeed(FloquetExponents):
     """Kept Floquet modes of a crank speed, in the order of the branches that they belong to.
 
     Branch b has the modes 2 b - 2 and 2 b - 1, counted from zero: the one that turns forward and
@@ -44,8 +44,6 @@ class FollowedSpeed:
         Of the periodic motion, relative to the inertia forces.
     """
 
-    crank_speed: float
-    exponent: NDArray[np.complex128]
     step_error: FloatArray
     likeness: FloatArray
     harmonic_share: FloatArray
@@ -56,25 +54,9 @@ class FollowedSpeed:
     orbit_residual: float | None = None
 
     @property
-    def period(self) -> float:
-        """Time of a turn in s."""
-        return 2 * np.pi / abs(self.crank_speed)
-
-    @property
     def branch(self) -> IntArray:
         """Number of each mode's branch, from 1, (k,)."""
         return np.arange(len(self.exponent)) // 2 + 1
-
-    @property
-    def log_modulus(self) -> FloatArray:
-        """Logarithm of the multipliers' moduli, (k,)."""
-        return np.asarray(self.exponent.real * self.period)
-
-    @property
-    def angle(self) -> FloatArray:
-        """Angle of the multipliers between -pi and pi, (k,)."""
-        turned = self.exponent.imag * self.period
-        return np.asarray(turned - 2 * np.pi * np.round(turned / (2 * np.pi)))
 
     @property
     def frequency(self) -> FloatArray:
@@ -92,15 +74,9 @@ class FollowedSpeed:
         return int(self.exponent.real.argmax())
 
     @property
-    def growth_rate(self) -> float:
-        """Greatest of all in 1/s."""
-        return float(self.exponent.real.max())
-
-    @property
     def is_unstable(self) -> bool:
         """Whether a modulus exceeds one by more than its error."""
-        growing = np.expm1(self.log_modulus)
-        return bool(np.any(growing > self.step_error * (1 + growing)))
+        return self.grows_beyond(self.step_error)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.optimize
 
+from flexmech.analyses.stability.exponents import wrapped
 from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
 
@@ -55,6 +56,5 @@ def _apart(modes: KeptModes, others: KeptModes) -> float:
     cost = np.abs(size - np.abs(theirs.imag)) / (size + 1 / modes.period)
     cost = cost + (np.sign(ours.imag)[:, None] != np.sign(theirs.imag))
     gap = ours - theirs[scipy.optimize.linear_sum_assignment(cost)[1]]
-    family = 2 * np.pi / modes.period
-    turned = gap.imag - family * np.round(gap.imag / family)
+    turned = wrapped(gap.imag, 2 * np.pi / modes.period)
     return float((np.hypot(gap.real, turned) / np.abs(ours)).max())

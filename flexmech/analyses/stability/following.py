@@ -15,6 +15,7 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
+from flexmech.analyses.stability.exponents import GROWS
 from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.types import FloatArray, IntArray
 
@@ -26,8 +27,6 @@ OTHER_SENSE = 0.3
 FREQUENCY_CHANGE = 0.05
 # A mode at least so much like the shape of its branch takes its place; less alike are mixtures.
 CLEAR = 0.5
-# Logarithm of a modulus that is growth and not round-off.
-GROWS = 1e-7
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
+from flexmech.analyses.stability.exponents import FloquetExponents, wrapped
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
 from flexmech.time_domain import FloquetModes, floquet_modes
 from flexmech.types import FloatArray, IntArray
@@ -19,7 +20,7 @@ HARMONICS = 4
 
 
 @dataclass(frozen=True)
-class KeptModes:
+class KeptModes(FloquetExponents):
     """The k = 2 m Floquet modes that m natural modes make, at one crank speed.
 
     A pair of complex conjugate modes is two of them.
@@ -39,33 +40,10 @@ class KeptModes:
     steps : int
     """
 
-    crank_speed: float
-    exponent: NDArray[np.complex128]
     shape: NDArray[np.complex128]
     harmonic_share: FloatArray
     liouville_defect: float
     steps: int
-
-    @property
-    def period(self) -> float:
-        """Time of a turn in s."""
-        return 2 * np.pi / abs(self.crank_speed)
-
-    @property
-    def log_modulus(self) -> FloatArray:
-        """Logarithm of the multipliers' moduli, (k,)."""
-        return np.asarray(self.exponent.real * self.period)
-
-    @property
-    def angle(self) -> FloatArray:
-        """Angle of the multipliers between -pi and pi, (k,)."""
-        turned = self.exponent.imag * self.period
-        return np.asarray(turned - 2 * np.pi * np.round(turned / (2 * np.pi)))
-
-    @property
-    def growth_rate(self) -> float:
-        """Greatest of all, 1/s."""
-        return float(self.exponent.real.max())
 
     def taken(self, order: IntArray) -> KeptModes:
         """The modes in another order."""
@@ -122,8 +100,7 @@ def matched(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> In
     ndarray of int, shape (k,)
     """
     gap = first[:, None] - second
-    angle = gap.imag - 2 * np.pi * np.round(gap.imag / (2 * np.pi))
-    pairs = scipy.optimize.linear_sum_assignment(np.hypot(gap.real, angle))
+    pairs = scipy.optimize.linear_sum_assignment(np.hypot(gap.real, wrapped(gap.imag)))
     return np.asarray(pairs[1], dtype=np.intp)
 
 

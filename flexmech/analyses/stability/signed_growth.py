@@ -7,14 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.analyses.stability.exponents import GROWS, wrapped
 from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.analyses.stability.runs_of_growth import Sample
 from flexmech.analyses.stability.solver import LinkageSolver
 
-__all__ = ["GROWS", "SignedGrowth"]
-
-GROWS = 1e-7
-"""Logarithm of a multiplier's modulus that is growth, and not round-off."""
+__all__ = ["SignedGrowth"]
 
 
 @dataclass(frozen=True)
@@ -34,7 +32,7 @@ class SignedGrowth:
 
     def __call__(self, crank_speed: float) -> float:
         """Measure at a crank speed in rad/s."""
-        return self.of(self.solver.solve(self.solver.moving(crank_speed)))
+        return self.sample(crank_speed).signed_growth
 
     def sample(self, crank_speed: float) -> Sample:
         """Measure and growth rate at a crank speed in rad/s."""
@@ -59,5 +57,4 @@ def nearest_meeting(exponent: NDArray[np.complex128], period: float) -> float:
     """Half of the least angular velocity by which two modes of opposite sense pass, in rad/s."""
     forward = exponent.imag[exponent.imag > 0] * period
     total = forward[:, None] + forward
-    apart = np.abs(total - 2 * np.pi * np.round(total / (2 * np.pi)))
-    return float(apart.min() / (2 * period))
+    return float(np.abs(wrapped(total)).min() / (2 * period))

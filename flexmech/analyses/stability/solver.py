@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmech.analyses.stability.exponents import wrapped
 from flexmech.analyses.stability.kept_modes import KeptModes, kept_modes, matched
 from flexmech.analyses.stability.speed_window import SpeedWindow, chebyshev_nodes
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
@@ -95,8 +96,7 @@ def step_error(moving: VibratingLinkage, modes: KeptModes, damping: float) -> Fl
     coarse = floquet_modes(moving.system(damping), modes.steps // 2)
     log, other = modes.exponent * modes.period, coarse.exponent * coarse.period
     gap = log - other[matched(log, other)]
-    angle = gap.imag - 2 * np.pi * np.round(gap.imag / (2 * np.pi))
-    return np.hypot(gap.real, angle)
+    return np.hypot(gap.real, wrapped(gap.imag))
 
 
 @dataclass(frozen=True)
