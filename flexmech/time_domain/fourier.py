@@ -64,6 +64,10 @@ class FourierSeries:
         highest = size[-max(1, self.harmonics // TAIL) :]
         return float(highest.max() / size.max()) if size.any() else 0.0
 
+    def plus(self, other: FourierSeries, factor: float) -> FourierSeries:
+        """Sum of this series and a multiple of another one with as many harmonics."""
+        return FourierSeries(self.coefficients + factor * other.coefficients)
+
     def rate(self) -> FourierSeries:
         """Derivative by the phase."""
         order = 2j * np.pi * np.arange(len(self.coefficients))

@@ -94,10 +94,8 @@ class MovingModes:
 
     def system(self, damping: float = 1.0) -> SampledPeriodicSystem:
         """Periodic system with the damping times a factor; 0 leaves it out."""
-        coefficients = self.conservative.coefficients
-        if damping:
-            coefficients = coefficients + damping * self.dissipative.coefficients
-        return SampledPeriodicSystem(FourierSeries(coefficients), self.turn.period)
+        matrix = self.conservative.plus(self.dissipative, damping)
+        return SampledPeriodicSystem(matrix, self.turn.period)
 
 
 def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:

@@ -105,7 +105,4 @@ class VibratingLinkage:
 
     def system(self, damping: float) -> SampledPeriodicSystem:
         """Periodic system with the damping times a factor; 0 leaves it out."""
-        coefficients = self.conservative.coefficients
-        if damping:
-            coefficients = coefficients + damping * self.dissipative.coefficients
-        return SampledPeriodicSystem(FourierSeries(coefficients), self.period)
+        return SampledPeriodicSystem(self.conservative.plus(self.dissipative, damping), self.period)
