@@ -43,6 +43,7 @@ from .example_models import example_names as example_names
 from .hygrothermal import Exposure as Exposure
 from .hygrothermal import HygrothermalState as HygrothermalState
 from .hygrothermal import mechanism_in_state as mechanism_in_state
+from .linear_system import LinkPoint as LinkPoint
 from .linkages import CouplerCurve as CouplerCurve
 from .linkages import CouplerPoint as CouplerPoint
 from .linkages import CrankDrive as CrankDrive

@@ -12,6 +12,7 @@ __all__ = [
     "ELEMENTS",
     "INTEGRATORS",
     "KEPT_MODES",
+    "LINK_DIRECTIONS",
     "MAP_PRESTRESS_LEVELS",
     "MODES",
     "MOST_ELEMENTS",
@@ -28,6 +29,7 @@ __all__ = [
     "EngineName",
     "ExudynElement",
     "Integrator",
+    "LinkDirection",
     "MapPrestress",
     "MovingFrame",
     "PageWidth",
@@ -65,6 +67,9 @@ StabilityPrestress = Literal["axial", "equilibrium", "trajectory"]
 MovingFrame = Literal["link", "inertial"]
 """Axes in which displacements of running links are written."""
 MOVING_FRAMES: tuple[MovingFrame, ...] = get_args(MovingFrame)
+LinkDirection = Literal["transverse", "axial"]
+"""Of a force on a point of a link, or of its displacement: across the link's frame or along it."""
+LINK_DIRECTIONS: tuple[LinkDirection, ...] = get_args(LinkDirection)
 
 Store = Literal["needed", "all"]
 """What a stored response holds: what pictures and comparisons need, or all there is."""

@@ -9,7 +9,14 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.types import FloatArray
 
-__all__ = ["STATIONS", "middle_curvature", "node_positions", "pieces", "station_shapes"]
+__all__ = [
+    "STATIONS",
+    "middle_curvature",
+    "node_positions",
+    "pieces",
+    "shapes_at",
+    "station_shapes",
+]
 
 STATIONS = 21
 
@@ -86,11 +93,36 @@ def station_shapes(
     -------
     ndarray, shape (STATIONS, 2, k * per_node)
     """
-    places = np.linspace(0.0, nodes[-1], STATIONS)
+    return shapes_at(np.linspace(0.0, nodes[-1], STATIONS), nodes, per_node, shape_functions)
+
+
+def shapes_at(
+    places: FloatArray,
+    nodes: FloatArray,
+    per_node: int,
+    shape_functions: Callable[[FloatArray, FloatArray], FloatArray],
+) -> FloatArray:
+    """Displacement anywhere along a link from its nodal coordinates.
+
+    Parameters
+    ----------
+    places : ndarray, shape (s,)
+        In m from the link's start.
+    nodes : ndarray, shape (k,)
+        Node positions in m.
+    per_node : int
+        Coordinates a node.
+    shape_functions : callable
+        See :func:`station_shapes`.
+
+    Returns
+    -------
+    ndarray, shape (s, 2, k * per_node)
+    """
     element = np.clip(np.searchsorted(nodes, places, side="right") - 1, 0, len(nodes) - 2)
     length = np.diff(nodes)[element]
     values = shape_functions((places - nodes[element]) / length, length)
-    shapes = np.zeros((STATIONS, 2, per_node * len(nodes)))
+    shapes = np.zeros((len(places), 2, per_node * len(nodes)))
     columns = per_node * element[:, None] + np.arange(2 * per_node)
     np.put_along_axis(shapes, np.repeat(columns[:, None, :], 2, axis=1), values, axis=2)
     return shapes

@@ -43,7 +43,9 @@ SECTIONS: dict[str, Rule] = {
     "Errors": _is_error,
     "Questions": _comes_from("analyses", "studies", "verification", "report"),
     "Engines": _comes_from("reference", "multibody"),
-    "Mechanisms and linkages": _comes_from("mechanism", "linkages", "modelfile", "example_models"),
+    "Mechanisms and linkages": _comes_from(
+        "mechanism", "linkages", "modelfile", "example_models", "linear_system"
+    ),
     "Sections and materials": _comes_from("sections", "materials"),
     "Heat and moisture": _comes_from("hygrothermal"),
 }

@@ -15,6 +15,7 @@ from flexmech.linear_system.link_frames import (
     SystemMatrices,
 )
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
+from flexmech.linear_system.link_points import LinkPoint, displacement_row, point_rows
 from flexmech.linear_system.link_readings import LinkReadings
 from flexmech.linear_system.link_stretch import LinkStretch
 from flexmech.linear_system.position_errors import RefusedPositionsError, refuse_positions
@@ -49,6 +50,7 @@ __all__ = [
     "LinkDamping",
     "LinkFrames",
     "LinkModel",
+    "LinkPoint",
     "LinkReadings",
     "LinkStretch",
     "Prestress",
@@ -62,9 +64,11 @@ __all__ = [
     "checked_mechanism",
     "component_modes",
     "condense",
+    "displacement_row",
     "element_tensions",
     "free_load",
     "inertia_loads",
+    "point_rows",
     "refuse_large_displacements",
     "refuse_positions",
 ]

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flexmech.mesh import middle_curvature, station_shapes
+from flexmech.mesh import middle_curvature, shapes_at, station_shapes
 from flexmech.types import FloatArray
 
 __all__ = ["LinkReadings"]
@@ -53,6 +53,12 @@ class LinkReadings:
         return self._reduced(
             middle_curvature(self.nodes, self.per_node, self.slope, self.deflection)
         )
+
+    def displacement_at(self, fraction: FloatArray) -> FloatArray:
+        """Displacement along and across at fractions (s,) of the link's length, (s, 2, n)."""
+        places = np.asarray(fraction, dtype=float) * self.nodes[-1]
+        nodal = shapes_at(places, self.nodes, self.per_node, self.displacement_shapes)
+        return self._reduced(nodal)
 
     def projected(self, basis: FloatArray) -> LinkReadings:
         """The same with ``q = basis @ p``; basis (n, m)."""

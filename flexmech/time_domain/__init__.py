@@ -18,6 +18,7 @@ from flexmech.time_domain.periodic_system import (
     SampledPeriodicSystem,
     StatedPeriodicSystem,
 )
+from flexmech.time_domain.pulse import HalfSinePulse, Impact
 from flexmech.time_domain.recording import EnergyHistory, Recorder, StepBlock, Trajectory
 from flexmech.time_domain.reduced_links import DETAIL, can_stretch, is_reduced
 from flexmech.time_domain.sampled_turn import SampledTurn
@@ -32,6 +33,8 @@ __all__ = [
     "Equations",
     "FloquetModes",
     "FourierSeries",
+    "HalfSinePulse",
+    "Impact",
     "Integrator",
     "LinkState",
     "MovingModes",
