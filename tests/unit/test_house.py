@@ -45,6 +45,7 @@ ORDER = [
     "modelfile",
     "hygrothermal",
     "mesh",
+    "measured_data",
     "linear_system",
     "beams",
     "time_domain",

@@ -1,0 +1,155 @@
+"""Headers of a record's columns: a name and a unit, as flexmech or a laboratory writes them."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from flexmech.errors import InputError
+from flexmech.unit_registry import base_units
+
+__all__ = ["Header", "read_header"]
+
+RATIO = ""
+# SI unit and factor of the units that need no pint, whose first import takes a second.
+_KNOWN: dict[str, tuple[str, float]] = {
+    "s": ("s", 1.0),
+    "ms": ("s", 1e-3),
+    "us": ("s", 1e-6),
+    "Hz": ("Hz", 1.0),
+    "kHz": ("Hz", 1e3),
+    "rad": ("rad", 1.0),
+    "m": ("m", 1.0),
+    "mm": ("m", 1e-3),
+    "um": ("m", 1e-6),
+    "N": ("N", 1.0),
+    "Nm": ("N m", 1.0),
+    "N m": ("N m", 1.0),
+    "m/s": ("m/s", 1.0),
+    "m/s2": ("m/s^2", 1.0),
+    "m/s^2": ("m/s^2", 1.0),
+    "rad/s": ("rad/s", 1.0),
+    "m/N": ("m/N", 1.0),
+    "m/(N s)": ("m/(N s)", 1.0),
+    "m/(N s^2)": ("m/(N s^2)", 1.0),
+    "m/m": (RATIO, 1.0),
+    "um/m": (RATIO, 1e-6),
+    "ustrain": (RATIO, 1e-6),
+    "microstrain": (RATIO, 1e-6),
+    "uε": (RATIO, 1e-6),
+    "ue": (RATIO, 1e-6),
+    "%": (RATIO, 1e-2),
+    "1e-6": (RATIO, 1e-6),
+    "1": (RATIO, 1.0),
+    "-": (RATIO, 1.0),
+}
+_DEGREE = 0.017453292519943295
+_KNOWN |= dict.fromkeys(("deg", "°", "degree", "degrees"), ("rad", _DEGREE))
+# Behind a name, as flexmech's own files have them: coupler_mid_deflection_m, crank_angle_deg.
+_SUFFIXES: dict[str, str] = {
+    **{name: name for name in ("s", "ms", "us", "Hz", "kHz", "deg", "rad", "m", "mm", "um", "N")},
+    "Nm": "N m",
+    "um_m": "um/m",
+    "m_N": "m/N",
+    "m_s": "m/s",
+    "m_s2": "m/s^2",
+    "rad_s": "rad/s",
+    "m_Ns": "m/(N s)",
+    "m_Ns2": "m/(N s^2)",
+}
+# By the names of base units, what units are called here.
+_SI_NAMES = {
+    "second": "s",
+    "1 / second": "Hz",
+    "radian": "rad",
+    "radian / second": "rad/s",
+    "meter": "m",
+    "meter / second": "m/s",
+    "meter / second ** 2": "m/s^2",
+    "dimensionless": RATIO,
+    "kilogram * meter / second ** 2": "N",
+    "kilogram * meter ** 2 / second ** 2": "N m",
+    "second ** 2 / kilogram": "m/N",
+    "second / kilogram": "m/(N s)",
+    "1 / kilogram": "m/(N s^2)",
+}
+# Quantities that are ratios by nature, so that flexmech's own files write no unit for them.
+_RATIOS = re.compile(r"(.*_)?(strain|coherence|mode|damping_ratio|order|turn|mac)")
+_BRACKETS = re.compile(r"(?P<name>.*?)\s*(\[(?P<square>[^\]]*)\]|\((?P<round>.*)\))")
+_QUOTIENT = re.compile(r"(?P<name>.*?\S)\s+/\s+(?P<unit>\S.*)")
+# Both signs for micro, Greek and Latin, and the Greek epsilon of strains.
+_MICRO = str.maketrans({"µ": "u", "μ": "u", "ϵ": "ε", "·": " ", "⋅": " "})
+
+
+class Header(NamedTuple):
+    """Name and unit of a column.
+
+    Parameters
+    ----------
+    name : str
+        Without the unit; blanks are underscores.
+    unit : str or None
+        SI unit, empty for a ratio; None where none is written.
+    factor : float
+        SI value of one of the column's own units.
+    """
+
+    name: str
+    unit: str | None
+    factor: float
+
+
+def read_header(text: str) -> Header:
+    """Read the header of a column.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``"time_s"``, ``"coupler_mid_deflection_m"``, ``"time [s]"``,
+        ``"strain (um/m)"`` or ``"time / ms"``.
+
+    Returns
+    -------
+    Header
+
+    Raises
+    ------
+    InputError
+        If a unit is written that is none.
+
+    Examples
+    --------
+    >>> read_header("strain (um/m)")
+    Header(name='strain', unit='', factor=1e-06)
+    """
+    bare = text.strip()
+    if match := _BRACKETS.fullmatch(bare):
+        unit = match["square"] if match["square"] is not None else match["round"]
+        return Header(_name(match["name"]), *_unit(unit, bare))
+    if match := _QUOTIENT.fullmatch(bare):
+        return Header(_name(match["name"]), *_unit(match["unit"].strip("()"), bare))
+    for suffix in sorted(_SUFFIXES, key=len, reverse=True):
+        if bare.endswith(f"_{suffix}") and len(bare) > len(suffix) + 1:
+            return Header(_name(bare[: -len(suffix) - 1]), *_unit(_SUFFIXES[suffix], bare))
+    name = _name(bare)
+    return Header(name, RATIO if _RATIOS.fullmatch(name.lower()) else None, 1.0)
+
+
+def _name(text: str) -> str:
+    return re.sub(r"\s+", "_", text.strip())
+
+
+def _unit(text: str, header: str) -> tuple[str, float]:
+    """SI unit of a written unit, and the SI value of one of it."""
+    unit = text.strip().translate(_MICRO)
+    if unit == "uepsilon":
+        unit = "microstrain"
+    if unit in _KNOWN:
+        return _KNOWN[unit]
+    found = base_units(unit) if unit else None
+    if found is None:
+        raise InputError(
+            f"the unit {text.strip()!r} of the column {header!r} is unknown; write one such as s, "
+            "mm, um/m, deg or m/N in brackets behind the name, and [-] for a ratio"
+        )
+    return _SI_NAMES.get(found.name, found.name), float(found.factor)
