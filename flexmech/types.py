@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["FloatArray", "IntArray", "LabelledProgress", "StepProgress"]
+__all__ = ["ComplexArray", "FloatArray", "IntArray", "LabelledProgress", "StepProgress"]
 
+ComplexArray = NDArray[np.complexfloating[Any, Any]]
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
 """Of indices."""

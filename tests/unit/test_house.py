@@ -45,6 +45,7 @@ ORDER = [
     "modelfile",
     "hygrothermal",
     "mesh",
+    "modal_testing",
     "measured_data",
     "linear_system",
     "beams",

@@ -1,0 +1,164 @@
+"""Frequency-response functions from records of force and response, averaged over impacts.
+
+Source: J. S. Bendat and A. G. Piersol, Random Data, 4th edition (2010), sections 6.1 and 11.1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import signal
+
+from flexmech.errors import InputError
+from flexmech.modal_testing.windows import ExponentialWindow, ForceWindow
+from flexmech.types import ComplexArray, FloatArray
+
+__all__ = ["FrfEstimate", "estimate_frf", "with_noise"]
+
+
+@dataclass(frozen=True, eq=False)
+class FrfEstimate:
+    """Frequency-response function of one impact point and one response point.
+
+    Parameters
+    ----------
+    frequency : ndarray, shape (F,)
+        In Hz, from 0 to half the sampling rate.
+    h1 : ndarray of complex, shape (F,)
+        Response over force: cross spectrum over the force's own. Noise of the response averages
+        out, noise of the force makes it too small.
+    h2 : ndarray of complex, shape (F,)
+        The response's own spectrum over the cross spectrum. Noise of the force averages out, noise
+        of the response makes it too great.
+    coherence : ndarray, shape (F,)
+        H1 over H2, from 0 to 1; one record alone gives 1 everywhere.
+    added_damping : float
+        Decay rate of the exponential window in 1/s. The functions are those at
+        ``s = added_damping + 2 pi i frequency``: poles that are identified in them are moved back
+        by it.
+    """
+
+    frequency: FloatArray
+    h1: ComplexArray
+    h2: ComplexArray
+    coherence: FloatArray
+    added_damping: float = 0.0
+
+
+def estimate_frf(
+    force: FloatArray,
+    response: FloatArray,
+    sampling_rate: float,
+    *,
+    force_window: ForceWindow | None = None,
+    exponential_window: ExponentialWindow | None = None,
+) -> FrfEstimate:
+    """Estimate a frequency-response function from records, one a row.
+
+    The exponential window is laid over both signals: the estimate is then the exact function at a
+    shifted ``s``. A force window keeps noise after the impact out of it. Spectra are those of
+    :func:`scipy.signal.csd` with one record a segment, no overlap and no further window.
+
+    Parameters
+    ----------
+    force : ndarray, shape (A, N)
+        Of A impacts in N; one record may be of shape (N,).
+    response : ndarray, shape (A, N)
+        Displacement, velocity or acceleration, in SI units.
+    sampling_rate : float
+        In Hz.
+    force_window : ForceWindow, optional
+    exponential_window : ExponentialWindow, optional
+
+    Returns
+    -------
+    FrfEstimate
+        Response over force.
+
+    Raises
+    ------
+    InputError
+        Records of other shapes or with values that are not finite, a sampling rate that is not
+        above zero, a force that is zero all along.
+    """
+    forces, responses = _records(force, response, sampling_rate)
+    length = forces.shape[1]
+    time = np.arange(length) / sampling_rate
+    decay = exponential_window.values(time) if exponential_window else np.ones(length)
+    cut = force_window.values(time) if force_window else np.ones(length)
+    pushed = (forces * (decay * cut)).ravel()
+    if not np.any(pushed):
+        raise InputError(
+            "the force is zero all along its window: let the record begin with the impact"
+        )
+    answered = (responses * decay).ravel()
+    how = {
+        "fs": sampling_rate,
+        "window": "boxcar",
+        "nperseg": length,
+        "noverlap": 0,
+        "detrend": False,
+    }
+    frequency, own_force = signal.welch(pushed, **how)
+    _, own_response = signal.welch(answered, **how)
+    _, cross = signal.csd(pushed, answered, **how)
+    # Where nothing answers, both ratios have no value and there is no coherence.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        h2 = np.where(own_response > 0.0, own_response / np.conj(cross), 0.0)
+        coherence = np.where(own_response > 0.0, abs(cross) ** 2 / (own_force * own_response), 0.0)
+    return FrfEstimate(
+        np.asarray(frequency),
+        np.asarray(cross / own_force),
+        h2,
+        np.clip(coherence, 0.0, 1.0),
+        exponential_window.decay_rate if exponential_window else 0.0,
+    )
+
+
+def with_noise(
+    records: FloatArray, rms_fraction: float, generator: np.random.Generator
+) -> FloatArray:
+    """Add white Gaussian noise to records.
+
+    Parameters
+    ----------
+    records : ndarray, shape (..., N)
+    rms_fraction : float
+        Root mean square of the noise over that of each record.
+    generator : numpy.random.Generator
+        Made from a fixed seed, it gives the same noise again.
+
+    Returns
+    -------
+    ndarray, shape (..., N)
+
+    Raises
+    ------
+    InputError
+        The fraction is below zero or not finite.
+    """
+    if not (np.isfinite(rms_fraction) and rms_fraction >= 0.0):
+        raise InputError(f"noise of {rms_fraction:g} of the signal: give 0 or more")
+    size = np.sqrt(np.mean(np.square(records), axis=-1, keepdims=True))
+    noisy: FloatArray = records + rms_fraction * size * generator.standard_normal(records.shape)
+    return noisy
+
+
+def _records(
+    force: FloatArray, response: FloatArray, sampling_rate: float
+) -> tuple[FloatArray, FloatArray]:
+    """Both records as rows, checked."""
+    if not (np.isfinite(sampling_rate) and sampling_rate > 0.0):
+        raise InputError(f"a sampling rate of {sampling_rate:g} Hz: give one above 0 Hz")
+    forces = np.atleast_2d(np.asarray(force, dtype=float))
+    responses = np.atleast_2d(np.asarray(response, dtype=float))
+    if forces.shape != responses.shape or forces.ndim != 2 or forces.shape[1] < 2:
+        raise InputError(
+            f"records of force {np.shape(force)} and of response {np.shape(response)}: give both "
+            "as (averages, samples), with as many of each"
+        )
+    for name, values in (("force", forces), ("response", responses)):
+        if not np.all(np.isfinite(values)):
+            raise InputError(f"the {name} holds values that are not finite: leave such records out")
+    return forces, responses

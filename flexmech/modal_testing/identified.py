@@ -1,0 +1,174 @@
+"""Modes as a laboratory knows them: poles, residues, and residual terms for what lies outside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.modal_testing.stabilisation import StabilisationChart
+from flexmech.types import ComplexArray, FloatArray
+
+__all__ = ["IdentifiedModes"]
+
+
+@dataclass(frozen=True, eq=False)
+class IdentifiedModes:
+    r"""Modes that were identified from receptances of one impact point.
+
+    .. math:: H_p(s) = \sum_r \left(\frac{A_{pr}}{s - \lambda_r}
+        + \frac{A^*_{pr}}{s - \lambda^*_r}\right) + \frac{L_p}{s^2} + U_p
+
+    Parameters
+    ----------
+    pole : ndarray of complex, shape (k,)
+        In 1/s with positive imaginary part, free of what a window added. Not a number where an
+        expected mode was not found.
+    residue : ndarray of complex, shape (points, k)
+        The A in m/(N s).
+    further_pole : ndarray of complex, shape (l,)
+        Of modes in the band that were found and not asked for: the receptances need them.
+    further_residue : ndarray of complex, shape (points, l)
+    lower_residual : ndarray of complex, shape (points,)
+        The L in m/(N s^2): inertia of modes below the band.
+    upper_residual : ndarray of complex, shape (points,)
+        The U in m/N: compliance of modes above the band.
+    method : str
+        ``"lscf"`` or ``"circle-fit"``.
+    band : tuple of float
+        In Hz, from and to.
+    misfit : float
+        Root mean square of what the model leaves of the receptances in the band, over theirs.
+    chart : StabilisationChart, optional
+        Poles of all orders, of ``"lscf"`` alone.
+    """
+
+    pole: ComplexArray
+    residue: ComplexArray
+    further_pole: ComplexArray
+    further_residue: ComplexArray
+    lower_residual: ComplexArray
+    upper_residual: ComplexArray
+    method: str
+    band: tuple[float, float]
+    misfit: float
+    chart: StabilisationChart | None = None
+
+    @property
+    def frequency(self) -> FloatArray:
+        """Undamped natural frequencies ``|pole|/(2 pi)`` in Hz, shape (k,)."""
+        return np.asarray(abs(self.pole) / (2 * np.pi))
+
+    @property
+    def damping_ratio(self) -> FloatArray:
+        """Damping ratios ``-Re pole / |pole|``, shape (k,)."""
+        return np.asarray(-self.pole.real / abs(self.pole))
+
+    @property
+    def found(self) -> NDArray[np.bool_]:
+        """Which of the modes were found, shape (k,)."""
+        return np.asarray(np.isfinite(self.pole))
+
+    def receptance(self, frequency: FloatArray, added_damping: float = 0.0) -> ComplexArray:
+        """Synthesize the receptances from the modes found and the residual terms.
+
+        Parameters
+        ----------
+        frequency : ndarray, shape (F,)
+            In Hz, above 0.
+        added_damping : float
+            Decay rate in 1/s of an exponential window that the receptances shall have.
+
+        Returns
+        -------
+        ndarray of complex, shape (points, F)
+            In m/N.
+        """
+        s = added_damping + 2j * np.pi * np.asarray(frequency, dtype=float)
+        found = self.found
+        value = modal_sum(s, self.pole[found], self.residue[:, found])
+        value += modal_sum(s, self.further_pole, self.further_residue)
+        value += self.lower_residual[:, None] / s**2 + self.upper_residual[:, None]
+        return value
+
+    def circle(self, mode: int, point: int = 0) -> tuple[complex, float]:
+        """Circle of a mode in the Nyquist diagram of the receptance.
+
+        Parameters
+        ----------
+        mode : int
+            Column of the modes.
+        point : int
+            Row of the residues.
+
+        Returns
+        -------
+        tuple of complex and float
+            Centre and radius in m/N. The centre holds what all other modes and the residual terms
+            give at the mode's frequency.
+        """
+        pole, residue = self.pole[mode], self.residue[point, mode]
+        half = residue / (-2.0 * pole.real)
+        at = 1j * pole.imag
+        everything = self.receptance(np.array([pole.imag / (2 * np.pi)]))[point, 0]
+        background = everything - residue / (at - pole)
+        return complex(background + half), float(abs(half))
+
+
+def modal_sum(s: ComplexArray, pole: ComplexArray, residue: ComplexArray) -> ComplexArray:
+    """Sum of the modes alone at some ``s``.
+
+    Parameters
+    ----------
+    s : ndarray of complex, shape (F,)
+    pole : ndarray of complex, shape (k,)
+    residue : ndarray of complex, shape (points, k)
+
+    Returns
+    -------
+    ndarray of complex, shape (points, F)
+    """
+    direct = 1.0 / (s[None, :] - pole[:, None])
+    mirrored = 1.0 / (s[None, :] - pole.conj()[:, None])
+    total: ComplexArray = residue @ direct + residue.conj() @ mirrored
+    return total
+
+
+def fit_residues(
+    s: ComplexArray, receptance: ComplexArray, pole: ComplexArray
+) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Residues and residual terms of known poles, by linear least squares over frequency.
+
+    Parameters
+    ----------
+    s : ndarray of complex, shape (F,)
+        In 1/s; none of them 0. Of records under an exponential window its rate is the real part,
+        and the poles are free of it.
+    receptance : ndarray of complex, shape (points, F)
+    pole : ndarray of complex, shape (k,)
+
+    Returns
+    -------
+    tuple of ndarray of complex
+        Residues, shape (points, k), lower and upper residual terms, shape (points,).
+
+    Notes
+    -----
+    The least-squares frequency-domain method; see N. M. M. Maia and J. M. M. Silva, Theoretical
+    and Experimental Modal Analysis (1997), section 4.4.
+    """
+    direct = 1.0 / (s[:, None] - pole[None, :])
+    mirrored = 1.0 / (s[:, None] - pole.conj()[None, :])
+    rest = np.stack([s**-2, np.ones_like(s)], axis=1)
+    # Unknown are real and imaginary parts, because a residue stands there with its conjugate.
+    columns = np.concatenate([direct + mirrored, 1j * (direct - mirrored), rest, 1j * rest], axis=1)
+    matrix = np.concatenate([columns.real, columns.imag])
+    values = np.concatenate([receptance.real, receptance.imag], axis=1).T
+    # Columns of like size, so that the rank is judged by directions and not by units.
+    size = np.linalg.norm(matrix, axis=0)
+    solution = (np.linalg.lstsq(matrix / size, values, rcond=None)[0] / size[:, None]).T
+    k = pole.size
+    residue = solution[:, :k] + 1j * solution[:, k : 2 * k]
+    lower, upper = (solution[:, 2 * k : 2 * k + 2] + 1j * solution[:, 2 * k + 2 :]).T
+    return residue, lower, upper

@@ -1,0 +1,174 @@
+"""Identification of modes from measured receptances."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import linear_sum_assignment
+
+from flexmech.errors import InputError
+from flexmech.modal_testing.circle_fit import circle_fit_poles, peaks
+from flexmech.modal_testing.identified import IdentifiedModes, fit_residues, modal_sum
+from flexmech.modal_testing.lscf import has_lscf, lscf_poles
+from flexmech.modal_testing.stabilisation import stabilisation_chart
+from flexmech.types import ComplexArray, FloatArray, IntArray
+
+__all__ = ["ORDERS", "IdentificationMethod", "best_method", "identify"]
+
+IdentificationMethod = Literal["lscf", "circle-fit"]
+
+ORDERS = 30
+"""Highest number of modes of the models of LSCF."""
+LEAST_LINES = 16
+"""Frequencies in the band that a fit needs."""
+NEAR = 0.05
+"""Relative: an expected mode is one that is found so near in frequency."""
+
+
+def best_method() -> IdentificationMethod:
+    """``"lscf"`` where its package is installed (extra ``modal-test``), or ``"circle-fit"``."""
+    return "lscf" if has_lscf() else "circle-fit"
+
+
+def identify(
+    frequency: FloatArray,
+    receptance: ComplexArray,
+    *,
+    band: tuple[float, float] | None = None,
+    count: int | None = None,
+    expected: ArrayLike | None = None,
+    method: IdentificationMethod | None = None,
+    added_damping: float = 0.0,
+    orders: int = ORDERS,
+) -> IdentifiedModes:
+    """Identify modes from receptances of one impact point (or, as well, of one response point).
+
+    Parameters
+    ----------
+    frequency : ndarray, shape (F,)
+        In Hz, evenly spaced multiples of their step.
+    receptance : ndarray of complex, shape (points, F)
+        Displacement over force in m/N; one function may be of shape (F,).
+    band : tuple of float, optional
+        In Hz, from and to: what is fitted. Without it all frequencies above 0.
+    count : int, optional
+        The lowest so many modes alone.
+    expected : array_like, shape (k,), optional
+        Frequencies in Hz, such as those of a model. The answer has one mode for each, not a number
+        where none was found within 5 %.
+    method : {"lscf", "circle-fit"}, optional
+        Without it that of :func:`best_method`.
+    added_damping : float
+        Decay rate in 1/s of the exponential window: it is taken off.
+    orders : int
+        Highest number of modes of a model, for ``"lscf"``.
+
+    Returns
+    -------
+    IdentifiedModes
+        Sorted by frequency, or in the order of ``expected``.
+
+    Raises
+    ------
+    InputError
+        Arrays that do not belong together or hold no numbers, a band with too few frequencies, a
+        count below 1, an unknown method, or ``"lscf"`` without its package.
+    """
+    method = method or best_method()
+    if method not in ("lscf", "circle-fit"):
+        raise InputError(f'identification by {method!r}: use "lscf" or "circle-fit"')
+    if count is not None and count < 1:
+        raise InputError(f"{count} modes to identify: give 1 or more")
+    frequency, receptance = _checked(frequency, receptance)
+    low, high = band or (0.0, float(frequency[-1]))
+    inside = (frequency > 0.0) & (frequency >= low) & (frequency <= high)
+    if np.count_nonzero(inside) < LEAST_LINES:
+        raise InputError(
+            f"{np.count_nonzero(inside)} frequencies between {low:g} and {high:g} Hz: a fit needs "
+            f"at least {LEAST_LINES}; give a longer record or a wider band"
+        )
+    kept, values = frequency[inside], receptance[:, inside]
+    wanted = None if expected is None else np.atleast_1d(np.asarray(expected, dtype=float))
+    chart = None
+    if method == "lscf":
+        found = lscf_poles(frequency, receptance, (low, high), orders)
+        chart = stabilisation_chart(found, added_damping)
+        pole = chart.pole[chart.chosen]
+    else:
+        at = _peaks_near(kept, values, wanted)
+        pole = circle_fit_poles(kept, values, at, added_damping)
+    pole = pole[np.isfinite(pole)]
+    pole = pole[np.argsort(abs(pole), kind="stable")]
+    s = added_damping + 2j * np.pi * kept
+    residue, lower, upper = fit_residues(s, values, pole)
+    left = values - modal_sum(s, pole, residue) - lower[:, None] / s**2 - upper[:, None]
+    asked = _asked(np.asarray(abs(pole) / (2 * np.pi), dtype=float), wanted, count)
+    further = np.setdiff1d(np.arange(pole.size), asked)
+    # One more column without a number is that of expected modes that were not found.
+    poles = np.append(pole, np.nan)
+    residues = np.concatenate([residue, np.full((len(values), 1), np.nan)], axis=1)
+    return IdentifiedModes(
+        pole=poles[asked],
+        residue=residues[:, asked],
+        further_pole=pole[further],
+        further_residue=residue[:, further],
+        lower_residual=lower,
+        upper_residual=upper,
+        method=method,
+        band=(low, high),
+        misfit=float(np.linalg.norm(left) / np.linalg.norm(values)),
+        chart=chart,
+    )
+
+
+def _checked(frequency: FloatArray, receptance: ComplexArray) -> tuple[FloatArray, ComplexArray]:
+    frequency = np.asarray(frequency, dtype=float)
+    receptance = np.atleast_2d(np.asarray(receptance, dtype=complex))
+    if frequency.ndim != 1 or receptance.ndim != 2 or receptance.shape[1] != frequency.size:
+        raise InputError(
+            f"frequencies {frequency.shape} and receptances {receptance.shape}: give (F,) and "
+            "(points, F)"
+        )
+    if frequency.size < LEAST_LINES or not np.all(np.isfinite(frequency)):
+        raise InputError(f"{frequency.size} frequencies: give at least {LEAST_LINES}, all finite")
+    if not np.all(np.isfinite(receptance)):
+        raise InputError("the receptances hold values that are not finite: leave such points out")
+    if not np.any(receptance):
+        raise InputError("the receptances are zero everywhere: no mode answers at these points")
+    step = (frequency[-1] - frequency[0]) / (frequency.size - 1)
+    lines = frequency / step if step > 0.0 else np.full(frequency.size, np.nan)
+    if not np.allclose(lines, np.round(lines[0]) + np.arange(frequency.size), atol=1e-3, rtol=0):
+        raise InputError(
+            "the frequencies are no evenly spaced multiples of their step: interpolate the "
+            "receptances to such frequencies"
+        )
+    return frequency, receptance
+
+
+def _peaks_near(
+    frequency: FloatArray, receptance: ComplexArray, wanted: FloatArray | None
+) -> IntArray:
+    """All peaks; if some frequencies are expected, those without a peak of their own as well."""
+    found = peaks(frequency, receptance)
+    if wanted is None:
+        return found
+    within = wanted[(wanted >= frequency[0]) & (wanted <= frequency[-1])]
+    lonely = [one for one in within if not np.any(abs(frequency[found] - one) < NEAR * one)]
+    more = [int(np.argmin(abs(frequency - one))) for one in lonely]
+    return np.concatenate([found, np.array(more, dtype=np.intp)])
+
+
+def _asked(frequency: FloatArray, wanted: FloatArray | None, count: int | None) -> IntArray:
+    """Columns of the modes that were asked for; -1 is one that was not found."""
+    if wanted is None:
+        return np.arange(frequency.size if count is None else min(count, frequency.size))
+    distance = abs(frequency[None, :] - wanted[:, None]) / wanted[:, None]
+    columns = np.full(wanted.size, -1, dtype=np.intp)
+    # What is far costs so much that no near pair is ever given up for it.
+    cost = np.where(distance < NEAR, distance, 1e6)
+    rows, matched = linear_sum_assignment(cost)
+    near = distance[rows, matched] < NEAR
+    columns[rows[near]] = matched[near]
+    return columns if count is None else columns[:count]
