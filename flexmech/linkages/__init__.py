@@ -4,7 +4,7 @@ from flexmech.linkages.coupler_curve import CouplerCurve, CouplerPoint
 from flexmech.linkages.coupler_sextic import coupler_sextic
 from flexmech.linkages.cusp_transitions import CuspTransition, cusp_transitions
 from flexmech.linkages.double_points import DoublePoint, double_points
-from flexmech.linkages.drive import CrankDrive
+from flexmech.linkages.drive import CrankDrive, LockedCrank
 from flexmech.linkages.fourbar import Branch, FourBar, GrashofClass
 from flexmech.linkages.inverse_dynamics import InverseDynamics, LinkMass, inverse_dynamics
 from flexmech.linkages.linkage import Linkage
@@ -37,6 +37,7 @@ __all__ = [
     "LinkEnd",
     "LinkMass",
     "Linkage",
+    "LockedCrank",
     "Pin",
     "Pivot",
     "RigidMotion",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +14,7 @@ from flexmech.linkages.motion import RigidMotion
 from flexmech.numbers import NOT_NEGATIVE, check_number
 from flexmech.types import FloatArray
 
-__all__ = ["CrankDrive"]
+__all__ = ["CrankDrive", "LockedCrank"]
 
 
 @dataclass(frozen=True)
@@ -101,3 +102,40 @@ class CrankDrive:
         return linkage.motion(
             self.crank_angle(time), self.crank_speed(time), self.crank_acceleration(time)
         )
+
+
+@dataclass(frozen=True)
+class LockedCrank:
+    """A crank whose shaft is held at an angle.
+
+    Parameters
+    ----------
+    angle : float
+        In rad.
+
+    Attributes
+    ----------
+    speed, run_up_time : float
+        Zero: what a driven crank would have.
+
+    Raises
+    ------
+    InputError
+        If it is no number.
+    """
+
+    angle: float
+    speed: ClassVar[float] = 0.0
+    run_up_time: ClassVar[float] = 0.0
+    is_constant: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        check_number(self.angle, "angle of a locked crank", "rad")
+
+    def crank_angle(self, time: ArrayLike) -> FloatArray:
+        """Crank angle in rad at times in s; shape (...) -> (...)."""
+        return np.full_like(np.asarray(time, dtype=float), self.angle)
+
+    def motion(self, linkage: Linkage, time: ArrayLike) -> RigidMotion:
+        """Rigid linkage at rest, at times in s of shape (m,)."""
+        return linkage.motion(self.crank_angle(time))

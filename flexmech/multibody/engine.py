@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -21,7 +22,7 @@ from flexmech.linear_system import (
     inertia_loads,
     refuse_large_displacements,
 )
-from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.linkages import CrankDrive, LockedCrank, RigidMotion
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
@@ -31,7 +32,7 @@ from flexmech.multibody.simulation import Simulation
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
 from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array
-from flexmech.time_domain import LinkState, Recorder, Trajectory
+from flexmech.time_domain import Impact, LinkState, Recorder, Trajectory
 from flexmech.types import FloatArray, StepProgress
 
 __all__ = ["ExudynEngine"]
@@ -128,7 +129,7 @@ class ExudynEngine(Engine):
 
     def simulate(
         self,
-        drive: CrankDrive,
+        drive: CrankDrive | LockedCrank,
         start: LinkState,
         sample_time: FloatArray,
         step: float,
@@ -136,12 +137,13 @@ class ExudynEngine(Engine):
         integrator: Integrator = "trapezoidal",
         progress: StepProgress | None = None,
         band: float | None = None,
+        impacts: Sequence[Impact] = (),
     ) -> Trajectory:
         """Run the linkage with large displacements from time zero to the last sample.
 
         Parameters
         ----------
-        drive : CrankDrive
+        drive : CrankDrive or LockedCrank
         start : LinkState
             State at time zero.
         sample_time : ndarray, shape (N,)
@@ -155,6 +157,9 @@ class ExudynEngine(Engine):
             Called with the steps done and their total, every hundred steps.
         band : float, optional
             Frequency in Hz up to which joint forces and torque are kept.
+        impacts : sequence of Impact
+            Pulses on points of links, in directions that turn with the links' rigid frames. The
+            energy balance does not know their work: its error is then not a number.
 
         Returns
         -------
@@ -173,12 +178,15 @@ class ExudynEngine(Engine):
         if len(sample_time) == 0 or sample_time[0] < 0 or np.any(np.diff(sample_time) <= 0):
             raise InputError("sample times must be zero or later and increase")
         steps = max(1, int(np.ceil(sample_time[-1] / step - 1e-9)))
-        model = RunningModel(self.mechanism, self.elements, self.element, drive, self.links)
+        model = RunningModel(
+            self.mechanism, self.elements, self.element, drive, self.links, impacts
+        )
         if band is not None:
             check_number(band, "band", "Hz", POSITIVE)
         recorder = Recorder(sample_time, step, band)
         Simulation(model, step, steps, integrator).run(start, recorder, progress)
-        return recorder.finish()
+        trajectory = recorder.finish()
+        return replace(trajectory, energy_error=float("nan")) if impacts else trajectory
 
     def running_system(
         self,

@@ -14,14 +14,16 @@ from typing import Any
 import numpy as np
 
 from flexmech.linear_system import LinkModel
-from flexmech.linkages import Clamp, CrankDrive, LinkEnd
+from flexmech.linkages import Clamp, CrankDrive, LinkEnd, LockedCrank
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
+from flexmech.multibody.impacts import add_impacts
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_energies import LinkEnergies
 from flexmech.multibody.node_bodies import NodeBodies
 from flexmech.multibody.user_functions import AxisPoint, HubClamp, Joints, Shaft
+from flexmech.time_domain import Impact
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["RunningModel"]
@@ -37,9 +39,11 @@ class RunningModel:
         Elements a link.
     kind : str
         Key of :data:`flexmech.multibody.beams.BEAM_KINDS`.
-    drive : CrankDrive
+    drive : CrankDrive or LockedCrank
     links : sequence of LinkModel
         The links' matrices in the same coordinates, for their weight.
+    impacts : sequence of Impact
+        Pulses on points of links.
 
     Attributes
     ----------
@@ -62,8 +66,9 @@ class RunningModel:
         mechanism: Mechanism,
         elements: int,
         kind: str,
-        drive: CrankDrive,
+        drive: CrankDrive | LockedCrank,
         links: Sequence[LinkModel],
+        impacts: Sequence[Impact] = (),
     ) -> None:
         self.assembly = assembly = LinkAssembly(mechanism, elements, kind)
         self.drive = drive
@@ -83,6 +88,7 @@ class RunningModel:
         self.constraints |= self._add_pivots(fixed)
         for pin, number in zip(assembly.topology.pins, assembly.add_pins(), strict=True):
             self.constraints[pin.joint] = [number]
+        add_impacts(assembly, drive, impacts)
         assembly.mbs.Assemble()
         self.joints = self._joints()
 

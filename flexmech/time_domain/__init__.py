@@ -7,8 +7,14 @@ from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.floquet import FloquetModes, floquet_modes
 from flexmech.time_domain.floquet_state import floquet_state
 from flexmech.time_domain.fourier import FourierSeries
+from flexmech.time_domain.frequency_response import (
+    StateModes,
+    direct_receptance,
+    state_modes,
+)
 from flexmech.time_domain.krein import krein_signature
 from flexmech.time_domain.linear_run import linear_run
+from flexmech.time_domain.locked_impact import pulse_response
 from flexmech.time_domain.moving_modes import MovingModes, counts_of_modes, moving_modes
 from flexmech.time_domain.nonlinear_orbit import NonlinearOrbit, nonlinear_orbit
 from flexmech.time_domain.orbit import PeriodicOrbit, simulated_orbit
@@ -45,6 +51,7 @@ __all__ = [
     "SampledPeriodicSystem",
     "SampledTurn",
     "Simulator",
+    "StateModes",
     "StatedPeriodicSystem",
     "StepBlock",
     "Trajectory",
@@ -52,6 +59,7 @@ __all__ = [
     "VibrationState",
     "can_stretch",
     "counts_of_modes",
+    "direct_receptance",
     "floquet_modes",
     "floquet_state",
     "is_reduced",
@@ -62,7 +70,9 @@ __all__ = [
     "nonlinear_orbit",
     "periodic_state",
     "periodic_turn",
+    "pulse_response",
     "simulated_orbit",
     "simulator",
+    "state_modes",
     "turn_map",
 ]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol, cast
 
 from flexmech.choices import Integrator
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import CrankDrive, LockedCrank
+from flexmech.time_domain.pulse import Impact
 from flexmech.time_domain.recording import Trajectory
 from flexmech.time_domain.state import LinkState
 from flexmech.types import FloatArray, StepProgress
@@ -20,7 +22,7 @@ class Simulator(Protocol):
 
     def simulate(
         self,
-        drive: CrankDrive,
+        drive: CrankDrive | LockedCrank,
         start: LinkState,
         sample_time: FloatArray,
         step: float,
@@ -28,12 +30,13 @@ class Simulator(Protocol):
         integrator: Integrator = "trapezoidal",
         progress: StepProgress | None = None,
         band: float | None = None,
+        impacts: Sequence[Impact] = (),
     ) -> Trajectory:
         """Run from a state of the links.
 
         Parameters
         ----------
-        drive : CrankDrive
+        drive : CrankDrive or LockedCrank
         start : LinkState
             State at time zero.
         sample_time : ndarray, shape (N,)
@@ -45,6 +48,8 @@ class Simulator(Protocol):
             Called with the steps done and the steps to do.
         band : float, optional
             Frequency in Hz up to which joint forces and torque are kept.
+        impacts : sequence of Impact
+            Pulses on points of links, whose work the energy balance does not know.
 
         Returns
         -------

@@ -1,0 +1,214 @@
+r"""Exact frequency response of ``M z'' + C z' + K z = p f`` with constant matrices.
+
+The receptance from a force on ``p`` to a displacement ``r z`` is
+
+.. math:: H(s) = r^T (s^2 M + s C + K)^{-1} p = \sum_k \frac{R_k}{s - \lambda_k},
+
+at :math:`s = 2 \pi i f`, with the poles :math:`\lambda_k` and the residues :math:`R_k` of the
+state-space modes (Ewins 2000, ch. 2). The first form is the direct solution, the second the
+superposition. What a superposition leaves out answers a force far below its frequencies
+statically: its residual term is the static flexibility less that of the modes kept
+(``\tag{H.2}`` in docs/theory/hammer_test.md).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from flexmech.errors import ComputationError
+from flexmech.types import FloatArray
+
+__all__ = ["StateModes", "direct_receptance", "state_modes"]
+
+ComplexArray = NDArray[np.complex128]
+
+# Complex numbers that are held at a time.
+AT_ONCE = 2_000_000
+# Poles whose angular frequency is less than this part of their size do not oscillate.
+OSCILLATES = 1e-9
+# Of the frequencies, to keep a mode without stiffness in the equations' scaling.
+SOFTEST = 1e-8
+
+
+def direct_receptance(
+    mass: FloatArray,
+    damping: FloatArray,
+    stiffness: FloatArray,
+    response: FloatArray,
+    force: FloatArray,
+    frequency: FloatArray,
+) -> ComplexArray:
+    """Receptance by a solution of the equations at each frequency.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : ndarray, shape (n, n)
+    response : ndarray, shape (r, n)
+        Rows that read displacements.
+    force : ndarray, shape (p, n)
+        Generalized forces of unit loads.
+    frequency : ndarray, shape (F,)
+        In Hz.
+
+    Returns
+    -------
+    ndarray of complex, shape (F, r, p)
+        In m/N.
+    """
+    found = np.empty((len(frequency), len(response), len(force)), dtype=complex)
+    at_once = max(1, AT_ONCE // mass.size)
+    for first in range(0, len(frequency), at_once):
+        some = slice(first, first + at_once)
+        s = 2j * np.pi * frequency[some, None, None]
+        dynamic = s**2 * mass + s * damping + stiffness
+        right = np.broadcast_to(force.T.astype(complex), (len(dynamic), *force.T.shape))
+        found[some] = response @ np.linalg.solve(dynamic, right)
+    return found
+
+
+@dataclass(frozen=True)
+class StateModes:
+    """Poles of a constant system and its modes in state space.
+
+    Parameters
+    ----------
+    poles : ndarray of complex, shape (2n,)
+        In rad/s, by their size; conjugate poles stand side by side.
+    right : ndarray of complex, shape (n, 2n)
+        Displacement of each mode.
+    left : ndarray of complex, shape (2n, n)
+        What forces on the coordinates put into each mode.
+    flexibility : ndarray, shape (n, n)
+        Inverse of the stiffness.
+    """
+
+    poles: ComplexArray
+    right: ComplexArray
+    left: ComplexArray
+    flexibility: FloatArray
+
+    def residues(self, response: FloatArray, force: FloatArray) -> ComplexArray:
+        """Residues of the receptance, in m/(N s).
+
+        Parameters
+        ----------
+        response : ndarray, shape (r, n)
+        force : ndarray, shape (p, n)
+
+        Returns
+        -------
+        ndarray of complex, shape (2n, r, p)
+        """
+        read, put = self.right.T @ response.T, self.left @ force.T
+        return np.asarray(read[:, :, None] * put[:, None, :])
+
+    def below(self, frequency: float) -> NDArray[np.bool_]:
+        """Which poles, (2n,), oscillate and are smaller than a frequency in Hz."""
+        oscillates = np.abs(self.poles.imag) > OSCILLATES * np.abs(self.poles)
+        return oscillates & (np.abs(self.poles) < 2 * np.pi * frequency)
+
+    def residual(
+        self, response: FloatArray, force: FloatArray, kept: NDArray[np.bool_]
+    ) -> FloatArray:
+        """Static flexibility of what a superposition leaves out, in m/N.
+
+        Parameters
+        ----------
+        response : ndarray, shape (r, n)
+        force : ndarray, shape (p, n)
+        kept : ndarray of bool, shape (2n,)
+
+        Returns
+        -------
+        ndarray, shape (r, p)
+        """
+        static = response @ self.flexibility @ force.T
+        of_kept = np.einsum(
+            "krp,k->rp", self.residues(response, force)[kept], -1 / self.poles[kept]
+        )
+        return np.asarray(static - of_kept.real)
+
+    def receptance(
+        self,
+        response: FloatArray,
+        force: FloatArray,
+        frequency: FloatArray,
+        kept: NDArray[np.bool_] | None = None,
+    ) -> ComplexArray:
+        """Receptance by superposition of modes.
+
+        Parameters
+        ----------
+        response : ndarray, shape (r, n)
+        force : ndarray, shape (p, n)
+        frequency : ndarray, shape (F,)
+            In Hz.
+        kept : ndarray of bool, shape (2n,), optional
+            Modes that are superposed; the others add their static flexibility. All by default.
+
+        Returns
+        -------
+        ndarray of complex, shape (F, r, p)
+            In m/N.
+        """
+        chosen = np.ones(len(self.poles), dtype=bool) if kept is None else kept
+        residues = self.residues(response, force)[chosen]
+        shape = (len(frequency), len(response), len(force))
+        found = np.empty(shape, dtype=complex)
+        at_once = max(1, AT_ONCE // max(1, chosen.sum()))
+        for first in range(0, len(frequency), at_once):
+            some = slice(first, first + at_once)
+            s = 2j * np.pi * frequency[some, None]
+            found[some] = np.tensordot(1 / (s - self.poles[chosen]), residues, axes=(1, 0))
+        if kept is not None:
+            found += self.residual(response, force, kept)
+        return found
+
+
+def state_modes(mass: FloatArray, damping: FloatArray, stiffness: FloatArray) -> StateModes:
+    """Poles and state-space modes of a constant system.
+
+    The equations are written in coordinates of unit mass and in the modes of their symmetric
+    stiffness, each scaled by its frequency: links that stretch a thousand times faster than
+    they bend do not blur the poles.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : ndarray, shape (n, n)
+        The mass is symmetric and positive.
+
+    Returns
+    -------
+    StateModes
+
+    Raises
+    ------
+    ComputationError
+        If poles meet so that the modes are no basis, as at critical damping.
+    """
+    size = len(mass)
+    symmetric = (stiffness + stiffness.T) / 2
+    squares, basis = scipy.linalg.eigh(symmetric, mass)
+    natural = np.sqrt(np.maximum(np.abs(squares), (SOFTEST**2) * np.abs(squares).max()))
+    state = np.zeros((2 * size, 2 * size))
+    state[:size, size:] = np.diag(natural)
+    state[size:, :size] = -(basis.T @ stiffness @ basis) / natural
+    state[size:, size:] = -basis.T @ damping @ basis
+    poles, vectors = np.linalg.eig(state)
+    order = np.lexsort((poles.imag, np.abs(poles).round(9)))
+    poles, vectors = poles[order].astype(complex), vectors[:, order].astype(complex)
+    inverse = np.linalg.inv(vectors)
+    off = np.abs(vectors * poles @ inverse - state).max()
+    if not off <= 1e-6 * np.abs(state).max():
+        raise ComputationError(
+            "the damped modes of the linkage meet in one pole, so that its response is no sum of "
+            "modes; change the damping ratio slightly"
+        )
+    right = (basis / natural) @ vectors[:size]
+    left = inverse[:, size:] @ basis.T
+    flexibility = np.asarray(np.linalg.inv(stiffness), dtype=float)
+    return StateModes(poles, right, left, flexibility)
