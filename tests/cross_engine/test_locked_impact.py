@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import flexmech
+from flexmech.analyses.damping_ratios import with_damping_ratio
 from flexmech.linear_system import LinkPoint, displacement_row, point_rows
 from flexmech.linkages import LockedCrank
 from flexmech.time_domain import HalfSinePulse, Impact, LinkState, pulse_response, state_modes
@@ -25,6 +26,8 @@ ANGLE = np.radians(96.9)
 def test_the_transient_converges_to_the_exact_one(model, link, direction):
     """At points that are no nodes; the trapezoidal rule's error falls with the square."""
     engine = flexmech.ExudynEngine(flexmech.load_mechanism(flexmech.example_model(model)), 4)
+    if model.startswith("aluminium"):
+        engine = with_damping_ratio(engine, 0.01)  # undamped fast modes would ring along
     system = engine.unreduced().linear_system(ANGLE, prestress="none")
     modes = state_modes(system.mass[0], system.damping[0], system.stiffness[0])
     hit = point_rows(system, LinkPoint(link, 0.4), direction)
@@ -35,8 +38,8 @@ def test_the_transient_converges_to_the_exact_one(model, link, direction):
         pulse = HalfSinePulse(1.0, 1 / 4000, start=1 / 8000)
     time = np.linspace(0.0, 10 * pulse.duration, 401)
     exact = pulse_response(modes.poles, residues, pulse, time)[:, 0]
-    # A deflection of a hundred thousandth of the link's length.
-    force = 1e-6 / np.abs(exact).max()
+    # A link that bends draws its end along by the square of that: so small it does not count.
+    force = 1e-8 / np.abs(exact).max()
     gap = []
     for step in (time[1], time[1] / 2):
         impact = Impact(

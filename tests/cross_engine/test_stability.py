@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flexmech.analyses.stability.damping_ratios import lowest_frequency, with_damping_time
+from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_time
 from flexmech.analyses.stability.engine_map import map_engine
 from flexmech.analyses.stability.kept_modes import matched
 from flexmech.analyses.stability.request import StabilityRequest

@@ -11,10 +11,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from flexmech.analyses.stability.damping_ratios import lowest_frequency, with_damping_time
+from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_time
 from flexmech.analyses.stability.dataset import NO, NO_EQUILIBRIUM, NOT_COMPUTED, YES
 from flexmech.analyses.stability.parallel import in_order
-from flexmech.analyses.stability.request import DAMPING_RATIO, StabilityRequest
+from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.solver import LinkageSolver, step_error
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.errors import ComputationError, InputError, suggestion

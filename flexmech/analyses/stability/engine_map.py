@@ -11,10 +11,10 @@ from typing import TypeVar
 
 import numpy as np
 
+from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_time
 from flexmech.analyses.stability.band import Band
 from flexmech.analyses.stability.closing import ClosingSearch, closing_damping_ratio
 from flexmech.analyses.stability.collisions import MetModes, meetings, met
-from flexmech.analyses.stability.damping_ratios import lowest_frequency, with_damping_time
 from flexmech.analyses.stability.edges import EdgeSearch, find_edge, find_top
 from flexmech.analyses.stability.engine_stability import (
     CheckedErrors,

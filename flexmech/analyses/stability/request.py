@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.analyses.damping_ratios import DAMPING_RATIO
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES
 from flexmech.choices import (
     KEPT_MODES,
@@ -15,13 +16,12 @@ from flexmech.choices import (
     MovingFrame,
 )
 from flexmech.errors import InputError
-from flexmech.numbers import Bounds, check_choice, check_count, check_number, checked_array
+from flexmech.numbers import check_choice, check_count, check_number, checked_array
 from flexmech.types import FloatArray
 
 __all__ = ["StabilityRequest"]
 
 LEAST_STEPS, MOST_STEPS = 2 * SHAPE_ANGLES, 1_000_000
-DAMPING_RATIO = Bounds(least=0.0, below=1.0)
 
 
 @dataclass(frozen=True)

@@ -10,9 +10,12 @@ from flexmech.analyses.frequencies import Formulation
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.linear_system import Engine
+from flexmech.numbers import Bounds
 
-__all__ = ["lowest_frequency", "with_damping_time"]
+__all__ = ["DAMPING_RATIO", "lowest_frequency", "with_damping_ratio", "with_damping_time"]
 
+DAMPING_RATIO = Bounds(least=0.0, below=1.0)
+"""What a damping ratio of the linkage can be."""
 TURN = np.radians(np.arange(0.0, 360.0, 5.0))
 
 
@@ -30,3 +33,8 @@ def with_damping_time(engine: Engine, damping_time: float) -> Engine:
         for name, section in mechanism.sections.items()
     }
     return engine.with_(mechanism=replace(mechanism, sections=sections))
+
+
+def with_damping_ratio(engine: Engine, ratio: float) -> Engine:
+    """The engine with one Kelvin-Voigt time ``2 Z/omega_1`` for all links, at a ratio Z."""
+    return with_damping_time(engine, 2 * ratio / lowest_frequency(engine))
