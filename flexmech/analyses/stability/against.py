@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_time
+from flexmech.analyses.damping_ratios import DAMPING_RATIO, with_damping_ratio
 from flexmech.analyses.stability.dataset import NO, NO_EQUILIBRIUM, NOT_COMPUTED, YES
 from flexmech.analyses.stability.parallel import in_order
 from flexmech.analyses.stability.request import StabilityRequest
@@ -142,7 +142,7 @@ class Against:
             If the mechanism cannot be so.
         """
         if self.parameter == DAMPING_PARAMETER:
-            return _damped(engine, value)
+            return with_damping_ratio(engine, value)
         mechanism = engine.mechanism
         if self.parameter == MOISTURE:
             changed = mechanism_in_state(mechanism, HygrothermalState(moisture=value))
@@ -218,7 +218,7 @@ def _fill(
     speeds, done = request.crank_speeds.tolist(), 0
     if against.parameter == DAMPING_PARAMETER:
         # The linkage is the same at all damping ratios, and damping enters the system linearly.
-        solvers = [(slice(None), _solver(_damped(engine, 1.0), request), against.values)]
+        solvers = [(slice(None), _solver(with_damping_ratio(engine, 1.0), request), against.values)]
     else:
         solvers = [
             (slice(row, row + 1), _solver(_changed(engine, request, against, value), request), ONE)
@@ -237,12 +237,7 @@ def _changed(engine: Engine, request: StabilityRequest, against: Against, value:
     """The engine at a value of the parameter, with the damping that counts."""
     changed = against.engine_at(engine, value)
     ratio = request.damping_ratio
-    return changed if ratio is None else _damped(changed, ratio)
-
-
-def _damped(engine: Engine, ratio: float) -> Engine:
-    """The engine with the damping ratio of the first frequency at rest for all its links."""
-    return with_damping_time(engine, 2 * ratio / lowest_frequency(engine))
+    return changed if ratio is None else with_damping_ratio(changed, ratio)
 
 
 def _solver(engine: Engine, request: StabilityRequest) -> LinkageSolver:
