@@ -6,11 +6,17 @@ from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.floquet import FloquetModes, floquet_modes
 from flexmech.time_domain.floquet_state import floquet_state
+from flexmech.time_domain.forced_linkage import forced_linkage
 from flexmech.time_domain.fourier import FourierSeries
 from flexmech.time_domain.frequency_response import (
     StateModes,
     direct_receptance,
     state_modes,
+)
+from flexmech.time_domain.harmonic_response import (
+    ForcedPeriodicSystem,
+    balanced_response,
+    harmonic_response,
 )
 from flexmech.time_domain.krein import krein_signature
 from flexmech.time_domain.linear_run import linear_run
@@ -30,6 +36,7 @@ from flexmech.time_domain.reduced_links import DETAIL, can_stretch, is_reduced
 from flexmech.time_domain.sampled_turn import SampledTurn
 from flexmech.time_domain.simulator import Simulator, simulator
 from flexmech.time_domain.state import LinkState, VibrationState
+from flexmech.time_domain.struck_run import struck_run
 
 __all__ = [
     "DETAIL",
@@ -38,6 +45,7 @@ __all__ = [
     "EnergyHistory",
     "Equations",
     "FloquetModes",
+    "ForcedPeriodicSystem",
     "FourierSeries",
     "HalfSinePulse",
     "Impact",
@@ -57,11 +65,14 @@ __all__ = [
     "Trajectory",
     "TurnMap",
     "VibrationState",
+    "balanced_response",
     "can_stretch",
     "counts_of_modes",
     "direct_receptance",
     "floquet_modes",
     "floquet_state",
+    "forced_linkage",
+    "harmonic_response",
     "is_reduced",
     "krein_signature",
     "linear_run",
@@ -74,5 +85,6 @@ __all__ = [
     "simulated_orbit",
     "simulator",
     "state_modes",
+    "struck_run",
     "turn_map",
 ]

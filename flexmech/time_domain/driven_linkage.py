@@ -15,6 +15,8 @@ move by themselves.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -128,7 +130,13 @@ class DrivenLinkage:
         full = inertia_loads(self.engine.links, motion, self.engine.mechanism.gravity)
         return [load @ basis for load, basis in zip(full, self.bases, strict=True)]
 
-    def equations(self, time: FloatArray, *, still: bool = False) -> Equations:
+    def equations(
+        self,
+        time: FloatArray,
+        *,
+        still: bool = False,
+        load: Sequence[FloatArray] | None = None,
+    ) -> Equations:
         """Equations of motion.
 
         Parameters
@@ -137,6 +145,8 @@ class DrivenLinkage:
             In s.
         still : bool
             Leave out the rotation terms: what the loads would do if nothing moved.
+        load : sequence of ndarray, shape (n_link,), optional
+            Forces on the reduced links in their frames, in place of all others.
 
         Returns
         -------
@@ -149,7 +159,10 @@ class DrivenLinkage:
             RotationTerms.all_or_none(not still),
             [LinkDamping(s.damping, s.damping) for s in stress],
         )
-        force = self._force(motion, stress)
+        if load is None:
+            force = self._force(motion, stress)
+        else:
+            force = self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load])
         gone, kept = np.flatnonzero(self._condensed), np.flatnonzero(~self._condensed)
         following = Following.of_all(self.frames.size)
         if self.is_condensed:

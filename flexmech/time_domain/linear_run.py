@@ -17,7 +17,7 @@ from flexmech.time_domain.stretch_march import Course, march_stretching
 from flexmech.time_domain.trapezoidal import initial_state, march
 from flexmech.types import FloatArray, StepProgress
 
-__all__ = ["linear_run"]
+__all__ = ["BLOCK_STEPS", "linear_run", "march_on", "refuse_divergence", "start_state"]
 
 
 # Steps that are recorded at once.
@@ -71,8 +71,8 @@ def linear_run(
         count = min(BLOCK_STEPS, steps - done)
         time = step * np.arange(done, done + count + 1, dtype=float)
         with np.errstate(over="ignore", invalid="ignore"):
-            history, following, course = _march(linkage, table, time, state, course)
-        _refuse_divergence(linkage, time, history)
+            history, following, course = march_on(linkage, table, time, state, course)
+        refuse_divergence(linkage, time, history)
         recorder.add(dynamics.step_block(time, following, history))
         state = history[-1]
         if progress is not None:
@@ -88,7 +88,18 @@ def linear_run(
 def start_state(
     linkage: DrivenLinkage, position: FloatArray, velocity: FloatArray
 ) -> VibrationState:
-    """State at time zero whose acceleration satisfies the equations of motion."""
+    """State at time zero whose acceleration satisfies the equations of motion.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    position, velocity : ndarray, shape (n,)
+
+    Returns
+    -------
+    VibrationState
+        Arrays of shape (n,).
+    """
     equations = linkage.equations(np.zeros(1))
     if linkage.stretch is not None:
         pulled = linkage.stretch.remainder(
@@ -98,17 +109,41 @@ def start_state(
     return initial_state(equations, position, velocity)
 
 
-def _march(
+def march_on(
     linkage: DrivenLinkage,
     table: StepTable,
     time: FloatArray,
     state: VibrationState,
     course: Course,
+    force: FloatArray | None = None,
 ) -> tuple[VibrationState, Following, Course]:
-    """March from the first of some times to the others, in parts that stay in the cache."""
+    """March from the first of some times to the others, in parts that stay in the cache.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    table : StepTable
+    time : ndarray, shape (m + 1,)
+        In s, one step apart.
+    state : VibrationState
+        At the first of them.
+    course : Course
+    force : ndarray, shape (m + 1,), optional
+        How much of the table's load acts at these times.
+
+    Returns
+    -------
+    VibrationState
+        Arrays of shape (m + 1, n).
+    Following
+        At the same times.
+    Course
+    """
+    acting = np.zeros_like(time) if force is None else force
     histories, expansions, offsets = [], [], []
     for first in range(0, len(time) - 1, CACHED_STEPS):
-        rows = table.rows(time[first + 1 : first + 1 + CACHED_STEPS])
+        some = slice(first + 1, first + 1 + CACHED_STEPS)
+        rows = table.rows(time[some]).under(acting[some])
         if rows.stretch is None or linkage.stretch is None:
             history = march(rows.linear, state)
         else:
@@ -127,14 +162,29 @@ def _march(
     )
     if not linkage.is_condensed:
         return whole, Following.of_all(linkage.size), course
-    start = table.rows(time[:1]).following
+    start = table.rows(time[:1]).under(acting[:1]).following
     following = Following(
         np.concatenate([start.expansion, *expansions]), np.concatenate([start.offset, *offsets])
     )
     return whole, following, course
 
 
-def _refuse_divergence(linkage: DrivenLinkage, time: FloatArray, history: VibrationState) -> None:
+def refuse_divergence(linkage: DrivenLinkage, time: FloatArray, history: VibrationState) -> None:
+    """Refuse displacements that grow beyond all bounds.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    time : ndarray, shape (m,)
+        In s.
+    history : VibrationState
+        At these times.
+
+    Raises
+    ------
+    ComputationError
+        Names the time and the crank angle.
+    """
     size = np.abs(history.position).max(axis=1)
     wrong = ~(size < DIVERGED)
     if not wrong.any():

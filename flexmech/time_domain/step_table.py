@@ -9,7 +9,7 @@ every step is solved.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -46,11 +46,28 @@ class StepRows:
     linear : StepOperators
     stretch : StretchOperators or None
     following : Following
+    pushed : ndarray, shape (m, n), or None
+        By how much a unit of the load at the step's end moves the next prediction.
+    pushed_offset : ndarray, shape (m, size), or None
+        What a unit of the load adds to coordinates that follow statically.
     """
 
     linear: StepOperators
     stretch: StretchOperators | None
     following: Following
+    pushed: FloatArray | None = None
+    pushed_offset: FloatArray | None = None
+
+    def under(self, force: FloatArray) -> StepRows:
+        """The same instants with so much of the load, (m,), besides all other forces."""
+        if self.pushed is None or self.pushed_offset is None or not force.any():
+            return self
+        forced = self.linear.forced + force[:, None] * self.pushed
+        following = self.following
+        if following.expansion.shape[1] != following.expansion.shape[2]:
+            offset = following.offset + force[:, None] * self.pushed_offset
+            following = replace(following, offset=offset)
+        return replace(self, linear=replace(self.linear, forced=forced), following=following)
 
 
 class StepTable:
@@ -61,11 +78,17 @@ class StepTable:
     linkage : DrivenLinkage
     step : float
         In s.
+    load : sequence of ndarray, shape (n_link,), optional
+        Forces on the reduced links in their frames, of which a run can take any part at any
+        time: see :meth:`StepRows.under`.
     """
 
-    def __init__(self, linkage: DrivenLinkage, step: float) -> None:
+    def __init__(
+        self, linkage: DrivenLinkage, step: float, load: Sequence[FloatArray] | None = None
+    ) -> None:
         self._linkage = linkage
         self._step = step
+        self._load = load
         drive = linkage.drive
         period = drive.revolution_time
         motion = linkage.motion(drive.run_up_time + period * np.linspace(0.0, 1.0, 361))
@@ -140,11 +163,20 @@ class StepTable:
             answer = linkage.stretch.gathered(turns, answer)
             yielding = linkage.stretch.yielding(turns, answer, self._step)
             parts += [answer, yielding, turns.turn, turns.rate]
+        if self._load is not None:
+            loaded = linkage.equations(time, load=self._load)
+            pushed, _ = step_operators(loaded, self._step)
+            offset = loaded.following.offset
+            parts += [pushed.forced, np.broadcast_to(offset, (len(time), offset.shape[1]))]
         return self._parts.packed(parts)
 
     def _unpacked(self, values: FloatArray) -> StepRows:
         linkage, parts = self._linkage, self._parts.taken_apart(values)
         linear = StepOperators(self._step, parts[0], parts[1])
+        pushed = pushed_offset = None
+        if self._load is not None:
+            pushed, pushed_offset = parts[-2:]
+            parts = parts[:-2]
         following = Following.of_all(linkage.size)
         if linkage.is_condensed:
             following = Following(parts[2].copy(), parts[3].copy())
@@ -152,7 +184,7 @@ class StepTable:
         if linkage.stretch is not None:
             answer, yielding, turn, rate = parts[-4:]
             stretch = StretchOperators(answer, yielding, PinTurns(turn, rate))
-        return StepRows(linear, stretch, following)
+        return StepRows(linear, stretch, following, pushed, pushed_offset)
 
 
 class _Parts:

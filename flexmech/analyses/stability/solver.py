@@ -160,6 +160,25 @@ class LinkageSolver:
                 return window.at(crank_speed)
         return self._linkage(*self._moving_modes(crank_speed, crank_speed))
 
+    def moving_modes(self, crank_speed: float) -> MovingModes:
+        """The moving modes from which :meth:`moving` makes the linkage, with their matrices.
+
+        Parameters
+        ----------
+        crank_speed : float
+            rad/s, not zero.
+
+        Returns
+        -------
+        MovingModes
+
+        Raises
+        ------
+        ComputationError
+            If there is no equilibrium.
+        """
+        return self._moving_modes(crank_speed, crank_speed)[0]
+
     def window(self, low: float, high: float) -> SpeedWindow:
         """Build the linkage at the nodes of a window of speeds.
 

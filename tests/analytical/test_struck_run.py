@@ -1,0 +1,78 @@
+"""A struck run of the linkage: what the impact adds is what the harmonic response predicts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexmech import CrankDrive, LinkPoint, ReferenceEngine, load_mechanism
+from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.linear_system import Prestress
+from flexmech.time_domain import (
+    DrivenLinkage,
+    HalfSinePulse,
+    Impact,
+    VibrationState,
+    forced_linkage,
+    harmonic_response,
+    struck_run,
+)
+from flexmech.types import ComplexArray, FloatArray
+
+SPEED, TURNS = 20.0, 4
+TURN = 2 * np.pi / SPEED
+HIT, SEEN = LinkPoint("coupler", 0.5), LinkPoint("rocker", 0.5)
+PULSE = HalfSinePulse(0.01, 0.02, 0.3 * TURN)
+# Orders beyond these answer less than 1e-3 of the greatest.
+ORDERS = np.arange(-14, 15)
+
+
+def engine() -> ReferenceEngine:
+    mechanism = load_mechanism("models/aluminium_fourbar.toml")
+    sections = {k: s.with_damping_time(4e-4) for k, s in mechanism.sections.items()}
+    return ReferenceEngine(replace(mechanism, sections=sections), 4)
+
+
+def run(linkage: DrivenLinkage, pulse: HalfSinePulse, steps: int) -> FloatArray:
+    nothing = np.zeros(linkage.size)
+    still = VibrationState(nothing, nothing, nothing)
+    impact = Impact(HIT, "transverse", pulse)
+    return struck_run(linkage, still, TURN / steps, TURNS * steps, impact, SEEN, "transverse")
+
+
+def spectrum(linkage: DrivenLinkage, steps: int) -> ComplexArray:
+    """Fourier integral of what the impact adds."""
+    twin = run(linkage, replace(PULSE, peak_force=0.0), steps)
+    return np.fft.rfft((run(linkage, PULSE, steps) - twin)[:-1]) * TURN / steps
+
+
+@pytest.mark.parametrize("prestress", ["none", "equilibrium"])
+def test_an_impact_is_answered_at_all_orders_as_predicted(prestress: Prestress) -> None:
+    """The error of the step, which is of second order, is taken off."""
+    struck = engine()
+    output = np.arange(1, 60) / (TURNS * TURN)
+    moving = LinkageSolver(struck, prestress, 5).moving_modes(SPEED)
+    stressed = struck.stressed_links(moving.turn.motion, prestress)
+    forced = forced_linkage(moving, stressed, HIT, SEEN)
+    entering = output - ORDERS[:, None] / TURN
+    response = harmonic_response(forced, entering.ravel(), ORDERS, 640)
+    own = np.arange(len(ORDERS))
+    response = response.reshape(len(ORDERS), len(ORDERS), -1)[own, own]
+    predicted = (response * PULSE.spectrum(entering)).sum(axis=0)
+    linkage = DrivenLinkage(struck, CrankDrive(SPEED), prestress, modes=6, with_energy=False)
+    coarse, fine = (spectrum(linkage, steps)[1 : len(output) + 1] for steps in (800, 1600))
+    largest = np.abs(predicted).max()
+    assert 0.01 < np.abs(coarse - fine).max() / largest < 0.06
+    np.testing.assert_allclose((4 * fine - coarse) / 3, predicted, atol=5e-3 * largest)
+
+
+def test_linear_links_answer_in_proportion_to_the_force() -> None:
+    struck = engine()
+    linkage = DrivenLinkage(struck, CrankDrive(SPEED), "axial", modes=3, with_energy=False)
+    twin, once, twice = (
+        run(linkage, replace(PULSE, peak_force=force), 500) for force in (0.0, 0.01, 0.02)
+    )
+    np.testing.assert_allclose(twice - twin, 2 * (once - twin), atol=1e-9 * np.abs(once).max())
+    assert np.abs(once - twin).max() > 1e-7
