@@ -17,7 +17,7 @@ from flexmech import (
 )
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.linear_system import Engine, LinearSystem, point_rows
-from flexmech.time_domain import FourierSeries, SampledPeriodicSystem
+from flexmech.time_domain import FourierSeries, SampledPeriodicSystem, direct_receptance
 from flexmech.time_domain.forced_linkage import forced_linkage, static_remainder
 from flexmech.time_domain.harmonic_response import (
     ForcedPeriodicSystem,
@@ -42,11 +42,10 @@ def plain_response(
     system: LinearSystem, hit: LinkPoint, seen: LinkPoint, frequency: FloatArray
 ) -> ComplexArray:
     """Receptance of a constant system at its first position, by direct solution."""
-    rate = 2j * np.pi * frequency[:, None, None]
-    dynamic = rate**2 * system.mass[0] + rate * system.damping[0] + system.stiffness[0]
-    force, reading = (point_rows(system, point, "transverse")[0] for point in (hit, seen))
-    answer = np.linalg.solve(dynamic, np.broadcast_to(force[:, None], (len(rate), system.size, 1)))
-    return answer[..., 0] @ reading
+    rows = (point_rows(system, point, "transverse")[0][None] for point in (seen, hit))
+    return direct_receptance(
+        system.mass[0], system.damping[0], system.stiffness[0], *rows, frequency
+    )[:, 0, 0]
 
 
 def coupled() -> ForcedPeriodicSystem:
