@@ -66,6 +66,15 @@ SI = UffUnits(1.0, 1.0)
 def quantity_of(code: int) -> UffQuantity:
     """Quantity of a specific data type of data set 58.
 
+    Parameters
+    ----------
+    code : int
+
+    Returns
+    -------
+    str
+        ``"other"`` for one that has no place here.
+
     Examples
     --------
     >>> quantity_of(12)
