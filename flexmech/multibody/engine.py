@@ -10,11 +10,12 @@ from typing import ClassVar
 import numpy as np
 
 from flexmech.beams import compare_theories
-from flexmech.choices import ELEMENTS, INTEGRATORS, MODES, Integrator
+from flexmech.choices import ELEMENTS, INTEGRATORS, MODES, Integrator, LinkDirection
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     Engine,
     LinkModel,
+    LinkPoint,
     Prestress,
     StressedLinks,
     TheoryComparison,
@@ -32,7 +33,7 @@ from flexmech.multibody.simulation import Simulation
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
 from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array
-from flexmech.time_domain import Impact, LinkState, Recorder, Trajectory
+from flexmech.time_domain import Impact, LinkState, PointRecorder, Recorder, Trajectory
 from flexmech.types import FloatArray, StepProgress
 
 __all__ = ["ExudynEngine"]
@@ -187,6 +188,53 @@ class ExudynEngine(Engine):
         Simulation(model, step, steps, integrator).run(start, recorder, progress)
         trajectory = recorder.finish()
         return replace(trajectory, energy_error=float("nan")) if impacts else trajectory
+
+    def point_histories(
+        self,
+        drive: CrankDrive | LockedCrank,
+        start: LinkState,
+        points: Sequence[tuple[LinkPoint, LinkDirection]],
+        step: float,
+        steps: int,
+        *,
+        impacts: Sequence[Impact] = (),
+        progress: StepProgress | None = None,
+    ) -> FloatArray:
+        """Displacement of points of links at every step, as of a vibrometer on the links' frames.
+
+        Parameters
+        ----------
+        drive : CrankDrive or LockedCrank
+        start : LinkState
+            State at time zero.
+        points : sequence of (LinkPoint, {"transverse", "axial"})
+        step : float
+            Time step of the trapezoidal rule in s.
+        steps : int
+        impacts : sequence of Impact
+            Pulses on points of links, in directions that turn with the links' rigid frames.
+        progress : callable, optional
+            Called with the steps done and their total, every hundred steps.
+
+        Returns
+        -------
+        ndarray, shape (steps + 1, n_points)
+            In m, in the frames of the rigid links.
+
+        Raises
+        ------
+        InputError
+            If a point is on no link, the step cannot be, or the start tears a joint.
+        ComputationError
+            If a step does not converge; names its time and the crank angle.
+        """
+        check_number(step, "step", "s", POSITIVE)
+        model = RunningModel(
+            self.mechanism, self.elements, self.element, drive, self.links, impacts
+        )
+        recorder = PointRecorder(self.mechanism.linkage.topology, self.links, points)
+        Simulation(model, step, steps, "trapezoidal").run(start, recorder, progress)
+        return recorder.finish()
 
     def running_system(
         self,

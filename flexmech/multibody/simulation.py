@@ -16,7 +16,7 @@ from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.moving_frames import MovingFrames
 from flexmech.multibody.running_model import RunningModel
 from flexmech.multibody.solver_settings import Setting, applied, solver_settings
-from flexmech.time_domain import Integrator, LinkState, Recorder, StepBlock
+from flexmech.time_domain import BlockTaker, Integrator, LinkState, StepBlock
 from flexmech.types import FloatArray
 
 __all__ = ["Simulation"]
@@ -57,7 +57,7 @@ class Simulation:
     def run(
         self,
         start: LinkState,
-        recorder: Recorder,
+        recorder: BlockTaker,
         progress: Callable[[int, int], None] | None = None,
     ) -> None:
         """Integrate and hand every step to a recorder.
@@ -65,7 +65,7 @@ class Simulation:
         Parameters
         ----------
         start : LinkState
-        recorder : Recorder
+        recorder : BlockTaker
         progress : callable, optional
             Called with the steps done and their total, every hundred steps.
 
@@ -200,7 +200,7 @@ class _Steps:
     def __init__(
         self,
         simulation: Simulation,
-        recorder: Recorder,
+        recorder: BlockTaker,
         progress: Callable[[int, int], None] | None,
     ) -> None:
         self.failure: BaseException | None = None

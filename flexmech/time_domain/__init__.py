@@ -30,6 +30,7 @@ from flexmech.time_domain.periodic_system import (
     SampledPeriodicSystem,
     StatedPeriodicSystem,
 )
+from flexmech.time_domain.point_recording import BlockTaker, PointRecorder
 from flexmech.time_domain.pulse import HalfSinePulse, Impact
 from flexmech.time_domain.recording import EnergyHistory, Recorder, StepBlock, Trajectory
 from flexmech.time_domain.reduced_links import DETAIL, can_stretch, is_reduced
@@ -41,6 +42,7 @@ from flexmech.time_domain.struck_run import struck_run
 __all__ = [
     "DETAIL",
     "INTEGRATORS",
+    "BlockTaker",
     "DrivenLinkage",
     "EnergyHistory",
     "Equations",
@@ -55,6 +57,7 @@ __all__ = [
     "NonlinearOrbit",
     "PeriodicOrbit",
     "PeriodicSystem",
+    "PointRecorder",
     "Recorder",
     "SampledPeriodicSystem",
     "SampledTurn",

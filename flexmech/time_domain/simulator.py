@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Protocol, cast
 
-from flexmech.choices import Integrator
+from flexmech.choices import Integrator, LinkDirection
 from flexmech.errors import InputError
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, LinkPoint
 from flexmech.linkages import CrankDrive, LockedCrank
 from flexmech.time_domain.pulse import Impact
 from flexmech.time_domain.recording import Trajectory
@@ -59,6 +59,38 @@ class Simulator(Protocol):
         ------
         ComputationError
             If a step does not converge; names its time and the crank angle.
+        """
+
+    def point_histories(
+        self,
+        drive: CrankDrive | LockedCrank,
+        start: LinkState,
+        points: Sequence[tuple[LinkPoint, LinkDirection]],
+        step: float,
+        steps: int,
+        *,
+        impacts: Sequence[Impact] = (),
+        progress: StepProgress | None = None,
+    ) -> FloatArray:
+        """Displacement of points of links at every step of the trapezoidal rule.
+
+        Parameters
+        ----------
+        drive : CrankDrive or LockedCrank
+        start : LinkState
+            State at time zero.
+        points : sequence of (LinkPoint, {"transverse", "axial"})
+        step : float
+            In s.
+        steps : int
+        impacts : sequence of Impact
+        progress : callable, optional
+            Called with the steps done and the steps to do.
+
+        Returns
+        -------
+        ndarray, shape (steps + 1, n_points)
+            In m, in the frames of the rigid links.
         """
 
 
