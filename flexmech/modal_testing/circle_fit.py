@@ -91,7 +91,7 @@ def circle_fit_poles(
         for number in np.flatnonzero(np.isfinite(pole)).tolist():
             known = np.flatnonzero(np.isfinite(pole))
             others = known[known != number]
-            residue, _, _ = fit_residues(s, receptance, pole[known])
+            residue, _ = fit_residues(s, receptance, pole[known])
             rest = receptance - modal_sum(s, pole[others], residue[:, known != number])
             width = WIDTH * (added_damping - pole[number].real) / (np.pi * step)
             near = _around(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,12 +14,33 @@ from flexmech.types import ComplexArray, FloatArray
 __all__ = ["IdentifiedModes"]
 
 
+UPPER_TERMS = 2
+"""Of the series of what modes above the band give, beyond its constant. Without them a mode near
+the band's end is drawn towards those outside."""
+
+
+class ResidualTerms(NamedTuple):
+    """What stands for all modes outside a band; see :class:`IdentifiedModes`."""
+
+    lower: ComplexArray
+    upper: ComplexArray
+    series: ComplexArray
+
+    def at(self, s: ComplexArray) -> ComplexArray:
+        """Their receptance at some ``s``, shape (F,), for all points: shape (points, F)."""
+        value = self.lower[:, None] / s**2 + self.upper[:, None]
+        for number, term in enumerate(self.series.T, 1):
+            value = value + term[:, None] * s ** (2 * number)
+        return np.asarray(value)
+
+
 @dataclass(frozen=True, eq=False)
 class IdentifiedModes:
     r"""Modes that were identified from receptances of one impact point.
 
     .. math:: H_p(s) = \sum_r \left(\frac{A_{pr}}{s - \lambda_r}
-        + \frac{A^*_{pr}}{s - \lambda^*_r}\right) + \frac{L_p}{s^2} + U_p
+        + \frac{A^*_{pr}}{s - \lambda^*_r}\right)
+        + \frac{L_p}{s^2} + U_p + V_{p1} s^2 + V_{p2} s^4
 
     Parameters
     ----------
@@ -34,6 +56,8 @@ class IdentifiedModes:
         The L in m/(N s^2): inertia of modes below the band.
     upper_residual : ndarray of complex, shape (points,)
         The U in m/N: compliance of modes above the band.
+    upper_series : ndarray of complex, shape (points, 2)
+        The V in m s^2/N and m s^4/N: the next terms of the series of what those modes give.
     method : str
         ``"lscf"`` or ``"circle-fit"``.
     band : tuple of float
@@ -50,6 +74,7 @@ class IdentifiedModes:
     further_residue: ComplexArray
     lower_residual: ComplexArray
     upper_residual: ComplexArray
+    upper_series: ComplexArray
     method: str
     band: tuple[float, float]
     misfit: float
@@ -64,6 +89,11 @@ class IdentifiedModes:
     def damping_ratio(self) -> FloatArray:
         """Damping ratios ``-Re pole / |pole|``, shape (k,)."""
         return np.asarray(-self.pole.real / abs(self.pole))
+
+    @property
+    def residual_terms(self) -> ResidualTerms:
+        """What stands for all modes outside the band."""
+        return ResidualTerms(self.lower_residual, self.upper_residual, self.upper_series)
 
     @property
     def found(self) -> NDArray[np.bool_]:
@@ -89,8 +119,7 @@ class IdentifiedModes:
         found = self.found
         value = modal_sum(s, self.pole[found], self.residue[:, found])
         value += modal_sum(s, self.further_pole, self.further_residue)
-        value += self.lower_residual[:, None] / s**2 + self.upper_residual[:, None]
-        return value
+        return value + self.residual_terms.at(s)
 
     def circle(self, mode: int, point: int = 0) -> tuple[complex, float]:
         """Circle of a mode in the Nyquist diagram of the receptance.
@@ -137,7 +166,7 @@ def modal_sum(s: ComplexArray, pole: ComplexArray, residue: ComplexArray) -> Com
 
 def fit_residues(
     s: ComplexArray, receptance: ComplexArray, pole: ComplexArray
-) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+) -> tuple[ComplexArray, ResidualTerms]:
     """Residues and residual terms of known poles, by linear least squares over frequency.
 
     Parameters
@@ -150,25 +179,46 @@ def fit_residues(
 
     Returns
     -------
-    tuple of ndarray of complex
-        Residues, shape (points, k), lower and upper residual terms, shape (points,).
+    tuple of ndarray of complex and ResidualTerms
+        Residues, shape (points, k), and what stands for modes outside the band.
 
     Notes
     -----
     The least-squares frequency-domain method; see N. M. M. Maia and J. M. M. Silva, Theoretical
     and Experimental Modal Analysis (1997), section 4.4.
     """
-    direct = 1.0 / (s[:, None] - pole[None, :])
-    mirrored = 1.0 / (s[:, None] - pole.conj()[None, :])
-    rest = np.stack([s**-2, np.ones_like(s)], axis=1)
-    # Unknown are real and imaginary parts, because a residue stands there with its conjugate.
-    columns = np.concatenate([direct + mirrored, 1j * (direct - mirrored), rest, 1j * rest], axis=1)
-    matrix = np.concatenate([columns.real, columns.imag])
+    matrix = residue_columns(s, pole)
     values = np.concatenate([receptance.real, receptance.imag], axis=1).T
     # Columns of like size, so that the rank is judged by directions and not by units.
     size = np.linalg.norm(matrix, axis=0)
     solution = (np.linalg.lstsq(matrix / size, values, rcond=None)[0] / size[:, None]).T
     k = pole.size
     residue = solution[:, :k] + 1j * solution[:, k : 2 * k]
-    lower, upper = (solution[:, 2 * k : 2 * k + 2] + 1j * solution[:, 2 * k + 2 :]).T
-    return residue, lower, upper
+    real, imaginary = np.split(solution[:, 2 * k :], 2, axis=1)
+    terms = real + 1j * imaginary
+    powers = abs(s).max() ** (2 * np.arange(1, UPPER_TERMS + 1))
+    return residue, ResidualTerms(terms[:, 0], terms[:, 1], terms[:, 2:] / powers)
+
+
+def residue_columns(s: ComplexArray, pole: ComplexArray) -> FloatArray:
+    """What residues and residual terms multiply, their real and imaginary parts apart.
+
+    Parameters
+    ----------
+    s : ndarray of complex, shape (F,)
+    pole : ndarray of complex, shape (k,)
+
+    Returns
+    -------
+    ndarray, shape (2 F, 2 (k + 4))
+        Rows: real parts of the receptance, then imaginary ones. Columns: real parts of residues,
+        imaginary ones, real parts of the residual terms, imaginary ones; powers of ``s`` are those
+        of its part of the greatest.
+    """
+    direct = 1.0 / (s[:, None] - pole[None, :])
+    mirrored = 1.0 / (s[:, None] - pole.conj()[None, :])
+    powers = [(s / abs(s).max()) ** (2 * n) for n in range(1, UPPER_TERMS + 1)]
+    rest = np.stack([s**-2, np.ones_like(s), *powers], axis=1)
+    # Unknown are real and imaginary parts, because a residue stands there with its conjugate.
+    columns = np.concatenate([direct + mirrored, 1j * (direct - mirrored), rest, 1j * rest], axis=1)
+    return np.concatenate([columns.real, columns.imag])

@@ -12,6 +12,7 @@ from flexmech.errors import InputError
 from flexmech.modal_testing.circle_fit import circle_fit_poles, peaks
 from flexmech.modal_testing.identified import IdentifiedModes, fit_residues, modal_sum
 from flexmech.modal_testing.lscf import has_lscf, lscf_poles
+from flexmech.modal_testing.refine import refined_poles
 from flexmech.modal_testing.stabilisation import stabilisation_chart
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
@@ -99,11 +100,12 @@ def identify(
     else:
         at = _peaks_near(kept, values, wanted)
         pole = circle_fit_poles(kept, values, at, added_damping)
+    s = added_damping + 2j * np.pi * kept
+    pole = refined_poles(s, values, pole[np.isfinite(pole)])
     pole = pole[np.isfinite(pole)]
     pole = pole[np.argsort(abs(pole), kind="stable")]
-    s = added_damping + 2j * np.pi * kept
-    residue, lower, upper = fit_residues(s, values, pole)
-    left = values - modal_sum(s, pole, residue) - lower[:, None] / s**2 - upper[:, None]
+    residue, outside = fit_residues(s, values, pole)
+    left = values - modal_sum(s, pole, residue) - outside.at(s)
     asked = _asked(np.asarray(abs(pole) / (2 * np.pi), dtype=float), wanted, count)
     further = np.setdiff1d(np.arange(pole.size), asked)
     # One more column without a number is that of expected modes that were not found.
@@ -114,8 +116,9 @@ def identify(
         residue=residues[:, asked],
         further_pole=pole[further],
         further_residue=residue[:, further],
-        lower_residual=lower,
-        upper_residual=upper,
+        lower_residual=outside.lower,
+        upper_residual=outside.upper,
+        upper_series=outside.series,
         method=method,
         band=(low, high),
         misfit=float(np.linalg.norm(left) / np.linalg.norm(values)),

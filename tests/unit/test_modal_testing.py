@@ -87,6 +87,23 @@ def test_without_expectation_the_lowest_modes_are_found(method):
     np.testing.assert_allclose(modes.frequency, FREQUENCY[:3], rtol=1e-4)
 
 
+def test_noise_pulls_the_damping_to_neither_side():
+    """The poles of LSCF alone are 15 % short of damping here."""
+    lines = np.arange(800) * 0.5
+    exact = receptance(lines)
+    size = 0.005 * np.sqrt(np.mean(abs(exact) ** 2))
+    found = []
+    for seed in range(12):
+        real, imaginary = np.random.default_rng(seed).standard_normal((2, *exact.shape)) * size
+        modes = identify(
+            lines, exact + real + 1j * imaginary, band=(10, 390), expected=FREQUENCY[:3]
+        )
+        found.append(modes.damping_ratio / RATIO[:3] - 1)
+    scatter, bias = np.std(found, axis=0), np.mean(found, axis=0)
+    assert np.all(abs(bias) < 3 * scatter / np.sqrt(12)), (bias, scatter)
+    assert np.all(scatter < [1e-3, 1e-2, 0.1])
+
+
 def test_the_circle_of_a_mode_passes_through_its_resonance():
     lines = np.arange(800) * 0.5
     modes = identify(lines, receptance(lines), band=(10, 390), expected=FREQUENCY[:3])

@@ -1,0 +1,110 @@
+r"""Poles that fit the receptances best, near those that were identified.
+
+LSCF and circles fit products of the receptance, whose errors are larger where the receptance is
+larger, so that noise pulls their poles to one side. Here the receptances themselves are fitted,
+
+.. math:: \min_{\lambda, A, L, U} \sum_p \sum_f |H_p(s_f) - \hat H_p(s_f)|^2,
+
+which is the maximum-likelihood estimate if their noise is white. For given poles the best residues
+and residual terms are those of a linear least-squares problem; only the poles are searched. Source:
+G. H. Golub and V. Pereyra, SIAM Journal on Numerical Analysis 10 (1973), 413-432 (variable
+projection), with the derivative of L. Kaufman, BIT 15 (1975), 49-57.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from flexmech.modal_testing.identified import residue_columns
+from flexmech.types import ComplexArray, FloatArray
+
+__all__ = ["refined_poles"]
+
+MOST_STEPS = 30
+FAR = 0.02
+"""Relative: a pole that moves further is no longer the one that was identified."""
+
+
+def refined_poles(s: ComplexArray, receptance: ComplexArray, pole: ComplexArray) -> ComplexArray:
+    """Refine poles by least squares of the receptances.
+
+    Parameters
+    ----------
+    s : ndarray of complex, shape (F,)
+        In 1/s; none of them 0.
+    receptance : ndarray of complex, shape (points, F)
+    pole : ndarray of complex, shape (k,)
+        Where the search begins.
+
+    Returns
+    -------
+    ndarray of complex, shape (k,)
+        Not a number where a pole would leave its place or grow: it only served noise.
+    """
+    kept = np.arange(pole.size)
+    refined = np.full(pole.shape, np.nan, dtype=np.complex128)
+    while kept.size:
+        first = pole[kept]
+        problem = _Projection(s, receptance, np.asarray(abs(first), dtype=float))
+        found = least_squares(
+            problem.residual,
+            problem.parameters(first),
+            jac=problem.derivative,
+            method="lm",
+            max_nfev=MOST_STEPS,
+            x_scale="jac",
+        )
+        last = problem.poles(found.x)
+        way = np.where(last.real < s.real.min(), abs(last - first) / abs(first), np.inf)
+        if np.all(way < FAR):
+            refined[kept] = last
+            break
+        # One at a time: the others may have been drawn along.
+        kept = np.delete(kept, np.argmax(way))
+    return refined
+
+
+class _Projection:
+    """What the best residues of some poles leave of the receptances."""
+
+    def __init__(self, s: ComplexArray, receptance: ComplexArray, size: FloatArray) -> None:
+        self._s, self._size = s, size
+        self._values = np.concatenate([receptance.real, receptance.imag], axis=1).T
+        self._scale = float(np.linalg.norm(self._values))
+
+    def parameters(self, pole: ComplexArray) -> FloatArray:
+        return np.concatenate([pole.real / self._size, pole.imag / self._size])
+
+    def poles(self, x: FloatArray) -> ComplexArray:
+        real, imaginary = np.split(x, 2)
+        return np.asarray(self._size * (real + 1j * imaginary))
+
+    def residual(self, x: FloatArray) -> FloatArray:
+        basis, _ = self._basis(self.poles(x))
+        left = self._values - basis @ (basis.T @ self._values)
+        return np.asarray(left.T.ravel() / self._scale)
+
+    def derivative(self, x: FloatArray) -> FloatArray:
+        pole = self.poles(x)
+        basis, residue = self._basis(pole)
+        direct = 1.0 / (self._s[:, None] - pole) ** 2
+        mirrored = 1.0 / (self._s[:, None] - pole.conj()) ** 2
+        columns = []
+        for turn in (1.0, 1j):  # along the real and the imaginary part of a pole
+            for number, size in enumerate(self._size):
+                moved = turn * residue[:, number, None] * direct[:, number]
+                moved = moved + np.conj(turn * residue[:, number, None]) * mirrored[:, number]
+                slope = np.concatenate([moved.real, moved.imag], axis=1).T * size
+                slope -= basis @ (basis.T @ slope)
+                columns.append(-slope.T.ravel() / self._scale)
+        return np.stack(columns, axis=1)
+
+    def _basis(self, pole: ComplexArray) -> tuple[FloatArray, ComplexArray]:
+        """Orthonormal columns that the poles span, and their residues, shape (points, k)."""
+        matrix = residue_columns(self._s, pole)
+        size = np.linalg.norm(matrix, axis=0)
+        basis, triangle = np.linalg.qr(matrix / size)
+        solution = np.linalg.solve(triangle, basis.T @ self._values) / size[:, None]
+        k = pole.size
+        return basis, (solution[:k] + 1j * solution[k : 2 * k]).T
