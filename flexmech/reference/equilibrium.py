@@ -46,6 +46,8 @@ logger = logging.getLogger(__name__)
 
 # Least length of a Newton step when the full one makes the out-of-balance forces worse.
 SHORTEST_STEP = 1 / 16
+# With all load at once, a position that takes longer wanders: it is loaded in steps.
+FIRST_ITERATIONS = 8
 # Newton's method takes its last step where that turns no section, and moves no node by a part
 # of the linkage's size, by more than this. The error that is left is the step's square times at
 # most 8000 on random mechanisms, loaded twice as much as at their speeds: 2e-11. Forces out of
@@ -136,7 +138,7 @@ class _Problem:
         extra = [part * e for e in self.extra]
         return _Problem(part * self.outer, extra, self.turns, part)
 
-    def at(self, which: NDArray[np.bool_]) -> _Problem:
+    def at(self, which: NDArray[np.bool_] | IntArray) -> _Problem:
         """That of some positions."""
         return _Problem(
             self.outer[:, which],
@@ -197,27 +199,37 @@ class Equilibrium:
             self._by_relative_coordinates(extra),
             self._tangents.turns(motion),
         )
-        for steps in LOAD_STEPS:
-            state = _State.unloaded(*problem.outer.shape)
-            for part in np.arange(1, steps + 1) / steps:
-                now = problem if steps == 1 else problem.loaded(float(part))
-                state = self._newton(state.z, now)
-                if not state.converged.all():
-                    break
-            else:
-                self._refuse_instability(motion, state.factors)
-                return [q.T for q in self._tangents.link_displacement(state.z, problem.turns)]
-            logger.info("no equilibrium in %d load steps", steps)
+        state = self._newton(np.zeros(problem.outer.shape), problem, FIRST_ITERATIONS)
+        for steps in LOAD_STEPS[1:]:
+            left = np.flatnonzero(~state.converged)
+            if not len(left):
+                break
+            logger.info("%d positions are loaded in %d steps", len(left), steps)
+            state = state.with_part(left, self._in_steps(problem.at(left), steps))
         self._refuse_divergence(motion, state)
-        raise AssertionError("unreachable")
+        self._refuse_instability(motion, state.factors)
+        return [q.T for q in self._tangents.link_displacement(state.z, problem.turns)]
 
-    def _newton(self, z: FloatArray, problem: _Problem) -> _State:
+    def _in_steps(self, problem: _Problem, steps: int) -> _State:
+        """Newton's method with the load brought on in steps; who fails in one is left there."""
+        state = _State.unloaded(*problem.outer.shape)
+        which = np.arange(problem.outer.shape[1])
+        for part in np.arange(1, steps + 1) / steps:
+            loaded = problem.at(which).loaded(float(part))
+            moved = self._newton(state.z[:, which], loaded, MAX_ITERATIONS)
+            state = state.with_part(which, moved)
+            which = which[moved.converged]
+            if not len(which):
+                break
+        return state
+
+    def _newton(self, z: FloatArray, problem: _Problem, iterations: int) -> _State:
         """Newton's method from displacements z; the positions that have converged drop out."""
         state = _State.unloaded(*z.shape)
         which, order = np.arange(z.shape[1]), self._tangents.order
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             imbalance = self._out_of_balance(z, problem)
-            for _ in range(MAX_ITERATIONS):
+            for _ in range(iterations):
                 factors = banded.factorize(imbalance.band)
                 change = np.empty_like(z)
                 change[order] = banded.solve(factors, imbalance.residual[order])
@@ -334,6 +346,8 @@ class Equilibrium:
 
     def _refuse_divergence(self, motion: RigidMotion, state: _State) -> None:
         failed = ~state.converged
+        if not failed.any():
+            return
         worst = float(np.nan_to_num(state.error[failed], nan=np.inf).max())
         refuse_positions(
             motion,

@@ -26,6 +26,7 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError
+from flexmech.time_domain.matrix_exponential import matrix_exponentials
 from flexmech.time_domain.periodic_system import PeriodicSystem, exponents
 from flexmech.types import FloatArray
 
@@ -110,7 +111,7 @@ def floquet_modes(system: PeriodicSystem, steps: int) -> FloquetModes:
         If the steps are so few that their transition matrices overflow, or if the multipliers
         do not part into groups.
     """
-    trace = np.einsum("kii->k", system.matrices(2 * steps, 0.0))
+    trace = system.traces(2 * steps)
     integral = float(trace.mean() * system.period)
     exponent = exponents(system, steps)
     if not np.ptp(exponent, axis=0).any():
@@ -171,12 +172,15 @@ class _Propagated:
         starts = _modes_backwards(self.triangular, self.log, self.vectors)
         count, length, size, _ = self.chunks.shape
         shapes = np.empty((count, length, size, size), dtype=complex)
-        back, now = np.exp(-self.log / (count * length)), starts
+        back = np.exp(-self.log[self.order] / (count * length))
+        now = np.ascontiguousarray(starts[..., self.order])
         for step in range(length):
             shapes[:, step] = now
-            now = back * (self.chunks[:, step] @ now)
+            # Real matrices move real and imaginary parts by themselves.
+            moved = self.chunks[:, step] @ now.view(float)
+            now = back * moved.view(complex)
         parts = count * length // self.steps
-        return shapes.reshape(self.steps, parts, size, size)[:, 0][..., self.order]
+        return shapes.reshape(self.steps, parts, size, size)[:, 0]
 
 
 def _short_products(exponent: FloatArray, spread: float) -> tuple[FloatArray, FloatArray]:
@@ -186,7 +190,7 @@ def _short_products(exponent: FloatArray, spread: float) -> tuple[FloatArray, Fl
     that is too long for itself is taken in parts: its matrix is the power of another one.
     """
     steps = len(exponent)
-    matrices = np.asarray(scipy.linalg.expm(exponent), dtype=float)
+    matrices = matrix_exponentials(exponent)
     divisors = [n for n in range(1, steps + 1) if steps % n == 0]
     wanted, count = max(1, int(np.ceil(spread / SHORT))), 0
     while count < steps:
@@ -201,7 +205,7 @@ def _short_products(exponent: FloatArray, spread: float) -> tuple[FloatArray, Fl
     parts = 1
     while parts < MOST_PARTS:
         parts *= 2
-        split = np.asarray(scipy.linalg.expm(exponent / parts), dtype=float)
+        split = matrix_exponentials(exponent / parts)
         if _log_condition(split) <= SHORT:
             products = np.repeat(split, parts, axis=0)
             return products[:, None], products
@@ -282,9 +286,12 @@ def _iterated(matrices: FloatArray, start: FloatArray) -> tuple[FloatArray, Floa
     count, size, _ = matrices.shape
     bases, factors = np.empty((count + 1, size, size)), np.empty((count, size, size))
     bases[0] = start
+    # The routines behind scipy.linalg.qr, whose checks take longer than small matrices do.
     for k, matrix in enumerate(matrices):
-        bases[k + 1], factors[k] = scipy.linalg.qr(matrix @ bases[k], check_finite=False)
-    return bases, factors
+        packed, reflectors, _, _ = scipy.linalg.lapack.dgeqrf(matrix @ bases[k])
+        factors[k] = packed
+        bases[k + 1] = scipy.linalg.lapack.dorgqr(packed, reflectors)[0]
+    return bases, np.triu(factors)
 
 
 def _fall(logs: FloatArray, edge: int) -> float:
@@ -347,9 +354,9 @@ def _modes_backwards(
     for _ in range(2 + int(np.ceil(forgotten)) if len(form.groups) > 1 else 1):
         coordinates = seam @ np.where(stronger, shapes[0], vectors)
         for k in range(count - 1, -1, -1):
-            coordinates = back * scipy.linalg.solve_triangular(
-                form.factors[k], coordinates, check_finite=False
-            )
+            # Real and imaginary parts by the routine behind scipy.linalg.solve_triangular.
+            solved = scipy.linalg.lapack.dtrtrs(form.factors[k], coordinates.view(float))[0]
+            coordinates = back * np.ascontiguousarray(solved).view(complex)
             shapes[k] = coordinates
     shapes = form.bases[:-1] @ shapes
     return np.asarray(shapes / np.linalg.norm(shapes[0], axis=0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,19 +83,24 @@ class FourierSeries:
         shift : float
             In spacings.
         """
-        if not self.harmonics:
-            return np.repeat(self.coefficients.real, count, axis=0)
-        order = np.arange(len(self.coefficients))
-        turn = np.exp(2j * np.pi * order * shift / count).reshape(-1, *[1] * self._rank)
-        shifted = count * turn * self.coefficients
-        if count > 2 * self.harmonics:
-            return np.asarray(np.fft.irfft(shifted, n=count, axis=0))
-        # At these phases a harmonic looks like that of its number modulo the count.
-        spectrum = np.zeros((count, *shifted.shape[1:]), dtype=complex)
-        np.add.at(spectrum, order % count, shifted)
-        np.add.at(spectrum, -order[1:] % count, np.conj(shifted[1:]))
-        return np.asarray(np.fft.ifft(spectrum, axis=0).real)
+        flat = self.coefficients.reshape(len(self.coefficients), -1)
+        order = np.arange(len(flat))
+        turn = np.where(order, 2.0, 1.0) * np.exp(2j * np.pi * order * shift / count)
+        turned = turn[:, None] * flat
+        # One product with all waves is faster than Fourier transforms of so many short columns.
+        values = _waves(count, len(flat)) @ np.concatenate([turned.real, turned.imag])
+        return np.asarray(values.reshape(count, *self.coefficients.shape[1:]))
 
     @property
     def _rank(self) -> int:
         return self.coefficients.ndim - 1
+
+
+@lru_cache(maxsize=8)
+def _waves(count: int, orders: int) -> FloatArray:
+    """Cosines, then minus sines, of the first orders at evenly spaced phases, (count, 2 orders)."""
+    steps = np.outer(np.arange(count), np.arange(orders)) % count
+    wave = np.exp(-2j * np.pi * np.arange(count) / count)[steps]
+    waves = np.concatenate([wave.real, wave.imag], axis=1)
+    waves.flags.writeable = False
+    return waves

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from flexmech.time_domain.matrix_exponential import cache_blocks
 from flexmech.types import FloatArray
 
 __all__ = ["GAUSS_POINTS", "ORDER", "step_exponents"]
@@ -40,6 +41,13 @@ def step_exponents(
     -------
     ndarray, shape (N, n, n)
     """
+    result = np.empty(middle.shape)
+    for block in cache_blocks(middle):
+        result[block] = _of_block(first[block], middle[block], last[block], step)
+    return result
+
+
+def _of_block(first: FloatArray, middle: FloatArray, last: FloatArray, step: float) -> FloatArray:
     mean = step * middle
     slope = np.sqrt(15.0) / 3.0 * step * (last - first)
     bow = 10.0 / 3.0 * step * (last - 2.0 * middle + first)

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-import scipy.linalg
 
 from flexmech.time_domain.fourier import FourierSeries
 from flexmech.time_domain.magnus import GAUSS_POINTS, step_exponents
+from flexmech.time_domain.matrix_exponential import matrix_exponentials
 from flexmech.types import FloatArray
 
 __all__ = [
@@ -35,6 +35,9 @@ class PeriodicSystem(Protocol):
 
     def matrices(self, count: int, shift: float) -> FloatArray:
         """A at the times ``(k + shift) period / count``, shape (count, n, n)."""
+
+    def traces(self, count: int) -> FloatArray:
+        """Trace of A at the times ``k period / count``, shape (count,)."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +65,10 @@ class StatedPeriodicSystem:
         time: FloatArray = self.period / count * (np.arange(count, dtype=float) + shift)
         return np.asarray(self.matrix(time))
 
+    def traces(self, count: int) -> FloatArray:
+        """Trace of A at the times ``k period / count``, shape (count,)."""
+        return np.asarray(np.trace(self.matrices(count, 0.0), axis1=1, axis2=2))
+
 
 @dataclass(frozen=True)
 class SampledPeriodicSystem:
@@ -87,6 +94,11 @@ class SampledPeriodicSystem:
         """A at the times ``(k + shift) period / count``, shape (count, n, n)."""
         return self.matrix.samples(count, shift)
 
+    def traces(self, count: int) -> FloatArray:
+        """Trace of A at the times ``k period / count``, shape (count,)."""
+        coefficients = np.trace(self.matrix.coefficients, axis1=1, axis2=2)
+        return FourierSeries(coefficients).samples(count)
+
 
 def exponents(system: PeriodicSystem, steps: int) -> FloatArray:
     """Matrices whose exponentials are the transition matrices of a period's steps."""
@@ -96,4 +108,4 @@ def exponents(system: PeriodicSystem, steps: int) -> FloatArray:
 
 def transitions(system: PeriodicSystem, steps: int) -> FloatArray:
     """Transition matrices of the steps of a period, (steps, n, n)."""
-    return np.asarray(scipy.linalg.expm(exponents(system, steps)), dtype=float)
+    return matrix_exponentials(exponents(system, steps))

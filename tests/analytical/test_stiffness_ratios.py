@@ -89,3 +89,35 @@ def test_newtons_method_takes_few_steps(aluminium, monkeypatch, speed, most):
     motion = aluminium.linkage.motion(angles, np.full(len(angles), speed))
     ReferenceEngine(aluminium).stressed_links(motion, "equilibrium")
     assert len(steps) <= most
+
+
+def test_positions_that_fail_are_loaded_in_steps_by_themselves(aluminium, monkeypatch):
+    """Those that fail in some steps while others do not are not taken for loaded."""
+    motion = aluminium.linkage.motion(np.radians(np.arange(0.0, 360.0, 5.0)), 110.0)
+    engine = ReferenceEngine(aluminium)
+    found = engine.stressed_links(motion, "equilibrium").displacement
+    monkeypatch.setattr(equilibrium, "FIRST_ITERATIONS", 5)
+    monkeypatch.setattr(equilibrium, "MAX_ITERATIONS", 6)
+    monkeypatch.setattr(equilibrium, "LOAD_STEPS", (1, 2, 3, 25))
+    batches, in_steps = [], equilibrium.Equilibrium._in_steps
+
+    def counted(self, problem, steps):
+        batches.append(problem.outer.shape[1])
+        return in_steps(self, problem, steps)
+
+    monkeypatch.setattr(equilibrium.Equilibrium, "_in_steps", counted)
+    other = engine.stressed_links(motion, "equilibrium").displacement
+    assert 72 > batches[0] > batches[1] > batches[2] > 0
+    for q, exact in zip(other, found, strict=True):
+        assert np.abs(q - exact).max() < 1e-12
+
+
+def test_the_equilibrium_is_that_which_grows_from_the_unloaded_linkage(aluminium):
+    """It changes smoothly along the turn: no position has snapped through, or lacks its load."""
+    angles = 2 * np.pi / 336 * np.arange(336)
+    engine = ReferenceEngine(aluminium)
+    for speed in (115.0, 119.0):
+        motion = aluminium.linkage.motion(angles, speed)
+        for q in engine.stressed_links(motion, "equilibrium").displacement:
+            bow = q - (np.roll(q, 1, axis=0) + np.roll(q, -1, axis=0)) / 2
+            assert np.abs(bow).max() < 0.02

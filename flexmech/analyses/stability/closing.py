@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import scipy.optimize
@@ -14,7 +16,11 @@ __all__ = ["ClosingSearch", "closing_damping_ratio"]
 
 # Relative.
 RATIO_TOLERANCE = 1e-5
-LARGEST_RATIO = 1.0
+LARGEST_RATIO, LEAST_RATIO = 1.0, 1e-9
+# The first step from the start relative to it, and its least size; a next one at most this many
+# times the last, and this much farther than a straight line through the last two asks for.
+FIRST_STEP, LEAST_STEP = 0.1, 1e-4
+FARTHEST, BEYOND = 16.0, 1.05
 # Speeds to either side of the last one, relative to the width, and how often they are moved.
 ASIDE, LEAST_ASIDE, PASSES = 0.2, 0.005, 4
 
@@ -25,8 +31,6 @@ class ClosingSearch:
 
     Parameters
     ----------
-    solver : LinkageSolver
-        With damping such that its factor is the damping ratio.
     crank_speed : float
         Where the vibration grows most, rad/s.
     lower, upper : float
@@ -35,20 +39,21 @@ class ClosingSearch:
         Damping ratio at which it grows.
     """
 
-    solver: LinkageSolver
     crank_speed: float
     lower: float
     upper: float
     start: float
 
 
-def closing_damping_ratio(search: ClosingSearch) -> float:
+def closing_damping_ratio(solver: LinkageSolver, search: ClosingSearch) -> float:
     """Smallest damping ratio above which nothing grows at the speeds about a band.
 
     The speed at which the last growth ends is followed: damping moves it.
 
     Parameters
     ----------
+    solver : LinkageSolver
+        With damping such that its factor is the damping ratio.
     search : ClosingSearch
 
     Returns
@@ -58,7 +63,7 @@ def closing_damping_ratio(search: ClosingSearch) -> float:
     """
     speed, ratio, width = search.crank_speed, search.start, search.upper - search.lower
     for _ in range(PASSES):
-        ratio = _ratio_at(search.solver, speed, ratio)
+        ratio = _ratio_at(solver, speed, ratio)
         if np.isnan(ratio):
             return ratio
         # Not beyond the band: there may be no equilibrium.
@@ -66,8 +71,7 @@ def closing_damping_ratio(search: ClosingSearch) -> float:
         if aside <= LEAST_ASIDE * width:
             return ratio
         here, below, above = (
-            search.solver.growth_at(search.solver.moving(w), ratio)
-            for w in (speed, speed - aside, speed + aside)
+            solver.growth_at(solver.moving(w), ratio) for w in (speed, speed - aside, speed + aside)
         )
         if max(below, above) > here:
             speed += aside if above > below else -aside
@@ -75,26 +79,39 @@ def closing_damping_ratio(search: ClosingSearch) -> float:
             continue
         bow = 2 * here - below - above
         top = speed + aside * (above - below) / (2 * bow) if bow > 0 else speed
-        return _ratio_at(search.solver, top, ratio * 0.9)
-    return _ratio_at(search.solver, speed, ratio)
+        return _ratio_at(solver, top, ratio * 0.9)
+    return _ratio_at(solver, speed, ratio)
 
 
 def _ratio_at(solver: LinkageSolver, crank_speed: float, start: float) -> float:
     """Largest damping ratio from a start at which a vibration grows at one speed."""
     moving: VibratingLinkage = solver.moving(crank_speed)
 
+    @cache
     def growth(ratio: float) -> float:
         return solver.growth_at(moving, ratio)
 
-    low, step = start, max(0.5 * start, 1e-4)
+    low, high = start, start + max(FIRST_STEP * start, LEAST_STEP)
     if growth(low) <= 0:
         low = 0.0
-    high = low + step
     while growth(high) > 0:
-        low, step = high, 2 * step
-        high = low + step
-        if low > LARGEST_RATIO:
+        if high > LARGEST_RATIO:
             return float("nan")
-    if low == 0.0 and growth(1e-9) <= 0:
+        low, high = high, _beyond(growth, low, high)
+    if low == 0.0 and growth(LEAST_RATIO) <= 0:
         return 0.0
-    return float(scipy.optimize.brentq(growth, max(low, 1e-9), high, rtol=RATIO_TOLERANCE))
+    low = max(low, LEAST_RATIO)
+    return float(scipy.optimize.brentq(growth, low, high, rtol=RATIO_TOLERANCE))
+
+
+def _beyond(growth: Callable[[float], float], low: float, high: float) -> float:
+    """A damping ratio above ``high`` at which it seems that nothing grows.
+
+    Damping takes growth off nearly in proportion: a straight line tells where none is left.
+    """
+    slope = (growth(high) - growth(low)) / (high - low)
+    least = high + (high - low)
+    most = high + FARTHEST * (high - low)
+    if slope >= 0:
+        return most
+    return min(max(high - BEYOND * growth(high) / slope, least), most)

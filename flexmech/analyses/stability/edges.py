@@ -10,6 +10,7 @@ from flexmech.analyses.stability.band import BandEdge
 from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.analyses.stability.signed_growth import SignedGrowth
 from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
+from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.errors import ComputationError
 
 __all__ = ["EdgeSearch", "find_edge", "find_top"]
@@ -31,76 +32,92 @@ class EdgeSearch:
 
     Parameters
     ----------
-    solver : LinkageSolver
     inside, outside : float
         Crank speeds in rad/s with and without growth; the same where the band is open.
     """
 
-    solver: LinkageSolver
     inside: float
     outside: float
 
+    @property
+    def width(self) -> float:
+        """Of the bracket in rad/s."""
+        return abs(self.outside - self.inside)
 
-def find_edge(search: EdgeSearch) -> BandEdge:
+
+def find_edge(solver: LinkageSolver, search: EdgeSearch) -> BandEdge:
     """Find the edge in a bracket.
 
     Parameters
     ----------
+    solver : LinkageSolver
     search : EdgeSearch
 
     Returns
     -------
     BandEdge
     """
-    if search.inside == search.outside:
+    if not search.width:
         return BandEdge(search.inside, 0.0, 0.0, 0.0, is_open=True)
-    growth = SignedGrowth(search.solver)
+    growth = SignedGrowth(solver)
     low, high = sorted((search.inside, search.outside))
     edge = float(
         scipy.optimize.brentq(
             growth, low, high, xtol=EDGE_TOLERANCE * abs(high), rtol=1e-14, maxiter=MOST_STEPS
         )
     )
-    apart = SLOPE_OVER * (high - low)
-    moving = search.solver.moving(edge)
-    here = growth.of(search.solver.solve(moving))
+    apart = SLOPE_OVER * search.width
+    moving = solver.moving(edge)
+    here = growth.of(solver.solve(moving))
     slope = abs((growth(edge + apart) - growth(edge - apart)) / (2 * apart))
-    fewer = search.solver.with_half_the_steps(moving)
-
-    coarse = search.solver.sampled_coarsely()
-
-    def moved(other: LinkageSolver, one: LinkageSolver = coarse) -> float:
-        try:
-            same = here if one is search.solver else SignedGrowth(one)(edge)
-            return _moved(SignedGrowth(other), edge, same, slope, high - low)
-        except ComputationError:
-            # There it has no equilibrium: the edge may be anywhere in the bracket.
-            return high - low
-
+    place = _Place(edge, slope, search.width)
+    coarse = solver.sampled_coarsely()
+    try:
+        same, more_modes = coarse.both_reductions(edge)
+        there = SignedGrowth(coarse).of(coarse.solve(same))
+        by_reduction = place.moved(coarse.with_more_modes(), there, more_modes)
+        by_mesh = place.moved(coarse.refined(), there)
+    except ComputationError:
+        by_reduction = by_mesh = search.width
     return BandEdge(
         crank_speed=edge,
-        step_error=moved(fewer, search.solver),
-        reduction_error=moved(coarse.with_more_modes()),
-        mesh_error=moved(coarse.refined()) * BY_REFINEMENT,
+        step_error=place.moved(solver.with_half_the_steps(moving), here, moving),
+        reduction_error=by_reduction,
+        mesh_error=by_mesh * BY_REFINEMENT,
         is_open=False,
     )
 
 
-def _moved(other: SignedGrowth, edge: float, here: float, slope: float, width: float) -> float:
-    """How far an edge is from where another measure of growth puts it."""
-    change = other(edge) - here
-    by_slope = abs(change) / slope
-    if by_slope <= LINEAR * width:
-        return by_slope
-    # Too far for the slope at the edge: the measure's own sign change is sought.
-    ends = [edge - 2 * width, edge + 2 * width]
-    values = [other(end) for end in ends]
-    distances = [2 * width]
-    for end, value in zip(ends, values, strict=True):
-        if value * (here + change) < 0:
-            root = scipy.optimize.brentq(other, *sorted((edge, end)), xtol=1e-3 * width)
-            distances.append(abs(float(root) - edge))
-    return min(distances)
+@dataclass(frozen=True)
+class _Place:
+    """An edge, the slope of the growth's measure there, and the width of its bracket."""
+
+    edge: float
+    slope: float
+    width: float
+
+    def moved(
+        self, solver: LinkageSolver, here: float, moving: VibratingLinkage | None = None
+    ) -> float:
+        """How far away another solver, instead of the one with growth ``here``, puts the edge."""
+        growth = SignedGrowth(solver)
+        try:
+            there = growth.of(solver.solve(moving or solver.moving(self.edge)))
+            by_slope = abs(there - here) / self.slope
+            return by_slope if by_slope <= LINEAR * self.width else self._sought(growth, there)
+        except ComputationError:
+            # There it has no equilibrium: the edge may be anywhere in the bracket.
+            return self.width
+
+    def _sought(self, growth: SignedGrowth, there: float) -> float:
+        """Distance of the measure's own sign change, where the slope at the edge tells nothing."""
+        distances = [2 * self.width]
+        for end in (self.edge - 2 * self.width, self.edge + 2 * self.width):
+            if growth(end) * there < 0:
+                ends = sorted((self.edge, end))
+                root = scipy.optimize.brentq(growth, *ends, xtol=1e-3 * self.width)
+                distances.append(abs(float(root) - self.edge))
+        return min(distances)
 
 
 def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> KeptModes:

@@ -223,8 +223,8 @@ class _EngineMap:
         between = speeds_between(samples, BETWEEN * self._lowest, refused)
         samples += self._each("growth in bands", growth.sample, between)
         runs = runs_of_growth(samples, refused)
-        searches = [EdgeSearch(self._solver, *ends) for run in runs for ends in run.brackets]
-        edges = self._each("edges of bands", find_edge, searches)
+        searches = [EdgeSearch(*ends) for run in runs for ends in run.brackets]
+        edges = self._each("edges of bands", partial(find_edge, self._solver), searches)
         ends = [
             (lower.crank_speed, upper.crank_speed)
             for lower, upper in zip(edges[::2], edges[1::2], strict=True)
@@ -233,10 +233,11 @@ class _EngineMap:
         tops = self._each("growth in bands", partial(find_top, self._solver), places)
         start = self._request.damping_ratio or 0.0
         closings = [
-            ClosingSearch(self._by_ratio, top.crank_speed, *pair, start)
+            ClosingSearch(top.crank_speed, *pair, start)
             for top, pair in zip(tops, ends, strict=True)
         ]
-        ratios = self._each("damping that closes bands", closing_damping_ratio, closings)
+        closing = partial(closing_damping_ratio, self._by_ratio)
+        ratios = self._each("damping that closes bands", closing, closings)
         bands = []
         for n, (top, ratio) in enumerate(zip(tops, ratios, strict=True)):
             width = (ends[n][1] - ends[n][0]) / abs(top.crank_speed)

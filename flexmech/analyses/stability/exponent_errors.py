@@ -41,10 +41,10 @@ def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors
     ExponentErrors
     """
     coarse = solver.sampled_coarsely()
-    modes = coarse.solve(coarse.moving(crank_speed))
-    larger, finer = coarse.with_more_modes(), coarse.refined()
+    moving, with_more_modes = coarse.both_reductions(crank_speed)
+    modes, finer = coarse.solve(moving), coarse.refined()
     return ExponentErrors(
-        reduction=_apart(modes, larger.solve(larger.moving(crank_speed))),
+        reduction=_apart(modes, coarse.solve(with_more_modes)),
         mesh=_apart(modes, finer.solve(finer.moving(crank_speed))) * BY_REFINEMENT,
     )
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.stability.exponents import FloquetExponents, wrapped
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
-from flexmech.time_domain import FloquetModes, floquet_modes
+from flexmech.time_domain import floquet_modes
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["KeptModes", "kept_modes", "matched"]
@@ -73,8 +73,9 @@ def kept_modes(linkage: VibratingLinkage, damping: float, steps: int) -> KeptMod
     KeptModes
     """
     found = floquet_modes(linkage.system(damping), steps)
-    largest, shapes, shares = _about_largest_harmonic(found, linkage)
-    sampled = shapes[:: steps // SHAPE_ANGLES]
+    states = found.shapes()
+    largest, shares = _largest_harmonic(states)
+    sampled = _about_harmonic(states[:: steps // SHAPE_ANGLES], largest, linkage)
     kept = _within_lowest(linkage, sampled)
     weighted = linkage.weighted @ sampled[..., kept]
     return KeptModes(
@@ -104,24 +105,29 @@ def matched(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> In
     return np.asarray(pairs[1], dtype=np.intp)
 
 
-def _about_largest_harmonic(
-    found: FloquetModes, linkage: VibratingLinkage
-) -> tuple[IntArray, NDArray[np.complex128], FloatArray]:
-    """Number of each mode's largest harmonic; y without it, (N, m, n); shares of others by it.
+def _largest_harmonic(states: NDArray[np.complex128]) -> tuple[IntArray, FloatArray]:
+    """Number of the largest harmonic of each mode (N, 2 m, n); shares of those by it.
 
     Harmonics are measured by the scaled states, as actions: displacements count for slow ones,
     velocities for fast ones.
     """
-    states = found.shapes()
     size = (np.abs(np.fft.fft(states, axis=0)) ** 2).sum(axis=1)
-    shapes = states[:, : linkage.size] / np.sqrt(linkage.scale)[:, None]
-    steps, _, count = shapes.shape
+    steps, count = size.shape
     place = size.argmax(axis=0)
     near = (place + np.arange(-HARMONICS, HARMONICS + 1)[:, None]) % steps
     shares = size[near, np.arange(count)] / size.sum(axis=0)
     number = np.where(place < steps / 2, place, place - steps)
-    turned = np.exp(-2j * np.pi * np.outer(np.arange(steps), number) / steps)
-    return number.astype(np.intp), shapes * turned[:, None], shares
+    return number.astype(np.intp), shares
+
+
+def _about_harmonic(
+    states: NDArray[np.complex128], number: IntArray, linkage: VibratingLinkage
+) -> NDArray[np.complex128]:
+    """Displacements y of modes (angles, 2 m, n) without the turns of a harmonic, (angles, m, n)."""
+    shapes = states[:, : linkage.size] / np.sqrt(linkage.scale)[:, None]
+    angles = len(states)
+    turned = np.exp(-2j * np.pi * np.outer(np.arange(angles), number) / angles)
+    return np.asarray(shapes * turned[:, None])
 
 
 def _within_lowest(linkage: VibratingLinkage, shapes: NDArray[np.complex128]) -> IntArray:

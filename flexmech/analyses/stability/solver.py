@@ -179,6 +179,29 @@ class LinkageSolver:
         """
         return self._moving_modes(crank_speed, crank_speed)[0]
 
+    def both_reductions(self, crank_speed: float) -> tuple[VibratingLinkage, VibratingLinkage]:
+        """The linkage in its moving modes, and in the next larger number of them.
+
+        Parameters
+        ----------
+        crank_speed : float
+            rad/s, not zero.
+
+        Returns
+        -------
+        tuple of VibratingLinkage
+            From the same sampled turn.
+
+        Raises
+        ------
+        ComputationError
+            If there is no equilibrium.
+        """
+        found, orbit = self._moving_modes(crank_speed, crank_speed)
+        count = counts_of_modes(found.turn, self.modes, 2 + self.larger)[-1]
+        larger = moving_modes(found.turn, count, frame=self.frame)
+        return self._linkage(found, orbit), self._linkage(larger, orbit)
+
     def window(self, low: float, high: float) -> SpeedWindow:
         """Build the linkage at the nodes of a window of speeds.
 
