@@ -24,6 +24,8 @@ ORDERS = 30
 """Highest number of modes of the models of LSCF."""
 LEAST_LINES = 16
 """Frequencies in the band that a fit needs."""
+PEAK_LEFT = 0.1
+"""Of the greatest receptance: a peak that is left above it is a mode that LSCF has missed."""
 NEAR = 0.05
 """Relative: an expected mode is one that is found so near in frequency."""
 
@@ -96,7 +98,7 @@ def identify(
     if method == "lscf":
         found = lscf_poles(frequency, receptance, (low, high), orders)
         chart = stabilisation_chart(found, added_damping)
-        pole = chart.pole[chart.chosen]
+        pole = _with_peaks_left(kept, values, chart.pole[chart.chosen], added_damping)
     else:
         at = _peaks_near(kept, values, wanted)
         pole = circle_fit_poles(kept, values, at, added_damping)
@@ -148,6 +150,22 @@ def _checked(frequency: FloatArray, receptance: ComplexArray) -> tuple[FloatArra
             "receptances to such frequencies"
         )
     return frequency, receptance
+
+
+def _with_peaks_left(
+    frequency: FloatArray, receptance: ComplexArray, pole: ComplexArray, added_damping: float
+) -> ComplexArray:
+    """Poles of LSCF with those of great peaks that it leaves: it is blind at the band's end."""
+    s = added_damping + 2j * np.pi * frequency
+    residue, outside = fit_residues(s, receptance, pole)
+    left = receptance - modal_sum(s, pole, residue) - outside.at(s)
+    size, whole = (np.linalg.norm(each, axis=0) for each in (left, receptance))
+    at = peaks(frequency, left)
+    great = at[size[at] > PEAK_LEFT * whole.max()]
+    if great.size == 0:
+        return pole
+    more = circle_fit_poles(frequency, left, great, added_damping)
+    return np.concatenate([pole, more])
 
 
 def _peaks_near(

@@ -80,6 +80,19 @@ def test_an_expected_mode_that_does_not_answer_is_no_number(method):
     assert modes.further_pole.size == 2
 
 
+def test_a_mode_at_the_end_of_the_band_is_not_left_out():
+    """LSCF is blind there: the end of the band is half its sampling rate."""
+    pole = 2 * np.pi * np.array([76.54, 95.94]) * (-9e-5 + 1j)
+    lines = np.arange(1, 6401) * 0.015
+    s = 0.095 + 2j * np.pi * lines
+    value = sum(
+        1 / (2j * each.imag * (s - each)) - 1 / (2j * each.imag * (s - each.conjugate()))
+        for each in pole
+    )
+    modes = identify(lines, value, expected=[76.54, 95.94], added_damping=0.095, method="lscf")
+    np.testing.assert_allclose(modes.pole, pole, rtol=1e-6)
+
+
 @pytest.mark.parametrize("method", METHODS)
 def test_without_expectation_the_lowest_modes_are_found(method):
     lines = np.arange(800) * 0.5
