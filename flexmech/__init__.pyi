@@ -19,6 +19,8 @@ from .analyses import MovingFrequencies as MovingFrequencies
 from .analyses import Response as Response
 from .analyses import ResponseRequest as ResponseRequest
 from .analyses import Result as Result
+from .analyses import RunningHammerRequest as RunningHammerRequest
+from .analyses import RunningHammerTest as RunningHammerTest
 from .analyses import SectionProfiles as SectionProfiles
 from .analyses import SpeedSweep as SpeedSweep
 from .analyses import StabilityMap as StabilityMap
@@ -28,6 +30,7 @@ from .analyses import crank_rocker_synthesis as crank_rocker_synthesis
 from .analyses import moisture_uptake as moisture_uptake
 from .analyses import moving_frequencies as moving_frequencies
 from .analyses import natural_frequencies as natural_frequencies
+from .analyses import running_hammer_test as running_hammer_test
 from .analyses import section_profiles as section_profiles
 from .analyses import strain_energy_damping as strain_energy_damping
 from .analyses.campbell import campbell as campbell

@@ -21,6 +21,9 @@ from .response import Response as Response
 from .response import ResponseRequest as ResponseRequest
 from .response import deflections as deflections
 from .result import Result as Result
+from .running_hammer import RunningHammerRequest as RunningHammerRequest
+from .running_hammer import RunningHammerTest as RunningHammerTest
+from .running_hammer import running_hammer_test as running_hammer_test
 from .section_profile import SectionProfiles as SectionProfiles
 from .section_profile import section_profiles as section_profiles
 from .speed_sweep import SpeedSweep as SpeedSweep

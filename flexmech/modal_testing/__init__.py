@@ -5,6 +5,7 @@ frequency-response functions, and the modes that are identified from them.
 """
 
 from flexmech.modal_testing.estimate import FrfEstimate, estimate_frf, with_noise
+from flexmech.modal_testing.harmonic_orders import HarmonicEstimate, estimate_harmonics
 from flexmech.modal_testing.identified import IdentifiedModes
 from flexmech.modal_testing.identify import (
     ORDERS,
@@ -22,6 +23,7 @@ __all__ = [
     "ExponentialWindow",
     "ForceWindow",
     "FrfEstimate",
+    "HarmonicEstimate",
     "IdentificationMethod",
     "IdentifiedModes",
     "StabilisationChart",
@@ -29,6 +31,7 @@ __all__ = [
     "check_lscf",
     "complexity_factor",
     "estimate_frf",
+    "estimate_harmonics",
     "has_lscf",
     "identify",
     "mac",

@@ -11,6 +11,7 @@ from .coupler_curve import plot_coupler_curve as plot_coupler_curve
 from .floquet import plot_floquet_frequencies as plot_floquet_frequencies
 from .floquet import plot_floquet_harmonics as plot_floquet_harmonics
 from .frequencies import plot_frequencies as plot_frequencies
+from .harmonic_frf import plot_harmonic_frf as plot_harmonic_frf
 from .hygrothermal_effect import plot_hygrothermal_effect as plot_hygrothermal_effect
 from .labels import mode_label as mode_label
 from .labels import speed_label as speed_label

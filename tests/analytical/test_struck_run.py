@@ -38,8 +38,8 @@ def engine() -> ReferenceEngine:
 def run(linkage: DrivenLinkage, pulse: HalfSinePulse, steps: int) -> FloatArray:
     nothing = np.zeros(linkage.size)
     still = VibrationState(nothing, nothing, nothing)
-    impact = Impact(HIT, "transverse", pulse)
-    return struck_run(linkage, still, TURN / steps, TURNS * steps, impact, SEEN, "transverse")
+    impacts = [Impact(HIT, "transverse", pulse)] if pulse.peak_force else []
+    return struck_run(linkage, still, TURN / steps, TURNS * steps, impacts, SEEN, "transverse")
 
 
 def spectrum(linkage: DrivenLinkage, steps: int) -> ComplexArray:

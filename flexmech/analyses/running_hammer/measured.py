@@ -1,0 +1,151 @@
+"""Harmonic transfer functions from the runs of a hammer test, and how small the impacts are."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.analyses.running_hammer.plan import RunPlan
+from flexmech.analyses.running_hammer.request import RunningHammerRequest
+from flexmech.analyses.running_hammer.runs import Struck, added_by_impacts
+from flexmech.errors import CRANK_SPEED, ComputationError
+from flexmech.modal_testing import HarmonicEstimate, estimate_harmonics, with_noise
+from flexmech.types import ComplexArray, FloatArray, LabelledProgress
+
+__all__ = ["HALVING", "MeasuredResponse", "measured_response"]
+
+HALVING = 0.01
+"""Greatest change of any order by halving the impacts, over its greatest amplitude."""
+MOST_HALVINGS = 4
+
+
+@dataclass(frozen=True)
+class MeasuredResponse:
+    """Harmonic transfer functions from runs.
+
+    Parameters
+    ----------
+    plan : RunPlan
+        With the force of the impacts that were small enough.
+    estimate : HarmonicEstimate
+        Of all orders that were identified, guards included; with the noise asked for.
+    halving_change : ndarray, shape (2 N + 1,)
+        Change of each order asked for when the impacts are halved, over its greatest amplitude;
+        without noise.
+    decay : ndarray, shape (K,)
+        Greatest response of the last turn over the greatest of all, of each impact.
+    peak_response : float
+        Greatest displacement that an impact adds, in m.
+    twin_defect : float
+        How far the twin is from repeating itself from the first turn to the second, over its
+        greatest displacement.
+    """
+
+    plan: RunPlan
+    estimate: HarmonicEstimate
+    halving_change: FloatArray
+    decay: FloatArray
+    peak_response: float
+    twin_defect: float
+
+
+def measured_response(
+    run: Struck, request: RunningHammerRequest, plan: RunPlan, report: LabelledProgress
+) -> MeasuredResponse:
+    """Hit the running linkage, and hit it half as hard until that changes nothing.
+
+    Parameters
+    ----------
+    run : callable
+    request : RunningHammerRequest
+    plan : RunPlan
+    report : callable
+        Called with a label, the runs done and the runs to do.
+
+    Returns
+    -------
+    MeasuredResponse
+
+    Raises
+    ------
+    ComputationError
+        If a run fails, or no impact is small enough.
+    """
+    added, twin = added_by_impacts(run, plan, _labelled(report, "impacts"))
+    whole = _estimated(plan, added)
+    for _ in range(MOST_HALVINGS):
+        half_plan = plan.softer(0.5)
+        label = _labelled(report, "impacts of half the force")
+        half_added, _ = added_by_impacts(run, half_plan, label, twin)
+        half = _estimated(half_plan, half_added)
+        change = _change(whole.response, half.response, request.orders)
+        if change.max() < HALVING:
+            break
+        plan, added, whole = half_plan, half_added, half
+    else:
+        raise ComputationError(
+            f"halving the impacts still changes the response by {100 * change.max():.3g} % at "
+            f"crank speed {CRANK_SPEED}, however small they are: the runs are not linear there; "
+            "give the links more damping, or take another speed",
+            crank_speed=request.crank_speed,
+        )
+    size = np.abs(added).max(axis=1)
+    turn = plan.steps
+    return MeasuredResponse(
+        plan=plan,
+        estimate=_with_noise(request, plan, added) if request.noise else whole,
+        halving_change=change,
+        decay=np.abs(added[:, -turn:]).max(axis=1) / size,
+        peak_response=float(size.max()),
+        twin_defect=float(np.abs(twin[turn : 2 * turn] - twin[:turn]).max() / np.abs(twin).max()),
+    )
+
+
+def _labelled(report: LabelledProgress, label: str) -> Callable[[int, int], None]:
+    return lambda done, total: report(label, done, total)
+
+
+def _estimated(plan: RunPlan, added: FloatArray) -> HarmonicEstimate:
+    frequency = plan.resolution * np.arange(plan.samples // 2 + 1, dtype=float)
+    force = np.array([pulse.spectrum(frequency) for pulse in plan.pulses()])
+    return _identified(plan, force, _integral(plan, added))
+
+
+def _with_noise(
+    request: RunningHammerRequest, plan: RunPlan, added: FloatArray
+) -> HarmonicEstimate:
+    """With as many records of each impact as are averaged, each with noise of its own.
+
+    A force window keeps the noise of the force channel out of the record after the pulse.
+    """
+    generator = np.random.default_rng([request.seed, 1])
+    time = plan.step * np.arange(plan.samples, dtype=float)
+    pulses = plan.pulses()
+    clean = np.array([pulse.force(time) for pulse in pulses])
+    during = np.array([(time >= pulse.start) & (time <= pulse.end) for pulse in pulses])
+    force, response = [], []
+    for _ in range(request.averages):
+        force.append(_integral(plan, during * with_noise(clean, request.noise, generator)))
+        response.append(_integral(plan, with_noise(added, request.noise, generator)))
+    return _identified(plan, np.concatenate(force), np.concatenate(response))
+
+
+def _identified(plan: RunPlan, force: ComplexArray, response: ComplexArray) -> HarmonicEstimate:
+    return estimate_harmonics(
+        force, response, highest_order=plan.fitted, shift=plan.turns, bins=plan.bins
+    )
+
+
+def _integral(plan: RunPlan, records: FloatArray) -> ComplexArray:
+    """Fourier integrals of records (R, N) at the bins from zero on."""
+    return np.asarray(plan.step * np.fft.rfft(records, axis=1))
+
+
+def _change(whole: ComplexArray, half: ComplexArray, orders: int) -> FloatArray:
+    """Change of the orders asked for, over their greatest amplitudes."""
+    middle = len(whole) // 2
+    asked = slice(middle - orders, middle + orders + 1)
+    apart = np.abs(whole[asked] - half[asked]).max(axis=1)
+    return np.asarray(apart / np.abs(whole[asked]).max(axis=1))

@@ -1,0 +1,112 @@
+"""What a hammer test on the running linkage is asked to be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from flexmech import choices
+from flexmech.analyses.damping_ratios import DAMPING_RATIO
+from flexmech.errors import InputError
+from flexmech.linear_system import LinkPoint
+from flexmech.numbers import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    check_choice,
+    check_count,
+    check_instance,
+    check_number,
+)
+
+__all__ = ["RunningHammerRequest"]
+
+# Orders to either side beyond which a crank of any speed answers nothing that can be measured.
+MOST_ORDERS = 20
+MIDDLE = LinkPoint("coupler", 0.5)
+POINT = "write flexmech.LinkPoint.parse('coupler:0.5')"
+
+
+@dataclass(frozen=True)
+class RunningHammerRequest:
+    """Impacts on the linkage at a constant crank speed.
+
+    Parameters
+    ----------
+    crank_speed : float
+        rad/s, not zero.
+    impact, response : LinkPoint
+        Where the hammer hits, and where the displacement is read; the middle of the coupler.
+    direction : {"transverse", "axial"}
+        Of both, in the axes of their links' rigid frames.
+    prestress : {"none", "axial", "equilibrium"}
+        Of the prediction, and of the runs of engines that do not simulate.
+    damping_ratio : float, optional
+        Z from 0 on and less than 1: the Kelvin-Voigt time of all links is 2 Z/omega_1, with the
+        first natural frequency at rest averaged over the turn. Left out: the model's damping.
+    orders : int
+        N: harmonic transfer functions of the orders -N to N are asked for.
+    averages : int
+        Impacts at each crank angle; each has noise of its own.
+    bandwidth : float, optional
+        Highest frequency of the input in Hz. Left out: twice the first natural frequency at
+        rest, averaged over the turn, or what the pulse given excites if that is less.
+    duration : float, optional
+        Of a record in s, made longer to a whole number of turns. Left out: until an impact has
+        decayed to 1e-4.
+    pulse : float, optional
+        Duration of the half-sine pulse in s. Left out: one over the bandwidth.
+    noise : float
+        Root mean square of the noise over that of each record of force and response.
+    seed : int
+        Of the noise and of the jitter of the crank angles.
+    speed_unit : str
+        In which results speak of crank speeds, such as ``"rpm"``.
+
+    Raises
+    ------
+    InputError
+        If a value is impossible.
+
+    Examples
+    --------
+    >>> point = flexmech.LinkPoint.parse("coupler:0.5")
+    >>> flexmech.RunningHammerRequest(20.0, point, point, damping_ratio=0.005).orders
+    2
+    """
+
+    crank_speed: float
+    impact: LinkPoint = MIDDLE
+    response: LinkPoint = MIDDLE
+    direction: choices.LinkDirection = "transverse"
+    prestress: choices.Prestress = "equilibrium"
+    damping_ratio: float | None = None
+    orders: int = 2
+    averages: int = 1
+    bandwidth: float | None = None
+    duration: float | None = None
+    pulse: float | None = None
+    noise: float = 0.0
+    seed: int = 0
+    speed_unit: str = field(default="rad/s", repr=False)
+
+    def __post_init__(self) -> None:
+        check_number(self.crank_speed, "crank_speed", "rad/s")
+        if self.crank_speed == 0:
+            raise InputError(
+                "crank_speed is zero, at which nothing turns; ask for a hammer test at rest "
+                "(flexmech.hammer_test, or flexmech hammer without --running)"
+            )
+        check_instance(self.impact, LinkPoint, "impact", POINT)
+        check_instance(self.response, LinkPoint, "response", POINT)
+        check_choice(self.direction, choices.LINK_DIRECTIONS, "direction")
+        check_choice(self.prestress, choices.PRESTRESS_LEVELS, "prestress")
+        if self.damping_ratio is not None:
+            check_number(self.damping_ratio, "damping_ratio", bounds=DAMPING_RATIO)
+        check_count(self.orders, "orders")
+        if self.orders > MOST_ORDERS:
+            raise InputError(f"orders must be at most {MOST_ORDERS}, got {self.orders}")
+        check_count(self.averages, "averages")
+        for name, unit in (("bandwidth", "Hz"), ("duration", "s"), ("pulse", "s")):
+            if getattr(self, name) is not None:
+                check_number(getattr(self, name), name, unit, POSITIVE)
+        check_number(self.noise, "noise", "", NOT_NEGATIVE)
+        check_count(self.seed, "seed", 0)

@@ -1,0 +1,133 @@
+"""What a hammer test on the running linkage says: its table of orders and the lines below it."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from flexmech.analyses.summary import Table
+from flexmech.units import from_si
+
+__all__ = ["error_lines", "impact_lines", "peak_table", "prediction_lines", "verdict"]
+
+# Of the acceptance of a test: amplitudes within this part, and frequencies within so many bins.
+AGREES, BINS = 0.05, 1
+# Sidebands that the last line speaks of.
+SIDEBANDS = 2
+
+
+def peak_table(dataset: xr.Dataset) -> Table:
+    """Greatest amplitude of each order, identified and predicted.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+
+    Returns
+    -------
+    Table
+    """
+    rows = []
+    for order in dataset["order"].values.tolist():
+        own = dataset.sel(order=order)
+        rows.append(
+            (
+                f"{order:+d}" if order else "0",
+                f"{float(own['identified_peak']):.4g}",
+                f"{float(own['identified_peak_frequency']):.5g}",
+                f"{float(own['predicted_peak']):.4g}",
+                f"{float(own['predicted_peak_frequency']):.5g}",
+                f"{100 * _apart(own):+.2f}",
+                str(int(own["bins_apart"])),
+            )
+        )
+    resolution = float(dataset["frequency"][1] - dataset["frequency"][0])
+    return Table(
+        f"harmonic response, {dataset.attrs.get('mechanism', '')}",
+        ("order", "identified m/N", "at Hz", "predicted m/N", "at Hz", "apart %", "bins"),
+        (tuple(rows),),
+        caption=(
+            "greatest amplitude of each order: response at f + n f_crank to a force at f, at the "
+            f"input's frequency f; bins of {resolution:.4g} Hz"
+        ),
+    )
+
+
+def impact_lines(dataset: xr.Dataset) -> list[str]:
+    """How the linkage was hit and the orders told apart."""
+    attrs, count = dataset.attrs, dataset.sizes["impact"]
+    fitted = int(attrs["highest_fitted_order"])
+    unit, turns = str(attrs["speed_unit"]), int(attrs["turns"])
+    speed = from_si(float(attrs["crank_speed"]), unit)
+    noise = float(attrs["noise"])
+    lines = [
+        f"impacts: {count} at evenly spaced, jittered crank angles (seed {attrs['seed']}) of "
+        f"{float(attrs['peak_force']):.3g} N and {1e3 * float(attrs['pulse']):.3g} ms on "
+        f"{attrs['impact_point']}, read at {attrs['response_point']}, {attrs['direction']}, at "
+        f"{speed:.6g} {unit}; a twin run without impact is subtracted",
+        f"orders: -{fitted} to {fitted} by least squares, condition number "
+        f"{float(attrs['condition']):.3g}; they leave {100 * float(attrs['misfit']):.2g} % of the "
+        "responses",
+        f"records: {turns} turns, {turns * float(attrs['turn_time']):.4g} s, at whose end an "
+        f"impact has decayed to {float(dataset['decay'].max()):.1e} of its greatest response; each "
+        "impact has a run of its own, from the twin's state at crank angle 0",
+        f"small enough: halving the impacts, which add {1e6 * float(attrs['peak_response']):.3g} "
+        f"µm at most, changes H_n by {100 * float(dataset['halving_change'].max()):.2g} % at most",
+    ]
+    if noise:
+        averages = int(attrs["averages"])
+        lines.append(
+            f"noise: {100 * noise:.3g} % of each record of force and response, "
+            f"{averages} impact{'' if averages == 1 else 's'} at each crank angle"
+        )
+    return lines
+
+
+def prediction_lines(dataset: xr.Dataset) -> list[str]:
+    """What the prediction is of, and what it leaves out."""
+    attrs = dataset.attrs
+    return [
+        f"prediction: {int(attrs['moving_modes'])} moving modes about the quasi-static state "
+        f"(prestress {attrs['prestress']}) with the static answer of those left out, by the "
+        f"propagator in {int(attrs['propagator_steps'])} steps a turn; the slowest vibration "
+        f"decays by {float(attrs['decay_rate']):.4g} 1/s"
+    ]
+
+
+def error_lines(dataset: xr.Dataset) -> list[str]:
+    """How far prediction and runs may be off."""
+    step, balance, reduction = (
+        float(dataset[f"{name}_error"].max()) for name in ("step", "balance", "reduction")
+    )
+    fastest = 2 * np.pi * float(dataset.attrs["bandwidth"]) * float(dataset.attrs["step"])
+    return [
+        f"errors of the prediction, over each order's greatest amplitude: steps {step:.1e}, moving "
+        f"modes {reduction:.1e}; harmonic balance differs by {balance:.1e}",
+        f"errors of the runs: time steps of {float(dataset.attrs['step']):.3g} s lower a frequency "
+        f"by up to {fastest**2 / 12:.1e} of itself at the bandwidth's end; the twin repeats itself "
+        f"to {float(dataset.attrs['twin_defect']):.1e}",
+    ]
+
+
+def verdict(dataset: xr.Dataset) -> str:
+    """How the first sidebands that were identified agree with those predicted."""
+    sides = dataset.isel(
+        order=np.flatnonzero(
+            (dataset["order"].values != 0) & (np.abs(dataset["order"].values) <= SIDEBANDS)
+        )
+    )
+    apart = max(abs(_apart(sides.isel(order=n))) for n in range(sides.sizes["order"]))
+    bins = int(sides["bins_apart"].max())
+    agree = apart <= AGREES and bins <= BINS
+    return (
+        f"{dataset.attrs['engine']}: the sidebands identified and predicted "
+        f"{'agree' if agree else 'do not agree'} within {100 * AGREES:g} % and {BINS} bin: "
+        f"amplitudes {100 * apart:.2g} % and frequencies {bins} bin{'' if bins == 1 else 's'} "
+        "apart at most"
+    )
+
+
+def _apart(order: xr.Dataset) -> float:
+    """Relative difference of the identified amplitude of an order."""
+    predicted = float(order["predicted_peak"])
+    return float(order["identified_peak"]) / predicted - 1 if predicted else 0.0

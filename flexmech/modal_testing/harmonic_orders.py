@@ -1,0 +1,107 @@
+"""Harmonic transfer functions from impacts on a periodic system.
+
+An impact whose force has the spectrum P is answered at the frequency v by all orders at once,
+``Y(v) = sum_n H_n(v - n F) P(v - n F)``, with the frequency F at which the system repeats itself
+and times that count from the start of one of its periods. Impacts at as many places of the
+period as there are orders tell them apart: the unknowns ``H_n(v - n F)`` follow by least squares.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.errors import InputError
+from flexmech.types import ComplexArray
+
+__all__ = ["HarmonicEstimate", "estimate_harmonics"]
+
+# Condition number of the equations above which impacts do not tell the orders apart.
+WORST_CONDITION = 1e3
+
+
+@dataclass(frozen=True)
+class HarmonicEstimate:
+    """Harmonic transfer functions of the orders -N to N at the bins 0 to B - 1 of the input.
+
+    Parameters
+    ----------
+    response : ndarray of complex, shape (2 N + 1, B)
+    condition : float
+        Greatest condition number of the equations of any frequency; their columns are scaled to
+        the same length.
+    misfit : float
+        What the orders leave of the responses, over these, by root mean square: the orders
+        beyond N, noise, and what is not linear. Zero where there are no more impacts than orders.
+    """
+
+    response: ComplexArray
+    condition: float
+    misfit: float
+
+
+def estimate_harmonics(
+    force: ComplexArray, response: ComplexArray, *, highest_order: int, shift: int, bins: int
+) -> HarmonicEstimate:
+    """Least squares over impacts at each frequency of the response.
+
+    Parameters
+    ----------
+    force, response : ndarray of complex, shape (R, M)
+        Fourier integrals of R impacts and of what they add to the response, at the bins 0 to
+        M - 1 of real records; times count from the start of a period.
+    highest_order : int
+        N.
+    shift : int
+        Bins of the frequency at which the system repeats itself: the periods in a record.
+    bins : int
+        B, at most M - N ``shift``.
+
+    Returns
+    -------
+    HarmonicEstimate
+
+    Raises
+    ------
+    InputError
+        If there are fewer impacts than orders, bins beyond the record's last, or impacts that
+        do not tell the orders apart.
+    """
+    orders = np.arange(-highest_order, highest_order + 1)
+    count, reach = force.shape[1], highest_order * shift
+    if len(force) < len(orders):
+        raise InputError(
+            f"{len(force)} impacts cannot tell {len(orders)} orders apart; give one impact or more "
+            "for each order"
+        )
+    if bins + reach > count:
+        raise InputError(
+            f"{bins} bins of the input and {highest_order} orders need {bins + reach} bins of the "
+            f"response, but the records have {count}; sample them more often"
+        )
+    output = np.arange(-reach, bins + reach)
+    entering = output[:, None] - shift * orders
+    matrix = np.moveaxis(_at(force, entering), 0, 1)
+    size = np.linalg.norm(matrix, axis=1, keepdims=True)
+    scaled = matrix / np.where(size == 0, 1.0, size)
+    condition = float(np.linalg.cond(scaled).max())
+    if not condition < WORST_CONDITION:
+        raise InputError(
+            f"the impacts do not tell the orders apart (condition number {condition:.3g}); spread "
+            "them over the period"
+        )
+    measured = _at(response, output).T[..., None]
+    found = np.linalg.pinv(scaled) @ measured
+    rest = measured - scaled @ found
+    misfit = float(np.linalg.norm(rest) / np.linalg.norm(measured))
+    found = found[..., 0] / size[:, 0]
+    place = np.arange(bins) + reach + shift * orders[:, None]
+    answer = found[place, np.arange(len(orders))[:, None]]
+    return HarmonicEstimate(answer, condition, misfit if len(force) > len(orders) else 0.0)
+
+
+def _at(spectrum: ComplexArray, number: np.ndarray) -> ComplexArray:
+    """Of real records at bins of either sign; (R, *number)."""
+    found = spectrum[:, np.abs(number)]
+    return np.where(number >= 0, found, found.conj())
