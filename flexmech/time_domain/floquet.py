@@ -37,9 +37,9 @@ __all__ = ["FloquetModes", "floquet_modes"]
 SHORT = 8.0
 # Groups part where the logarithms of neighbouring moduli are this far apart, and where they are
 # less far apart if a group would be wider than that from its strongest to its weakest mode: of
-# the weakest, eight digits remain.
+# the weakest, ten digits remain.
 GROUPS_APART = 4.0
-WIDEST = 16.0
+WIDEST = 12.0
 PARTED = 1e-11
 # Turns that groups take to show, and how many times what their distance asks for they may take.
 FIRST_TURNS = 20

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from flexmech.time_domain.floquet import FloquetModes, floquet_modes
@@ -52,6 +52,9 @@ def random_hamiltonian(seed: int, half: int) -> Hamiltonian:
 
 
 @given(seed=st.integers(0, 10**6), half=st.integers(1, 4), steps=st.integers(16, 90))
+# The multipliers are e^16.7 apart: as one group, they missed Liouville's integral by 1e-9 and 1e-10.
+@example(seed=146361, half=4, steps=80)
+@example(seed=95015, half=4, steps=79)
 @settings(max_examples=40, deadline=None)
 def test_monodromy_is_symplectic_whatever_the_step(seed: int, half: int, steps: int) -> None:
     system = random_hamiltonian(seed, half).driven(2.0)
