@@ -13,6 +13,8 @@ from .analyses import CouplerPaths as CouplerPaths
 from .analyses import CrankRockerSynthesis as CrankRockerSynthesis
 from .analyses import Formulation as Formulation
 from .analyses import FrequencyRequest as FrequencyRequest
+from .analyses import HammerRequest as HammerRequest
+from .analyses import HammerTest as HammerTest
 from .analyses import ModelCheck as ModelCheck
 from .analyses import MoistureUptake as MoistureUptake
 from .analyses import MovingFrequencies as MovingFrequencies
@@ -34,6 +36,7 @@ from .analyses import running_hammer_test as running_hammer_test
 from .analyses import section_profiles as section_profiles
 from .analyses import strain_energy_damping as strain_energy_damping
 from .analyses.campbell import campbell as campbell
+from .analyses.hammer import hammer_test as hammer_test
 from .analyses.response import exudyn_system as exudyn_system
 from .analyses.response import response as response
 from .analyses.speed_sweep import speed_sweep as speed_sweep

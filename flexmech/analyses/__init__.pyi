@@ -15,6 +15,8 @@ from .frequencies import natural_frequencies as natural_frequencies
 from .frequencies import solve_frequencies as solve_frequencies
 from .frequencies import solve_modes as solve_modes
 from .frequencies import strain_energy_damping as strain_energy_damping
+from .hammer import HammerRequest as HammerRequest
+from .hammer import HammerTest as HammerTest
 from .moisture import MoistureUptake as MoistureUptake
 from .moisture import moisture_uptake as moisture_uptake
 from .response import Response as Response

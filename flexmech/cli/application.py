@@ -19,6 +19,7 @@ from flexmech.cli.coupler_curve import coupler_curve
 from flexmech.cli.export import export
 from flexmech.cli.failures import reports_failures
 from flexmech.cli.frequencies import frequencies
+from flexmech.cli.hammer import hammer
 from flexmech.cli.moisture import moisture
 from flexmech.cli.new import new
 from flexmech.cli.printing import prints_as_asked
@@ -37,6 +38,7 @@ from flexmech.errors import FlexmechError, InputError, one_line
 # In the order of the help. The docstring of a command is what its help says.
 DELIVERING: tuple[Callable[..., None], ...] = (
     frequencies,
+    hammer,
     campbell,
     stability,
     response,

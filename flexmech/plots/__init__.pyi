@@ -11,6 +11,9 @@ from .coupler_curve import plot_coupler_curve as plot_coupler_curve
 from .floquet import plot_floquet_frequencies as plot_floquet_frequencies
 from .floquet import plot_floquet_harmonics as plot_floquet_harmonics
 from .frequencies import plot_frequencies as plot_frequencies
+from .frf import plot_frf as plot_frf
+from .frf import plot_frf_parts as plot_frf_parts
+from .hammer import plot_hammer as plot_hammer
 from .harmonic_frf import plot_harmonic_frf as plot_harmonic_frf
 from .hygrothermal_effect import plot_hygrothermal_effect as plot_hygrothermal_effect
 from .labels import mode_label as mode_label
@@ -25,6 +28,7 @@ from .modal_damping import plot_damping_ratio as plot_damping_ratio
 from .modal_damping import plot_modal_damping as plot_modal_damping
 from .mode_shapes import plot_mode_shapes as plot_mode_shapes
 from .moisture import plot_moisture as plot_moisture
+from .nyquist import plot_nyquist as plot_nyquist
 from .response import plot_forces as plot_forces
 from .response import plot_response as plot_response
 from .scales import crank_angle_axis as crank_angle_axis

@@ -20,11 +20,9 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError
-from flexmech.types import FloatArray
+from flexmech.types import ComplexArray, FloatArray
 
 __all__ = ["StateModes", "direct_receptance", "state_modes"]
-
-ComplexArray = NDArray[np.complex128]
 
 # Complex numbers that are held at a time.
 AT_ONCE = 2_000_000
@@ -138,6 +136,8 @@ class StateModes:
         force: FloatArray,
         frequency: FloatArray,
         kept: NDArray[np.bool_] | None = None,
+        *,
+        shift: float = 0.0,
     ) -> ComplexArray:
         """Receptance by superposition of modes.
 
@@ -149,6 +149,8 @@ class StateModes:
             In Hz.
         kept : ndarray of bool, shape (2n,), optional
             Modes that are superposed; the others add their static flexibility. All by default.
+        shift : float
+            Real part of s in 1/s: what an exponential window over the records adds.
 
         Returns
         -------
@@ -162,7 +164,7 @@ class StateModes:
         at_once = max(1, AT_ONCE // max(1, chosen.sum()))
         for first in range(0, len(frequency), at_once):
             some = slice(first, first + at_once)
-            s = 2j * np.pi * frequency[some, None]
+            s = shift + 2j * np.pi * frequency[some, None]
             found[some] = np.tensordot(1 / (s - self.poles[chosen]), residues, axes=(1, 0))
         if kept is not None:
             found += self.residual(response, force, kept)

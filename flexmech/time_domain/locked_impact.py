@@ -14,10 +14,9 @@ docs/theory/hammer_test.md).
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.time_domain.pulse import HalfSinePulse
-from flexmech.types import FloatArray
+from flexmech.types import ComplexArray, FloatArray
 
 __all__ = ["pulse_response"]
 
@@ -26,8 +25,8 @@ GONE = 45.0
 
 
 def pulse_response(
-    poles: NDArray[np.complex128],
-    residues: NDArray[np.complex128],
+    poles: ComplexArray,
+    residues: ComplexArray,
     pulse: HalfSinePulse,
     time: FloatArray,
 ) -> FloatArray:

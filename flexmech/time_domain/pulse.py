@@ -10,12 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flexmech.choices import LINK_DIRECTIONS, LinkDirection
 from flexmech.linear_system import LinkPoint
 from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_choice, check_instance, check_number
-from flexmech.types import FloatArray
+from flexmech.types import ComplexArray, FloatArray
 
 __all__ = ["HalfSinePulse", "Impact"]
 
@@ -67,7 +67,7 @@ class HalfSinePulse:
         inside = (phase > 0) & (phase < 1)
         return np.where(inside, self.peak_force * np.sin(np.pi * phase), 0.0)
 
-    def spectrum(self, frequency: ArrayLike) -> NDArray[np.complex128]:
+    def spectrum(self, frequency: ArrayLike) -> ComplexArray:
         """Fourier integral of the force in N s, ``int f(t) exp(-2j pi f t) dt``.
 
         Parameters

@@ -1,0 +1,206 @@
+"""How the records of a hammer test are taken: band, pulse, sampling, duration and force."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.analyses.hammer.locked_linkage import LockedLinkage
+from flexmech.analyses.hammer.request import HammerRequest
+from flexmech.errors import InputError
+from flexmech.modal_testing import ExponentialWindow, ForceWindow
+from flexmech.time_domain import HalfSinePulse
+from flexmech.types import FloatArray
+
+__all__ = ["LEFT", "RecordPlan", "planned_record"]
+
+ABOVE_MODES = 1.25
+"""Bandwidth over the highest natural frequency wanted."""
+SAMPLES_A_HERTZ = 2.56
+"""Sampling rate over bandwidth, as analysers have it: the anti-aliasing filter falls between."""
+LEFT = 1e-4
+"""Of the slowest vibration at the end of a record, its exponential window included."""
+# Spectral lines of a record: analysers have twice as many from setting to setting.
+FEWEST_LINES, MOST_LINES = 200, 6400
+# Of a given duration.
+LEAST_SAMPLES = 128
+# In periods of the bandwidth: silence before the pulse, and the ringing of the filter after it.
+BEFORE, AFTER, TAPER = 6.25, 6.0, 2.0
+EXCITED = 1.3
+"""Frequency times pulse duration at which the pulse's spectrum has fallen by 20 dB."""
+# Steps of the transient a sample, and a pulse at least.
+STEPS_A_SAMPLE, STEPS_A_PULSE = 10, 20
+# Times as many where they cost nothing: the exact transient's force is sampled more finely.
+EXACT = 4
+MOST_STEPS = 4_000_000
+DEFLECTION = 1e-6
+"""Greatest displacement over the shortest link's length."""
+# Periods of the first mode in which the greatest displacement is looked for, and instants.
+PERIODS, INSTANTS = 3.0, 300
+
+
+@dataclass(frozen=True)
+class RecordPlan:
+    """How records are taken.
+
+    Parameters
+    ----------
+    bandwidth : float
+        Greatest frequency kept in Hz.
+    pulse : HalfSinePulse
+        With the silence before it.
+    sampling_rate : float
+        Of the records in Hz.
+    samples : int
+        Of a record.
+    oversampling : int
+        Steps of the transient a sample.
+    window : ExponentialWindow or None
+    """
+
+    bandwidth: float
+    pulse: HalfSinePulse
+    sampling_rate: float
+    samples: int
+    oversampling: int
+    window: ExponentialWindow | None
+
+    @property
+    def duration(self) -> float:
+        """Of a record in s."""
+        return self.samples / self.sampling_rate
+
+    @property
+    def time(self) -> FloatArray:
+        """Of a record's samples in s, shape (N,)."""
+        return np.asarray(np.arange(self.samples) / self.sampling_rate)
+
+    @property
+    def step(self) -> float:
+        """Of the transient in s."""
+        return 1 / (self.sampling_rate * self.oversampling)
+
+    @property
+    def decay_rate(self) -> float:
+        """What the exponential window adds to every pole in 1/s."""
+        return self.window.decay_rate if self.window else 0.0
+
+    @property
+    def force_window(self) -> ForceWindow:
+        """From the record's begin until the filtered pulse is over."""
+        return ForceWindow(self.pulse.end + AFTER / self.bandwidth, TAPER / self.bandwidth)
+
+
+def planned_record(request: HammerRequest, locked: Sequence[LockedLinkage]) -> RecordPlan:
+    """Choose what the request leaves open, for all angles alike.
+
+    Parameters
+    ----------
+    request : HammerRequest
+    locked : sequence of LockedLinkage
+        At its crank angles.
+
+    Returns
+    -------
+    RecordPlan
+
+    Raises
+    ------
+    InputError
+        If a mode in the band is not damped, or band, pulse and duration do not belong together.
+    """
+    bandwidth = _bandwidth(request, locked)
+    pulse = 1 / bandwidth if request.pulse is None else request.pulse
+    if bandwidth * pulse > EXCITED * (1 + 1e-9):
+        raise InputError(
+            f"a pulse of {pulse:g} s excites frequencies up to {EXCITED / pulse:.4g} Hz, the "
+            f"bandwidth is {bandwidth:g} Hz; give a pulse of {1 / bandwidth:.3g} s, or a smaller "
+            "bandwidth"
+        )
+    slowest = min(float(-each.poles(bandwidth).real.max()) for each in locked)
+    rate = SAMPLES_A_HERTZ * bandwidth
+    start = BEFORE / bandwidth
+    samples = _samples(request, bandwidth, start + pulse - np.log(LEFT) / slowest)
+    if start + pulse >= samples / rate:
+        raise InputError(
+            f"the pulse of {pulse:g} s, {start:.3g} s after the record's begin, is longer than the "
+            f"record of {samples / rate:.4g} s; give a shorter pulse or a longer duration"
+        )
+    lasting = samples / rate - start - pulse
+    missing = -np.log(LEFT) / lasting - slowest
+    oversampling = max(STEPS_A_SAMPLE, int(np.ceil(STEPS_A_PULSE / (pulse * rate))))
+    if not locked[0].engine.simulates:
+        oversampling *= EXACT
+    if samples * oversampling > MOST_STEPS:
+        raise InputError(
+            f"a record of {samples / rate:.4g} s up to {bandwidth:g} Hz with a pulse of {pulse:g} "
+            f"s takes {samples * oversampling} steps, more than {MOST_STEPS}; give a shorter "
+            "duration, a smaller bandwidth or a longer pulse"
+        )
+    unit = HalfSinePulse(1.0, pulse, start)
+    return RecordPlan(
+        bandwidth,
+        HalfSinePulse(_force(request, locked, unit), pulse, start),
+        rate,
+        samples,
+        oversampling,
+        ExponentialWindow(missing) if missing > 1e-3 * slowest else None,
+    )
+
+
+def _bandwidth(request: HammerRequest, locked: Sequence[LockedLinkage]) -> float:
+    modes = locked[0].engine.elements * len(locked[0].engine.links)
+    carried = min(float(each.natural_frequencies(modes)[-1]) for each in locked)
+    if request.bandwidth is not None:
+        if request.bandwidth > carried:
+            raise InputError(
+                f"a bandwidth of {request.bandwidth:g} Hz is above {carried:.4g} Hz, up to which "
+                f"{locked[0].engine.elements} elements a link can vibrate; give a smaller "
+                "bandwidth or more elements"
+            )
+        return request.bandwidth
+    highest = max(float(each.natural_frequencies(request.modes)[-1]) for each in locked)
+    wanted = _two_digits(ABOVE_MODES * highest)
+    return wanted if request.pulse is None else min(wanted, 1 / request.pulse)
+
+
+def _samples(request: HammerRequest, bandwidth: float, needed: float) -> int:
+    """Of a record in which a vibration decays, as many as analysers take; or of one given."""
+    if request.duration is None:
+        doubled = max(0, int(np.ceil(np.log2(needed * bandwidth / FEWEST_LINES))))
+        wanted: int = FEWEST_LINES * 2**doubled
+        return round(SAMPLES_A_HERTZ * min(int(wanted), MOST_LINES))
+    samples = 2 * round(SAMPLES_A_HERTZ * bandwidth * request.duration / 2)
+    if samples < LEAST_SAMPLES:
+        raise InputError(
+            f"a record of {request.duration:g} s has {samples} samples up to {bandwidth:g} Hz; "
+            f"give a duration of {LEAST_SAMPLES / (SAMPLES_A_HERTZ * bandwidth):.3g} s or more"
+        )
+    return samples
+
+
+def _force(request: HammerRequest, locked: Sequence[LockedLinkage], unit: HalfSinePulse) -> float:
+    """Peak force in N by which links move a millionth of the shortest one's length.
+
+    Rounded down to 1, 2 or 5 times a power of ten, so that both engines are hit alike.
+    """
+    links = locked[0].engine.mechanism.linkage.topology.links
+    allowed = DEFLECTION * min(link.length for link in links)
+    greatest = 0.0
+    for each in locked:
+        period = 1 / each.natural_frequencies(1)[0]
+        time = unit.start + np.linspace(0.0, unit.duration + PERIODS * period, INSTANTS)
+        hit = each.rows([request.impact], request.direction)[0]
+        greatest = max(
+            greatest, float(np.abs(each.motion(each.station_rows(), hit, unit, time)).max())
+        )
+    power = 10.0 ** np.floor(np.log10(allowed / greatest))
+    return float(max(round(n * power, 15) for n in (1, 2, 5) if n * power <= allowed / greatest))
+
+
+def _two_digits(value: float) -> float:
+    """Rounded up to two significant digits."""
+    unit = 10.0 ** (np.floor(np.log10(value)) - 1)
+    return float(np.ceil(value / unit * (1 - 1e-12)) * unit)

@@ -1,0 +1,162 @@
+"""Frequency responses of a hammer test: receptance, mobility and accelerance."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flexmech.plots import scales
+from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.series import Look, line_handle, series_style
+from flexmech.types import ComplexArray, FloatArray
+
+__all__ = [
+    "CURVES",
+    "complex_values",
+    "curve_handles",
+    "first_angle",
+    "hammer_title",
+    "plot_frf",
+    "plot_frf_parts",
+]
+
+ROW_HEIGHT, AXES_HEIGHT = 1.7, 0.5
+BOTH = "give six Axes"
+# Name of each response, its unit, and the power of the angular frequency that multiplies it.
+RESPONSES = (
+    ("Receptance", "m/N", 0),
+    ("Mobility", "m/(N s)", 1),
+    ("Accelerance", "m/(N s²)", 2),
+)
+MEASURED, IDENTIFIED = (series_style(number).color for number in (0, 1))
+CURVES: dict[str, tuple[str, Look]] = {
+    "exact_receptance": ("eigen model, exact", {"color": "0.75", "lw": 2.6}),
+    "receptance": ("measured (H1)", {"color": MEASURED, "lw": 0.8}),
+    "identified_receptance": (
+        "identified modes",
+        {"color": IDENTIFIED, "lw": 0.9, "ls": (0.0, (4.0, 4.0))},
+    ),
+}
+"""Receptances of the dataset, from the lowest to the uppermost line: label and look."""
+# Decades of an amplitude below its peak that are drawn, at most.
+DECADES = 5.0
+
+
+def plot_frf(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw amplitude and phase of receptance, mobility and accelerance.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``HammerTest`` result; its first crank angle is drawn.
+    ax : Axes or sequence of Axes, optional
+        The user's, six: the amplitudes, then the phases. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    parts: tuple[tuple[str, Callable[[ComplexArray], FloatArray]], ...] = (
+        ("amplitude", np.abs),
+        ("phase (deg)", _phase),
+    )
+    return _draw(dataset, parts, ax)
+
+
+def plot_frf_parts(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw real and imaginary part of receptance, mobility and accelerance.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``HammerTest`` result; its first crank angle is drawn.
+    ax : Axes or sequence of Axes, optional
+        The user's, six: the real parts, then the imaginary ones. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    return _draw(dataset, (("real part", np.real), ("imaginary part", np.imag)), ax)
+
+
+def complex_values(dataset: xr.Dataset, name: str) -> ComplexArray:
+    """Values of a variable that is stored as its real and its imaginary part."""
+    return np.asarray(dataset[f"{name}_real"].values + 1j * dataset[f"{name}_imag"].values)
+
+
+def curve_handles(**measured: Any) -> list[Artist]:
+    """Legend entries of the curves; further properties are of the measured one."""
+    return [
+        line_handle(label, **(look | (measured if curve == "receptance" else {})))
+        for curve, (label, look) in CURVES.items()
+    ]
+
+
+def first_angle(dataset: xr.Dataset) -> xr.Dataset:
+    """The part of a dataset at its first crank angle."""
+    return dataset.isel(crank_angle=0) if "crank_angle" in dataset.dims else dataset
+
+
+def hammer_title(dataset: xr.Dataset) -> str:
+    """Heading that says where the crank was locked, hit and watched, and by which engine."""
+    of = first_angle(dataset).attrs
+    degrees = float(np.degrees(first_angle(dataset)["crank_angle"]))
+    return (
+        f"Crank locked at {degrees:.6g} deg: impact {of['impact']}, response "
+        f"{of['response_point']}, {of['direction']}; {of['engine']} ({of['element']})"
+    )
+
+
+def _draw(
+    dataset: xr.Dataset,
+    parts: tuple[tuple[str, Callable[[ComplexArray], FloatArray]], ...],
+    ax: AxesLike | None,
+) -> Figure:
+    data = first_angle(dataset)
+    frequency = data["frequency"].values
+    layout = grid(2, 3, 2 * ROW_HEIGHT + AXES_HEIGHT, sharex=True)
+    with sheet(layout, ax=ax, fewer=BOTH) as drawn:
+        drawn.header(curve_handles(), hammer_title(dataset), of=dataset)
+        places = [(part, of) for part in parts for of in RESPONSES]
+        for axes, ((name, part), (response, unit, power)) in zip(drawn.panels, places, strict=True):
+            turned = (2j * np.pi * frequency) ** power
+            values = {curve: part(complex_values(data, curve) * turned) for curve in CURVES}
+            for curve, (_, look) in CURVES.items():
+                axes.plot(frequency, values[curve], **look)
+            axes.set_xlim(0.0, float(frequency[-1]))
+            if name.startswith("phase"):
+                _phase_axis(axes)
+                axes.set_ylabel(f"{response}\n{name}")
+                continue
+            axes.set_ylabel(f"{response}\n{name} ({unit})")
+            if name == "amplitude":
+                _amplitude_axis(axes, values["exact_receptance"])
+            else:
+                axes.ticklabel_format(axis="y", style="sci", scilimits=(0, 0))
+        drawn.label_x("Frequency (Hz)")
+    return drawn.figure
+
+
+def _amplitude_axis(axes: Axes, amplitude: FloatArray) -> None:
+    high = float(np.nanmax(amplitude))
+    low = max(float(np.nanmin(amplitude)), high * 10**-DECADES)
+    scales.log_scale(axes, low / 2, 2 * high)
+
+
+def _phase_axis(axes: Axes) -> None:
+    axes.set_ylim(-190.0, 190.0)
+    axes.set_yticks([-180.0, -90.0, 0.0, 90.0, 180.0])
+
+
+def _phase(values: ComplexArray) -> FloatArray:
+    """In degrees from -180 to 180, without the line where it leaves one end for the other."""
+    phase = np.asarray(np.degrees(np.angle(values)), dtype=float)
+    phase[1:][np.abs(np.diff(phase)) > 180.0] = np.nan
+    return phase
