@@ -110,7 +110,7 @@ def hammer_title(dataset: xr.Dataset) -> str:
     degrees = float(np.degrees(first_angle(dataset)["crank_angle"]))
     return (
         f"Crank locked at {degrees:.6g} deg: impact {of['impact']}, response "
-        f"{of['response_point']}, {of['direction']}; {of['engine']} ({of['element']})"
+        f"{of['response_point']}, {of['direction']}; {of['engine']}"
     )
 
 

@@ -62,7 +62,8 @@ def plot_hammer(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         response.set_xlim(0.0, float(time[-1]))
         response.set_xlabel("Time (s)")
         response.set_ylabel(f"Displacement ({unit})")
-        coherence.plot(data["frequency"].values, data["coherence"].values, **series_line(0))
+        look = series_line(0) | {"lw": 0.8}
+        coherence.plot(data["frequency"].values, data["coherence"].values, **look)
         coherence.set_xlim(0.0, float(data["frequency"].values[-1]))
         coherence.set_ylim(min(0.0, float(np.nanmin(data["coherence"]))), 1.05)
         coherence.set_xlabel("Frequency (Hz)")

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FormatStrFormatter
+from matplotlib.ticker import FuncFormatter
 
 from flexmech.errors import InputError
 from flexmech.plots.frf import CURVES, complex_values, curve_handles, first_angle, hammer_title
@@ -72,6 +72,11 @@ def _draw_circle(axes: Axes, data: xr.Dataset, mode: int) -> None:
     axes.set_aspect("equal", adjustable="datalim")
     axes.locator_params(nbins=4)
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(FormatStrFormatter("%.3g"))
+        axis.set_major_formatter(FuncFormatter(_number))
     natural = float(circle["identified_frequency"])
     axes.set_title(f"Mode {int(circle['mode'])}: {natural:.5g} Hz", loc="left")
+
+
+def _number(value: float, place: int | None = None) -> str:
+    """Tick in full, with a true minus sign."""
+    return f"{value:.3g}".replace("-", "\N{MINUS SIGN}")
