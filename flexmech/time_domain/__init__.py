@@ -37,7 +37,7 @@ from flexmech.time_domain.reduced_links import DETAIL, can_stretch, is_reduced
 from flexmech.time_domain.sampled_turn import SampledTurn
 from flexmech.time_domain.simulator import Simulator, simulator
 from flexmech.time_domain.state import LinkState, VibrationState
-from flexmech.time_domain.struck_run import struck_run
+from flexmech.time_domain.struck_run import StruckLinkage
 
 __all__ = [
     "DETAIL",
@@ -65,6 +65,7 @@ __all__ = [
     "StateModes",
     "StatedPeriodicSystem",
     "StepBlock",
+    "StruckLinkage",
     "Trajectory",
     "TurnMap",
     "VibrationState",
@@ -88,6 +89,5 @@ __all__ = [
     "simulated_orbit",
     "simulator",
     "state_modes",
-    "struck_run",
     "turn_map",
 ]

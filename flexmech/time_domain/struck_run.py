@@ -1,4 +1,4 @@
-"""A run of the linear or stretching links of a linkage that is struck on the way."""
+"""Runs of the linear or stretching links of a linkage that is struck on the way."""
 
 from __future__ import annotations
 
@@ -7,82 +7,94 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmech.choices import LinkDirection
-from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint, displacement_row
 from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.time_domain.linear_run import BLOCK_STEPS, march_on, refuse_divergence, start_state
-from flexmech.time_domain.pulse import Impact
+from flexmech.time_domain.pulse import HalfSinePulse
 from flexmech.time_domain.state import VibrationState
 from flexmech.time_domain.step_table import StepTable
 from flexmech.time_domain.stretch_march import Course
 from flexmech.types import FloatArray
 
-__all__ = ["struck_run"]
+__all__ = ["StruckLinkage"]
 
 
-def struck_run(
-    linkage: DrivenLinkage,
-    start: VibrationState,
-    step: float,
-    steps: int,
-    impacts: Sequence[Impact],
-    seen: LinkPoint,
-    direction: LinkDirection,
-) -> FloatArray:
-    """Displacement of a point at every step of a run by the trapezoidal rule.
+class StruckLinkage:
+    """A driven linkage with a hammer on one of its points and an eye on another.
+
+    What the time steps of a turn need is solved once, for all runs.
 
     Parameters
     ----------
     linkage : DrivenLinkage
         At constant crank speed.
-    start : VibrationState
-        Position and velocity at time zero, (n,); the acceleration follows.
     step : float
-        In s.
-    steps : int
-    impacts : sequence of Impact
-        Which act besides the loads of the motion, all on the same point; none leaves them alone.
-    seen : LinkPoint
+        Of the trapezoidal rule, in s.
+    hit, seen : LinkPoint
+        Where the impacts act, and where the displacement is read.
     direction : {"transverse", "axial"}
-        In which the displacement is read, in the axes of the point's link.
-
-    Returns
-    -------
-    ndarray, shape (steps + 1,)
-        In m, from the undeformed link.
+        Of both, in the axes of their links' frames.
 
     Raises
     ------
     InputError
-        If the linkage has no such link, or the impacts are on several points.
-    ComputationError
-        If displacements grow beyond all bounds; names the time and the crank angle.
+        If the linkage has no such link.
     """
-    if len({(impact.point, impact.direction) for impact in impacts}) > 1:
-        raise InputError("the impacts of a run must all be on one point and in one direction")
-    place = seen.index(linkage.frames.topology)
-    row = displacement_row(linkage.links[place], seen.fraction, direction)
-    load = _unit_load(linkage, impacts[0]) if impacts else None
-    table, course = StepTable(linkage, step, load), Course()
-    state = start_state(linkage, start.position, start.velocity)
-    found = np.empty(steps + 1)
-    for done in range(0, steps, BLOCK_STEPS):
-        count = min(BLOCK_STEPS, steps - done)
-        time = step * np.arange(done, done + count + 1, dtype=float)
-        force = np.zeros(len(time)) + sum(impact.pulse.force(time) for impact in impacts)
-        with np.errstate(over="ignore", invalid="ignore"):
-            history, following, course = march_on(linkage, table, time, state, course, force)
-        refuse_divergence(linkage, time, history)
-        coordinates = following.expanded(history)
-        moved = linkage.frames.link_motion(linkage.motion(time), *coordinates)[place][0]
-        found[done : done + count + 1] = moved @ row
-        state = history[-1]
-    return found
 
+    def __init__(
+        self,
+        linkage: DrivenLinkage,
+        step: float,
+        hit: LinkPoint,
+        seen: LinkPoint,
+        direction: LinkDirection,
+    ) -> None:
+        self._linkage, self._step = linkage, step
+        topology = linkage.frames.topology
+        struck, self._place = hit.index(topology), seen.index(topology)
+        self._row = displacement_row(linkage.links[self._place], seen.fraction, direction)
+        load = [np.zeros(link.size) for link in linkage.links]
+        load[struck] = displacement_row(linkage.links[struck], hit.fraction, direction)
+        self._table = StepTable(linkage, step, load)
+        self._table.rows(np.linspace(0.0, linkage.drive.revolution_time, BLOCK_STEPS))
 
-def _unit_load(linkage: DrivenLinkage, impact: Impact) -> list[FloatArray]:
-    """Forces on the reduced links, (n_link,) each, of 1 N on the impact's point."""
-    hit = impact.point.index(linkage.frames.topology)
-    load = [np.zeros(link.size) for link in linkage.links]
-    load[hit] = displacement_row(linkage.links[hit], impact.point.fraction, impact.direction)
-    return load
+    def run(
+        self, start: VibrationState, steps: int, pulses: Sequence[HalfSinePulse] = ()
+    ) -> FloatArray:
+        """Displacement of the point at every step of a run.
+
+        Parameters
+        ----------
+        start : VibrationState
+            Position and velocity at time zero, (n,); the acceleration follows.
+        steps : int
+        pulses : sequence of HalfSinePulse
+            Which act besides the loads of the motion.
+
+        Returns
+        -------
+        ndarray, shape (steps + 1,)
+            In m, from the undeformed link.
+
+        Raises
+        ------
+        ComputationError
+            If displacements grow beyond all bounds; names the time and the crank angle.
+        """
+        linkage, course = self._linkage, Course()
+        state = start_state(linkage, start.position, start.velocity)
+        found = np.empty(steps + 1)
+        for done in range(0, steps, BLOCK_STEPS):
+            count = min(BLOCK_STEPS, steps - done)
+            time = self._step * np.arange(done, done + count + 1, dtype=float)
+            force = np.zeros(len(time)) + sum(pulse.force(time) for pulse in pulses)
+            with np.errstate(over="ignore", invalid="ignore"):
+                history, following, course = march_on(
+                    linkage, self._table, time, state, course, force
+                )
+            refuse_divergence(linkage, time, history)
+            coordinates = following.expanded(history)
+            moved = linkage.frames.link_motion(linkage.motion(time), *coordinates)
+            found[done : done + count + 1] = moved[self._place][0] @ self._row
+            state = history[-1]
+        return found

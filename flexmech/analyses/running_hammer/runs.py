@@ -18,10 +18,10 @@ from flexmech.time_domain import (
     HalfSinePulse,
     Impact,
     LinkState,
+    StruckLinkage,
     can_stretch,
     nonlinear_orbit,
     simulator,
-    struck_run,
 )
 from flexmech.types import FloatArray, StepProgress
 
@@ -110,10 +110,11 @@ def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: 
     asked = ResponseRequest(drive, start="periodic", prestress=request.prestress, modes=count)
     start = linear_start(linkage, asked, plan.step)
 
+    points = (request.impact, request.response, request.direction)
+    struck = StruckLinkage(linkage, plan.step, *points)
+
     def run(pulses: Sequence[HalfSinePulse]) -> FloatArray:
-        impacts = [Impact(request.impact, request.direction, pulse) for pulse in pulses]
-        point, direction = request.response, request.direction
-        return struck_run(linkage, start, plan.step, plan.samples, impacts, point, direction)
+        return struck.run(start, plan.samples, pulses)
 
     return run
 
