@@ -31,11 +31,11 @@ LEAST_LINES = 9
 """Frequencies that are fitted at least."""
 HALF_WIDTHS = (4, 8, 16, 32)
 """In lines, of what is tried for the first circle of a peak."""
-LEAST_EXPLAINED = 0.7
+LEAST_EXPLAINED = 0.5
 """Of what stands out at a peak: noise is no circle."""
-MOST_ROUNDS = 40
-CONVERGED = 1e-10
-"""Relative change of the poles in a round."""
+MOST_ROUNDS = 20
+CONVERGED = 1e-7
+"""Relative change of the poles in a round: they are refined together afterwards."""
 WEIGHT_ROUNDS = 4
 
 

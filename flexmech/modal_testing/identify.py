@@ -13,6 +13,7 @@ from flexmech.modal_testing.circle_fit import circle_fit_poles, peaks
 from flexmech.modal_testing.identified import IdentifiedModes, fit_residues, modal_sum
 from flexmech.modal_testing.lscf import has_lscf, lscf_poles
 from flexmech.modal_testing.refine import refined_poles
+from flexmech.modal_testing.significance import significant_poles
 from flexmech.modal_testing.stabilisation import stabilisation_chart
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
@@ -26,6 +27,8 @@ LEAST_LINES = 16
 """Frequencies in the band that a fit needs."""
 PEAK_LEFT = 0.1
 """Of the greatest receptance: a peak that is left above it is a mode that LSCF has missed."""
+MOST_PEAKS, MOST_NEAR = 20, 3
+"""Peaks that are tried, the most prominent ones: altogether, and near an expected mode."""
 NEAR = 0.05
 """Relative: an expected mode is one that is found so near in frequency."""
 
@@ -98,13 +101,13 @@ def identify(
     if method == "lscf":
         found = lscf_poles(frequency, receptance, (low, high), orders)
         chart = stabilisation_chart(found, added_damping)
-        pole = _with_peaks_left(kept, values, chart.pole[chart.chosen], added_damping)
+        pole = _with_peaks_left(kept, values, chart.pole[chart.chosen], wanted, added_damping)
     else:
         at = _peaks_near(kept, values, wanted)
         pole = circle_fit_poles(kept, values, at, added_damping)
     s = added_damping + 2j * np.pi * kept
     pole = refined_poles(s, values, pole[np.isfinite(pole)])
-    pole = pole[np.isfinite(pole)]
+    pole = significant_poles(s, values, pole[np.isfinite(pole)])
     pole = pole[np.argsort(abs(pole), kind="stable")]
     residue, outside = fit_residues(s, values, pole)
     left = values - modal_sum(s, pole, residue) - outside.at(s)
@@ -153,18 +156,28 @@ def _checked(frequency: FloatArray, receptance: ComplexArray) -> tuple[FloatArra
 
 
 def _with_peaks_left(
-    frequency: FloatArray, receptance: ComplexArray, pole: ComplexArray, added_damping: float
+    frequency: FloatArray,
+    receptance: ComplexArray,
+    pole: ComplexArray,
+    wanted: FloatArray | None,
+    added_damping: float,
 ) -> ComplexArray:
-    """Poles of LSCF with those of great peaks that it leaves: it is blind at the band's end."""
+    """Poles of LSCF with those of peaks that it leaves.
+
+    It is blind at the band's end, which is half its sampling rate, and noise hides from it what
+    answers little. Great peaks are added, and those where a mode is expected.
+    """
     s = added_damping + 2j * np.pi * frequency
     residue, outside = fit_residues(s, receptance, pole)
     left = receptance - modal_sum(s, pole, residue) - outside.at(s)
     size, whole = (np.linalg.norm(each, axis=0) for each in (left, receptance))
     at = peaks(frequency, left)
-    great = at[size[at] > PEAK_LEFT * whole.max()]
-    if great.size == 0:
-        return pole
-    more = circle_fit_poles(frequency, left, great, added_damping)
+    great = at[size[at] > PEAK_LEFT * whole.max()][:MOST_PEAKS]
+    known = np.asarray(abs(pole) / (2 * np.pi), dtype=float)
+    lonely = [] if wanted is None else [f for f in wanted if not np.any(abs(known - f) < NEAR * f)]
+    near = [at[abs(frequency[at] - f) < NEAR * f][:MOST_NEAR] for f in lonely]
+    at = np.unique(np.concatenate([great, *near]))
+    more = circle_fit_poles(frequency, left, at, added_damping)
     return np.concatenate([pole, more])
 
 
@@ -172,13 +185,15 @@ def _peaks_near(
     frequency: FloatArray, receptance: ComplexArray, wanted: FloatArray | None
 ) -> IntArray:
     """All peaks; if some frequencies are expected, those without a peak of their own as well."""
-    found = peaks(frequency, receptance)
+    at = peaks(frequency, receptance)
     if wanted is None:
-        return found
+        return at[:MOST_PEAKS]
     within = wanted[(wanted >= frequency[0]) & (wanted <= frequency[-1])]
-    lonely = [one for one in within if not np.any(abs(frequency[found] - one) < NEAR * one)]
-    more = [int(np.argmin(abs(frequency - one))) for one in lonely]
-    return np.concatenate([found, np.array(more, dtype=np.intp)])
+    near = []
+    for one in within:
+        own = at[abs(frequency[at] - one) < NEAR * one][:MOST_NEAR]
+        near.append(own if own.size else np.array([np.argmin(abs(frequency - one))]))
+    return np.unique(np.concatenate([at[:MOST_PEAKS], *near]))
 
 
 def _asked(frequency: FloatArray, wanted: FloatArray | None, count: int | None) -> IntArray:
