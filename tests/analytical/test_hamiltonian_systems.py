@@ -52,7 +52,7 @@ def random_hamiltonian(seed: int, half: int) -> Hamiltonian:
 
 
 @given(seed=st.integers(0, 10**6), half=st.integers(1, 4), steps=st.integers(16, 90))
-# The multipliers are e^16.7 apart: as one group, they missed Liouville's integral by 1e-9 and 1e-10.
+# Multipliers e^16.7 apart: as one group, they missed Liouville's integral by 1e-9 and 1e-10.
 @example(seed=146361, half=4, steps=80)
 @example(seed=95015, half=4, steps=79)
 @settings(max_examples=40, deadline=None)

@@ -57,6 +57,20 @@ def test_a_band_that_is_narrower_than_the_step_is_found_named_and_closed(maps):
     assert 0.004 < band.closing_damping_ratio < 0.01
 
 
+def test_what_meets_in_a_band_has_opposite_krein_signatures(maps):
+    """The Hamilton function is definite: a signature is the sign of the frequency."""
+    for found in maps:
+        assert found.is_definite
+        for each in found.speeds:
+            clear = np.abs(each.krein_signature) > 0.1
+            assert clear.sum() >= 8
+            sense = np.sign(each.exponent.imag)
+            assert np.array_equal(np.sign(each.krein_signature)[clear], sense[clear])
+        for band in found.bands:
+            assert band.signatures[0] > 0.01
+            assert band.signatures[1] < -0.01
+
+
 def test_the_edges_of_both_engines_agree_within_their_errors(maps):
     first, other = (found.bands[0] for found in maps)
     for ours, theirs in ((first.lower, other.lower), (first.upper, other.upper)):

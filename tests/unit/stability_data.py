@@ -44,6 +44,7 @@ def band(**changed: Any) -> Band:
         "fastest_speed": 88.7,
         "closing_damping_ratio": 0.0034,
         "mismatch": 1e-3,
+        "signatures": (0.9, -0.8),
     }
     return Band(**known | changed)
 
@@ -61,6 +62,7 @@ def bands() -> list[Band]:
             order=0,
             largest_growth_rate=8.0,
             closing_damping_ratio=np.nan,
+            signatures=(np.nan, np.nan),
             **beyond,
         ),
     ]
@@ -77,6 +79,7 @@ def followed(speed: float, growth: float = -DECAY, **more: Any) -> FollowedSpeed
         "step_error": np.full(count, 3e-9),
         "likeness": np.ones(count),
         "harmonic_share": np.repeat(HARMONICS[:, None], count, axis=1),
+        "krein_signature": 0.9 * np.tile([1.0, -1.0], len(FREQUENCIES)),
         "liouville_defect": 2e-13,
         "steps": 256,
     }

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from flexmech.analyses.stability.collisions import Meeting
-from flexmech.analyses.stability.naming import band_name
+from flexmech.analyses.stability.naming import BandName, band_name, signatures_of
 from flexmech.analyses.stability.parallel import FEW, in_order
 from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth, speeds_between
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.errors import ComputationError
 from flexmech.reference import ReferenceEngine
+from tests.unit.stability_data import followed
 
 USUAL = np.array([44.0, 49.0, 180.0])
 
@@ -63,6 +64,27 @@ def test_no_multiple_is_no_name():
 
 def samples(growth):
     return [Sample(float(speed), g, g) for speed, g in growth.items()]
+
+
+def test_signatures_are_those_beside_the_band_where_both_are_clear():
+    # Branch 1 is about to meet another one at 91; -f_b is the mode of branch b that turns back.
+    found = [followed(speed) for speed in (85.0, 87.0, 91.0, 96.0)]
+    signature = np.array([0.9, -0.9, 0.8, -0.8, -0.7, 0.7, 0.6, -0.6])
+    found = [replace(each, krein_signature=signature) for each in found]
+    found[1] = replace(found[1], krein_signature=signature / 2)
+    found[2] = replace(found[2], krein_signature=signature * np.repeat([0, 1, 1, 1], 2))
+    ends = (88.0, 90.0)
+
+    def signatures(kind, branches):
+        return signatures_of(BandName(kind, branches, 7, 0.0), ends, found)
+
+    assert signatures("sum", (1, 2)) == (0.45, -0.4)
+    assert signatures("principal", (2, 2)) == (0.4, -0.4)
+    assert signatures("sum", (2, 3)) == (0.4, 0.35)
+    assert signatures("difference", (2, 3)) == (0.4, -0.35)
+    assert signatures_of(BandName("sum", (2, 4), 7, 0.0), (84.0, 88.0), found) == (0.8, -0.6)
+    assert np.isnan(signatures("unnamed", ())).all()
+    assert np.isnan(signatures_of(BandName("sum", (1, 2), 7, 0.0), (80.0, 99.0), found)).all()
 
 
 def test_runs_lie_between_speeds_at_which_nothing_grows():

@@ -127,7 +127,8 @@ class TestWords:
         said = result().summary().lines
         assert (
             "avoid 88.10 to 89.30 rad/s: the sum of modes 1 and 3 is 11 times the crank's "
-            "frequency; grows with 3.7 1/s; a damping ratio of 0.34 % closes it"
+            "frequency (opposite Krein signatures); grows with 3.7 1/s; a damping ratio of "
+            "0.34 % closes it"
         ) in said
         assert any("twice the frequency of mode 2 is 7 times" in line for line in said)
         unnamed = next(line for line in said if "no two frequencies" in line)

@@ -58,6 +58,9 @@ class Band:
         NaN if no damping ratio below 1 closes it.
     mismatch : float
         How far the frequencies are from the name, relative to the crank's frequency.
+    signatures : tuple of float
+        Krein signatures of the two multipliers that meet, beside the band of the undamped linkage;
+        not a number without a name.
     """
 
     lower: BandEdge
@@ -69,6 +72,7 @@ class Band:
     fastest_speed: float
     closing_damping_ratio: float
     mismatch: float
+    signatures: tuple[float, float]
 
     @property
     def error(self) -> float:

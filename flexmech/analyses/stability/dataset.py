@@ -36,6 +36,7 @@ OF_MULTIPLIERS: dict[str, Callable[[FollowedSpeed], FloatArray]] = {
     "frequency": lambda each: each.frequency,
     "step_error": lambda each: each.step_error,
     "likeness": lambda each: each.likeness,
+    "krein_signature": lambda each: each.krein_signature,
 }
 OF_SPEEDS: dict[str, Callable[[FollowedSpeed], float | None]] = {
     "growth_rate": lambda each: each.growth_rate,
@@ -65,6 +66,8 @@ OF_BANDS: dict[str, Callable[[Band], Any]] = {
     "fastest_speed": lambda band: band.fastest_speed,
     "closing_damping_ratio": lambda band: band.closing_damping_ratio,
     "mismatch": lambda band: band.mismatch,
+    "first_signature": lambda band: band.signatures[0],
+    "second_signature": lambda band: band.signatures[1],
 }
 TYPES: dict[str, Any] = {
     "engine": str,

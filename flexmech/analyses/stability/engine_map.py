@@ -27,7 +27,7 @@ from flexmech.analyses.stability.exponent_errors import exponent_errors
 from flexmech.analyses.stability.exponents import wrapped
 from flexmech.analyses.stability.following import FollowedModes, follow, likeness
 from flexmech.analyses.stability.kept_modes import KeptModes, matched
-from flexmech.analyses.stability.naming import BandName, band_name
+from flexmech.analyses.stability.naming import BandName, band_name, signatures_of
 from flexmech.analyses.stability.parallel import in_order
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth, speeds_between
@@ -253,6 +253,7 @@ class _EngineMap:
                     fastest_speed=top.crank_speed,
                     closing_damping_ratio=ratio,
                     mismatch=name.mismatch,
+                    signatures=signatures_of(name, ends[n], followed),
                 )
             )
         return bands
@@ -331,6 +332,7 @@ def _followed(solved: SolvedSpeed, modes: KeptModes, alike: FloatArray) -> Follo
         step_error=solved.step_error[order],
         likeness=alike,
         harmonic_share=modes.harmonic_share,
+        krein_signature=solved.krein_signature[order],
         liouville_defect=modes.liouville_defect,
         steps=modes.steps,
         buckled_angle=solved.buckled_angle,

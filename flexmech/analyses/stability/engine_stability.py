@@ -33,6 +33,8 @@ class FollowedSpeed(FloquetExponents):
         How alike a mode is to the last clear shape of its branch: 1 for the same shape.
     harmonic_share : ndarray, shape (2 h + 1, k)
         Parts of the mean square displacement in the harmonics -h to h about the largest.
+    krein_signature : ndarray, shape (k,)
+        Of the undamped linkage's modes: zero where the multiplier is not on the unit circle.
     liouville_defect : float
     steps : int
     buckled_angle : float or None
@@ -47,6 +49,7 @@ class FollowedSpeed(FloquetExponents):
     step_error: FloatArray
     likeness: FloatArray
     harmonic_share: FloatArray
+    krein_signature: FloatArray
     liouville_defect: float
     steps: int
     buckled_angle: float | None = None
@@ -57,6 +60,12 @@ class FollowedSpeed(FloquetExponents):
     def branch(self) -> IntArray:
         """Number of each mode's branch, from 1, (k,)."""
         return np.arange(len(self.exponent)) // 2 + 1
+
+    def signature_of(self, branch: int, sense: int) -> float:
+        """Krein signature of the mode of a branch, from 1, that turns forward (1) or back (-1)."""
+        own = slice(2 * branch - 2, 2 * branch)
+        place = 2 * branch - 2 + int((sense * self.exponent.imag[own]).argmax())
+        return float(self.krein_signature[place])
 
     @property
     def frequency(self) -> FloatArray:

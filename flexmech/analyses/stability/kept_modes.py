@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.stability.exponents import FloquetExponents, wrapped
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
-from flexmech.time_domain import floquet_modes
+from flexmech.time_domain import floquet_modes, krein_signature
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["KeptModes", "kept_modes", "matched"]
@@ -36,12 +36,16 @@ class KeptModes(FloquetExponents):
         displacement. Its largest harmonic is the mean.
     harmonic_share : ndarray, shape (2 h + 1, k)
         Part of ``y^H y`` in the harmonics -h to h about the largest.
+    signature : ndarray, shape (k,)
+        Krein signatures at the start of a turn, in the scaled states; of a damped linkage's modes
+        they mean nothing.
     liouville_defect : float
     steps : int
     """
 
     shape: NDArray[np.complex128]
     harmonic_share: FloatArray
+    signature: FloatArray
     liouville_defect: float
     steps: int
 
@@ -52,6 +56,7 @@ class KeptModes(FloquetExponents):
             self.exponent[order],
             self.shape[..., order],
             self.harmonic_share[:, order],
+            self.signature[order],
             self.liouville_defect,
             self.steps,
         )
@@ -83,6 +88,7 @@ def kept_modes(linkage: VibratingLinkage, damping: float, steps: int) -> KeptMod
         found.exponent[kept] + 2j * np.pi * largest[kept] / linkage.period,
         weighted / np.sqrt((np.abs(weighted) ** 2).sum(axis=(0, 1))),
         shares[:, kept],
+        krein_signature(states[0][:, kept]),
         found.liouville_defect,
         steps,
     )

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexmech.analyses.stability.band import Kind
+from flexmech.analyses.stability.engine_stability import FollowedSpeed
 from flexmech.types import FloatArray
 
-__all__ = ["BandName", "band_name"]
+__all__ = ["BandName", "band_name", "signatures_of"]
 
 # A branch that is a smaller part of the mode that grows has no part in the band.
 LEAST_PART = 0.15
@@ -17,6 +19,8 @@ LEAST_PART = 0.15
 FARTHEST = 0.25
 # In a band frequencies are pulled to its order: by no more than its width tells, or by this.
 PULLED = 0.01
+# A smaller Krein signature is that of a multiplier beside the unit circle, or about to leave it.
+LEAST_SIGNATURE = 0.01
 
 
 @dataclass(frozen=True)
@@ -96,3 +100,35 @@ def band_name(
     if not found:
         return BandName("unnamed", (), 0, float("nan"))
     return max(found, key=lambda scored: scored[0])[1]
+
+
+def signatures_of(
+    name: BandName, ends: tuple[float, float], followed: Sequence[FollowedSpeed]
+) -> tuple[float, float]:
+    """Krein signatures of the two multipliers that meet in a band.
+
+    Parameters
+    ----------
+    name : BandName
+    ends : tuple of float
+        Of the band in rad/s.
+    followed : sequence of FollowedSpeed
+
+    Returns
+    -------
+    tuple of float
+        At the nearest speed beside the band at which both are clear: those of the multipliers of
+        ``f_a`` and of ``-f_b``, or of ``f_b`` for a difference. Not a number without a name, or
+        where there is no such speed.
+    """
+    if not name.branches:
+        return float("nan"), float("nan")
+    first, last = name.branches
+    sense = 1 if name.kind == "difference" else -1
+    low, high = sorted(ends)
+    beside = [f for f in followed if not low <= f.crank_speed <= high]
+    for each in sorted(beside, key=lambda f: max(low - f.crank_speed, f.crank_speed - high)):
+        found = each.signature_of(first, 1), each.signature_of(last, sense)
+        if min(map(abs, found)) > LEAST_SIGNATURE:
+            return found
+    return float("nan"), float("nan")

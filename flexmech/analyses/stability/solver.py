@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.analyses.stability.exponents import wrapped
+from flexmech.analyses.stability.following import BranchShapes
 from flexmech.analyses.stability.kept_modes import KeptModes, kept_modes, matched
 from flexmech.analyses.stability.speed_window import SpeedWindow, chebyshev_nodes
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
@@ -50,6 +51,8 @@ class SolvedSpeed:
     step_error : ndarray, shape (k,)
         Change of the logarithm of each multiplier, modulus and angle together, when the steps
         are halved in number.
+    krein_signature : ndarray, shape (k,)
+        Of the mode of the undamped linkage that is most like each of them.
     moving_modes : int
         Number of moving modes.
     is_definite : bool
@@ -63,6 +66,7 @@ class SolvedSpeed:
 
     modes: KeptModes
     step_error: FloatArray
+    krein_signature: FloatArray
     moving_modes: int
     is_definite: bool
     buckled_angle: float | None
@@ -322,12 +326,22 @@ class LinkageSolver:
         return SolvedSpeed(
             modes=modes,
             step_error=step_error(moving, modes, self.damping),
+            krein_signature=self._signature(moving, modes),
             moving_modes=moving.size,
             is_definite=moving.is_definite,
             buckled_angle=moving.least_angle if moving.least_square <= 0 else None,
             orbit_distance=moving.orbit_distance,
             orbit_residual=moving.orbit_residual,
         )
+
+    def _signature(self, moving: VibratingLinkage, modes: KeptModes) -> FloatArray:
+        """Krein signatures (k,) of the undamped linkage's modes, in the order of others."""
+        if not self.is_damped:
+            return modes.signature
+        # A sign asks for no more than half the steps.
+        undamped = self.with_half_the_steps(moving).solve(moving, 0.0)
+        shapes = BranchShapes(modes.shape.astype(np.complex64), modes.exponent.imag / (2 * np.pi))
+        return undamped.signature[shapes.order_of(undamped)[0]]
 
     @property
     def quasi_static(self) -> Prestress:

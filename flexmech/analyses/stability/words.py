@@ -246,7 +246,16 @@ def _sentence(band: xr.Dataset) -> str:
         else "no damping ratio below 1 closes it"
     )
     rate = float(band["band_largest_growth_rate"])
-    return f"{band_range(band, unit)}: {band_name(band)}; grows with {rate:.3g} 1/s; {closed}"
+    name = f"{band_name(band)}{_signatures(band)}"
+    return f"{band_range(band, unit)}: {name}; grows with {rate:.3g} 1/s; {closed}"
+
+
+def _signatures(band: xr.Dataset) -> str:
+    """Of the multipliers that meet in the band; empty where they are not known."""
+    product = float(band["band_first_signature"]) * float(band["band_second_signature"])
+    if not np.isfinite(product):
+        return ""
+    return f" ({'opposite' if product < 0 else 'equal'} Krein signatures)"
 
 
 def _row(engine: str, band: xr.Dataset, unit: str) -> tuple[str, ...]:
