@@ -119,7 +119,7 @@ def planned_record(request: HammerRequest, locked: Sequence[LockedLinkage]) -> R
             f"bandwidth is {bandwidth:g} Hz; give a pulse of {1 / bandwidth:.3g} s, or a smaller "
             "bandwidth"
         )
-    slowest = min(float(-each.poles(bandwidth).real.max()) for each in locked)
+    slowest = min(_slowest(each, bandwidth) for each in locked)
     rate = SAMPLES_A_HERTZ * bandwidth
     start = BEFORE / bandwidth
     samples = _samples(request, bandwidth, start + pulse - np.log(LEFT) / slowest)
@@ -164,6 +164,18 @@ def _bandwidth(request: HammerRequest, locked: Sequence[LockedLinkage]) -> float
     highest = max(float(each.natural_frequencies(request.modes)[-1]) for each in locked)
     wanted = _two_digits(ABOVE_MODES * highest)
     return wanted if request.pulse is None else min(wanted, 1 / request.pulse)
+
+
+def _slowest(locked: LockedLinkage, bandwidth: float) -> float:
+    """Least rate in 1/s at which a mode of the band decays."""
+    poles = locked.poles(bandwidth)
+    if not len(poles):
+        raise InputError(
+            f"no natural frequency lies below {bandwidth:g} Hz, the first at "
+            f"{locked.natural_frequencies(1)[0]:.4g} Hz; give a greater bandwidth, or a shorter "
+            "pulse"
+        )
+    return float(-poles.real.max())
 
 
 def _samples(request: HammerRequest, bandwidth: float, needed: float) -> int:
