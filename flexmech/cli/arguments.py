@@ -190,13 +190,14 @@ def parse_point(text: str) -> CouplerPoint:
         ) from error
 
 
-def parse_speed(text: str) -> tuple[float, str]:
-    """Crank speed of ``--speed`` in rad/s, and the unit that it was typed in.
+def parse_speed(text: str, option: str = "--speed") -> tuple[float, str]:
+    """Crank speed of an option in rad/s, and the unit that it was typed in.
 
     Parameters
     ----------
     text : str
         Such as ``"20"`` or ``"300 rpm"``; rad/s unless a unit is given.
+    option : str
 
     Returns
     -------
@@ -209,10 +210,10 @@ def parse_speed(text: str) -> tuple[float, str]:
     InputError
         If it is no angular speed, or zero.
     """
-    speed = parse_option("--speed", text, units.ANGULAR_SPEED, "rad/s")
+    speed = parse_option(option, text, units.ANGULAR_SPEED, "rad/s")
     if speed == 0:
         raise InputError(
-            f"--speed: got {text!r}, at which nothing turns; give a crank speed other than zero, "
+            f"{option}: got {text!r}, at which nothing turns; give a crank speed other than zero, "
             f"for example {units.ANGULAR_SPEED.example} (a negative one turns backwards)"
         )
     return speed, units.parse_quantities(text, units.ANGULAR_SPEED, "rad/s").unit

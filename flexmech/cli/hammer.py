@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from flexmech import units
 from flexmech.choices import ELEMENTS_A_LINK
@@ -12,13 +11,10 @@ from flexmech.cli.against import parse_damping_ratio
 from flexmech.cli.arguments import parse_angles, parse_option
 from flexmech.cli.deliver import deliver
 from flexmech.cli.engines import make_engines
-from flexmech.cli.failures import naming
+from flexmech.cli.hammer_parsing import parse_point, parse_positive
 from flexmech.cli.pictures import asked_pictures
+from flexmech.cli.running_hammer import deliver_running_hammer, refuse_when_running
 from flexmech.errors import InputError
-
-if TYPE_CHECKING:
-    from flexmech.linear_system import LinkPoint
-    from flexmech.mechanism import Mechanism
 
 
 def hammer(
@@ -36,7 +32,7 @@ def hammer(
     engine: hammer_options.HammerEngine = "exudyn",
     element: options.Element = None,
     elements: options.Elements = ELEMENTS_A_LINK,
-    prestress: options.Prestress = "none",
+    prestress: hammer_options.HammerPrestress = None,
     damping_ratio: options.DampingRatio = None,
     running: hammer_options.Running = None,
     uff: hammer_options.UniversalFile = False,
@@ -53,10 +49,10 @@ def hammer(
     degrees, ratio = parse_angles(angle, "--angle"), parse_damping_ratio(damping_ratio)
     seconds = {"--duration": duration, "--pulse": pulse}
     lasting, pushing = (
-        None if text is None else _positive(option, text, units.TIME)
+        None if text is None else parse_positive(option, text, units.TIME)
         for option, text in seconds.items()
     )
-    band = None if bandwidth is None else _positive("--bandwidth", bandwidth, units.FREQUENCY)
+    band = None if bandwidth is None else parse_positive("--bandwidth", bandwidth, units.FREQUENCY)
     fraction = parse_option("--noise", noise, units.RATIO)
 
     import numpy as np
@@ -66,11 +62,11 @@ def hammer(
     from flexmech.modelfile import load_mechanism
 
     mechanism = load_mechanism(model)
-    hit = _point(mechanism, "--impact", impact)
+    hit = parse_point(mechanism, "--impact", impact)
     request = HammerRequest(
         np.radians(degrees),
         impact=hit,
-        response=hit if response is None else _point(mechanism, "--response", response),
+        response=hit if response is None else parse_point(mechanism, "--response", response),
         direction=direction,
         averages=averages,
         bandwidth=band,
@@ -78,11 +74,17 @@ def hammer(
         pulse=pushing,
         noise=fraction,
         seed=seed,
-        prestress=prestress,
+        prestress=prestress or "none",
         grid=grid,
     )
+    pictures = asked_pictures(no_plots, "png", "two-column")
     if running is not None:
-        raise InputError("--running: this version hits the locked linkage alone; leave it out")
+        refuse_when_running(angle != "0", grid is not None, uff)
+        chosen = make_engines(mechanism, engine, element, elements)[0]
+        deliver_running_hammer(
+            running, request, prestress or "equilibrium", ratio, chosen, out, model, pictures
+        )
+        return
     if uff:
         raise InputError("--uff: this version writes no universal files; leave it out")
     chosen = make_engines(mechanism, engine, element, elements)[0]
@@ -95,26 +97,5 @@ def hammer(
         ),
         out,
         model=model,
-        pictures=asked_pictures(no_plots, "png", "two-column"),
+        pictures=pictures,
     )
-
-
-def _point(mechanism: Mechanism, option: str, text: str | None) -> LinkPoint:
-    """Point of an option; the middle of the coupler, or of the last link, where it is left out."""
-    from flexmech.linear_system import LinkPoint
-
-    topology = mechanism.linkage.topology
-    names = topology.link_names
-    if text is None:
-        return LinkPoint("coupler" if "coupler" in names else names[-1], 0.5)
-    with naming(option):
-        point = LinkPoint.parse(text)
-        point.index(topology)
-    return point
-
-
-def _positive(option: str, text: str, dimension: units.Dimension) -> float:
-    value = parse_option(option, text, dimension, dimension.unit)
-    if value <= 0:
-        raise InputError(f"{option}: must be positive, got {text!r}")
-    return value

@@ -80,6 +80,15 @@ HammerEngine = Annotated[
         help="exudyn: its nonlinear transient; reference: the exact answer of the linear equations."
     ),
 ]
+HammerPrestress = Annotated[
+    choices.Prestress | None,
+    Option(
+        "--prestress",
+        help="none: elastic stiffness alone; axial: with the axial forces of the rigid motion; "
+        "equilibrium: at the nonlinear quasi-static equilibrium. Left out: none where the crank is "
+        "locked, equilibrium with --running.",
+    ),
+]
 Running = Annotated[
     str | None,
     Option(

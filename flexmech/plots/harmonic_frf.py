@@ -17,8 +17,8 @@ from flexmech.types import ComplexArray
 
 __all__ = ["plot_harmonic_frf"]
 
-# What a row of panels and what the axes take, in inches.
-ROW, AXES_HEIGHT = 1.25, 0.7
+# What a row of panels and what the axes take, in inches; on a narrow page each row becomes two.
+ROW, NARROW_ROW, AXES_HEIGHT = 1.25, 0.75, 0.7
 # Room above the greatest amplitude, and how far below it the axis reaches at most.
 HEADROOM, DECADES = 2.0, 4.5
 IDENTIFIED: Look = {"color": series_style(1).color, "lw": 2.4, "alpha": 0.55}
@@ -50,8 +50,8 @@ def plot_harmonic_frf(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     frequency = dataset["frequency"].values
     functions = [(_function(dataset, name), look) for name, look in _looks()]
     low, high = _limits([values for values, _ in functions])
-    columns = 1 if style.is_narrow() else 2
-    layout = grid(len(orders), 2, ROW * len(orders) + AXES_HEIGHT, sharex=columns == 2)
+    row_height = NARROW_ROW if style.is_narrow() else ROW
+    layout = grid(len(orders), 2, row_height * len(orders) + AXES_HEIGHT / 2, sharex=True)
     with sheet(layout, ax=ax) as drawn:
         drawn.header(_handles(), _title(dataset), of=dataset)
         for row, order in enumerate(orders):
@@ -63,7 +63,7 @@ def plot_harmonic_frf(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
             scales.log_scale(amplitude, low, high)
             amplitude.set_ylabel(f"|H$_{{{_signed(order)}}}$| (m/N)")
             _degrees(phase)
-            phase.set_ylabel(f"Phase of H$_{{{_signed(order)}}}$ (°)")
+            phase.set_ylabel(f"∠H$_{{{_signed(order)}}}$ (deg)")
             for axes in (amplitude, phase):
                 axes.set_xlim(frequency[0], frequency[-1])
         drawn.label_x("Frequency f of the force (Hz)")
@@ -85,8 +85,8 @@ def _handles() -> list[Artist]:
 def _title(dataset: xr.Dataset) -> str:
     attrs = dataset.attrs
     return (
-        f"Response of {attrs['response_point']} at f + n f$_{{crank}}$ to a force on "
-        f"{attrs['impact_point']} at f;\n{speed_text(dataset)}, {attrs['engine']} engine"
+        f"From {attrs['impact_point']} at f to {attrs['response_point']} at f + n f$_{{crank}}$; "
+        f"{speed_text(dataset)}, {attrs['engine']} engine"
     )
 
 

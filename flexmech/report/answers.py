@@ -12,6 +12,7 @@ from flexmech.analyses import (
     CampbellDiagram,
     MovingFrequencies,
     Response,
+    RunningHammerTest,
     StabilityMap,
     Summary,
 )
@@ -213,7 +214,7 @@ def _deflection(results: Results) -> tuple[str, ...]:
 def _trust(results: Results) -> tuple[str, ...]:
     """What each result says of its engines, and what limits it."""
     lines = []
-    for kind in (MovingFrequencies, CampbellDiagram, StabilityMap, Response):
+    for kind in (MovingFrequencies, CampbellDiagram, StabilityMap, RunningHammerTest, Response):
         for result in results.of_kind(kind):
             said = result.summary()
             subject = result.subject[:1].upper() + result.subject[1:]

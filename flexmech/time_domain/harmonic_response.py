@@ -2,9 +2,10 @@
 
 A force ``exp(i w t)`` on ``x' = A(t) x + b(t) u`` whose matrices repeat themselves with the
 frequency ``W = 2 pi / T`` answers, once what is free has died out, at ``w + n W`` for every order
-n. The amplitudes are the harmonic transfer functions H_n(w) (N. M. Wereley, Analysis and Control
-of Linear Periodically Time Varying Systems, thesis, MIT 1991, chapter 3). They follow from the one
-solution with ``x(T) = exp(i w T) x(0)``. In the Floquet modes ``x = Phi(t) z``, which the
+n. The amplitudes are the harmonic transfer functions H_n(w) (N. M. Wereley & S. R. Hall, Frequency
+response of linear time periodic systems, 29th IEEE Conference on Decision and Control (1990)
+3650-3655; N. M. Wereley, thesis, MIT 1991). They follow from the one solution with
+``x(T) = exp(i w T) x(0)``. In the Floquet modes ``x = Phi(t) z``, which the
 propagator of :mod:`flexmech.time_domain.floquet` gives, that solution is known harmonic by
 harmonic::
 

@@ -13,8 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flexmech import RunningHammerTest
 from flexmech.hygrothermal import linkage_in_state
 from flexmech.verification import verification_case
+from tests.unit.running_hammer_data import running_hammer_dataset
 
 SCENARIOS = Path(__file__).parents[2] / "scenarios"
 NAMES = [
@@ -29,6 +31,7 @@ NAMES = [
     "mode_shapes",
     "moisture_and_stability",
     "running_fourbars",
+    "running_hammer_test",
     "stability_maps",
     "steel_fourbar_frequencies",
     "transmission_angle",
@@ -192,6 +195,30 @@ def test_instability_confirmed(scenario, held_number, tmp_path, capsys):
     assert printed.count("the rates agree within 10 %") == 2
     assert "the edges agree within 2 %" in printed
     assert_pictures(tmp_path, "growth.png")
+
+
+@pytest.mark.thorough
+def test_running_hammer_test(scenario, held_number, tmp_path, capsys):
+    """The first two sidebands: amplitude within 5 %, frequency within one bin (issue 17)."""
+    found = scenario("running_hammer_test").main(tmp_path, elements=2)
+    peaks = found.peaks().set_index("order")
+    assert 1e3 * peaks.loc[1, "identified_m_N"] == held_number("running_hammer_test")
+    for order in (-2, -1, 1, 2):
+        identified, predicted = peaks.loc[order, ["identified_m_N", "predicted_m_N"]]
+        assert identified == pytest.approx(predicted, rel=0.05)
+        assert peaks.loc[order, "bins_apart"] <= 1
+    assert found.dataset["halving_change"].max() < 0.01
+    assert found.dataset["decay"].max() < 1e-4
+    assert "agree within 5 % and one bin" in capsys.readouterr().out
+    assert_pictures(tmp_path, "harmonic_frf.png")
+
+
+def test_what_the_running_hammer_test_tells_is_computed(scenario):
+    module = scenario("running_hammer_test")
+    lines = module.told(RunningHammerTest(running_hammer_dataset()))
+    assert [line.split(":")[0] for line in lines] == ["order -1", "order +0", "order +1"]
+    assert "identified 1.428e-02 m/N at 45.00 Hz, +2.0 % from the prediction, 0 bins" in lines[2]
+    assert "the frozen linkage says 0.49 times that" in lines[2]
 
 
 def test_verdicts_on_instability_are_computed(scenario):

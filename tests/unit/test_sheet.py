@@ -37,6 +37,7 @@ from tests.unit.plot_data import (
     verification_dataset,
     vibration_dataset,
 )
+from tests.unit.running_hammer_data import running_hammer_dataset
 from tests.unit.stability_data import stability_dataset
 
 Plot = Callable[..., Figure]
@@ -111,6 +112,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_floquet_harmonics: (stability_dataset, 4),
     plots.plot_forces: (response_dataset, 5),
     plots.plot_frequencies: (frequency_dataset, 4),
+    plots.plot_harmonic_frf: (running_hammer_dataset, 6),
     plots.plot_hygrothermal_effect: (in_two_states, 4),
     plots.plot_laminate_factors: (composite_study, 1),
     plots.plot_linkage: (linkage_dataset, 1),

@@ -12,6 +12,7 @@ from flexmech.report.panels.mechanism import mechanism_panel
 from flexmech.report.panels.moisture import moisture_panel
 from flexmech.report.panels.other import other_panel
 from flexmech.report.panels.response import response_panel, spectrum_panel
+from flexmech.report.panels.running_hammer import running_hammer_panel
 from flexmech.report.panels.sections import section_panel
 from flexmech.report.panels.stability import stability_panel
 from flexmech.report.results import Results
@@ -23,6 +24,7 @@ PANELS: tuple[Callable[[Results], Panel | None], ...] = (
     damping_panel,
     campbell_panel,
     stability_panel,
+    running_hammer_panel,
     response_panel,
     spectrum_panel,
     coupler_panel,
