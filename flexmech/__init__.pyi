@@ -9,6 +9,8 @@ from . import studies as studies
 from . import time_domain as time_domain
 from . import verification as verification
 from .analyses import CampbellDiagram as CampbellDiagram
+from .analyses import Comparison as Comparison
+from .analyses import ComparisonRequest as ComparisonRequest
 from .analyses import CouplerPaths as CouplerPaths
 from .analyses import CrankRockerSynthesis as CrankRockerSynthesis
 from .analyses import Formulation as Formulation
@@ -27,6 +29,7 @@ from .analyses import SectionProfiles as SectionProfiles
 from .analyses import SpeedSweep as SpeedSweep
 from .analyses import StabilityMap as StabilityMap
 from .analyses import check_mechanism as check_mechanism
+from .analyses import compare_with_record as compare_with_record
 from .analyses import coupler_paths as coupler_paths
 from .analyses import crank_rocker_synthesis as crank_rocker_synthesis
 from .analyses import moisture_uptake as moisture_uptake
@@ -64,6 +67,9 @@ from .materials import ply_from_constituents as ply_from_constituents
 from .materials import propagated_uncertainty as propagated_uncertainty
 from .materials import published_constituents as published_constituents
 from .materials import woven_ply as woven_ply
+from .measured_data import MeasuredQuantity as MeasuredQuantity
+from .measured_data import MeasuredRecord as MeasuredRecord
+from .measured_data import read_record as read_record
 from .mechanism import Mechanism as Mechanism
 from .mechanism import PointMass as PointMass
 from .modelfile import load_mechanism as load_mechanism

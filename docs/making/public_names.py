@@ -46,6 +46,7 @@ SECTIONS: dict[str, Rule] = {
     "Mechanisms and linkages": _comes_from(
         "mechanism", "linkages", "modelfile", "example_models", "linear_system"
     ),
+    "Measured records": _comes_from("measured_data"),
     "Sections and materials": _comes_from("sections", "materials"),
     "Heat and moisture": _comes_from("hygrothermal"),
 }

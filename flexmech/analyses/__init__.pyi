@@ -2,6 +2,10 @@ from .campbell import CampbellDiagram as CampbellDiagram
 from .campbell import CampbellRequest as CampbellRequest
 from .check import ModelCheck as ModelCheck
 from .check import check_mechanism as check_mechanism
+from .comparison import Comparison as Comparison
+from .comparison import ComparisonRequest as ComparisonRequest
+from .comparison import FittedValue as FittedValue
+from .comparison import compare_with_record as compare_with_record
 from .coupler_path import CouplerPaths as CouplerPaths
 from .coupler_path import coupler_paths as coupler_paths
 from .frequencies import EngineAgreement as EngineAgreement

@@ -15,6 +15,7 @@ from typer.core import TyperGroup
 from flexmech.cli.campbell import campbell
 from flexmech.cli.check import check
 from flexmech.cli.command_line import running
+from flexmech.cli.compare import compare
 from flexmech.cli.coupler_curve import coupler_curve
 from flexmech.cli.export import export
 from flexmech.cli.failures import reports_failures
@@ -42,6 +43,7 @@ DELIVERING: tuple[Callable[..., None], ...] = (
     campbell,
     stability,
     response,
+    compare,
     export,
     coupler_curve,
     moisture,

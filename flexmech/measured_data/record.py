@@ -34,6 +34,11 @@ class MeasuredQuantity:
         Real, or complex for a frequency-response function. Finite.
     header : str
         The name as it stands in the file, with its unit.
+
+    Examples
+    --------
+    >>> flexmech.MeasuredQuantity("strain", "", np.array([1e-6, 3e-6, 2e-6])).unit
+    ''
     """
 
     name: str
@@ -64,6 +69,13 @@ class MeasuredRecord:
     ------
     InputError
         If a quantity has not as many values as the abscissa, or there are fewer than three.
+
+    Examples
+    --------
+    >>> strain = flexmech.MeasuredQuantity("strain", "", np.array([1e-6, 3e-6, 2e-6]))
+    >>> record = flexmech.MeasuredRecord("time", np.array([0.0, 0.1, 0.2]), (strain,))
+    >>> record.names
+    ('strain',)
     """
 
     abscissa: Abscissa

@@ -3,6 +3,7 @@ from .animation import mp4_available as mp4_available
 from .animation import write_animation as write_animation
 from .campbell import plot_campbell as plot_campbell
 from .choose import chosen as chosen
+from .comparison import plot_comparison as plot_comparison
 from .composite_study import plot_composite_damping as plot_composite_damping
 from .composite_study import plot_composite_frequencies as plot_composite_frequencies
 from .composite_study import plot_laminate_factors as plot_laminate_factors

@@ -7,6 +7,7 @@ from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.floquet import FloquetModes, floquet_modes
 from flexmech.time_domain.floquet_state import floquet_state
 from flexmech.time_domain.forced_linkage import forced_linkage
+from flexmech.time_domain.forced_modes import ForcedModes, FreeAndForced, forced_modes
 from flexmech.time_domain.fourier import FourierSeries
 from flexmech.time_domain.frequency_response import (
     StateModes,
@@ -47,8 +48,10 @@ __all__ = [
     "EnergyHistory",
     "Equations",
     "FloquetModes",
+    "ForcedModes",
     "ForcedPeriodicSystem",
     "FourierSeries",
+    "FreeAndForced",
     "HalfSinePulse",
     "Impact",
     "Integrator",
@@ -76,6 +79,7 @@ __all__ = [
     "floquet_modes",
     "floquet_state",
     "forced_linkage",
+    "forced_modes",
     "harmonic_response",
     "is_reduced",
     "krein_signature",

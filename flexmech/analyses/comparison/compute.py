@@ -1,0 +1,111 @@
+"""A measured record beside what is computed, and what of the model is fitted to it."""
+
+from __future__ import annotations
+
+from functools import partial
+from os import PathLike
+
+from flexmech.analyses.comparison.over_angle import compared_over_angle
+from flexmech.analyses.comparison.over_frequency import compared_over_frequency
+from flexmech.analyses.comparison.over_time import compared_over_time
+from flexmech.analyses.comparison.request import ComparisonRequest
+from flexmech.analyses.comparison.result import Comparison
+from flexmech.analyses.provenance import provenance, with_units
+from flexmech.analyses.requests import engine_of
+from flexmech.errors import InputError
+from flexmech.linear_system import Engine
+from flexmech.measured_data import MeasuredRecord, read_record
+from flexmech.numbers import check_instance
+from flexmech.threads import one_thread
+from flexmech.types import LabelledProgress
+
+__all__ = ["compare_with_record"]
+
+_COMPARED = {
+    "time": compared_over_time,
+    "crank_angle": compared_over_angle,
+    "frequency": compared_over_frequency,
+}
+
+
+def compare_with_record(
+    engine: Engine,
+    record: MeasuredRecord | str | PathLike[str],
+    request: ComparisonRequest,
+    *,
+    progress: LabelledProgress | None = None,
+) -> Comparison:
+    """Lay a measured record beside what is computed, and fit damping or stiffness to it.
+
+    What is computed depends on the record: over time the running linkage, by its linear
+    equations about the quasi-static equilibrium in moving modes, aligned with the record; over the
+    crank angle natural frequencies; over frequency the response of the locked linkage to a
+    force. Nothing that is fitted is written into the mechanism.
+
+    Parameters
+    ----------
+    engine : Engine
+    record : MeasuredRecord or path-like
+        In SI units; or a CSV or universal file.
+    request : ComparisonRequest
+    progress : callable, optional
+        Called with a label, the evaluations done and the most that may be needed.
+
+    Returns
+    -------
+    Comparison
+
+    Raises
+    ------
+    InputError
+        If the record has gaps, unequal steps, no unit or another quantity, is too short, or was
+        not taken as the request says.
+    ComputationError
+        If the fit does not converge, or the record does not tell what is fitted.
+
+    Examples
+    --------
+    >>> engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/aluminium_fourbar.toml"))
+    >>> angle = np.radians([0.0, 90.0, 180.0, 270.0])
+    >>> measured = 0.98 * flexmech.natural_frequencies(engine, angle, modes=1)[:, 0]
+    >>> frequency = flexmech.MeasuredQuantity("frequency", "Hz", measured)
+    >>> record = flexmech.MeasuredRecord("crank_angle", angle, (frequency,))
+    >>> found = flexmech.compare_with_record(
+    ...     engine, record, flexmech.ComparisonRequest(speed=0.0, fit=("stiffness:coupler",))
+    ... )
+    >>> 0.8 < found.fitted("stiffness:coupler").value < 1.0
+    True
+    """
+    own = engine_of(engine)
+    check_instance(request, ComparisonRequest, "request", "give a flexmech.ComparisonRequest")
+    taken = record if isinstance(record, MeasuredRecord) else read_record(record)
+    _check_kind(taken, request)
+    report = partial(progress or _silent, "fit")
+    with one_thread():
+        dataset = _COMPARED[taken.abscissa](own, taken, request, report)
+    return Comparison(with_units(dataset.assign_attrs(provenance([own])), "comparison"))
+
+
+def _check_kind(record: MeasuredRecord, request: ComparisonRequest) -> None:
+    """Refuse a record that cannot have been taken as the request says."""
+    if record.abscissa == "frequency" and request.angle is None:
+        raise InputError(
+            f"{record.source}: a frequency-response function is compared at a locked crank; give "
+            "the crank angle with --angle in place of the speed"
+        )
+    if record.abscissa != "frequency" and request.speed is None:
+        what = "the running linkage" if record.abscissa == "time" else "natural frequencies"
+        raise InputError(
+            f"{record.source}: a record over {record.abscissa.replace('_', ' ')} is compared with "
+            f"{what}; give the crank speed with --speed in place of the angle"
+        )
+    if record.abscissa == "time" and not request.speed:
+        raise InputError(
+            f"{record.source}: a record over time is compared with the running linkage; give the "
+            "crank speed at which it was taken, not 0, or the frequency-response function of a "
+            "test at a locked crank"
+        )
+
+
+def _silent(label: str, done: int, total: int) -> None:
+    """Show no progress."""

@@ -1,0 +1,314 @@
+"""Least squares with intervals that stay honest where the residual is no white noise.
+
+A parameter's covariance is that of the Jacobian for independent errors of one size. Where the
+model is incomplete, neighbouring residuals are alike; then the residual is taken as an
+autoregressive process, and the covariance is that of least squares under such errors (the
+sandwich formula). An interval is never made narrower by that.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import scipy.linalg
+import scipy.optimize
+import scipy.signal
+import scipy.stats
+
+from flexmech.errors import ComputationError
+from flexmech.types import FloatArray, StepProgress
+
+__all__ = ["Fit", "Parameter", "Problem", "autoregression", "fitted"]
+
+CONFIDENCE = 0.95
+# Orders among which the autoregressive process is chosen: at most this part of the samples.
+MOST_ORDER = 40
+SAMPLES_AN_ORDER = 8
+# Of a parameter's scale: step of the central differences.
+DIFFERENCE = 1e-4
+MOST_EVALUATIONS = 100
+# Of the slopes, each divided by its size, beyond which parameters do the same.
+MOST_CONDITION = 1e6
+# At which the spectrum of an autoregressive process is added up.
+FREQUENCIES = 8192
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """What is fitted.
+
+    Parameters
+    ----------
+    name : str
+    unit : str
+        In which its value is told; empty for a ratio.
+    start : float
+        Value in this unit from which the fit begins.
+    scale : float
+        Typical size in this unit.
+    least : float
+        Below which no value makes sense.
+    """
+
+    name: str
+    unit: str
+    start: float
+    scale: float
+    least: float = -np.inf
+
+
+class Problem(Protocol):
+    """A record and a model with parameters."""
+
+    @property
+    def parameters(self) -> Sequence[Parameter]:
+        """What is fitted."""
+
+    @property
+    def measured(self) -> FloatArray:
+        """Record, (k, N): k curves whose neighbouring values were measured one after the other."""
+
+    @property
+    def linear_unknowns(self) -> int:
+        """Numbers that the model finds by itself for any parameters, such as a state."""
+
+    def computed(self, values: Sequence[float]) -> FloatArray:
+        """Computed record (k, N) at values of the parameters, nearest to the measured one."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Fitted parameters of p names and how far they can be trusted.
+
+    Parameters
+    ----------
+    parameters : tuple of Parameter
+    values, standard_error, lower, upper : ndarray, shape (p,)
+        In the parameters' units; the last two are the ends of the 95 % interval.
+    correlation : ndarray, shape (p, p)
+    computed : ndarray, shape (k, N)
+        At the values.
+    unexplained : float
+        Variance of the residual over that of the record.
+    order : int
+        Of the autoregressive process that the residual looks like; 0 for white noise.
+    widened : float
+        How many times wider the widest-grown interval is than for white noise.
+    """
+
+    parameters: tuple[Parameter, ...]
+    values: FloatArray
+    standard_error: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    correlation: FloatArray
+    computed: FloatArray
+    unexplained: float
+    order: int
+    widened: float
+
+
+def fitted(problem: Problem, progress: StepProgress | None = None) -> Fit:
+    """Fit the parameters of a model to a record.
+
+    Parameters
+    ----------
+    problem : Problem
+    progress : callable, optional
+        Called with the evaluations done and the most that may be needed.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    ComputationError
+        If the fit does not converge, or the record does not tell a parameter.
+    """
+    parameters, measured = tuple(problem.parameters), problem.measured
+    scale, size = np.array([p.scale for p in parameters]), _size(measured)
+    done = 0
+
+    def residual(x: FloatArray) -> FloatArray:
+        nonlocal done
+        done += 1
+        if progress is not None:
+            progress(min(done, MOST_EVALUATIONS), MOST_EVALUATIONS)
+        return np.asarray((measured - problem.computed((x * scale).tolist())).ravel() / size)
+
+    x = np.array([p.start for p in parameters]) / scale
+    jacobian = np.zeros((measured.size, 0))
+    if len(parameters):
+        least = np.array([p.least for p in parameters]) / scale
+
+        def slopes(x: FloatArray) -> FloatArray:
+            return _central(residual, x, least)
+
+        bounds = (least, np.full(len(x), np.inf))
+        found = scipy.optimize.least_squares(
+            residual, x, slopes, bounds, xtol=1e-10, ftol=1e-12, gtol=1e-12, max_nfev=60
+        )
+        if not found.success:
+            raise ComputationError(
+                f"the fit of {_names(parameters)} does not converge; fit fewer parameters, or give "
+                "a model nearer to what was measured"
+            )
+        x, jacobian = found.x, slopes(found.x)
+    computed = problem.computed((x * scale).tolist())
+    unknowns = len(parameters) + problem.linear_unknowns
+    return _judged(parameters, x * scale, scale, measured, computed, jacobian * size, unknowns)
+
+
+def _judged(
+    parameters: tuple[Parameter, ...],
+    values: FloatArray,
+    scale: FloatArray,
+    measured: FloatArray,
+    computed: FloatArray,
+    jacobian: FloatArray,
+    unknowns: int,
+) -> Fit:
+    """Intervals and what remains, from the slopes (k N, p) of the residual by scaled parameters."""
+    residual = measured - computed
+    process = autoregression(residual)
+    white = _white_covariance(parameters, jacobian, residual, unknowns)
+    error, quantile = np.sqrt(np.diagonal(white)), _quantile(residual.size - unknowns)
+    covariance, wider = white, np.ones(len(error))
+    if len(process) and len(parameters):
+        independent = _independent_samples(process) * residual.size
+        freedom = max(independent - unknowns, 1.0)
+        coloured = _coloured_covariance(jacobian, residual, process) * (independent / freedom)
+        ratio = np.sqrt(np.diagonal(coloured)) * _quantile(freedom) / (error * quantile)
+        wider = np.maximum(ratio, 1.0)
+        covariance = coloured
+    reach = wider * quantile * error * scale
+    spread = np.sum((measured - measured.mean(axis=1)[:, None]) ** 2)
+    own = np.sqrt(np.diagonal(covariance))
+    return Fit(
+        parameters,
+        values,
+        wider * error * scale,
+        values - reach,
+        values + reach,
+        covariance / np.outer(own, own),
+        computed,
+        float(np.sum(residual**2) / spread),
+        len(process),
+        float(wider.max(initial=1.0)),
+    )
+
+
+def _quantile(freedom: float) -> float:
+    """Half the width of a confidence interval in standard errors."""
+    return float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, max(freedom, 1.0)))
+
+
+def _white_covariance(
+    parameters: Sequence[Parameter], jacobian: FloatArray, residual: FloatArray, unknowns: int
+) -> FloatArray:
+    """Covariance (p, p) of the scaled parameters for independent errors of one size."""
+    if not len(parameters):
+        return np.zeros((0, 0))
+    sizes = np.linalg.norm(jacobian, axis=0)
+    # Slopes that are differences have half as many digits.
+    if not sizes.all() or np.linalg.cond(jacobian / sizes) > MOST_CONDITION:
+        raise ComputationError(
+            f"this record does not tell {', '.join(p.name for p in parameters)} apart: one changes "
+            "the computed curve as the others together do, or not at all; fit fewer of them"
+        )
+    variance = float(np.sum(residual**2)) / max(residual.size - unknowns, 1)
+    return variance * _inverse(jacobian)
+
+
+def _inverse(jacobian: FloatArray) -> FloatArray:
+    """Inverse of ``J' J``, by the QR decomposition, which squares no condition number."""
+    upper = np.linalg.qr(jacobian, mode="r")
+    inverse = scipy.linalg.solve_triangular(upper, np.eye(len(upper)))
+    return np.asarray(inverse @ inverse.T)
+
+
+def _coloured_covariance(
+    jacobian: FloatArray, residual: FloatArray, process: FloatArray
+) -> FloatArray:
+    """Covariance (p, p) of least squares whose errors are an autoregressive process."""
+    polynomial = np.concatenate([[1.0], -process])
+    innovation = scipy.signal.lfilter(polynomial, [1.0], residual, axis=1)
+    power = float(np.mean(innovation[:, len(process) :] ** 2))
+    columns = jacobian.reshape(*residual.shape, -1)
+    # The process is white noise through a filter: the transposed filter runs the other way.
+    filtered = scipy.signal.lfilter([1.0], polynomial, columns[:, ::-1], axis=1)
+    flat, inverse = filtered.reshape(-1, columns.shape[2]), _inverse(jacobian)
+    return np.asarray(power * inverse @ (flat.T @ flat) @ inverse)
+
+
+def _independent_samples(process: FloatArray) -> float:
+    """Independent samples for each one: one over the sum of squares of the autocorrelation."""
+    _, response = scipy.signal.freqz([1.0], np.concatenate([[1.0], -process]), FREQUENCIES)
+    spectrum = np.abs(response) ** 2
+    return float(spectrum.mean() ** 2 / np.mean(spectrum**2))
+
+
+def autoregression(residual: FloatArray) -> FloatArray:
+    """Coefficients of the autoregressive process that residuals look like.
+
+    ``r_t = a_1 r_(t-1) + ... + a_q r_(t-q) + e_t`` by Burg's method, which finds sharp resonances
+    in short records and is always stable, with the order q of the least Bayesian information
+    criterion; none for white noise.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (k, N)
+        Curves of one process.
+
+    Returns
+    -------
+    ndarray, shape (q,)
+    """
+    most = min(MOST_ORDER, residual.shape[1] // SAMPLES_AN_ORDER)
+    power = float(np.mean(residual**2))
+    own, chosen = np.zeros(0), np.zeros(0)
+    if power <= 0:
+        return chosen
+    best = residual.size * np.log(power)
+    ahead, behind = residual[:, 1:], residual[:, :-1]
+    for order in range(1, most + 1):
+        both = np.sum(ahead**2 + behind**2)
+        if not both > 0:
+            break
+        reflection = float(2 * np.sum(ahead * behind) / both)
+        own = np.concatenate([own - reflection * own[::-1], [reflection]])
+        power *= 1 - reflection**2
+        ahead, behind = (
+            (ahead - reflection * behind)[:, 1:],
+            (behind - reflection * ahead)[:, :-1],
+        )
+        if power <= 0:
+            break
+        criterion = residual.size * np.log(power) + order * np.log(residual.size)
+        if criterion < best:
+            best, chosen = criterion, own
+    return chosen
+
+
+def _central(function: object, x: FloatArray, least: FloatArray) -> FloatArray:
+    """Central differences of a function of vectors, one-sided at a bound."""
+    assert callable(function)
+    columns = []
+    for index in range(len(x)):
+        step = np.zeros(len(x))
+        step[index] = DIFFERENCE
+        back = x - step if x[index] - DIFFERENCE >= least[index] else x
+        columns.append((function(x + step) - function(back)) / (x + step - back)[index])
+    return np.stack(columns, axis=1)
+
+
+def _size(measured: FloatArray) -> float:
+    return float(np.std(measured)) or 1.0
+
+
+def _names(parameters: Sequence[Parameter]) -> str:
+    return ", ".join(parameter.name for parameter in parameters)

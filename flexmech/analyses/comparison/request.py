@@ -1,0 +1,71 @@
+"""What a comparison with a record is asked to be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from flexmech.errors import InputError
+from flexmech.numbers import check_angle, check_instance, check_number
+
+__all__ = ["ComparisonRequest"]
+
+
+@dataclass(frozen=True)
+class ComparisonRequest:
+    """How a record was taken, and what of the model is fitted to it.
+
+    Parameters
+    ----------
+    speed : float, optional
+        Crank speed in rad/s at which the record was taken; 0 for natural frequencies at rest.
+    angle : float, optional
+        Crank angle in rad at which the crank was locked, for a frequency-response function.
+        One of the two.
+    quantity : str, optional
+        What is computed: a column of ``response.csv`` over time, such as
+        ``"coupler_mid_strain"``; for a frequency-response function the points of impact and
+        response, such as ``"coupler:0.5"`` or ``"coupler:0.5,rocker:0.5"``. Left out: what the
+        record's own column names.
+    fit : sequence of str, optional
+        Any of ``"damping"``, ``"damping:LINK"``, ``"stiffness:LINK"`` and ``"offset"``, or
+        ``"none"``. Left out: ``damping`` for records that tell it, nothing for natural
+        frequencies.
+    speed_unit : str
+        In which results speak of the crank speed, such as ``"rpm"``.
+
+    Raises
+    ------
+    InputError
+        If a value is impossible, or not one of speed and angle is given.
+
+    Examples
+    --------
+    >>> flexmech.ComparisonRequest(speed=20.0, fit=("damping", "stiffness:coupler")).fit
+    ('damping', 'stiffness:coupler')
+    """
+
+    speed: float | None = None
+    angle: float | None = None
+    quantity: str | None = None
+    fit: tuple[str, ...] | None = None
+    speed_unit: str = field(default="rad/s", repr=False)
+
+    def __post_init__(self) -> None:
+        if (self.speed is None) == (self.angle is None):
+            raise InputError(
+                "a comparison needs either the crank speed at which the record was taken, or the "
+                "angle at which the crank was locked; give one of speed and angle"
+            )
+        if self.speed is not None:
+            check_number(self.speed, "speed", "rad/s")
+        if self.angle is not None:
+            check_angle(self.angle, "angle")
+        if self.quantity is not None:
+            check_instance(self.quantity, str, "quantity", "write the name of a column")
+        if self.fit is not None:
+            if isinstance(self.fit, str) or not self.fit:
+                raise InputError(
+                    f"fit must be a tuple of names such as ('damping',), got {self.fit!r}; write "
+                    "('none',) to fit nothing"
+                )
+            object.__setattr__(self, "fit", tuple(self.fit))

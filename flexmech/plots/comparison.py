@@ -1,0 +1,205 @@
+"""A measured record beside the computed one: both curves, their spectra and the residual."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flexmech.plots import scales, style, time_axis
+from flexmech.plots.labels import mode_label, speed_text
+from flexmech.plots.layout import AxesLike, Sheet, grid, sheet
+from flexmech.plots.reading import LENGTH_UNITS, Units, degrees, fitting_unit
+from flexmech.plots.series import SERIES_STYLES, Look, line_handle, series_style
+from flexmech.types import FloatArray
+from flexmech.units import TIME
+
+__all__ = ["plot_comparison"]
+
+# The computed curve lies on the measured one, which is seen on both sides of it.
+MEASURED: Look = {"color": "0.68", "lw": 2.4}
+COMPUTED: Look = {"color": SERIES_STYLES[0].color, "lw": 0.8}
+RESIDUAL: Look = {"color": SERIES_STYLES[1].color, "lw": 0.8}
+POINTS: Look = {"ls": "", "marker": "o", "ms": 3.2, "mfc": "none", "mew": 0.9}
+ZERO: Look = {"color": style.LIGHT_GREY, "lw": 0.6, "zorder": 0}
+PANELS = 3
+PANEL_HEIGHT = 1.35
+AXES_HEIGHT = 1.5
+# Units in which values are read, by the SI unit.
+READ: dict[str, Units] = {
+    "": ((1e6, "µm/m"),),
+    "m": LENGTH_UNITS,
+    "Hz": ((1.0, "Hz"),),
+    "m/N": ((1e3, "mm/N"), (1e6, "µm/N"), (1e9, "nm/N")),
+    "m/(N s)": ((1.0, "m/(N s)"), (1e3, "mm/(N s)"), (1e6, "µm/(N s)")),
+    "m/(N s^2)": ((1.0, "m/(N s²)"),),
+}
+PARAMETER_UNITS: dict[str, Units] = {TIME.unit: ((1e6, "µs"), (1e9, "ns"))}
+# Marks at the first and last crank angle hang over the edge by less than this part of the width.
+MARK_ROOM = 0.02
+# Depth of a spectrum below its peak that is drawn.
+DECADES = 4.0
+
+
+def plot_comparison(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw a measured record and the computed one in three panels.
+
+    Over time: both curves with the crank angle on top, the residual, and the spectra of all three.
+    Of a frequency-response function: amplitude, phase, and amplitude of the residual. Of natural
+    frequencies over the crank angle: the frequencies and the residual, in two panels. The heading
+    tells what was fitted, with its 95 % interval.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``Comparison`` result.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a panel. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    over_angle = "sample" in dataset.dims
+    rows = PANELS - over_angle
+    layout = grid(rows, 1, rows * PANEL_HEIGHT + AXES_HEIGHT)
+    with sheet(layout, ax=ax) as drawn:
+        if "time" in dataset.dims:
+            _draw_time(drawn, dataset)
+        elif over_angle:
+            _draw_frequencies(drawn, dataset)
+        else:
+            _draw_function(drawn, dataset)
+    return drawn.figure
+
+
+def _handles() -> list[Artist]:
+    return [
+        line_handle("measured", **MEASURED),
+        line_handle("computed", **COMPUTED),
+        line_handle("residual", **RESIDUAL),
+    ]
+
+
+def _title(dataset: xr.Dataset) -> str:
+    """What is compared where, and the fitted parameters."""
+    attrs = dataset.attrs
+    where = (
+        f"at {speed_text(dataset)}"
+        if "crank_speed" in attrs
+        else f"crank locked at {np.degrees(attrs['crank_angle_locked']):.4g} deg"
+    )
+    fitted = [_fitted(dataset.isel(parameter=n)) for n in range(dataset.sizes["parameter"])]
+    said = f": {', '.join(fitted)}" if fitted else ""
+    return f"{attrs['record']} and {attrs['quantity']}, {where}{said}".replace("$", r"\$")
+
+
+def _fitted(own: xr.Dataset) -> str:
+    """A parameter with half of its 95 % interval."""
+    name, unit = str(own["parameter"].item()), str(own["parameter_unit"].item())
+    value, half = float(own["fitted"]), float(own["upper"] - own["lower"]) / 2
+    factor, read = fitting_unit(np.array([value]), PARAMETER_UNITS.get(unit, ((1.0, unit),)))
+    digits = max(0, 1 - int(np.floor(np.log10(factor * half)))) if half > 0 else 4
+    told = f"{name.replace('_', ' ')} {factor * value:.{digits}f} ± {factor * half:.{digits}f}"
+    return told if read == "1" else f"{told} {read}"
+
+
+def _what(dataset: xr.Dataset) -> str:
+    """Word for the quantity on an axis, from the name of its column."""
+    name = str(dataset.attrs["quantity"])
+    return next((word for word in ("strain", "deflection") if word in name), name).capitalize()
+
+
+def _draw_time(drawn: Sheet, dataset: xr.Dataset) -> None:
+    unit_of = READ[str(dataset.attrs["unit"])]
+    curves, residual, spectra = drawn.panels
+    time = dataset["time"].values
+    drawn.header(_handles(), _title(dataset), of=dataset)
+    factor, unit = fitting_unit(dataset["measured"].values, unit_of)
+    for axes in (curves, residual):
+        axes.set_xlim(float(time[0]), float(time[-1]))
+        axes.axhline(0.0, **ZERO)
+    curves.plot(time, factor * dataset["measured"].values, **MEASURED)
+    curves.plot(time, factor * dataset["computed"].values, **COMPUTED)
+    time_axis.angle_axis(curves, dataset)
+    curves.set_ylabel(f"{_what(dataset)} ({unit})")
+    _draw_residual(residual, time, dataset["residual"].values, unit_of)
+    for axes in (curves, residual):
+        scales.plain_numbers(axes)
+    residual.set_xlabel("Time (s)")
+    amplitude = factor * dataset["spectrum"].transpose("curve", "spectrum_frequency").values
+    frequency = dataset["spectrum_frequency"].values
+    for values, look in zip(amplitude, (MEASURED, COMPUTED, RESIDUAL), strict=True):
+        spectra.plot(frequency[1:], values[1:], **look)
+    highest = float(amplitude.max())
+    scales.log_scale(spectra, highest * 10.0**-DECADES, 2 * highest)
+    spectra.set_xlim(0.0, float(frequency[-1]))
+    spectra.set_xlabel("Frequency (Hz)")
+    spectra.set_ylabel(f"Amplitude ({unit})")
+
+
+def _draw_residual(
+    axes: Axes, position: FloatArray, residual: FloatArray, units: Units, **look: object
+) -> None:
+    factor, unit = fitting_unit(residual, units)
+    axes.plot(position, factor * residual, **{**RESIDUAL, **look})
+    axes.set_ylabel(f"Residual ({unit})")
+
+
+def _draw_function(drawn: Sheet, dataset: xr.Dataset) -> None:
+    units = READ[str(dataset.attrs["unit"])]
+    amplitude, phase, residual = drawn.panels
+    frequency = dataset["frequency"].values
+    drawn.header(_handles(), _title(dataset), of=dataset)
+    curves = {
+        name: dataset[f"{name}_real"].values + 1j * dataset[f"{name}_imag"].values
+        for name in ("measured", "computed", "residual")
+    }
+    factor, unit = fitting_unit(np.abs(curves["measured"]), units)
+    for name, look in (("measured", MEASURED), ("computed", COMPUTED)):
+        amplitude.plot(frequency, factor * np.abs(curves[name]), **look)
+        phase.plot(frequency, np.degrees(np.angle(curves[name])), **look)
+    residual.plot(frequency, factor * np.abs(curves["residual"]), **RESIDUAL)
+    kind = str(dataset.attrs["kind"]).capitalize()
+    for axes, label in ((amplitude, kind), (residual, "Residual")):
+        low, high = _decades(np.concatenate([line.get_ydata() for line in axes.lines]))
+        scales.log_scale(axes, low, high)
+        axes.set_ylabel(f"{label} ({unit})")
+    phase.set_ylim(-190.0, 190.0)
+    phase.set_yticks([-180, -90, 0, 90, 180])
+    phase.set_ylabel("Phase (deg)")
+    for axes in drawn.panels:
+        axes.set_xlim(float(frequency[0]), float(frequency[-1]))
+    drawn.label_x("Frequency (Hz)")
+
+
+def _decades(values: FloatArray) -> tuple[float, float]:
+    """Limits of a logarithmic axis for some values, at most so many decades below the greatest."""
+    highest = float(values.max()) or 1.0
+    lowest = max(float(values.min()), highest * 10.0**-DECADES)
+    return lowest / 1.5, 2 * highest
+
+
+def _draw_frequencies(drawn: Sheet, dataset: xr.Dataset) -> None:
+    upper, lower = drawn.panels
+    modes = np.unique(dataset["mode"].values)
+    handles = [line_handle("measured", color="0.3", **POINTS), line_handle("computed", color="0.3")]
+    for number, mode in enumerate(modes):
+        own = dataset.isel(sample=np.flatnonzero(dataset["mode"].values == mode))
+        own = own.sortby("crank_angle")
+        angle, look = degrees(own["crank_angle"]), series_style(number)
+        upper.plot(angle, own["measured"].values, color=look.color, **POINTS)
+        upper.plot(angle, own["computed"].values, color=look.color, ls=look.linestyle, lw=0.9)
+        lower.plot(angle, own["residual"].values, color=look.color, **POINTS)
+        handles.append(line_handle(mode_label([int(mode)]).lower(), color=look.color, lw=2.0))
+    drawn.header(handles, _title(dataset), of=dataset)
+    lower.axhline(0.0, **ZERO)
+    for axes, label in ((upper, "Natural frequency (Hz)"), (lower, "Residual (Hz)")):
+        scales.crank_angle_axis(axes, np.unique(degrees(dataset["crank_angle"])))
+        axes.margins(x=MARK_ROOM)
+        axes.autoscale(axis="x")
+        scales.plain_numbers(axes)
+        axes.set_ylabel(label)
+    drawn.label_x("Crank angle (deg)")
