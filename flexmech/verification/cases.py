@@ -18,6 +18,7 @@ FILES = (
     "four_bars",
     "rotating_arm",
     "running",
+    "floquet",
     "engines",
     "composites",
     "coupler_curves",

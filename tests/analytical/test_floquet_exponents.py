@@ -12,8 +12,9 @@ from flexmech.errors import ComputationError
 from flexmech.time_domain.floquet import FloquetModes, floquet_modes
 from flexmech.time_domain.periodic_system import StatedPeriodicSystem, transitions
 from flexmech.types import FloatArray
+from flexmech.verification import VerificationCase, verification_cases
+from flexmech.verification.methods.periodic_systems import known_system
 
-EXACT = 1e-8
 LIOUVILLE = 1e-12
 
 
@@ -23,31 +24,8 @@ def entries(*rows: tuple[object, ...]) -> FloatArray:
     return np.stack(flat, axis=-1).reshape(*flat[0].shape, len(rows), len(rows[0]))
 
 
-def trap(t: FloatArray) -> FloatArray:
-    return entries((0, 1), (-10 * np.cos(t), -24 - 10 * np.sin(t)))
-
-
-def turning_dipole(t: FloatArray) -> FloatArray:
-    s, half = np.sin(2 * t), np.sin(4 * t) / 2
-    return entries((-1 - s**2, 2 - half), (-2 - half, -1 - np.cos(2 * t) ** 2))
-
-
-def triangular(t: FloatArray) -> FloatArray:
-    return entries((-1 + np.sin(t), 0 * t), (1 - np.cos(t), -3))
-
-
-# Validation V10 (test set of PeriodicSystems.jl).
-KNOWN = {
-    "trap": (trap, 2 * np.pi, [0, -24]),
-    "dipole over its period": (turning_dipole, np.pi, [-1, -2]),
-    "dipole over half its period": (turning_dipole, np.pi / 2, [-1 + 2j, -2 + 2j]),
-    "triangular": (triangular, 2 * np.pi, [-1, -3]),
-}
-
-
-def known(name: str, steps: int) -> tuple[FloquetModes, list[complex]]:
-    matrix, period, exponents = KNOWN[name]
-    return floquet_modes(StatedPeriodicSystem(matrix, period), steps), exponents
+# Validation V10, cases of the verification.
+KNOWN = [case for case in verification_cases() if case.measured_by.method == "known_exponents"]
 
 
 def constant(matrix: FloatArray, period: float) -> StatedPeriodicSystem:
@@ -69,34 +47,30 @@ def with_exponents(exponents: list[float], seed: int) -> FloatArray:
     return np.asarray(vectors * exponents @ np.linalg.inv(vectors), dtype=float)
 
 
-@pytest.mark.parametrize("name", KNOWN)
-@pytest.mark.parametrize("steps", [256, 257, 1000])
-def test_known_exponents(name: str, steps: int) -> None:
-    modes, exponents = known(name, steps)
-    period = KNOWN[name][1]
-    assert modes.exponent.real == pytest.approx(np.real(exponents), abs=EXACT)
-    # The imaginary part is known but for multiples of 2 pi / T.
-    turned = np.exp(1j * (modes.exponent.imag - np.imag(exponents)) * period)
-    assert np.abs(turned - 1).max() < EXACT
+@pytest.mark.parametrize("case", [pytest.param(case, id=case.name) for case in KNOWN])
+@pytest.mark.parametrize("steps", [257, 1000])
+def test_known_exponents(case: VerificationCase, steps: int) -> None:
+    found = case.measured_by.with_(steps=steps).values()
+    assert found == pytest.approx(case.expected_values(), abs=case.tolerance)
+    modes = floquet_modes(known_system(case.measured_by.settings["system"]), steps)
     assert modes.liouville_defect < LIOUVILLE
 
 
 def test_one_monodromy_matrix_loses_the_weak_multiplier() -> None:
     # What the trap is for: without short matrices nothing is left of exp(-48 pi).
-    matrix, period, _ = KNOWN["trap"]
-    whole = np.eye(2)
-    for transition in transitions(StatedPeriodicSystem(matrix, period), 256):
+    system, whole = known_system("trap"), np.eye(2)
+    for transition in transitions(system, 256):
         whole = transition @ whole
-    weakest = np.log(np.abs(np.linalg.eigvals(whole))).min() / period
+    weakest = np.log(np.abs(np.linalg.eigvals(whole))).min() / system.period
     assert abs(weakest + 24) > 10
 
 
-@pytest.mark.parametrize("name", ["trap", "dipole over its period"])
-def test_error_falls_with_the_sixth_power_of_the_step(name: str) -> None:
+@pytest.mark.parametrize("case", [pytest.param(case, id=case.name) for case in KNOWN[:2]])
+def test_error_falls_with_the_sixth_power_of_the_step(case: VerificationCase) -> None:
     counts = np.array([64, 128, 256])
     errors = [
-        np.abs(modes.exponent - exponents).max()
-        for modes, exponents in (known(name, int(count)) for count in counts)
+        np.abs(case.measured_by.with_(steps=int(count)).values() - case.expected_values()).max()
+        for count in counts
     ]
     rates = np.diff(np.log(errors)) / np.diff(np.log(counts))
     assert rates[-1] == pytest.approx(-6, abs=0.3)
@@ -229,15 +203,17 @@ def damped_chain(t: FloatArray) -> FloatArray:
 
 
 @pytest.mark.parametrize(
-    ("matrix", "period"),
-    [(trap, 2 * np.pi), (damped_chain, 2 * np.pi), (turning_dipole, np.pi)],
+    "system",
+    [
+        known_system("trap"),
+        StatedPeriodicSystem(damped_chain, 2 * np.pi),
+        known_system("dipole"),
+    ],
+    ids=["trap", "damped chain", "dipole"],
 )
 @pytest.mark.parametrize("steps", [400, 401])
-def test_shapes_solve_the_equation_and_repeat(
-    matrix: Callable[[FloatArray], FloatArray], period: float, steps: int
-) -> None:
-    system = StatedPeriodicSystem(matrix, period)
-    modes = floquet_modes(system, steps)
+def test_shapes_solve_the_equation_and_repeat(system: StatedPeriodicSystem, steps: int) -> None:
+    period, modes = system.period, floquet_modes(system, steps)
     shapes = modes.shapes()
     # Over a step phi(t) exp(lambda t) is what the transition matrix makes of it; the last step
     # leads back to the first shape.

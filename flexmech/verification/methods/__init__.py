@@ -33,6 +33,12 @@ from flexmech.verification.methods.moisture import (
     mass_balance_errors,
     series_uptake,
 )
+from flexmech.verification.methods.periodic_systems import (
+    combination_edges,
+    known_exponents,
+    mathieu_boundaries,
+    resonance_modulus,
+)
 from flexmech.verification.methods.running import (
     periodic_deflection,
     running_deflection,
@@ -49,6 +55,7 @@ METHODS: dict[str, Callable[..., FloatArray]] = {
     method.__name__: method
     for method in (
         cantilever_frequencies,
+        combination_edges,
         crank_half_time,
         crank_rocker_proportions,
         crunodes,
@@ -60,11 +67,14 @@ METHODS: dict[str, Callable[..., FloatArray]] = {
         four_bar_frequencies,
         half_time,
         khdeir_reddy_beams,
+        known_exponents,
         laminate_stiffness,
         lowest_case,
         mass_balance_errors,
+        mathieu_boundaries,
         order_of_laminates,
         periodic_deflection,
+        resonance_modulus,
         rotating_arm_frequencies,
         running_deflection,
         series_uptake,
