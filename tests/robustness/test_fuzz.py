@@ -119,7 +119,7 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
     name = random_.choice(
         (
             *("frequencies", "frequencies", "response", "check", "section", "coupler-curve"),
-            *("moisture", "campbell", "export", "report", "stability"),
+            *("moisture", "campbell", "export", "report", "stability", "hammer"),
         )
     )
     environment = [
@@ -158,6 +158,22 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
             *some("--steps", pick("auto", "64", "100")),
             *some("--frame", pick("link", "inertial")),
             *some("--against", pick("damping-ratio", "moisture"), pick("0:1%:1", "0,0.01")),
+        ]
+    elif name == "hammer":
+        chosen = [
+            *("--engine", random_.choice(("reference", "reference", "exudyn"))),
+            *("--angle", pick("0", "0,90", "200 deg")),
+            *("--elements", pick("1", "2")),
+            *("--damping-ratio", pick("5%", "0.1", "0", "2")),
+            *some("--impact", pick("coupler:0.5", "crank:1", "arm:0.5", "rocker:2")),
+            *some("--response", pick("coupler:0.5", "rocker:0.3", "arm:1")),
+            *some("--direction", pick("transverse", "axial")),
+            *some("--bandwidth", pick("100", "2 kHz", "0")),
+            *some("--duration", pick("0.1", "10 ms")),
+            *some("--pulse", pick("1 ms", "1", "1e-9")),
+            *some("--noise", pick("1%", "0.05", "-1")),
+            *some("--averages", pick("1", "2", "0")),
+            *some("--prestress", pick("none", "axial", "equilibrium")),
         ]
     elif name == "report":
         chosen = [

@@ -24,6 +24,7 @@ from tests.unit.figure_checks import (
     panels,
     shown_texts,
 )
+from tests.unit.hammer_data import hammer_dataset
 from tests.unit.plot_data import (
     campbell_dataset,
     coupler_dataset,
@@ -112,6 +113,9 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_floquet_harmonics: (stability_dataset, 4),
     plots.plot_forces: (response_dataset, 5),
     plots.plot_frequencies: (frequency_dataset, 4),
+    plots.plot_frf: (hammer_dataset, 6),
+    plots.plot_frf_parts: (hammer_dataset, 6),
+    plots.plot_hammer: (hammer_dataset, 3),
     plots.plot_harmonic_frf: (running_hammer_dataset, 6),
     plots.plot_hygrothermal_effect: (in_two_states, 4),
     plots.plot_laminate_factors: (composite_study, 1),
@@ -121,6 +125,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_modal_damping: (damped, 3),
     plots.plot_mode_shapes: (frequency_dataset, 4),
     plots.plot_moisture: (moisture_dataset, 4),
+    plots.plot_nyquist: (hammer_dataset, 2),
     plots.plot_response: (response_dataset, 5),
     plots.plot_section: (section, 6),
     plots.plot_spectrogram: (response_dataset, 3),

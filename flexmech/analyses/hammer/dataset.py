@@ -145,6 +145,9 @@ def _circles(found: Sequence[Measurement], plan: RecordPlan, modes: int) -> dict
         natural = np.abs(each.poles) / (2 * np.pi)
         half = REACH * natural * -each.poles.real / np.abs(each.poles)
         half += REACH * plan.decay_rate / (2 * np.pi)
+        # Up to the middle between neighbouring modes.
+        apart = np.diff(natural, prepend=-np.inf, append=np.inf)
+        half = np.minimum(half, np.minimum(apart[:-1], apart[1:]) / 2)
         for mode, (middle, width) in enumerate(zip(natural, half, strict=True)):
             around = np.maximum(middle + width * CIRCLE_PLACES, plan.bandwidth / LARGEST)
             frequency[angle, mode] = around

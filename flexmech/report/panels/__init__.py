@@ -8,6 +8,7 @@ from flexmech.report.panel import Panel
 from flexmech.report.panels.campbell import campbell_panel
 from flexmech.report.panels.coupler_curve import coupler_panel
 from flexmech.report.panels.frequencies import damping_panel, frequency_panel
+from flexmech.report.panels.hammer import hammer_panel
 from flexmech.report.panels.mechanism import mechanism_panel
 from flexmech.report.panels.moisture import moisture_panel
 from flexmech.report.panels.other import other_panel
@@ -27,6 +28,7 @@ PANELS: tuple[Callable[[Results], Panel | None], ...] = (
     running_hammer_panel,
     response_panel,
     spectrum_panel,
+    hammer_panel,
     coupler_panel,
     section_panel,
     moisture_panel,
