@@ -11,10 +11,10 @@ from flexmech.cli.against import parse_damping_ratio
 from flexmech.cli.arguments import parse_angles, parse_option
 from flexmech.cli.deliver import deliver
 from flexmech.cli.engines import make_engines
+from flexmech.cli.failures import naming
 from flexmech.cli.hammer_parsing import parse_point, parse_positive
 from flexmech.cli.pictures import asked_pictures
 from flexmech.cli.running_hammer import deliver_running_hammer, refuse_when_running
-from flexmech.errors import InputError
 
 
 def hammer(
@@ -59,6 +59,7 @@ def hammer(
 
     from flexmech.analyses.damping_ratios import with_damping_ratio
     from flexmech.analyses.hammer import HammerRequest, HammerTest, hammer_test
+    from flexmech.measured_data import check_uff
     from flexmech.modelfile import load_mechanism
 
     mechanism = load_mechanism(model)
@@ -86,7 +87,8 @@ def hammer(
         )
         return
     if uff:
-        raise InputError("--uff: this version writes no universal files; leave it out")
+        with naming("--uff"):
+            check_uff()
     chosen = make_engines(mechanism, engine, element, elements)[0]
     deliver(
         HammerTest,
@@ -98,4 +100,5 @@ def hammer(
         out,
         model=model,
         pictures=pictures,
+        further=lambda result, folder, _: result.save_uff(folder) if uff else [],
     )

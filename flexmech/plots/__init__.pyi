@@ -17,6 +17,7 @@ from .frf import plot_frf_parts as plot_frf_parts
 from .hammer import plot_hammer as plot_hammer
 from .harmonic_frf import plot_harmonic_frf as plot_harmonic_frf
 from .hygrothermal_effect import plot_hygrothermal_effect as plot_hygrothermal_effect
+from .impact_shapes import plot_impact_shapes as plot_impact_shapes
 from .labels import mode_label as mode_label
 from .labels import speed_label as speed_label
 from .layout import AxesLike as AxesLike
@@ -44,6 +45,7 @@ from .spectra import plot_spectrogram as plot_spectrogram
 from .spectra import plot_spectrum as plot_spectrum
 from .speed_effect import plot_speed_effect as plot_speed_effect
 from .speed_sweep import plot_speed_sweep as plot_speed_sweep
+from .stabilisation import plot_stabilisation as plot_stabilisation
 from .stability import plot_stability as plot_stability
 from .stability_against import plot_stability_against as plot_stability_against
 from .style import LIGHT_GREY as LIGHT_GREY

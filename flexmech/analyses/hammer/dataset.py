@@ -8,9 +8,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.hammer.charts import chart_variables
+from flexmech.analyses.hammer.grid import grid_points, grid_variables
 from flexmech.analyses.hammer.measurement import Measurement
 from flexmech.analyses.hammer.plan import LEFT, RecordPlan
 from flexmech.analyses.hammer.request import HammerRequest
+from flexmech.analyses.hammer.uff import geometry_variables
 from flexmech.analyses.provenance import provenance
 from flexmech.linear_system import Engine
 from flexmech.types import ComplexArray, FloatArray
@@ -95,8 +98,11 @@ def dataset_of(
             row[: len(values)] = values
         variables[name] = (OVER_MODES, table)
     variables |= _circles(found, plan, modes)
-    # A single pair of points has no mode shape: the grid of impacts fills this in.
+    # A single pair of points has no mode shape: the grid of impacts has.
     variables["mac"] = (OVER_MODES, np.full((len(found), modes), np.nan))
+    variables |= _roved(found, modes)
+    variables |= chart_variables([each.modes for each in found])
+    variables |= geometry_variables(engine, request.angles)
     shape = plan.pulse.force(plan.pulse.start + plan.pulse.duration * PULSE_PLACES)
     variables["pulse_force"] = ("pulse_time", shape)
     for name, of_angle in OF_ANGLES.items():
@@ -110,6 +116,8 @@ def dataset_of(
             "frequency": found[0].estimate.frequency,
             "mode": np.arange(1, modes + 1),
             "pulse_time": plan.pulse.start + plan.pulse.duration * PULSE_PLACES,
+            "link": list(engine.mechanism.linkage.topology.link_names),
+            **_grid_coordinates(engine, request),
         },
     )
     return dataset.assign_attrs(
@@ -134,6 +142,31 @@ def dataset_of(
         left_at_the_end=LEFT,
         method=found[0].modes.method,
     )
+
+
+def _roved(found: Sequence[Measurement], modes: int) -> dict[str, Any]:
+    """Receptances and mode shapes of a grid of impacts; nothing without one."""
+    shapes = [each.grid for each in found if each.grid is not None]
+    lines = [each.grid_receptance for each in found if each.grid_receptance is not None]
+    if not shapes:
+        return {}
+    receptance, over = np.stack(lines), ("crank_angle", "point", "frequency")
+    parts = {
+        f"grid_receptance{ending}": (over, getattr(receptance, part))
+        for ending, part in PARTS.items()
+    }
+    return parts | grid_variables(shapes, modes)
+
+
+def _grid_coordinates(engine: Engine, request: HammerRequest) -> dict[str, Any]:
+    if request.grid is None:
+        return {}
+    points = grid_points(engine, request.grid)
+    return {
+        "point": np.arange(1, len(points) + 1),
+        "point_link": ("point", [point.link for point in points]),
+        "point_fraction": ("point", [point.fraction for point in points]),
+    }
 
 
 def _circles(found: Sequence[Measurement], plan: RecordPlan, modes: int) -> dict[str, Any]:

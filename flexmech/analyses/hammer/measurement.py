@@ -6,10 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.analyses.hammer.grid import GridShapes, grid_points, grid_shapes
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.plan import RecordPlan
 from flexmech.analyses.hammer.request import HammerRequest
 from flexmech.analyses.hammer.transient import taken_record
+from flexmech.linear_system import LinkPoint
 from flexmech.modal_testing import (
     FrfEstimate,
     IdentifiedModes,
@@ -48,9 +50,13 @@ class Measurement:
     poles : ndarray of complex, shape (k,)
         Of the eigen model in the band.
     modes : IdentifiedModes
-        In the order of ``poles``.
+        In the order of ``poles``; the first row of residues is that of the impact point, then
+        those of the grid.
     seen, hit : ndarray, shape (1, n)
         Rows of the response point and of the impact point.
+    grid_receptance : ndarray of complex, shape (P, F), optional
+        Of impacts at the points of the grid.
+    grid : GridShapes, optional
     """
 
     locked: LockedLinkage
@@ -65,6 +71,8 @@ class Measurement:
     modes: IdentifiedModes
     seen: FloatArray
     hit: FloatArray
+    grid_receptance: ComplexArray | None = None
+    grid: GridShapes | None = None
 
     def exact_at(self, frequency: FloatArray) -> ComplexArray:
         """Exact receptance at frequencies (F,) in Hz, with what the window adds; (F,)."""
@@ -102,32 +110,9 @@ def measured(
     ComputationError
         If a step of Exudyn does not converge.
     """
-    label = f"hammer at {np.degrees(locked.angle):.6g} deg"
     hit = locked.rows([request.impact], request.direction)
     seen = locked.rows([request.response], request.direction)
-    record = taken_record(
-        locked,
-        plan,
-        request.impact,
-        request.response,
-        request.direction,
-        lambda done, total: report(label, done, total),
-    )
-    generator = np.random.default_rng([request.seed, number])
-    force, response = (
-        with_noise(np.tile(signal, (request.averages, 1)), request.noise, generator)
-        for signal in (record.force, record.response)
-    )
-    estimate = _in_band(
-        estimate_frf(
-            force,
-            response,
-            plan.sampling_rate,
-            force_window=plan.force_window,
-            exponential_window=plan.window,
-        ),
-        plan.bandwidth,
-    )
+    force, response, estimate = _estimated(locked, plan, request, request.impact, [number], report)
     lines, shift = estimate.frequency, plan.decay_rate
     exact = locked.receptance(seen, hit, lines, shift)[:, 0, 0]
     kept = locked.modes.below(SUPERPOSED * plan.bandwidth)
@@ -135,9 +120,14 @@ def measured(
     some = lines[:: max(1, len(lines) // CHECKED_LINES)]
     gap = locked.direct(seen, hit, some) - locked.receptance(seen, hit, some)
     poles = locked.poles(plan.bandwidth)
+    points = [] if request.grid is None else grid_points(locked.engine, request.grid)
+    roved = [
+        _estimated(locked, plan, request, point, [number, place], report)[2].h1
+        for place, point in enumerate(points, 1)
+    ]
     modes = identify(
         lines,
-        estimate.h1[None],
+        np.stack([estimate.h1, *roved]),
         band=(0.0, plan.bandwidth),
         expected=np.abs(poles) / (2 * np.pi),
         method=request.method,
@@ -156,7 +146,47 @@ def measured(
         modes,
         seen,
         hit,
+        np.stack(roved) if roved else None,
+        grid_shapes(locked, points, request.direction, poles, modes) if points else None,
     )
+
+
+def _estimated(
+    locked: LockedLinkage,
+    plan: RecordPlan,
+    request: HammerRequest,
+    impact: LinkPoint,
+    numbers: list[int],
+    report: LabelledProgress,
+) -> tuple[FloatArray, FloatArray, FrfEstimate]:
+    """Records of force and response with their noise, (A, N) each, and what they give.
+
+    The noise is that of the request's seed and some numbers.
+    """
+    label = f"hammer at {np.degrees(locked.angle):.6g} deg"
+    if len(numbers) > 1:
+        label += f", impact at {impact}"
+    record = taken_record(
+        locked,
+        plan,
+        impact,
+        request.response,
+        request.direction,
+        lambda done, total: report(label, done, total),
+    )
+    generator = np.random.default_rng([request.seed, *numbers])
+    force, response = (
+        with_noise(np.tile(signal, (request.averages, 1)), request.noise, generator)
+        for signal in (record.force, record.response)
+    )
+    estimate = estimate_frf(
+        force,
+        response,
+        plan.sampling_rate,
+        force_window=plan.force_window,
+        exponential_window=plan.window,
+    )
+    return force, response, _in_band(estimate, plan.bandwidth)
 
 
 def _in_band(whole: FrfEstimate, bandwidth: float) -> FrfEstimate:

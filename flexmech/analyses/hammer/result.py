@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
@@ -9,9 +10,13 @@ import pandas as pd
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
 from flexmech.analyses.hammer import words
+from flexmech.analyses.hammer.uff import uff_contents
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.analyses.tables import DEGREES, table_over
+from flexmech.errors import InputError
+from flexmech.files import given_path, moved_into
+from flexmech.measured_data import write_uff
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,6 +50,10 @@ class HammerTest(Result):
         "frf.png",
         "frf_parts.png",
         "nyquist.png",
+        "stabilisation.png",
+        "shapes.csv",
+        "shapes.png",
+        "hammer_*deg.uff",
     )
 
     def frf(self) -> pd.DataFrame:
@@ -86,20 +95,61 @@ class HammerTest(Result):
         )
         return table.dropna(subset=["eigen_frequency_Hz"], ignore_index=True)
 
+    def shapes(self) -> pd.DataFrame:
+        """Mode shapes at the points of the grid of impacts.
+
+        Returns
+        -------
+        pandas.DataFrame
+
+        Raises
+        ------
+        InputError
+            If no grid was roved.
+        """
+        data = self.dataset
+        if "point" not in data.dims:
+            raise InputError(
+                "this hammer test has no grid of impacts; ask for it by grid=N (--grid N)"
+            )
+        table = table_over(
+            *("crank_angle", "mode", "point"),
+            crank_angle_deg=DEGREES * data["crank_angle"],
+            mode=data["mode"],
+            link=data["point_link"],
+            fraction=data["point_fraction"],
+            shape_real=data["shape_real"],
+            shape_imag=data["shape_imag"],
+            eigen_shape_real=data["eigen_shape_real"],
+            eigen_shape_imag=data["eigen_shape_imag"],
+            complexity_factor=data["complexity_factor"],
+        )
+        return table.dropna(subset=["eigen_shape_real"], ignore_index=True)
+
     def tables(self) -> dict[str, pd.DataFrame]:
-        """``frf`` and ``identified``."""
-        return {"frf": self.frf(), "identified": self.identified()}
+        """``frf`` and ``identified``, and ``shapes`` where the impact roved over a grid."""
+        tables = {"frf": self.frf(), "identified": self.identified()}
+        return tables | ({"shapes": self.shapes()} if "point" in self.dataset.dims else {})
 
     def figures(self) -> dict[str, Figure]:
-        """Records in time, frequency responses, and Nyquist circles, of the first crank angle."""
+        """Pictures of the first crank angle.
+
+        Records in time, frequency responses, and Nyquist circles; the stabilisation chart of LSCF,
+        and mode shapes where the impact roved over a grid.
+        """
         data = self.dataset
         first = data["identified_frequency"].isel(crank_angle=0)
         circles = {"nyquist": plots.plot_nyquist(data)} if first.notnull().any() else {}
-        return {
+        figures = {
             self.stem: plots.plot_hammer(data),
             "frf": self.plot(),
             "frf_parts": plots.plot_frf_parts(data),
         } | circles
+        if "chart_order" in data:
+            figures["stabilisation"] = plots.plot_stabilisation(data)
+        if "point" in data.dims:
+            figures["shapes"] = plots.plot_impact_shapes(data)
+        return figures
 
     def plot(self, *, ax: Axes | None = None) -> Figure:
         """Draw the frequency responses with coherence, measured and exact.
@@ -124,3 +174,28 @@ class HammerTest(Result):
         )
         warned = (*words.unfound_warnings(data), *theory_warnings(data.attrs))
         return Summary(parts, words.verdict(data), warned)
+
+    def save_uff(self, folder: str | Path) -> list[Path]:
+        """Write universal files, one a crank angle: records, frequency responses and modes.
+
+        Parameters
+        ----------
+        folder : str or Path
+            Made if it is not there.
+
+        Returns
+        -------
+        list of Path
+
+        Raises
+        ------
+        InputError
+            If pyuff is not installed (extra ``modal-test``), or the folder cannot be written to.
+        """
+        place = given_path(folder)
+        with moved_into(place) as temporary:
+            names = [
+                write_uff(temporary / name, contents).name
+                for name, contents in uff_contents(self.dataset).items()
+            ]
+        return [place / name for name in names]

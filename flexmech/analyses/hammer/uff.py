@@ -1,0 +1,259 @@
+"""A hammer test as universal files, one a crank angle, for the programs of a laboratory.
+
+A point that is hit or looked at is a node, in the frame of its link: x runs along the link. Its
+label is 1000 times the link's number and the point's place on the link, counted from 1 at the first
+joint. Frequency responses and records are those of the test. Modes are the identified ones at the
+points of the grid, or at the response point alone where no grid was roved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from flexmech import __version__
+from flexmech.analyses.tables import DEGREES
+from flexmech.linear_system import Engine, LinkPoint
+from flexmech.measured_data import (
+    UffDegreeOfFreedom,
+    UffFile,
+    UffFrame,
+    UffFunction,
+    UffMode,
+    UffNodes,
+    UffTrace,
+)
+from flexmech.types import ComplexArray, FloatArray
+
+__all__ = ["geometry_variables", "uff_contents"]
+
+Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
+NODES_A_LINK = 1000
+# Directions in the frame of a link.
+AXES = {"axial": 1, "transverse": 2}
+
+
+def geometry_variables(engine: Engine, angles: FloatArray) -> Variables:
+    """Where the links are, as variables of a dataset.
+
+    Parameters
+    ----------
+    engine : Engine
+    angles : ndarray, shape (A,)
+        Of the crank in rad.
+
+    Returns
+    -------
+    dict of str to tuple
+        ``link_x``, ``link_y`` and ``link_angle`` of each link's frame over (crank_angle, link),
+        and ``link_length``.
+    """
+    linkage = engine.mechanism.linkage
+    motion = linkage.motion(angles)
+    over = ("crank_angle", "link")
+    return {
+        "link_x": (over, motion.origin[..., 0]),
+        "link_y": (over, motion.origin[..., 1]),
+        "link_angle": (over, motion.angle),
+        "link_length": (("link",), np.array([link.length for link in linkage.topology.links])),
+    }
+
+
+def uff_contents(dataset: xr.Dataset) -> dict[str, UffFile]:
+    """Contents of the universal files of a hammer test, by their names.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``HammerTest``.
+
+    Returns
+    -------
+    dict of str to UffFile
+    """
+    files = {}
+    for number, angle in enumerate(dataset["crank_angle"].values):
+        degrees = f"{DEGREES * float(angle):.6g}"
+        files[f"hammer_{degrees}deg.uff"] = _one_angle(dataset.isel(crank_angle=number), degrees)
+    return files
+
+
+class _Nodes:
+    """Nodes of one crank angle: the joints, and the points of the test."""
+
+    def __init__(self, one: xr.Dataset, points: Iterable[LinkPoint]) -> None:
+        self.names = [str(name) for name in one["link"].values]
+        self.length = one["link_length"].values
+        self.angle = one["link_angle"].values
+        self.origin = np.column_stack([one["link_x"].values, one["link_y"].values])
+        fractions: dict[str, set[float]] = {name: {0.0, 1.0} for name in self.names}
+        for point in points:
+            fractions[point.link].add(point.fraction)
+        self.fractions = {name: sorted(own) for name, own in fractions.items()}
+
+    def label(self, point: LinkPoint) -> int:
+        place = self.fractions[point.link].index(point.fraction)
+        return NODES_A_LINK * (self.names.index(point.link) + 1) + place + 1
+
+    def frames(self) -> tuple[UffFrame, ...]:
+        return tuple(
+            UffFrame(number, name, (float(x), float(y)), float(angle))
+            for number, (name, (x, y), angle) in enumerate(
+                zip(self.names, self.origin, self.angle, strict=True), 1
+            )
+        )
+
+    def nodes(self) -> UffNodes:
+        label, position, frame = [], [], []
+        for link, name in enumerate(self.names):
+            along = np.array([np.cos(self.angle[link]), np.sin(self.angle[link])])
+            for fraction in self.fractions[name]:
+                label.append(self.label(LinkPoint(name, fraction)))
+                position.append([*(self.origin[link] + fraction * self.length[link] * along), 0.0])
+                frame.append(link + 1)
+        return UffNodes(np.array(label), np.array(position), np.array(frame))
+
+    def traces(self) -> tuple[UffTrace, ...]:
+        return tuple(
+            UffTrace(name, tuple(self.label(LinkPoint(name, each)) for each in own))
+            for name, own in self.fractions.items()
+        )
+
+    def towards(self, point: LinkPoint, direction: str) -> FloatArray:
+        """The test's direction at a point, along the global axes, (3,)."""
+        angle = self.angle[self.names.index(point.link)]
+        along, across = (np.cos(angle), np.sin(angle), 0.0), (-np.sin(angle), np.cos(angle), 0.0)
+        return np.array(along if direction == "axial" else across)
+
+    def degree_of_freedom(self, point: LinkPoint, direction: str) -> UffDegreeOfFreedom:
+        return UffDegreeOfFreedom(self.label(point), AXES[direction], point.link)
+
+
+def _one_angle(one: xr.Dataset, degrees: str) -> UffFile:
+    of = one.attrs
+    impact, response = LinkPoint.parse(of["impact"]), LinkPoint.parse(of["response_point"])
+    grid = _grid(one)
+    nodes = _Nodes(one, [impact, response, *grid])
+    return UffFile(
+        model=str(of.get("mechanism", "")),
+        description=f"hammer test, crank locked at {degrees} deg, engine {of['engine']}",
+        program=f"flexmech {__version__}",
+        nodes=nodes.nodes(),
+        frames=nodes.frames(),
+        traces=nodes.traces(),
+        functions=(
+            *_records(one, nodes, impact, response),
+            *_responses(one, nodes, impact, response, grid),
+        ),
+        modes=tuple(_modes(one, nodes, response, grid)),
+    )
+
+
+def _grid(one: xr.Dataset) -> list[LinkPoint]:
+    if "point" not in one.dims:
+        return []
+    places = zip(one["point_link"].values, one["point_fraction"].values, strict=True)
+    return [LinkPoint(str(link), float(fraction)) for link, fraction in places]
+
+
+def _records(
+    one: xr.Dataset, nodes: _Nodes, impact: LinkPoint, response: LinkPoint
+) -> Iterable[UffFunction]:
+    direction, time = str(one.attrs["direction"]), one["time"].values
+    hit = nodes.degree_of_freedom(impact, direction)
+    seen = nodes.degree_of_freedom(response, direction)
+    for number, average in enumerate(one["average"].values):
+        for name, quantity, where in (("force", "force", hit), ("response", "displacement", seen)):
+            yield UffFunction(
+                kind="time response",
+                abscissa="time",
+                position=time,
+                values=one[name].values[number],
+                quantity="force" if quantity == "force" else "displacement",
+                over="none",
+                response=where,
+                reference=hit,
+                name=f"{name}, average {int(average)}",
+            )
+
+
+def _responses(
+    one: xr.Dataset,
+    nodes: _Nodes,
+    impact: LinkPoint,
+    response: LinkPoint,
+    grid: list[LinkPoint],
+) -> Iterable[UffFunction]:
+    direction, lines = str(one.attrs["direction"]), one["frequency"].values
+    rate = float(one.attrs["window_decay_rate"])
+    window = f"exponential window {rate:.6g} 1/s on both signals" if rate else "no window"
+    seen = nodes.degree_of_freedom(response, direction)
+    hit = nodes.degree_of_freedom(impact, direction)
+    yield _response("receptance", _complex(one, "receptance"), lines, seen, hit, window)
+    yield UffFunction(
+        kind="coherence",
+        abscissa="frequency",
+        position=lines,
+        values=one["coherence"].values,
+        quantity="none",
+        over="none",
+        response=seen,
+        reference=hit,
+        name="coherence",
+    )
+    if grid:
+        found = _complex(one, "grid_receptance")
+        for point, values in zip(grid, found, strict=True):
+            where = nodes.degree_of_freedom(point, direction)
+            yield _response(f"receptance, impact at {point}", values, lines, seen, where, window)
+
+
+def _response(
+    name: str,
+    values: ComplexArray,
+    lines: FloatArray,
+    seen: UffDegreeOfFreedom,
+    hit: UffDegreeOfFreedom,
+    window: str,
+) -> UffFunction:
+    return UffFunction(
+        kind="frequency response",
+        abscissa="frequency",
+        position=lines,
+        values=values,
+        quantity="displacement",
+        over="force",
+        response=seen,
+        reference=hit,
+        name=name,
+        remark=f"H1, {window}",
+    )
+
+
+def _modes(
+    one: xr.Dataset, nodes: _Nodes, response: LinkPoint, grid: list[LinkPoint]
+) -> Iterable[UffMode]:
+    frequency, ratio = (one[f"identified_{name}"].values for name in ("frequency", "damping_ratio"))
+    points = grid or [response]
+    shapes = _complex(one, "shape") if grid else np.ones((1, frequency.size), dtype=complex)
+    towards = np.array([nodes.towards(point, str(one.attrs["direction"])) for point in points])
+    labels = np.array([nodes.label(point) for point in points])
+    for column, number in enumerate(one["mode"].values):
+        if not np.isfinite(frequency[column]):
+            continue
+        omega, zeta = 2 * np.pi * frequency[column], ratio[column]
+        yield UffMode(
+            number=int(number),
+            pole=complex(-zeta * omega, omega * np.sqrt(1 - zeta**2)),
+            nodes=labels,
+            shape=shapes[:, column, None] * towards,
+            name=f"mode {int(number)}, {frequency[column]:.6g} Hz, damping ratio {zeta:.4g}",
+        )
+
+
+def _complex(one: xr.Dataset, name: str) -> ComplexArray:
+    return np.asarray(one[f"{name}_real"].values + 1j * one[f"{name}_imag"].values)
