@@ -38,6 +38,7 @@ from tests.unit.plot_data import (
     verification_dataset,
     vibration_dataset,
 )
+from tests.unit.roved_hammer import roved_dataset
 from tests.unit.running_hammer_data import running_hammer_dataset
 from tests.unit.stability_data import stability_dataset
 
@@ -118,6 +119,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_hammer: (hammer_dataset, 3),
     plots.plot_harmonic_frf: (running_hammer_dataset, 6),
     plots.plot_hygrothermal_effect: (in_two_states, 4),
+    plots.plot_impact_shapes: (roved_dataset, 3),
     plots.plot_laminate_factors: (composite_study, 1),
     plots.plot_linkage: (linkage_dataset, 1),
     plots.plot_mechanism: (mechanism_dataset, 3),
@@ -132,6 +134,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_spectrum: (response_dataset, 3),
     plots.plot_speed_effect: (frequency_dataset, 4),
     plots.plot_speed_sweep: (sweep_dataset, 3),
+    plots.plot_stabilisation: (roved_dataset, 1),
     plots.plot_stability: (stability_dataset, 2),
     plots.plot_stability_against: (stability_dataset, 1),
     plots.plot_transmission_angle: (transmission_dataset, 1),
