@@ -15,7 +15,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from flexmech import __version__
 from flexmech.analyses.tables import DEGREES
 from flexmech.linear_system import Engine, LinkPoint
 from flexmech.measured_data import (
@@ -141,7 +140,7 @@ def _one_angle(one: xr.Dataset, degrees: str) -> UffFile:
     return UffFile(
         model=str(of.get("mechanism", "")),
         description=f"hammer test, crank locked at {degrees} deg, engine {of['engine']}",
-        program=f"flexmech {__version__}",
+        program=f"flexmech {of.get('flexmech_version', '')}".strip(),
         nodes=nodes.nodes(),
         frames=nodes.frames(),
         traces=nodes.traces(),
