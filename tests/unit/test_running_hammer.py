@@ -11,6 +11,7 @@ import pytest
 
 from flexmech import (
     ComputationError,
+    ExudynEngine,
     InputError,
     LinkPoint,
     ReferenceEngine,
@@ -19,6 +20,7 @@ from flexmech import (
     load_mechanism,
     running_hammer_test,
 )
+from flexmech.linear_system import Engine
 from flexmech.time_domain import HalfSinePulse
 
 HIT, SEEN = LinkPoint("coupler", 0.5), LinkPoint("rocker", 0.5)
@@ -134,6 +136,21 @@ def test_what_makes_no_sense_is_refused(wrong: dict[str, object], message: str) 
 def test_a_request_is_the_only_way_to_ask() -> None:
     with pytest.raises(InputError, match="RunningHammerRequest"):
         running_hammer_test(engine(), 20.0)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    "of", [ReferenceEngine, pytest.param(ExudynEngine, marks=pytest.mark.thorough)]
+)
+def test_a_rotating_arm_has_no_sidebands(of: type[Engine]) -> None:
+    arm = of(load_mechanism("models/rotating_arm.toml"), 2)
+    tip = LinkPoint("arm", 1.0)
+    request = RunningHammerRequest(60.0, tip, tip, damping_ratio=0.2, orders=1)
+    found = running_hammer_test(arm, request)
+    peaks = found.peaks().set_index("order")
+    assert peaks.loc[0, "identified_m_N"] == pytest.approx(peaks.loc[0, "predicted_m_N"], rel=0.05)
+    assert peaks.loc[[-1, 1], "predicted_m_N"].tolist() == [0.0, 0.0]
+    assert (peaks.loc[[-1, 1], "identified_m_N"] < 1e-5 * peaks.loc[0, "identified_m_N"]).all()
+    assert "no sidebands are predicted" in found.summary().verdict
 
 
 @pytest.mark.thorough

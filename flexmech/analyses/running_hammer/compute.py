@@ -5,7 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from flexmech.analyses.beam_theory import theory_attributes
-from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_ratio
+from flexmech.analyses.damping_ratios import (
+    lowest_frequency,
+    with_damping_ratio,
+    with_damping_time,
+)
 from flexmech.analyses.provenance import with_units
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.running_hammer.dataset import dataset_of
@@ -105,5 +109,6 @@ def _bandwidth(engine: Engine, request: RunningHammerRequest) -> float:
     """Highest frequency of the input in Hz."""
     if request.bandwidth is not None:
         return request.bandwidth
-    chosen = BANDWIDTH * lowest_frequency(engine) / (2 * np.pi)
+    undamped = with_damping_time(engine, 0.0)
+    chosen = BANDWIDTH * lowest_frequency(undamped) / (2 * np.pi)
     return chosen if request.pulse is None else min(chosen, 1 / request.pulse)

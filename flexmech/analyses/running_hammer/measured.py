@@ -19,6 +19,9 @@ __all__ = ["HALVING", "MeasuredResponse", "measured_response"]
 HALVING = 0.01
 """Greatest change of any order by halving the impacts, over its greatest amplitude."""
 MOST_HALVINGS = 4
+# An order whose greatest amplitude is below this part of that of the strongest order is measured
+# by the latter: where the linkage is a rotating arm, all but order 0 are round-off.
+FAINT = 1e-4
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,7 @@ class MeasuredResponse:
         Greatest displacement that an impact adds, in m.
     twin_defect : float
         How far the twin is from repeating itself from the first turn to the second, over its
-        greatest displacement.
+        greatest displacement or that of an impact.
     """
 
     plan: RunPlan
@@ -93,13 +96,14 @@ def measured_response(
         )
     size = np.abs(added).max(axis=1)
     turn = plan.steps
+    unrepeated = np.abs(twin[turn : 2 * turn] - twin[:turn]).max()
     return MeasuredResponse(
         plan=plan,
         estimate=_with_noise(request, plan, added) if request.noise else whole,
         halving_change=change,
         decay=np.abs(added[:, -turn:]).max(axis=1) / size,
         peak_response=float(size.max()),
-        twin_defect=float(np.abs(twin[turn : 2 * turn] - twin[:turn]).max() / np.abs(twin).max()),
+        twin_defect=float(unrepeated / max(np.abs(twin).max(), size.max())),
     )
 
 
@@ -148,4 +152,5 @@ def _change(whole: ComplexArray, half: ComplexArray, orders: int) -> FloatArray:
     middle = len(whole) // 2
     asked = slice(middle - orders, middle + orders + 1)
     apart = np.abs(whole[asked] - half[asked]).max(axis=1)
-    return np.asarray(apart / np.abs(whole[asked]).max(axis=1))
+    size = np.abs(whole[asked]).max(axis=1)
+    return np.asarray(apart / np.maximum(size, FAINT * size.max()))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.analyses.damping_ratios import with_damping_time
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.stability.solver import LinkageSolver
@@ -155,7 +156,8 @@ def predicted_linkage(engine: Engine, request: RunningHammerRequest, highest: fl
             "next; give the links damping: --damping-ratio 0.5% (damping_ratio=0.005), or damping "
             "in the model file"
         )
-    modes = _modes_below(engine, DETAIL * highest)
+    # Strongly damped modes that creep back have no frequency to be counted by.
+    modes = _modes_below(with_damping_time(engine, 0.0), DETAIL * highest)
     systems, count, steps = [], 0, 0
     for larger in (0, 1):
         solver = LinkageSolver(engine, request.prestress, modes, larger=larger)

@@ -12,8 +12,10 @@ __all__ = ["error_lines", "impact_lines", "peak_table", "prediction_lines", "ver
 
 # Of the acceptance of a test: amplitudes within this part, and frequencies within so many bins.
 AGREES, BINS = 0.05, 1
-# Sidebands that the last line speaks of.
+# Sidebands that the last line speaks of, and the part of the greatest amplitude of all orders
+# that is predicted of them at least.
 SIDEBANDS = 2
+FAINT = 1e-4
 
 
 def peak_table(dataset: xr.Dataset) -> Table:
@@ -37,8 +39,8 @@ def peak_table(dataset: xr.Dataset) -> Table:
                 f"{float(own['identified_peak_frequency']):.5g}",
                 f"{float(own['predicted_peak']):.4g}",
                 f"{float(own['predicted_peak_frequency']):.5g}",
-                f"{100 * _apart(own):+.2f}",
-                str(int(own["bins_apart"])),
+                "-" if _is_faint(dataset, order) else f"{100 * _apart(own):+.2f}",
+                "-" if _is_faint(dataset, order) else str(int(own["bins_apart"])),
             )
         )
     resolution = float(dataset["frequency"][1] - dataset["frequency"][0])
@@ -111,23 +113,34 @@ def error_lines(dataset: xr.Dataset) -> list[str]:
 
 def verdict(dataset: xr.Dataset) -> str:
     """How the first sidebands that were identified agree with those predicted."""
-    sides = dataset.isel(
-        order=np.flatnonzero(
-            (dataset["order"].values != 0) & (np.abs(dataset["order"].values) <= SIDEBANDS)
+    engine = dataset.attrs["engine"]
+    near = [n for n in dataset["order"].values.tolist() if 0 < abs(n) <= SIDEBANDS]
+    strong = [n for n in near if not _is_faint(dataset, n)]
+    if not strong:
+        largest = float(dataset["identified_peak"].max())
+        sideband = float(dataset["identified_peak"].sel(order=near).max())
+        return (
+            f"{engine}: no sidebands are predicted; those identified are {sideband / largest:.1e} "
+            "of the greatest amplitude at most"
         )
-    )
+    sides = dataset.sel(order=strong)
     apart = max(abs(_apart(sides.isel(order=n))) for n in range(sides.sizes["order"]))
     bins = int(sides["bins_apart"].max())
     agree = apart <= AGREES and bins <= BINS
     return (
-        f"{dataset.attrs['engine']}: the sidebands identified and predicted "
+        f"{engine}: the sidebands identified and predicted "
         f"{'agree' if agree else 'do not agree'} within {100 * AGREES:g} % and {BINS} bin: "
         f"amplitudes {100 * apart:.2g} % and frequencies {bins} bin{'' if bins == 1 else 's'} "
         "apart at most"
     )
 
 
+def _is_faint(dataset: xr.Dataset, order: int) -> bool:
+    """Whether next to nothing is predicted of an order, as of all but one of a rotating arm."""
+    peaks = dataset["predicted_peak"]
+    return bool(peaks.sel(order=order) < FAINT * peaks.max())
+
+
 def _apart(order: xr.Dataset) -> float:
     """Relative difference of the identified amplitude of an order."""
-    predicted = float(order["predicted_peak"])
-    return float(order["identified_peak"]) / predicted - 1 if predicted else 0.0
+    return float(order["identified_peak"]) / float(order["predicted_peak"]) - 1
