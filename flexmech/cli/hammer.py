@@ -64,20 +64,22 @@ def hammer(
 
     mechanism = load_mechanism(model)
     hit = parse_point(mechanism, "--impact", impact)
-    request = HammerRequest(
-        np.radians(degrees),
-        impact=hit,
-        response=hit if response is None else parse_point(mechanism, "--response", response),
-        direction=direction,
-        averages=averages,
-        bandwidth=band,
-        duration=lasting,
-        pulse=pushing,
-        noise=fraction,
-        seed=seed,
-        prestress=prestress or "none",
-        grid=grid,
-    )
+    seen = hit if response is None else parse_point(mechanism, "--response", response)
+    with naming("--pulse, --duration, --averages, --noise"):
+        request = HammerRequest(
+            np.radians(degrees),
+            impact=hit,
+            response=seen,
+            direction=direction,
+            averages=averages,
+            bandwidth=band,
+            duration=lasting,
+            pulse=pushing,
+            noise=fraction,
+            seed=seed,
+            prestress=prestress or "none",
+            grid=grid,
+        )
     pictures = asked_pictures(no_plots, "png", "two-column")
     if running is not None:
         refuse_when_running(angle != "0", grid is not None, uff)

@@ -7,8 +7,8 @@ The receptance from a force on ``p`` to a displacement ``r z`` is
 at :math:`s = 2 \pi i f`, with the poles :math:`\lambda_k` and the residues :math:`R_k` of the
 state-space modes (Ewins 2000, ch. 2). The first form is the direct solution, the second the
 superposition. What a superposition leaves out answers a force far below its frequencies
-statically: its residual term is the static flexibility less that of the modes kept
-(``\tag{H.2}`` in docs/theory/hammer_test.md).
+statically: its residual term is the static flexibility less that of the modes kept.
+The equations stand in docs/theory/hammer_test.md.
 """
 
 from __future__ import annotations

@@ -7,8 +7,8 @@ from the pulse's start,
           - \omega \cos \omega \tau}{\lambda_k^2 + \omega^2}, \quad \tau \le T,
 
 and afterwards it decays freely: :math:`g_k(T) e^{\lambda_k (\tau - T)}`. The displacement is
-:math:`\sum_k R_k g_k`. There is no time step and no error of one (``\tag{H.3}`` in
-docs/theory/hammer_test.md).
+:math:`\sum_k R_k g_k`. There is no time step and no error of one. The equations stand in
+docs/theory/hammer_test.md.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ small: a step h answers at frequency :math:`\hat f` as the equations of motion d
 
 .. math:: f = \frac{\tan(\pi \hat f h)}{\pi h}
 
-(``\tag{H.4}`` in docs/theory/hammer_test.md). Both records are read at :math:`\hat f` for the
+(docs/theory/hammer_test.md). Both records are read at :math:`\hat f` for the
 lines f, which takes this off.
 """
 
