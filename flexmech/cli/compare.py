@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from flexmech.choices import ELEMENTS_A_LINK
 from flexmech.cli import arguments, comparing, options
 from flexmech.cli.deliver import deliver
 from flexmech.cli.engines import make_engines
 from flexmech.cli.pictures import asked_pictures
+
+if TYPE_CHECKING:
+    from flexmech.types import LabelledProgress
 
 
 def compare(
@@ -40,13 +45,18 @@ def compare(
         remark = arguments.speed_remark("--speed", speed, [request.speed])
     mechanism = load_mechanism(model)
     taken = read_record(record)
+
+    def compute(progress: LabelledProgress | None) -> Comparison:
+        with comparing.naming_options():
+            own = make_engines(mechanism, engine, None, ELEMENTS_A_LINK)[0]
+            return compare_with_record(own, taken, request, progress=progress)
+
     deliver(
         Comparison,
-        lambda progress: compare_with_record(
-            make_engines(mechanism, engine, None, 8)[0], taken, request, progress=progress
-        ),
+        compute,
         out,
         model=model,
+        record=record,
         pictures=asked_pictures(no_plots, formats, width),
         speed_unit=request.speed_unit,
         remark=remark,

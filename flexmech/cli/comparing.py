@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -61,6 +63,21 @@ Fit = Annotated[
     ),
 ]
 OneEngine = Annotated[EngineName, Option(help="Which engine computes.")]
+
+
+# How the library names arguments that are options here.
+ARGUMENTS = ("fit: ", "quantity: ")
+
+
+@contextmanager
+def naming_options() -> Iterator[None]:
+    """Name an argument of the comparison as the option that it is."""
+    try:
+        yield
+    except InputError as error:
+        if error.message.startswith(ARGUMENTS):
+            raise InputError(f"--{error.message}") from error
+        raise
 
 
 def parse_comparison(

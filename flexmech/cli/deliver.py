@@ -31,6 +31,7 @@ def deliver(
     out: Path | None,
     *,
     model: Path | None = None,
+    record: Path | None = None,
     pictures: Pictures = PNG,
     speed_unit: str = "rad/s",
     further: Callable[[Found, Path, LabelledProgress | None], list[Path]] | None = None,
@@ -49,6 +50,8 @@ def deliver(
         Folder for the files; None for no files.
     model : Path, optional
         Model file, which messages name.
+    record : Path, optional
+        Another file of the user: messages that name it do not name the model.
     pictures : Pictures
         What pictures to write.
     speed_unit : str
@@ -75,7 +78,7 @@ def deliver(
             out = given_path(out)
             check_writable(out, kind.file_patterns(pictures.formats))
     with progress_bar() as progress:
-        with telling(model, speed_unit):
+        with telling(model, speed_unit, record):
             result = compute(progress)
             # Nothing is written before everything is computed.
             summary = result.summary()

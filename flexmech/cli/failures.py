@@ -81,7 +81,7 @@ def naming(option: str) -> Iterator[None]:
 
 
 @contextmanager
-def telling(model: object, speed_unit: str) -> Iterator[None]:
+def telling(model: object, speed_unit: str, record: object = None) -> Iterator[None]:
     """Put the model file in front of a message that names neither it nor an option.
 
     Parameters
@@ -90,6 +90,8 @@ def telling(model: object, speed_unit: str) -> Iterator[None]:
         As the user gave it; None where there is none.
     speed_unit : str
         In which messages speak of crank speeds.
+    record : path-like, optional
+        Another file of the user: messages that name it are about it.
     """
     import numpy as np
 
@@ -102,5 +104,7 @@ def telling(model: object, speed_unit: str) -> Iterator[None]:
         ) from error
     except FlexmechError as error:
         told = type(error)(error.told(speed_unit))
-        named = model is None or str(model) in told.message or told.message.startswith("--")
+        files = (str(file) for file in (model, record) if file is not None)
+        named = model is None or any(file in told.message for file in files)
+        named = named or told.message.startswith("--")
         raise (told if named else told.within(str(model))) from error

@@ -9,6 +9,7 @@ from typing import TypeVar
 
 from flexmech.analyses import (
     CampbellDiagram,
+    Comparison,
     CouplerPaths,
     CrankRockerSynthesis,
     HammerTest,
@@ -37,6 +38,7 @@ KINDS: tuple[type[Result], ...] = (
     RunningHammerTest,
     Response,
     HammerTest,
+    Comparison,
     SectionProfiles,
     CouplerPaths,
     MoistureUptake,

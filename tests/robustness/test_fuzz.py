@@ -33,6 +33,9 @@ TEXTS = [
         )
     ),
 ]
+RECORD = "crank_angle_deg,mode,frequency_Hz\n" + "\n".join(
+    f"{angle},{mode},{44 + 4 * mode}" for mode in (1, 2) for angle in range(0, 360, 60)
+)
 CASES = int(os.environ.get("FLEXMECH_FUZZ", "300"))
 SEED = int(os.environ.get("FLEXMECH_FUZZ_SEED", "1"))
 BLOCK = 50
@@ -52,7 +55,7 @@ NAMES = (
 )
 KEYS = ("youngs_modulus", "grond", "mass", "\x1b[2J", "type", "damping_ratio", "density", "name")
 MESSAGE = re.compile(
-    r"\.toml|--[a-z]|crank angle|crank_angle|stdout|links\.|No such command|Missing|DEVIATION"
+    r"\.toml|\.csv|--[a-z]|crank angle|crank_angle|stdout|links\.|No such command|Missing|DEVIATION"
 )
 
 
@@ -103,6 +106,21 @@ def mutated(text: str, random_: random.Random) -> str:
     return "\n".join(lines)
 
 
+def damaged(record: str, random_: random.Random) -> str:
+    """A record in which perhaps a cell is wrong, a row is missing or something else is written."""
+    lines = record.split("\n")
+    kind, number = random_.randrange(6), random_.randrange(len(lines))
+    cells = lines[number].split(",")
+    if kind in (0, 1):
+        cells[random_.randrange(len(cells))] = random_.choice((*NUMBERS, *NAMES))
+        lines[number] = ",".join(cells)
+    elif kind == 2:
+        del lines[number]
+    elif kind == 3:
+        lines[number] = random_.choice(NAMES)
+    return "\n".join(lines)
+
+
 def option(random_: random.Random, *values: str) -> str:
     """One of the sensible values, or anything."""
     if random_.random() < 0.75:
@@ -119,7 +137,7 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
     name = random_.choice(
         (
             *("frequencies", "frequencies", "response", "check", "section", "coupler-curve"),
-            *("moisture", "campbell", "export", "report", "stability", "hammer"),
+            *("moisture", "campbell", "export", "report", "stability", "hammer", "compare"),
         )
     )
     environment = [
@@ -174,6 +192,16 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
             *some("--noise", pick("1%", "0.05", "-1")),
             *some("--averages", pick("1", "2", "0")),
             *some("--prestress", pick("none", "axial", "equilibrium")),
+        ]
+    elif name == "compare":
+        record = Path(f"{out}.csv")
+        record.write_text(damaged(RECORD, random_), encoding="utf-8")
+        chosen = [
+            str(record),
+            *(("--speed", pick("0", "10", "100 rpm")) if random_.random() < 0.8 else ()),
+            *some("--angle", pick("0", "45 deg")),
+            *some("--fit", pick("none", "stiffness:coupler", "damping", "offset")),
+            *some("--quantity", pick("frequency", "coupler_mid_strain", "coupler:0.5")),
         ]
     elif name == "report":
         chosen = [

@@ -162,7 +162,10 @@ def test_a_record_without_modes_is_laid_beside_the_nearest():
     result = flexmech.compare_with_record(undamped(), record, flexmech.ComparisonRequest(speed=0.0))
     assert result.dataset["mode"].values.tolist() == [2, 2, 2]
     assert result.dataset["residual"].values == pytest.approx(0.002 * second, rel=1e-6)
-    assert "mode 2 (by its frequencies)" in str(result.summary())
+    said = str(result.summary())
+    assert "mode 2 (by its frequencies)" in said
+    assert "0.2 % of the frequencies" in said
+    assert not result.summary().warnings
 
 
 def mobility(unit: str = "m/(N s)", noise: float = 0.0) -> flexmech.MeasuredRecord:

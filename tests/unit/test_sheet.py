@@ -16,6 +16,7 @@ from PIL import Image
 from flexmech import plots
 from flexmech.errors import InputError
 from flexmech.plots import chosen
+from tests.unit.comparison_data import drawn_dataset
 from tests.unit.figure_checks import (
     check_layout,
     check_texts,
@@ -105,6 +106,7 @@ def section() -> xr.Dataset:
 # What every figure is drawn from, and how many panels it has.
 FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_agreement: (frequency_dataset, 4),
+    plots.plot_comparison: (drawn_dataset, 3),
     plots.plot_composite_damping: (composite_study, 3),
     plots.plot_composite_frequencies: (composite_study, 3),
     plots.plot_campbell: (campbell_dataset, 2),

@@ -23,6 +23,8 @@ __all__ = [
 
 # Part of the record's variance from which a model is said to miss what was measured.
 POOR = 0.5
+# Relative difference of frequencies beyond which other modes are compared, or another linkage.
+FAR_OFF = 0.1
 # Of its sign turned, a record must be explained better by this factor to be thought of so.
 TURNED_BETTER = 0.8
 # Deflection over a link's length beyond which linear equations show in what they are fitted to: a
@@ -125,9 +127,10 @@ def residual_lines(data: xr.Dataset) -> list[str]:
     parts = [data[name].values for name in data if str(name).startswith("residual")]
     size = float(np.sqrt(np.mean(sum(part**2 for part in parts))))
     unit = f" {attrs['unit']}" if attrs["unit"] else ""
+    part = f", {100 * _part(data):.2g} % of the frequencies" if "sample" in data.dims else ""
     lines = [
         f"unexplained: {100 * attrs['unexplained']:.3g} % of the record's variance, a residual of "
-        f"{size:.3g}{unit} root mean square"
+        f"{size:.3g}{unit} root mean square{part}"
     ]
     if not data.sizes["parameter"]:
         return lines
@@ -173,6 +176,14 @@ def warnings(data: xr.Dataset) -> tuple[str, ...]:
         if attrs.get("bow", 0.0) > LARGE_BOW
         else ()
     )
+    if "sample" in data.dims:
+        # Frequencies that hardly move with the crank angle have hardly any variance to explain.
+        if _part(data) < FAR_OFF:
+            return ()
+        return (
+            f"the frequencies differ by {100 * _part(data):.2g} % on average: the numbers mean "
+            "little; check the crank speed, the units, and the numbers of the modes",
+        )
     if attrs["unexplained"] < POOR:
         return large
     turned = attrs.get("turned_unexplained", float("nan"))
@@ -186,6 +197,12 @@ def warnings(data: xr.Dataset) -> tuple[str, ...]:
         f"{100 * attrs['unexplained']:.3g} % of the record remain unexplained: the numbers mean "
         "little; check the crank speed or angle, --quantity, and the units of the record",
     )
+
+
+def _part(data: xr.Dataset) -> float:
+    """Residual over the measured frequencies, root mean square."""
+    ratio = data["residual"].values / data["measured"].values
+    return float(np.sqrt(np.mean(ratio**2)))
 
 
 def _engine(attrs: dict[str, object]) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from flexmech.report.panel import Panel
 from flexmech.report.panels.campbell import campbell_panel
+from flexmech.report.panels.comparison import comparison_panel
 from flexmech.report.panels.coupler_curve import coupler_panel
 from flexmech.report.panels.frequencies import damping_panel, frequency_panel
 from flexmech.report.panels.hammer import hammer_panel
@@ -29,6 +30,7 @@ PANELS: tuple[Callable[[Results], Panel | None], ...] = (
     response_panel,
     spectrum_panel,
     hammer_panel,
+    comparison_panel,
     coupler_panel,
     section_panel,
     moisture_panel,
