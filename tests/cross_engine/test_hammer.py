@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -12,6 +13,7 @@ import flexmech
 from flexmech.analyses.damping_ratios import with_damping_ratio
 from flexmech.analyses.hammer import LockedLinkage, planned_record, taken_record
 from flexmech.analyses.hammer.transient import unwarped
+from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint
 from flexmech.time_domain import HalfSinePulse
 
@@ -103,6 +105,25 @@ def test_the_shift_of_frequencies_is_taken_off_exactly():
         spectra = np.fft.rfft(given, axis=1)[:, : count // 4]
         gap = np.abs(spectra[1] / spectra[0] - exact).max() / np.abs(exact).max()
         assert least <= gap < most
+
+
+def test_the_weight_of_the_links_counts_at_equilibrium():
+    """Exudyn starts from the bent position of rest; straight links with weight it refuses."""
+    mechanism = flexmech.load_mechanism(flexmech.example_model("aluminium_fourbar"))
+    heavy = replace(mechanism, gravity=(0.0, -9.81))
+    engine = with_damping_ratio(flexmech.ExudynEngine(heavy, 2), 0.03)
+    found = {
+        level: flexmech.hammer_test(
+            engine, flexmech.HammerRequest(ANGLE, COUPLER, ROCKER, modes=2, prestress=level)
+        )
+        for level in ("none", "equilibrium")
+    }
+    for result in found.values():
+        assert float(result.dataset["simulation_error"].max()) < 0.01
+    light, bent = (each.identified()["frequency_Hz"].to_numpy()[:2] for each in found.values())
+    assert np.abs(bent / light - 1).max() > 2e-4
+    with pytest.raises(InputError, match="use prestress 'equilibrium', or the reference engine"):
+        flexmech.hammer_test(engine, flexmech.HammerRequest(ANGLE, prestress="axial", modes=2))
 
 
 @pytest.mark.thorough

@@ -24,6 +24,7 @@ from scipy.interpolate import CubicSpline
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.plan import RecordPlan
 from flexmech.choices import LinkDirection
+from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint
 from flexmech.linkages import LockedCrank
 from flexmech.time_domain import Impact, LinkState, simulator
@@ -78,7 +79,8 @@ def taken_record(
     Raises
     ------
     InputError
-        If a point is on no link, or held by a joint.
+        If a point is on no link, or held by a joint, or straight links with weight are to be
+        simulated.
     ComputationError
         If a step of Exudyn does not converge.
     """
@@ -109,6 +111,11 @@ def _simulated(
 ) -> FloatArray:
     """Displacement at every step of the engine's nonlinear transient, (steps + 1,)."""
     engine = locked.engine
+    if locked.prestress == "axial" and any(engine.mechanism.gravity):
+        raise InputError(
+            f"prestress 'axial' with the links' weight is of straight links, but the {engine.name} "
+            "engine's transient bends them; use prestress 'equilibrium', or the reference engine"
+        )
     start = LinkState.rigid(engine.links)
     if locked.prestress == "none":
         # Links without stress carry no weight.

@@ -77,8 +77,9 @@ def unfound_warnings(dataset: xr.Dataset) -> list[str]:
         if len(modes):
             listed = ", ".join(map(str, modes))
             lines.append(
-                f"crank angle {DEGREES * float(angle):.6g} deg: mode {listed} not identified; its "
-                "shape may have a node at one of the points, so try another --impact or --response"
+                f"crank angle {DEGREES * float(angle):.6g} deg: mode{'s' * (len(modes) > 1)} "
+                f"{listed} not identified: nearly a node at one of the points, or hidden by "
+                "damping or noise; try another --impact or --response"
             )
     return lines
 
