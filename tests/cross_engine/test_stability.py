@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexmech import stability
 from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_time
 from flexmech.analyses.stability.engine_map import map_engine
 from flexmech.analyses.stability.kept_modes import matched
@@ -111,6 +112,22 @@ def test_a_speed_without_equilibrium_is_told_and_the_map_goes_on(aluminium):
     found = map_engine(ReferenceEngine(aluminium, elements=4), request, quiet)
     assert [each.crank_speed for each in found.speeds] == [20.0, 150.0]
     assert "crank angle" in found.speeds[1].reason
+
+
+def test_over_damping_each_row_is_about_its_own_periodic_motion(aluminium):
+    engine, asked = ReferenceEngine(aluminium, elements=2), {"modes": 2, "damping_ratio": 0.03}
+    over = stability(
+        engine, [25.0], prestress="trajectory", against=("damping-ratio", [0.01, 0.02]), **asked
+    )
+    rows = over.dataset["against_growth_rate"].values[0, :, 0]
+    for row, ratio in zip(rows, (0.01, 0.02), strict=True):
+        asked["damping_ratio"] = ratio
+        running, still = (
+            float(stability(engine, [25.0], prestress=level, **asked).dataset["growth_rate"][0, 0])
+            for level in ("trajectory", "equilibrium")
+        )
+        assert row == pytest.approx(running, rel=1e-9)
+        assert abs(row - still) > 1e-4 * abs(still)
 
 
 def test_multipliers_obey_liouville_in_every_row(maps):

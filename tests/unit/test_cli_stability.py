@@ -82,10 +82,6 @@ class TestCommand:
             (("--against", "damping-ratio", "0:2%"), "START:STOP:STEPS"),
             (("--against", "damping-ratio", "-1%,1%"), "against: damping-ratio must"),
             (("--against", "linkage.coupler", "250:300:5"), "which has no unit"),
-            (
-                ("--prestress", "trajectory", "--against", "damping-ratio", "0:2%:4"),
-                "about the quasi-static equilibrium",
-            ),
         ],
     )
     def test_what_cannot_be_is_one_line(

@@ -216,8 +216,9 @@ def _fill(
     """Rates and states of one engine, (parameter, crank_speed), row by row or speed by speed."""
     label = f"{engine.name}: {against.parameter}"
     speeds, done = request.crank_speeds.tolist(), 0
-    if against.parameter == DAMPING_PARAMETER:
-        # The linkage is the same at all damping ratios, and damping enters the system linearly.
+    if against.parameter == DAMPING_PARAMETER and request.prestress != "trajectory":
+        # The linkage is the same at all damping ratios, and damping enters the system linearly;
+        # its periodic motion is not the same.
         solvers = [(slice(None), _solver(with_damping_ratio(engine, 1.0), request), against.values)]
     else:
         solvers = [
@@ -236,7 +237,7 @@ def _fill(
 def _changed(engine: Engine, request: StabilityRequest, against: Against, value: float) -> Engine:
     """The engine at a value of the parameter, with the damping that counts."""
     changed = against.engine_at(engine, value)
-    ratio = request.damping_ratio
+    ratio = None if against.parameter == DAMPING_PARAMETER else request.damping_ratio
     return changed if ratio is None else with_damping_ratio(changed, ratio)
 
 

@@ -19,7 +19,6 @@ from flexmech.analyses.stability.moving_frequencies import moving_bands
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.result import StabilityMap
 from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame
-from flexmech.errors import InputError
 from flexmech.interruption import tidying
 from flexmech.linear_system import Engine
 from flexmech.threads import one_thread
@@ -68,7 +67,8 @@ def stability(
     against : tuple of (str, array_like), optional
         A second parameter and its values in SI units: ``"damping-ratio"``, ``"moisture"``,
         ``"temperature-rise"``, or a quantity of the model file by its key, such as
-        ``"linkage.coupler"`` or ``"links.coupler.in_plane_thickness"``.
+        ``"linkage.coupler"`` or ``"links.coupler.in_plane_thickness"``. With prestress
+        ``trajectory`` each point has a periodic motion of its own, which takes its time.
     speed_unit : str
         In which the result speaks of crank speeds, such as ``"rpm"``.
     progress : callable, optional
@@ -103,11 +103,6 @@ def stability(
         np.asanyarray(crank_speeds), prestress, frame, modes, steps, damping_ratio, speed_unit
     )
     second = None if against is None else Against.of(engines[0].mechanism, against)
-    if second is not None and prestress == "trajectory":
-        raise InputError(
-            "a map over a second parameter is about the quasi-static equilibrium; leave against "
-            "out, or choose prestress 'equilibrium'"
-        )
     report = progress or (lambda label, done, total: None)
     maps: list[EngineStability] = []
     with one_thread(), tidying():
