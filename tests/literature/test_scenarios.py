@@ -25,6 +25,7 @@ NAMES = [
     "composite_crank_rockers",
     "coupler_curves",
     "critical_speeds",
+    "damping_found_back",
     "frames_and_stability",
     "hygrothermal_frequencies",
     "instability_confirmed",
@@ -195,6 +196,27 @@ def test_instability_confirmed(scenario, held_number, tmp_path, capsys):
     assert printed.count("the rates agree within 10 %") == 2
     assert "the edges agree within 2 %" in printed
     assert_pictures(tmp_path, "growth.png")
+
+
+@pytest.mark.thorough
+def test_damping_found_back(scenario, held_number, tmp_path, capsys):
+    """A record made by Exudyn with noise taken as if measured (issue 17)."""
+    found = scenario("damping_found_back").main(tmp_path, elements=4)
+    coupler, rocker = (each.comparison.fitted("damping") for each in found)
+    assert 1e6 * coupler.value == held_number("damping_found_back")
+    assert found[0].is_held
+    assert found[1].is_held
+    for each in (coupler, rocker):
+        assert each.upper - each.lower < 0.05 * each.value
+    for each in found:
+        start = each.comparison.fitted("start_angle")
+        assert start.value == pytest.approx(137.0, abs=0.2)
+        assert each.comparison.unexplained < 1.2e-3
+    assert capsys.readouterr().out.count("which holds the true") == 2
+    names = [f"{link}_strain.csv" for link in ("coupler", "rocker")]
+    for name in names:
+        (tmp_path / name).unlink()
+    assert_pictures(tmp_path, "coupler.png", "rocker.png")
 
 
 @pytest.mark.thorough
