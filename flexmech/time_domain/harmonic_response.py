@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexmech.errors import ComputationError
 from flexmech.numbers import check_count, checked_array
 from flexmech.time_domain.floquet import FloquetModes, floquet_modes
 from flexmech.time_domain.fourier import FourierSeries
@@ -138,7 +139,8 @@ def harmonic_response(
     InputError
         If a frequency is not finite, or the steps are no count.
     ComputationError
-        If the steps are too few for the propagator.
+        If the steps are too few for the propagator, or damping is so strong that Floquet modes
+        cannot be told.
 
     Examples
     --------
@@ -154,7 +156,14 @@ def harmonic_response(
     if forced.is_constant:
         return _of_constant_matrix(forced, input_rate, wanted)
     modes = forced.floquet(steps)
-    shapes = modes.shapes()
+    with np.errstate(all="ignore"):
+        shapes = modes.shapes()
+    if not np.isfinite(shapes).all():
+        raise ComputationError(
+            "vibrations die out so far within a turn that the shapes of their Floquet modes are "
+            "beyond all numbers; ask for fewer modes (of a hammer test: a narrower --bandwidth) "
+            "or for less damping"
+        )
     into = _centred(np.linalg.solve(shapes, forced.force.samples(steps)[..., None])[..., 0])
     out = _centred(np.einsum("ks,ksj->kj", forced.reading.samples(steps), shapes))
     harmonic, weight = _weights(into, out, wanted)

@@ -112,7 +112,7 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
     -------
     list of int
         Increasing. Where fewer are smooth, the smoothest ones above them follow. All coordinates,
-        if nothing turns.
+        if nothing turns or there are no more than are asked for.
     """
     squares, largest = turn.frozen_squares, turn.frames.size
     if not turn.turns_pins:
@@ -132,7 +132,7 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
         if not more:
             break
         counts.append(max(more, key=lambda count: smoothness[count]))
-    return counts
+    return counts or [largest]
 
 
 def moving_modes(

@@ -256,7 +256,7 @@ def _newton(
         else:
             raise ComputationError(
                 f"links that bow deeply have no balance in a time step of {linear.step:.4g} s; "
-                "choose a smaller --step"
+                "choose a smaller --step (of a hammer test: a wider --bandwidth)"
             )
         prediction[number + 2] = new
         new = 2 * new - now

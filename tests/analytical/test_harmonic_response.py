@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from flexmech import (
+    ComputationError,
     InputError,
     LinkPoint,
     Mechanism,
@@ -203,6 +204,15 @@ def test_few_moving_modes_do_with_the_static_answer_of_what_they_leave_out() -> 
     assert missing > 10 * error
 
 
+def test_few_coordinates_all_move() -> None:
+    """One element a link has fewer coordinates than modes are asked for."""
+    engine = ReferenceEngine(model("aluminium_fourbar", 4e-5), 1)
+    frequency = np.linspace(0.0, 40.0, 5)
+    few, all_of_them = (linkage(engine, 20.0, modes) for modes in (4, 16))
+    found, whole = (harmonic_response(f, frequency, ORDERS, 4096) for f in (few, all_of_them))
+    np.testing.assert_allclose(found, whole, atol=1e-2 * np.abs(whole).max())
+
+
 def test_nothing_is_left_out_where_all_coordinates_move() -> None:
     engine = ReferenceEngine(model("rotating_arm", 0.0), 3)
     moving = LinkageSolver(engine, "equilibrium", 2).moving_modes(50.0)
@@ -220,6 +230,12 @@ def test_modes_that_coincide_leave_half_of_the_digits() -> None:
     found = harmonic_response(turned, frequency, ORDERS, 512)
     exact = balanced_response(turned, frequency, ORDERS, 3)
     np.testing.assert_allclose(found, exact, atol=1e-7 * np.abs(exact).max())
+
+
+def test_damping_beyond_all_numbers_is_refused() -> None:
+    strong = ReferenceEngine(model("aluminium_fourbar", 0.01), 2)
+    with pytest.raises(ComputationError, match="narrower --bandwidth"):
+        harmonic_response(linkage(strong, 5.0, 6), [10.0], ORDERS, 4096)
 
 
 def test_a_frequency_that_is_none_is_refused() -> None:

@@ -178,9 +178,12 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
             *some("--against", pick("damping-ratio", "moisture"), pick("0:1%:1", "0,0.01")),
         ]
     elif name == "hammer":
+        running = random_.random() < 0.2
+        engine = "reference" if running else random_.choice(("reference", "reference", "exudyn"))
+        where = ("--running", pick("60", "500 rpm", "-80")) if running else ()
         chosen = [
-            *("--engine", random_.choice(("reference", "reference", "exudyn"))),
-            *("--angle", pick("0", "0,90", "200 deg")),
+            *("--engine", engine),
+            *(where or ("--angle", pick("0", "0,90", "200 deg"))),
             *("--elements", pick("1", "2")),
             *("--damping-ratio", pick("5%", "0.1", "0", "2")),
             *some("--impact", pick("coupler:0.5", "crank:1", "arm:0.5", "rocker:2")),

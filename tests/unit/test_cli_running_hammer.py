@@ -84,6 +84,7 @@ def test_the_prestress_asked_for_counts(
         (("--uff",), "--uff does not go with --running"),
         (("--running", "0"), "--running: got '0', at which nothing turns"),
         (("--running", "fast"), "--running"),
+        (("--noise", "-1"), "noise must be zero or positive"),
     ],
 )
 @pytest.mark.usefixtures("asked")

@@ -28,7 +28,7 @@ JITTER = 0.1
 STEPS_A_PERIOD = 40
 STEPS_A_PULSE = 20
 LEAST_STEPS = 360
-MOST_STEPS = 5_000_000
+MOST_STEPS = 1_000_000
 # Greatest displacement that the first impacts are meant to cause, over the shortest link.
 SMALL = 1e-4
 # Turns besides those in which an impact decays: one in which it comes, and one at the end in
