@@ -48,6 +48,16 @@ class TestPlan:
         end = np.abs(record.response[-plan.samples // 50 :]).max()
         assert end < 1.1e-4 * np.abs(record.response).max()
 
+    def test_the_recorded_force_is_the_pulse_in_the_band(self):
+        """Its spectrum, with the delay of its middle: the filter adds none."""
+        plan, locked = plan_of()
+        point = LinkPoint("coupler", 0.5)
+        record = taken_record(locked, plan, point, point, "transverse")
+        lines = np.arange(int(plan.bandwidth * plan.duration)) / plan.duration
+        found = np.fft.rfft(record.force)[: len(lines)] / plan.sampling_rate
+        exact = plan.pulse.spectrum(lines)
+        assert np.abs(found - exact).max() < 1e-3 * plan.pulse.momentum
+
     def test_links_move_a_millionth_of_the_shortest_one(self):
         plan, locked = plan_of()
         hit = locked.rows([LinkPoint("coupler", 0.5)], "transverse")[0]
