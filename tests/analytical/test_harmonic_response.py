@@ -18,7 +18,12 @@ from flexmech import (
 )
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.linear_system import Engine, LinearSystem, point_rows
-from flexmech.time_domain import FourierSeries, SampledPeriodicSystem, direct_receptance
+from flexmech.time_domain import (
+    FloquetModes,
+    FourierSeries,
+    SampledPeriodicSystem,
+    direct_receptance,
+)
 from flexmech.time_domain.forced_linkage import forced_linkage, static_remainder
 from flexmech.time_domain.harmonic_response import (
     ForcedPeriodicSystem,
@@ -206,7 +211,7 @@ def test_few_moving_modes_do_with_the_static_answer_of_what_they_leave_out() -> 
 
 def test_few_coordinates_all_move() -> None:
     """One element a link has fewer coordinates than modes are asked for."""
-    engine = ReferenceEngine(model("aluminium_fourbar", 4e-5), 1)
+    engine = ReferenceEngine(model("aluminium_fourbar", 0.0), 1)
     frequency = np.linspace(0.0, 40.0, 5)
     few, all_of_them = (linkage(engine, 20.0, modes) for modes in (4, 16))
     found, whole = (harmonic_response(f, frequency, ORDERS, 4096) for f in (few, all_of_them))
@@ -232,10 +237,15 @@ def test_modes_that_coincide_leave_half_of_the_digits() -> None:
     np.testing.assert_allclose(found, exact, atol=1e-7 * np.abs(exact).max())
 
 
-def test_damping_beyond_all_numbers_is_refused() -> None:
-    strong = ReferenceEngine(model("aluminium_fourbar", 0.01), 2)
+def test_shapes_beyond_all_numbers_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As those of links that creep back by exp(-1e5) in a turn."""
+
+    def lost(self: FloquetModes) -> ComplexArray:
+        return np.full((64, 4, 4), np.nan + 0j)
+
+    monkeypatch.setattr(FloquetModes, "shapes", lost)
     with pytest.raises(ComputationError, match="narrower --bandwidth"):
-        harmonic_response(linkage(strong, 5.0, 6), [10.0], ORDERS, 4096)
+        harmonic_response(coupled(), [1.0], ORDERS, 64)
 
 
 def test_a_frequency_that_is_none_is_refused() -> None:
