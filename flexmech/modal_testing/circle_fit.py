@@ -15,12 +15,13 @@ Automatic Control 8 (1963), 56-58.
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 from scipy.signal import find_peaks
 
 from flexmech.modal_testing.identified import fit_residues, modal_sum
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
-__all__ = ["circle_fit_poles", "peaks"]
+__all__ = ["circle_fit_poles", "highest_near", "peaks"]
 
 
 LEAST_PROMINENCE = 2.0
@@ -57,6 +58,39 @@ def peaks(frequency: FloatArray, receptance: ComplexArray) -> IntArray:
     level = np.log(np.maximum(amplitude, np.finfo(float).tiny))
     found, about = find_peaks(level, prominence=np.log(LEAST_PROMINENCE))
     return np.asarray(found[np.argsort(-about["prominences"], kind="stable")])
+
+
+def highest_near(
+    frequency: FloatArray, receptance: ComplexArray, about: float, width: float, most: int
+) -> IntArray:
+    """The highest places of the mobility near a frequency, smoothed so that noise hides them less.
+
+    Parameters
+    ----------
+    frequency : ndarray, shape (F,)
+        In Hz.
+    receptance : ndarray of complex, shape (points, F)
+    about : float
+        In Hz.
+    width : float
+        Relative, to either side.
+    most : int
+        Places at most.
+
+    Returns
+    -------
+    ndarray of int, shape (k,)
+        Indices into the frequencies, the highest place first.
+    """
+    energy = frequency**2 * np.mean(abs(receptance) ** 2, axis=0)
+    smooth = uniform_filter1d(energy, LEAST_LINES)
+    near = np.flatnonzero(abs(frequency - about) < width * about)
+    if near.size == 0:
+        return near
+    found, _ = find_peaks(smooth[near])
+    # A rise towards the end of the stretch is that of another mode.
+    found = found if found.size else np.array([np.argmax(smooth[near])])
+    return np.asarray(near[found[np.argsort(-smooth[near][found], kind="stable")][:most]])
 
 
 def circle_fit_poles(

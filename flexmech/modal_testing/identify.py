@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 
 from flexmech.errors import InputError
-from flexmech.modal_testing.circle_fit import circle_fit_poles, peaks
+from flexmech.modal_testing.circle_fit import circle_fit_poles, highest_near, peaks
 from flexmech.modal_testing.identified import IdentifiedModes, fit_residues, modal_sum
 from flexmech.modal_testing.lscf import has_lscf, lscf_poles
 from flexmech.modal_testing.refine import refined_poles
@@ -29,6 +29,8 @@ PEAK_LEFT = 0.1
 """Of the greatest receptance: a peak that is left above it is a mode that LSCF has missed."""
 MOST_PEAKS, MOST_NEAR = 20, 3
 """Peaks that are tried, the most prominent ones: altogether, and near an expected mode."""
+TOGETHER = 0.2
+"""Of half their half-power width: poles so near to each other are one."""
 NEAR = 0.05
 """Relative: an expected mode is one that is found so near in frequency."""
 
@@ -106,8 +108,7 @@ def identify(
         at = _peaks_near(kept, values, wanted)
         pole = circle_fit_poles(kept, values, at, added_damping)
     s = added_damping + 2j * np.pi * kept
-    pole = refined_poles(s, values, pole[np.isfinite(pole)])
-    pole = significant_poles(s, values, pole[np.isfinite(pole)])
+    pole = _fitted(s, values, pole[np.isfinite(pole)])
     pole = pole[np.argsort(abs(pole), kind="stable")]
     residue, outside = fit_residues(s, values, pole)
     left = values - modal_sum(s, pole, residue) - outside.at(s)
@@ -155,6 +156,31 @@ def _checked(frequency: FloatArray, receptance: ComplexArray) -> tuple[FloatArra
     return frequency, receptance
 
 
+def _fitted(s: ComplexArray, receptance: ComplexArray, pole: ComplexArray) -> ComplexArray:
+    """Poles that are refined together, and are modes and not noise."""
+    while True:
+        refined = refined_poles(s, receptance, pole)
+        refined = refined[np.isfinite(refined)]
+        kept = significant_poles(s, receptance, _distinct(refined, float(s[0].real)))
+        if kept.size == refined.size:
+            return kept
+        # What was dropped had drawn the others along.
+        pole = kept
+
+
+def _distinct(pole: ComplexArray, added_damping: float) -> ComplexArray:
+    """Poles without the second of two that lie within a part of their width.
+
+    One mode is told by two such poles with great residues of opposite sign.
+    """
+    kept: list[complex] = []
+    for one in pole.tolist():
+        width = added_damping - one.real
+        if all(abs(one - other) > TOGETHER * width for other in kept):
+            kept.append(one)
+    return np.array(kept, dtype=np.complex128)
+
+
 def _with_peaks_left(
     frequency: FloatArray,
     receptance: ComplexArray,
@@ -175,7 +201,7 @@ def _with_peaks_left(
     great = at[size[at] > PEAK_LEFT * whole.max()][:MOST_PEAKS]
     known = np.asarray(abs(pole) / (2 * np.pi), dtype=float)
     lonely = [] if wanted is None else [f for f in wanted if not np.any(abs(known - f) < NEAR * f)]
-    near = [at[abs(frequency[at] - f) < NEAR * f][:MOST_NEAR] for f in lonely]
+    near = [highest_near(frequency, left, f, NEAR, MOST_NEAR) for f in lonely]
     at = np.unique(np.concatenate([great, *near]))
     more = circle_fit_poles(frequency, left, at, added_damping)
     return np.concatenate([pole, more])
@@ -188,11 +214,7 @@ def _peaks_near(
     at = peaks(frequency, receptance)
     if wanted is None:
         return at[:MOST_PEAKS]
-    within = wanted[(wanted >= frequency[0]) & (wanted <= frequency[-1])]
-    near = []
-    for one in within:
-        own = at[abs(frequency[at] - one) < NEAR * one][:MOST_NEAR]
-        near.append(own if own.size else np.array([np.argmin(abs(frequency - one))]))
+    near = [highest_near(frequency, receptance, one, NEAR, MOST_NEAR) for one in wanted]
     return np.unique(np.concatenate([at[:MOST_PEAKS], *near]))
 
 
