@@ -108,7 +108,8 @@ def identify(
         at = _peaks_near(kept, values, wanted)
         pole = circle_fit_poles(kept, values, at, added_damping)
     s = added_damping + 2j * np.pi * kept
-    pole = _fitted(s, values, pole[np.isfinite(pole)])
+    pole = _with_guesses(pole[np.isfinite(pole)], wanted, kept)
+    pole = _fitted(s, values, pole)
     pole = pole[np.argsort(abs(pole), kind="stable")]
     residue, outside = fit_residues(s, values, pole)
     left = values - modal_sum(s, pole, residue) - outside.at(s)
@@ -154,6 +155,26 @@ def _checked(frequency: FloatArray, receptance: ComplexArray) -> tuple[FloatArra
             "receptances to such frequencies"
         )
     return frequency, receptance
+
+
+def _with_guesses(
+    pole: ComplexArray, wanted: FloatArray | None, frequency: FloatArray
+) -> ComplexArray:
+    """Poles with one for each expected mode that has none, damped as the mode nearest to it.
+
+    A mode that overlaps another, or is cut by the band's end, shows neither peak nor circle.
+    Whether it is there is told by the fit.
+    """
+    if wanted is None or pole.size == 0:
+        return pole
+    known = np.asarray(abs(pole) / (2 * np.pi), dtype=float)
+    ratio = -pole.real / abs(pole)
+    guesses = [
+        2 * np.pi * f * (-ratio[np.argmin(abs(known - f))] + 1j)
+        for f in wanted
+        if frequency[0] <= f <= frequency[-1] and not np.any(abs(known - f) < NEAR * f)
+    ]
+    return np.concatenate([pole, np.array(guesses, dtype=np.complex128)])
 
 
 def _fitted(s: ComplexArray, receptance: ComplexArray, pole: ComplexArray) -> ComplexArray:

@@ -27,6 +27,8 @@ NAMES = [
     "critical_speeds",
     "damping_found_back",
     "frames_and_stability",
+    "hammer_noise",
+    "hammer_twelve_positions",
     "hygrothermal_frequencies",
     "instability_confirmed",
     "mode_shapes",
@@ -286,6 +288,49 @@ def test_critical_speeds(scenario, held_number, tmp_path, capsys):
     assert float(low) == held_number("critical_speeds")
     assert "rings most at" in capsys.readouterr().out
     assert_pictures(tmp_path, *(f"{m}_critical_speeds.png" for m in answers))
+
+
+def test_hammer_twelve_positions(scenario, held_number, tmp_path, capsys):
+    """One case on two elements a link; the printed percentages stand beside those found."""
+    module = scenario("hammer_twelve_positions")
+    answer = module.main(tmp_path, cases=(3,), elements=2)
+    assert answer.difference("frequency") < 1e-3
+    assert answer.difference("damping") < 0.05
+    fall = module.fall(answer.frequency, module.PERCENTAGES[0])
+    assert fall == held_number("hammer_twelve_positions")
+    printed = capsys.readouterr().out
+    assert "62.22  62.71  48.45" in printed
+    assert_pictures(tmp_path, "percentages.png")
+
+
+def test_hammer_noise(scenario, held_number, tmp_path, capsys):
+    """Few draws of the noise, by circles alone: the second mode's damping at 1 %."""
+    module, draws = scenario("hammer_noise"), 5
+    answer = module.main(tmp_path, draws=draws, methods=("circle-fit",), noise=(0.01,))
+    table = answer.table()
+    assert table["identified"].tolist() == ["5 of 5"] * 3
+    assert table["damping scatter (%)"][1] == held_number("hammer_noise")
+    # Bias is within what so few draws tell of it.
+    errors = answer.errors["circle-fit", 0.01, "damping_ratio"]
+    assert np.all(abs(errors.mean(axis=0)) < 3.5 * errors.std(axis=0) / np.sqrt(draws))
+    assert "circle-fit" in capsys.readouterr().out
+    assert_pictures(tmp_path, "noise.png")
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("method", ["lscf", "circle-fit"])
+def test_hammer_noise_over_a_hundred_draws(scenario, method, tmp_path):
+    """The table of the theory manual, to its digits but for round-off of the searches."""
+    page = (SCENARIOS.parent / "docs" / "theory" / "identification.md").read_text()
+    lines = [line.strip("|").split("|") for line in page.splitlines() if line.startswith("| ")]
+    rows = [[cell.strip() for cell in line] for line in lines if line[0].strip() == method]
+    found = scenario("hammer_noise").main(tmp_path, methods=(method,)).table()
+    assert len(rows) == len(found) == 6
+    for row, (_, computed) in zip(rows, found.iterrows(), strict=True):
+        assert row[1:4] == [computed["noise"], str(computed["mode"]), computed["identified"]]
+        scatters = [float(computed.iloc[number]) for number in (5, 5, 7, 7)]
+        for cell, value, scatter in zip(row[4:], computed.iloc[4:], scatters, strict=True):
+            assert float(cell) == pytest.approx(value, rel=0.02, abs=0.02 * scatter)
 
 
 def test_transmission_angle(scenario, held_number, tmp_path, capsys):

@@ -193,6 +193,8 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
             *some("--duration", pick("0.1", "10 ms")),
             *some("--pulse", pick("1 ms", "1", "1e-9")),
             *some("--noise", pick("1%", "0.05", "-1")),
+            *some("--grid", pick("1", "2")),
+            *some("--uff"),
             *some("--averages", pick("1", "2", "0")),
             *some("--prestress", pick("none", "axial", "equilibrium")),
         ]

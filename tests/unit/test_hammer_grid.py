@@ -6,11 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from flexmech import HammerRequest, LinkPoint, hammer_test, plots
 from flexmech.analyses.hammer import LockedLinkage
 from flexmech.analyses.hammer.grid import grid_points
+from flexmech.cli.application import app
 from flexmech.errors import InputError
+from flexmech.example_models import example_model
 from flexmech.measured_data import read_uff, read_uff_record
 from flexmech.modal_testing import complexity_factor, identify, mac
 from tests.unit.figure_checks import check_layout
@@ -212,3 +215,36 @@ def test_grid_along_the_links():
     assert float(data["mac"][0, 0]) > 0.999
     with pytest.raises(InputError, match="grid"):
         replace(request, grid=1)
+
+
+COMMAND = [
+    *(
+        "hammer",
+        str(example_model("composite_fourbar")),
+        "--engine",
+        "reference",
+        "--elements",
+        "1",
+    ),
+    *("--engine", "reference", "--elements", "1", "--no-plots"),
+]
+
+
+def test_the_command_writes_shapes_and_universal_files(tmp_path):
+    ran = CliRunner().invoke(
+        app, [*COMMAND, "--grid", "2", "--uff", "--out", str(tmp_path / "results")]
+    )
+    assert ran.exit_code == 0, ran.output
+    names = {path.name for path in (tmp_path / "results").iterdir()}
+    assert names == {"frf.csv", "identified.csv", "shapes.csv", "hammer.nc", "hammer_96.9deg.uff"}
+    assert len(read_uff(tmp_path / "results" / "hammer_96.9deg.uff").traces) == 3
+
+
+def test_without_pyuff_nothing_is_computed(monkeypatch, tmp_path):
+    monkeypatch.setattr("flexmech.measured_data.uff_files.find_spec", lambda name: None)
+    ran = CliRunner().invoke(app, [*COMMAND, "--uff", "--out", str(tmp_path / "results")])
+    assert ran.exit_code == 2
+    assert not (tmp_path / "results").exists()
+    message = " ".join(ran.output.split())
+    assert "--uff: a universal file needs pyuff" in message
+    assert 'pip install "flexmech[modal-test]"' in message
