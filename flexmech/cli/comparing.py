@@ -57,8 +57,9 @@ Quantity = Annotated[
 Fit = Annotated[
     str | None,
     Option(
-        help="What is fitted, a comma list: damping, damping:LINK, stiffness:LINK, offset; or "
-        "none. Left out: damping, and nothing for natural frequencies.",
+        help="What is fitted, a comma list: damping, damping:LINK, stiffness:LINK, offset, gain; "
+        "or none. Left out: damping, of a frequency-response function gain too, and nothing for "
+        "natural frequencies.",
         metavar="LIST",
     ),
 ]

@@ -67,10 +67,11 @@ def test_of_100_records_90_give_their_damping_back():
 
 
 @pytest.mark.thorough
-def test_of_100_records_without_crank_angle_90_give_their_damping_back():
-    assert held(fits(range(1000, 1100), anywhere=True)) >= 90
+def test_of_40_records_without_crank_angle_36_give_their_damping_back():
+    """Of 40 intervals of 95 % fewer than 36 hold with a probability of 0.014."""
+    assert held(fits(range(1000, 1040), anywhere=True)) >= 36
 
 
 @pytest.mark.thorough
-def test_of_100_records_with_coloured_noise_90_give_their_damping_back():
-    assert held(fits(range(2000, 2100), MEMORY)) >= 90
+def test_of_40_records_with_coloured_noise_36_give_their_damping_back():
+    assert held(fits(range(2000, 2040), MEMORY)) >= 36

@@ -211,6 +211,17 @@ def test_damping_times_are_found_back_from_a_mobility():
     assert "correlation of damping and damping:coupler" in str(noisy.summary())
 
 
+def test_a_calibration_that_is_off_is_found_and_is_no_damping():
+    record = mobility()
+    off = replace(record.quantities[0], values=1.03 * record.quantities[0].values)
+    request = flexmech.ComparisonRequest(angle=ANGLE, quantity="coupler:0.5,rocker:0.5")
+    result = flexmech.compare_with_record(undamped(), replace(record, quantities=(off,)), request)
+    plain = flexmech.compare_with_record(undamped(), record, request)
+    assert result.fitted("gain").value == pytest.approx(1.03 * plain.fitted("gain").value, rel=1e-5)
+    assert result.fitted("damping").value == pytest.approx(plain.fitted("damping").value, rel=1e-5)
+    assert 2e-5 < plain.fitted("damping").value < 4e-5
+
+
 def test_names_that_can_be_fitted():
     fitted = fitted_names(("damping", "damping:coupler", "stiffness:rocker"), LINKS)
     values = {"damping": 1.0, "damping:coupler": 2.0, "stiffness:rocker": 0.9}
@@ -329,7 +340,7 @@ def frequencies(**more: list[float]) -> flexmech.MeasuredRecord:
     ("record", "fit", "message"),
     [
         (frequencies(), ("damping",), "natural frequencies hardly change with damping"),
-        (frequencies(), ("offset",), "frequencies have no offset"),
+        (frequencies(), ("offset",), "frequencies have no offset and no gain"),
         (frequencies(mode=[1.0, 1.5, 2.0]), None, "must number modes from 1"),
         (frequencies(crank_speed=[10.0, 10.0, 20.0]), None, "crank speeds of 10, 20 rad/s, not 0"),
         (frequencies(frequency=[45.0, 0.0, 44.0]), None, "natural frequencies are positive"),

@@ -3,7 +3,8 @@
 A parameter's covariance is that of the Jacobian for independent errors of one size. Where the
 model is incomplete, neighbouring residuals are alike; then the residual is taken as an
 autoregressive process, and the covariance is that of least squares under such errors (the
-sandwich formula). An interval is never made narrower by that.
+sandwich formula). Where errors are larger at samples that tell much, as beside the resonances of
+a frequency-response function, their own sizes count. An interval is never made narrower by either.
 """
 
 from __future__ import annotations
@@ -178,12 +179,15 @@ def _judged(
     white = _white_covariance(parameters, jacobian, residual, unknowns)
     error, quantile = np.sqrt(np.diagonal(white)), _quantile(residual.size - unknowns)
     covariance, wider = white, np.ones(len(error))
+    if len(parameters):
+        uneven = _uneven_covariance(jacobian, residual, unknowns)
+        wider = np.maximum(np.sqrt(np.diagonal(uneven)) / error, 1.0)
     if len(process) and len(parameters):
         independent = _independent_samples(process) * residual.size
         freedom = max(independent - unknowns, 1.0)
         coloured = _coloured_covariance(jacobian, residual, process) * (independent / freedom)
         ratio = np.sqrt(np.diagonal(coloured)) * _quantile(freedom) / (error * quantile)
-        wider = np.maximum(ratio, 1.0)
+        wider = np.maximum(ratio, wider)
         covariance = coloured
     reach = wider * quantile * error * scale
     spread = np.sum((measured - measured.mean(axis=1)[:, None]) ** 2)
@@ -229,6 +233,16 @@ def _inverse(jacobian: FloatArray) -> FloatArray:
     upper = np.linalg.qr(jacobian, mode="r")
     inverse = scipy.linalg.solve_triangular(upper, np.eye(len(upper)))
     return np.asarray(inverse @ inverse.T)
+
+
+def _uneven_covariance(jacobian: FloatArray, residual: FloatArray, unknowns: int) -> FloatArray:
+    """Covariance (p, p) of the scaled parameters for independent errors of different sizes.
+
+    H. White, Econometrica 48 (1980) 817-838.
+    """
+    inverse, own = _inverse(jacobian), jacobian * residual.reshape(-1, 1)
+    freedom = max(residual.size - unknowns, 1)
+    return np.asarray(residual.size / freedom * inverse @ (own.T @ own) @ inverse)
 
 
 def _coloured_covariance(

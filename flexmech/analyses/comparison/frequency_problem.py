@@ -76,8 +76,8 @@ class FrequencyProblem:
                 "fit: natural frequencies hardly change with damping and do not tell it; fit "
                 "stiffness:LINK, or give a record over time or a frequency-response function"
             )
-        if self.fitted.offset:
-            raise InputError("fit: frequencies have no offset; fit stiffness:LINK")
+        if self.fitted.offset or self.fitted.gain:
+            raise InputError("fit: frequencies have no offset and no gain; fit stiffness:LINK")
 
     @property
     def measured(self) -> FloatArray:

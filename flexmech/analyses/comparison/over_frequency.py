@@ -7,7 +7,7 @@ import xarray as xr
 
 from flexmech.analyses.comparison.dataset import comparison_dataset
 from flexmech.analyses.comparison.fit import fitted
-from flexmech.analyses.comparison.parameters import DAMPING, fitted_names
+from flexmech.analyses.comparison.parameters import DAMPING, GAIN, fitted_names
 from flexmech.analyses.comparison.receptance_problem import (
     MOBILITIES,
     ReceptanceProblem,
@@ -24,6 +24,8 @@ __all__ = ["compared_over_frequency"]
 # Crank angles that are the same, in rad.
 SAME_ANGLE = np.radians(0.01)
 LEAST_LINES = 16
+# An error of the hammer's force is common to neighbouring frequencies, and looks like damping.
+DEFAULT = (DAMPING, GAIN)
 
 
 def compared_over_frequency(
@@ -68,7 +70,7 @@ def compared_over_frequency(
             "from its lowest frequency to its highest"
         )
     links = engine.mechanism.linkage.topology.link_names
-    names = fitted_names(request.fit or (DAMPING,), links)
+    names = fitted_names(request.fit or DEFAULT, links)
     if names.offset:
         raise InputError("fit: a frequency-response function has no offset; fit damping, stiffness")
     impact, response = points_of(request.quantity, links)

@@ -11,6 +11,7 @@ from flexmech.sections import BeamSection
 
 __all__ = [
     "DAMPING",
+    "GAIN",
     "NOTHING",
     "OFFSET",
     "STIFFNESS",
@@ -21,7 +22,7 @@ __all__ = [
     "with_stiffness",
 ]
 
-DAMPING, STIFFNESS, OFFSET, NOTHING = "damping", "stiffness", "offset", "none"
+DAMPING, STIFFNESS, OFFSET, GAIN, NOTHING = "damping", "stiffness", "offset", "gain", "none"
 # Beam elements whose stiffness is that of the layers, not that of the section as a whole.
 LAYERED = ("zigzag", "reddy")
 
@@ -38,12 +39,15 @@ class Fitted:
         Links with a damping time of their own, and those with a factor on the stiffness.
     offset : bool
         The gauge's zero.
+    gain : bool
+        Factor on the computed record: how far the gauge's calibration is off.
     """
 
     damping: bool
     damped_links: tuple[str, ...]
     stiff_links: tuple[str, ...]
     offset: bool
+    gain: bool
 
     @property
     def damps(self) -> bool:
@@ -63,7 +67,7 @@ class Fitted:
 def known_names(links: Sequence[str]) -> list[str]:
     """All names that can be fitted, for links of these names."""
     own = [f"{what}:{link}" for what in (DAMPING, STIFFNESS) for link in links]
-    return [DAMPING, *own, OFFSET, NOTHING]
+    return [DAMPING, *own, OFFSET, GAIN, NOTHING]
 
 
 def fitted_names(names: Sequence[str], links: Sequence[str]) -> Fitted:
@@ -104,6 +108,7 @@ def fitted_names(names: Sequence[str], links: Sequence[str]) -> Fitted:
         damped_links=damped,
         stiff_links=tuple(link for link in links if f"{STIFFNESS}:{link}" in names),
         offset=OFFSET in names,
+        gain=GAIN in names,
     )
 
 

@@ -11,7 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.analyses.comparison.fit import Parameter
-from flexmech.analyses.comparison.parameters import Fitted, with_damping_times, with_stiffness
+from flexmech.analyses.comparison.parameters import (
+    GAIN,
+    Fitted,
+    with_damping_times,
+    with_stiffness,
+)
 from flexmech.analyses.comparison.start import USUAL_RATIO, named, parameters_from, start_values
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.choices import MOST_MODES
@@ -145,6 +150,7 @@ class ReceptanceProblem:
         rows = [point_rows(system, point, "transverse") for point in (self.response, self.impact)]
         matrices = (system.mass[0], system.damping[0], system.stiffness[0])
         found = direct_receptance(*matrices, rows[0], rows[1], self.frequency)[:, 0, 0]
+        found = values.get(GAIN, 1.0) * found
         return np.asarray((2j * np.pi * self.frequency) ** ORDERS[self.kind] * found)
 
     @cached_property

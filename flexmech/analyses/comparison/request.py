@@ -27,9 +27,9 @@ class ComparisonRequest:
         response, such as ``"coupler:0.5"`` or ``"coupler:0.5,rocker:0.5"``. Left out: what the
         record's own column names.
     fit : sequence of str, optional
-        Any of ``"damping"``, ``"damping:LINK"``, ``"stiffness:LINK"`` and ``"offset"``, or
-        ``"none"``. Left out: ``damping`` for records that tell it, nothing for natural
-        frequencies.
+        Any of ``"damping"``, ``"damping:LINK"``, ``"stiffness:LINK"``, ``"offset"`` and
+        ``"gain"``, or ``"none"``. Left out: ``damping`` over time, ``damping`` and ``gain`` for a
+        frequency-response function, nothing for natural frequencies.
     speed_unit : str
         In which results speak of the crank speed, such as ``"rpm"``.
 

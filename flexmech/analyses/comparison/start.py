@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from flexmech.analyses.comparison.fit import Parameter
-from flexmech.analyses.comparison.parameters import DAMPING, OFFSET, STIFFNESS, Fitted
+from flexmech.analyses.comparison.parameters import DAMPING, GAIN, OFFSET, STIFFNESS, Fitted
 
 __all__ = ["START_ANGLE", "USUAL_RATIO", "named", "parameters_from", "start_values"]
 
@@ -21,6 +21,7 @@ ANGLES = 144
 # Part of the model's stiffness below which no measured link is, and a usual change of it.
 LEAST_STIFFNESS, STIFFNESS_STEP = 0.05, 0.1
 ANGLE_STEP = 10.0
+GAIN_STEP = 0.1
 
 
 def named(fitted: Fitted, *, free_angle: bool = False) -> tuple[str, ...]:
@@ -30,6 +31,7 @@ def named(fitted: Fitted, *, free_angle: bool = False) -> tuple[str, ...]:
         *(f"{DAMPING}:{link}" for link in fitted.damped_links),
         *(f"{STIFFNESS}:{link}" for link in fitted.stiff_links),
         *((OFFSET,) if fitted.offset else ()),
+        *((GAIN,) if fitted.gain else ()),
         *((START_ANGLE,) if free_angle else ()),
     )
 
@@ -51,7 +53,7 @@ def start_values(
     -------
     dict of str to float
     """
-    others = {STIFFNESS: 1.0, OFFSET: 0.0, START_ANGLE: 0.0}
+    others = {STIFFNESS: 1.0, OFFSET: 0.0, GAIN: 1.0, START_ANGLE: 0.0}
     start = {name: others.get(name.partition(":")[0], unit_time) for name in names}
 
     def tried(choices: Sequence[float], which: Sequence[str]) -> None:
@@ -92,6 +94,8 @@ def parameters_from(
             return Parameter(name, "s", value, unit_time)
         if kind == STIFFNESS:
             return Parameter(name, "", value, STIFFNESS_STEP, LEAST_STIFFNESS)
+        if kind == GAIN:
+            return Parameter(name, "", value, GAIN_STEP)
         if kind == OFFSET:
             return Parameter(name, unit, value, size)
         return Parameter(name, "deg", value, ANGLE_STEP)

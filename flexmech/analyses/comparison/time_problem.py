@@ -15,6 +15,7 @@ import numpy as np
 
 from flexmech.analyses.comparison.fit import Parameter
 from flexmech.analyses.comparison.parameters import (
+    GAIN,
     OFFSET,
     Fitted,
     with_damping_times,
@@ -159,9 +160,8 @@ class TimeProblem:
         model = self._model(self.fitted.factors(values))
         forced, free = self._motion(values).readings(self._phase(values))
         free = free[:, self._free_states(model)]
-        return forced + values.get(OFFSET, 0.0), free / np.maximum(
-            np.linalg.norm(free, axis=0), np.finfo(float).tiny
-        )
+        forced = values.get(GAIN, 1.0) * forced + values.get(OFFSET, 0.0)
+        return forced, free / np.maximum(np.linalg.norm(free, axis=0), np.finfo(float).tiny)
 
     def _motion(self, values: Mapping[str, float]) -> FreeAndForced:
         """Free and forced motion for values by name."""

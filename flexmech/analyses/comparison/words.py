@@ -30,6 +30,8 @@ TURNED_BETTER = 0.8
 # Deflection over a link's length beyond which linear equations show in what they are fitted to: a
 # damping time of 3 mm at 280 mm is off by 2 %, one of 6.5 mm by 5 %.
 LARGE_BOW = 0.01
+# Factor of the intervals' width below which nobody needs to be told of it.
+LITTLE_WIDER = 1.2
 # Beyond it two parameters can hardly be told apart.
 CLOSE = 0.95
 
@@ -134,9 +136,15 @@ def residual_lines(data: xr.Dataset) -> list[str]:
     ]
     if not data.sizes["parameter"]:
         return lines
-    if not attrs["residual_order"]:
-        return [*lines, "the residual looks like white noise: the intervals hold for that"]
     wider = f"{attrs['widened']:.3g} times wider than for white noise"
+    if not attrs["residual_order"] and attrs["widened"] < LITTLE_WIDER:
+        return [*lines, "the residual looks like white noise: the intervals hold for that"]
+    if not attrs["residual_order"]:
+        return [
+            *lines,
+            "the residual is larger where the record tells most, so that the intervals are up to "
+            f"{wider}; what the model lacks may shift the values by more than that",
+        ]
     told = (
         f"the intervals are up to {wider}"
         if attrs["widened"] > 1.0
