@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from flexmech.plots import scales
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.series import Look, line_handle, series_style
+from flexmech.plots.style import is_narrow
 from flexmech.types import ComplexArray, FloatArray
 
 __all__ = [
@@ -27,6 +28,8 @@ __all__ = [
 ]
 
 ROW_HEIGHT, AXES_HEIGHT = 1.7, 0.5
+# Of a row and its axes where six panels stand under each other.
+NARROW_HEIGHT = 1.3
 BOTH = "give six Axes"
 # Name of each response, its unit, and the power of the angular frequency that multiplies it.
 RESPONSES = (
@@ -83,7 +86,7 @@ def plot_frf_parts(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     -------
     Figure
     """
-    return _draw(dataset, (("real part", np.real), ("imaginary part", np.imag)), ax)
+    return _draw(dataset, (("Re", np.real), ("Im", np.imag)), ax)
 
 
 def complex_values(dataset: xr.Dataset, name: str) -> ComplexArray:
@@ -121,7 +124,8 @@ def _draw(
 ) -> Figure:
     data = first_angle(dataset)
     frequency = data["frequency"].values
-    layout = grid(2, 3, 2 * ROW_HEIGHT + AXES_HEIGHT, sharex=True)
+    height = 2 * NARROW_HEIGHT if is_narrow() else 2 * ROW_HEIGHT + AXES_HEIGHT
+    layout = grid(2, 3, height, sharex=True)
     with sheet(layout, ax=ax, fewer=BOTH) as drawn:
         drawn.header(curve_handles(), hammer_title(dataset), of=dataset)
         places = [(part, of) for part in parts for of in RESPONSES]
@@ -135,10 +139,11 @@ def _draw(
                 _phase_axis(axes)
                 axes.set_ylabel(f"{response}\n{name}")
                 continue
-            axes.set_ylabel(f"{response}\n{name} ({unit})")
             if name == "amplitude":
+                axes.set_ylabel(f"{response}\n{name} ({unit})")
                 _amplitude_axis(axes, values["exact_receptance"])
             else:
+                axes.set_ylabel(f"{name} {response.lower()}\n({unit})")
                 axes.ticklabel_format(axis="y", style="sci", scilimits=(0, 0))
         drawn.label_x("Frequency (Hz)")
     return drawn.figure
