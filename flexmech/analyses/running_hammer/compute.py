@@ -71,7 +71,9 @@ def running_hammer_test(
     >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
     >>> engine = flexmech.ReferenceEngine(mechanism, elements=2)
     >>> hit, seen = map(flexmech.LinkPoint.parse, ("coupler:0.5", "rocker:0.5"))
-    >>> request = flexmech.RunningHammerRequest(20.0, hit, seen, damping_ratio=0.1, orders=1)
+    >>> request = flexmech.RunningHammerRequest(
+    ...     20.0, hit, seen, prestress="axial", damping_ratio=0.1, bandwidth=60.0, orders=1
+    ... )
     >>> found = flexmech.running_hammer_test(engine, request)
     >>> found.peaks()["order"].tolist()
     [-1, 0, 1]
