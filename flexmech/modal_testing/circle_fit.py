@@ -63,7 +63,9 @@ def peaks(frequency: FloatArray, receptance: ComplexArray) -> IntArray:
 def highest_near(
     frequency: FloatArray, receptance: ComplexArray, about: float, width: float, most: int
 ) -> IntArray:
-    """The highest places of the mobility near a frequency, smoothed so that noise hides them less.
+    """A frequency's own place, and the highest ones of the mobility near it.
+
+    The mobility is smoothed, so that noise hides its heights less.
 
     Parameters
     ----------
@@ -80,7 +82,7 @@ def highest_near(
     Returns
     -------
     ndarray of int, shape (k,)
-        Indices into the frequencies, the highest place first.
+        Indices into the frequencies.
     """
     energy = frequency**2 * np.mean(abs(receptance) ** 2, axis=0)
     smooth = uniform_filter1d(energy, LEAST_LINES)
@@ -88,9 +90,9 @@ def highest_near(
     if near.size == 0:
         return near
     found, _ = find_peaks(smooth[near])
-    # A rise towards the end of the stretch is that of another mode.
-    found = found if found.size else np.array([np.argmax(smooth[near])])
-    return np.asarray(near[found[np.argsort(-smooth[near][found], kind="stable")][:most]])
+    highest = near[found[np.argsort(-smooth[near][found], kind="stable")][:most]]
+    # Of two modes that make one peak, one has no height of its own.
+    return np.unique(np.append(highest, np.argmin(abs(frequency - about))))
 
 
 def circle_fit_poles(

@@ -22,7 +22,7 @@ from flexmech.types import ComplexArray, FloatArray
 __all__ = ["refined_poles"]
 
 MOST_STEPS = 30
-FAR = 0.02
+FAR = 0.05
 """Relative: a pole that moves further is no longer the one that was identified."""
 
 

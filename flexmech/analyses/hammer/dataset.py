@@ -39,6 +39,7 @@ LARGEST = 1e4
 OF_LINES: dict[str, Callable[[Measurement], ComplexArray]] = {
     "receptance": lambda each: each.estimate.h1,
     "receptance_h2": lambda each: each.estimate.h2,
+    "unwindowed_receptance": lambda each: each.unwindowed[0],
     "exact_receptance": lambda each: each.exact,
     "superposed_receptance": lambda each: each.superposed,
     "identified_receptance": lambda each: each.modes.receptance(
@@ -147,10 +148,12 @@ def dataset_of(
 def _roved(found: Sequence[Measurement], modes: int) -> dict[str, Any]:
     """Receptances and mode shapes of a grid of impacts; nothing without one."""
     shapes = [each.grid for each in found if each.grid is not None]
-    lines = [each.grid_receptance for each in found if each.grid_receptance is not None]
     if not shapes:
         return {}
-    receptance, over = np.stack(lines), ("crank_angle", "point", "frequency")
+    receptance, over = (
+        np.stack([each.unwindowed[1:] for each in found]),
+        ("crank_angle", "point", "frequency"),
+    )
     parts = {
         f"grid_receptance{ending}": (over, getattr(receptance, part))
         for ending, part in PARTS.items()

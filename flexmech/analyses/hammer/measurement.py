@@ -54,8 +54,9 @@ class Measurement:
         those of the grid.
     seen, hit : ndarray, shape (1, n)
         Rows of the response point and of the impact point.
-    grid_receptance : ndarray of complex, shape (P, F), optional
-        Of impacts at the points of the grid.
+    unwindowed : ndarray of complex, shape (1 + P, F)
+        Receptances of the impact point and of the P points of the grid, what the exponential
+        window adds taken off.
     grid : GridShapes, optional
     """
 
@@ -71,7 +72,7 @@ class Measurement:
     modes: IdentifiedModes
     seen: FloatArray
     hit: FloatArray
-    grid_receptance: ComplexArray | None = None
+    unwindowed: ComplexArray
     grid: GridShapes | None = None
 
     def exact_at(self, frequency: FloatArray) -> ComplexArray:
@@ -125,9 +126,10 @@ def measured(
         _estimated(locked, plan, request, point, [number, place], report)[2].h1
         for place, point in enumerate(points, 1)
     ]
+    windowed = np.stack([estimate.h1, *roved])
     modes = identify(
         lines,
-        np.stack([estimate.h1, *roved]),
+        windowed,
         band=(0.0, plan.bandwidth),
         expected=np.abs(poles) / (2 * np.pi),
         method=request.method,
@@ -146,7 +148,7 @@ def measured(
         modes,
         seen,
         hit,
-        np.stack(roved) if roved else None,
+        windowed + modes.receptance(lines) - modes.receptance(lines, shift),
         grid_shapes(locked, points, request.direction, poles, modes) if points else None,
     )
 

@@ -59,6 +59,8 @@ class HammerTest(Result):
     def frf(self) -> pd.DataFrame:
         """Receptance (H1) and coherence at every line of every crank angle.
 
+        What an exponential window adds is taken off by the modes identified.
+
         Returns
         -------
         pandas.DataFrame
@@ -68,8 +70,8 @@ class HammerTest(Result):
             *("crank_angle", "frequency"),
             crank_angle_deg=DEGREES * data["crank_angle"],
             frequency_Hz=data["frequency"],
-            receptance_real_m_N=data["receptance_real"],
-            receptance_imag_m_N=data["receptance_imag"],
+            receptance_real_m_N=data["unwindowed_receptance_real"],
+            receptance_imag_m_N=data["unwindowed_receptance_imag"],
             coherence=data["coherence"],
         )
 

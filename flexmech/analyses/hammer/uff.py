@@ -189,10 +189,10 @@ def _responses(
 ) -> Iterable[UffFunction]:
     direction, lines = str(one.attrs["direction"]), one["frequency"].values
     rate = float(one.attrs["window_decay_rate"])
-    window = f"exponential window {rate:.6g} 1/s on both signals" if rate else "no window"
+    window = f"exponential window {rate:.6g} 1/s taken off" if rate else "no exponential window"
     seen = nodes.degree_of_freedom(response, direction)
     hit = nodes.degree_of_freedom(impact, direction)
-    yield _response("receptance", _complex(one, "receptance"), lines, seen, hit, window)
+    yield _response("receptance", _complex(one, "unwindowed_receptance"), lines, seen, hit, window)
     yield UffFunction(
         kind="coherence",
         abscissa="frequency",

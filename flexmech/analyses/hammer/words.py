@@ -153,7 +153,7 @@ def _window(of: Mapping[Any, Any]) -> str:
     return (
         f"exponential with {rate:.4g} 1/s on both, so that the response ends at "
         f"{of['left_at_the_end']:g}; its damping is taken off the poles "
-        "identified, and receptances are those at s = a + 2 pi i f"
+        "identified, and by these off the receptance of frf.csv"
     )
 
 
