@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import xarray as xr
@@ -12,6 +13,7 @@ from flexmech.analyses.damping_ratios import with_damping_ratio
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray
 
+MODEL = Path(__file__).parents[2] / "models" / "aluminium_fourbar.toml"
 SPEED = 20.0
 RATIO = 0.01
 
@@ -19,7 +21,7 @@ RATIO = 0.01
 @cache
 def undamped() -> Engine:
     """The model as its file says: no damping."""
-    return flexmech.ReferenceEngine(flexmech.load_mechanism("models/aluminium_fourbar.toml"), 2)
+    return flexmech.ReferenceEngine(flexmech.load_mechanism(MODEL), 2)
 
 
 @cache
