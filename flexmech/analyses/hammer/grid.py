@@ -145,7 +145,9 @@ def grid_variables(found: Sequence[GridShapes], modes: int) -> Variables:
 def _scaled(shapes: ComplexArray) -> ComplexArray:
     """Columns over their greatest entry."""
     greatest = np.argmax(np.abs(shapes), axis=0)
-    return np.asarray(shapes / shapes[greatest, np.arange(shapes.shape[1])])
+    # Modes that were not found are not numbers.
+    with np.errstate(invalid="ignore"):
+        return np.asarray(shapes / shapes[greatest, np.arange(shapes.shape[1])])
 
 
 def _fitted(shapes: ComplexArray, wanted: ComplexArray) -> ComplexArray:
