@@ -151,6 +151,14 @@ class TestResult:
         np.testing.assert_allclose(modes["damping_ratio"], modes["eigen_damping_ratio"], rtol=0.05)
         assert "exponential" in str(found.summary())
 
+    def test_a_short_record_is_identified_by_models_of_few_modes(self):
+        """LSCF, of 55 lines."""
+        pytest.importorskip("sdypy.EMA")
+        request = HammerRequest(ANGLE, modes=2, duration=0.9, response=RESPONSE, method="lscf")
+        modes = flexmech.hammer_test(damped_engine(), request).identified().head(2)
+        np.testing.assert_allclose(modes["frequency_Hz"], modes["eigen_frequency_Hz"], rtol=1e-3)
+        np.testing.assert_allclose(modes["damping_ratio"], modes["eigen_damping_ratio"], rtol=0.05)
+
     def test_files_come_back_equal(self, tmp_path: Path):
         found = small_test(0.01)
         found.save(tmp_path)

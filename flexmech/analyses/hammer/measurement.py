@@ -13,6 +13,7 @@ from flexmech.analyses.hammer.request import HammerRequest
 from flexmech.analyses.hammer.transient import taken_record
 from flexmech.linear_system import LinkPoint
 from flexmech.modal_testing import (
+    ORDERS,
     FrfEstimate,
     IdentifiedModes,
     estimate_frf,
@@ -134,6 +135,8 @@ def measured(
         expected=np.abs(poles) / (2 * np.pi),
         method=request.method,
         added_damping=shift,
+        # A short record has few lines: models of fewer modes than usual.
+        orders=min(ORDERS, len(lines) // 2 - 1),
     )
     return Measurement(
         locked,
