@@ -37,7 +37,7 @@ STATES = (
     HygrothermalState(moisture=0.04),
     HygrothermalState(temperature_rise=60.0, moisture=0.04),
 )
-SPEEDS = np.arange(152.0, 181.0, 2.0)
+SPEEDS = np.arange(152.0, 180.1, 0.25)
 DAMPING_RATIO = 0.002
 MODES = 4
 # The band that is followed: twice the first frequency is six times the crank's.

@@ -20,7 +20,7 @@ from flexmech.types import FloatArray
 
 DAMPING_RATIO = 0.001
 RATIOS = {"aluminium": np.linspace(0.0, 0.03, 13), "steel": np.linspace(0.0, 0.006, 13)}
-SPEEDS = {"aluminium": np.arange(60.0, 100.5, 1.0), "steel": np.arange(140.0, 201.0, 2.0)}
+SPEEDS = {"aluminium": np.arange(60.0, 100.1, 0.5), "steel": np.arange(140.0, 200.1, 0.5)}
 MODES = 4
 
 

@@ -114,6 +114,28 @@ def test_a_speed_without_equilibrium_is_told_and_the_map_goes_on(aluminium):
     assert "crank angle" in found.speeds[1].reason
 
 
+def test_bands_and_their_names_do_not_depend_on_the_step(steel):
+    """Modes that damping holds together beside a band are mixtures, at more of finer steps."""
+    found = []
+    for step in (0.5, 2.0):
+        speeds = np.arange(160.0, 180.1, step)
+        request = StabilityRequest(speeds, modes=4, damping_ratio=0.001)
+        found.append(map_engine(ReferenceEngine(steel, elements=4), request, quiet).bands)
+    names = [(band.kind, band.branches, band.order) for band in found[0]]
+    assert names == [(band.kind, band.branches, band.order) for band in found[1]]
+    assert names == [
+        ("principal", (2, 2), 9),
+        ("sum", (2, 3), 9),
+        ("sum", (1, 2), 8),
+        ("sum", (1, 3), 8),
+        ("principal", (1, 1), 7),
+        ("principal", (2, 2), 8),
+    ]
+    for fine, coarse in zip(*found, strict=True):
+        assert fine.lower.crank_speed == pytest.approx(coarse.lower.crank_speed, abs=1e-5)
+        assert fine.upper.crank_speed == pytest.approx(coarse.upper.crank_speed, abs=1e-5)
+
+
 def test_over_damping_each_row_is_about_its_own_periodic_motion(aluminium):
     engine, asked = ReferenceEngine(aluminium, elements=2), {"modes": 2, "damping_ratio": 0.03}
     over = stability(

@@ -39,8 +39,8 @@ ASIDE = 1.5
 # Speeds about a meeting are at least this part of the step from it; it is refined so often.
 LEAST_ASIDE = 0.02
 REFINED = 2
-# Of the slope of free modes.
-LEAST_SLOPE = 0.1
+# Of the slope of free modes: where it is less, the modes are together in a part of the step.
+LEAST_SLOPE = 0.5
 # In a band the sum of the frequencies is this near to its order times that of the crank: the edge
 # beyond is found without looking for a meeting.
 LOCKED = 0.05
@@ -94,9 +94,20 @@ class Meeting:
         Modes that damping keeps together are taken to pass each other as free ones do, whose
         frequencies hardly change.
         """
-        found = (self.mismatch(self.upper) - self.mismatch(self.lower)) / (self.upper - self.lower)
-        free = -np.sign(self.upper) * self.order / 2
-        return float(found if found / free > LEAST_SLOPE else free)
+        return self._free_slope if self.is_locked else self._mean_slope
+
+    @property
+    def is_locked(self) -> bool:
+        """Whether damping keeps the modes together in a part of the step between the speeds."""
+        return self._mean_slope / self._free_slope <= LEAST_SLOPE
+
+    @property
+    def _mean_slope(self) -> float:
+        return (self.mismatch(self.upper) - self.mismatch(self.lower)) / (self.upper - self.lower)
+
+    @property
+    def _free_slope(self) -> float:
+        return float(-np.sign(self.upper) * self.order / 2)
 
 
 @dataclass(frozen=True)
@@ -216,13 +227,17 @@ def _sampled(solver: LinkageSolver, centre: float, half_width: float) -> MetMode
 
 def _middle(solver: LinkageSolver, meeting: Meeting, negligible: float) -> tuple[float, float]:
     """Where two modes meet in rad/s, and kappa in 1/s; rough, where it is negligible."""
-    first = meeting.crank_speed
-    square = _square(solver, meeting, first)
     slope, (low, high) = meeting.slope, sorted((meeting.lower, meeting.upper))
-    second = first - np.sqrt(abs(square)) / abs(slope) if square else meeting.lower
-    other = _square(solver, meeting, second)
-    centre = (second + first) / 2 + (square - other) / (2 * slope**2 * (first - second))
-    strength = square + slope**2 * (first - centre) ** 2
+    if meeting.is_locked:
+        # The slope of free modes is not known well enough for two speeds.
+        centre, strength, _ = _by_three_speeds(solver, meeting, (low + high) / 2, (high - low) / 2)
+    else:
+        first = meeting.crank_speed
+        square = _square(solver, meeting, first)
+        second = first - np.sqrt(abs(square)) / abs(slope) if square else meeting.lower
+        other = _square(solver, meeting, second)
+        centre = (second + first) / 2 + (square - other) / (2 * slope**2 * (first - second))
+        strength = square + slope**2 * (first - centre) ** 2
     centre = float(np.clip(centre, low, high))
     if strength <= negligible**2:
         return centre, float(np.sqrt(max(0.0, strength)))
@@ -231,17 +246,26 @@ def _middle(solver: LinkageSolver, meeting: Meeting, negligible: float) -> tuple
     for _ in range(REFINED):
         aside = max(np.sqrt(strength) / (2 * abs(slope)), LEAST_ASIDE * (high - low))
         centre = float(np.clip(centre, low + aside, high - aside))
-        below, here, above = (
-            _square(solver, meeting, centre + step) for step in (-aside, 0.0, aside)
-        )
-        bow = 2 * here - below - above
-        if bow <= 0:
-            return centre, float(np.sqrt(max(0.0, here)))
-        strength = here + (above - below) ** 2 / (8 * bow)
-        centre = float(np.clip(centre + aside * (above - below) / (2 * bow), low, high))
-        if strength <= 0:
-            return centre, 0.0
-    return centre, float(np.sqrt(strength))
+        centre, strength, has_top = _by_three_speeds(solver, meeting, centre, aside)
+        centre = float(np.clip(centre, low, high))
+        if not has_top or strength <= 0:
+            break
+    return centre, float(np.sqrt(max(0.0, strength)))
+
+
+def _by_three_speeds(
+    solver: LinkageSolver, meeting: Meeting, middle: float, aside: float
+) -> tuple[float, float, bool]:
+    """Top of the parabola through the squares about a speed, its height, and whether it has one."""
+    below, here, above = (_square(solver, meeting, middle + step) for step in (-aside, 0.0, aside))
+    bow = 2 * here - below - above
+    if bow <= 0:
+        return middle, here, False
+    return (
+        middle + aside * (above - below) / (2 * bow),
+        here + (above - below) ** 2 / (8 * bow),
+        True,
+    )
 
 
 def _square(solver: LinkageSolver, meeting: Meeting, crank_speed: float) -> float:

@@ -27,6 +27,8 @@ OTHER_SENSE = 0.3
 FREQUENCY_CHANGE = 0.05
 # A mode at least so much like the shape of its branch takes its place; less alike are mixtures.
 CLEAR = 0.5
+# The Krein signature goes to zero where a mode is about to meet another one, or has met it.
+LEAST_SIGNATURE = 0.6
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,7 @@ class BranchShapes:
     def with_clear(self, modes: KeptModes, alike: FloatArray) -> BranchShapes:
         """Take over the modes of branches that neither grow nor are mixtures."""
         clear = (modes.log_modulus < GROWS) & (alike > CLEAR)
+        clear &= np.abs(modes.signature) > LEAST_SIGNATURE
         clear = np.repeat(clear.reshape(-1, 2).all(axis=1), 2)
         return BranchShapes(
             np.where(clear, modes.shape, self.shape).astype(np.complex64),
