@@ -14,6 +14,7 @@ from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain import (
     DrivenLinkage,
+    FreeAndForced,
     forced_modes,
     linear_run,
     periodic_turn,
@@ -55,6 +56,21 @@ def test_the_forced_motion_is_periodic_from_any_crank_angle():
     assert forced[72:] == pytest.approx(forced[:73], abs=1e-9 * np.abs(forced).max())
     later, _ = moved.readings(turns + 25 / 72)
     assert later[:-25] == pytest.approx(forced[25:], abs=1e-6 * np.abs(forced).max())
+
+
+def test_a_motion_that_no_turn_returns_drifts_on():
+    """At a critical speed without damping no motion is periodic: a force pushes one state on."""
+    steps, push = 64, 0.25
+    transition = np.array([[1.0, 0.0, push], [0.0, 0.5, 0.0], [0.0, 0.0, 1.0]])
+    moved = FreeAndForced(
+        np.tile(transition, (steps, 1, 1)),
+        np.tile([[1.0, 0.0]], (steps, 1, 1)),
+        np.zeros((steps, 1)),
+    )
+    phase = np.linspace(0.0, 3.5, 57)
+    forced, free = moved.readings(phase)
+    assert forced - forced[0] == pytest.approx(push * steps * phase, abs=1e-9)
+    assert free[:, 0] == pytest.approx(np.ones(57), abs=1e-9)
 
 
 def test_each_link_has_its_own_damping():
