@@ -39,6 +39,8 @@ def hammer(
     seed: hammer_options.Seed = 0,
     out: options.Out = Path("results"),
     no_plots: options.NoPlots = False,
+    formats: options.Formats = "png",
+    width: options.Width = "two-column",
 ) -> None:
     """A hammer test of the linkage with its crank locked, as a laboratory does it, or running.
 
@@ -80,7 +82,7 @@ def hammer(
             prestress=prestress or "none",
             grid=grid,
         )
-    pictures = asked_pictures(no_plots, "png", "two-column")
+    pictures = asked_pictures(no_plots, formats, width)
     if running is not None:
         refuse_when_running(angle != "0", grid is not None, uff)
         chosen = make_engines(mechanism, engine, element, elements)[0]
