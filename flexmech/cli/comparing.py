@@ -49,8 +49,9 @@ Quantity = Annotated[
     str | None,
     Option(
         help="What is computed: a column of response.csv, such as coupler_mid_strain; for a "
-        "frequency-response function the points of impact and response, as coupler:0.5,rocker:0.5. "
-        "Left out: what the record's column names, else the middle of the coupler.",
+        "frequency-response function the points of impact and response, as coupler:0.5,rocker:0.5, "
+        "behind NAME@ where a file holds several. Left out: what the record's column names, else "
+        "the middle of the coupler.",
         metavar="COLUMN",
     ),
 ]

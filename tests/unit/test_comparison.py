@@ -352,6 +352,24 @@ def test_frequencies_that_cannot_be_compared(record, fit, message):
         flexmech.compare_with_record(undamped(), record, request)
 
 
+@pytest.mark.parametrize(
+    ("quantity", "points"),
+    [("mobility", None), ("mobility@coupler:0.5,rocker:0.5", "coupler:0.5,rocker:0.5")],
+)
+def test_one_of_several_functions_is_chosen_by_name(quantity, points):
+    alone = mobility()
+    other = replace(alone.quantities[0], name="other", values=7 * alone.quantities[0].values)
+    both = replace(alone, quantities=(other, *alone.quantities))
+    damped = with_damping_times(undamped(), {"crank": 2e-5, "coupler": 4e-5, "rocker": 2e-5})
+    found, expected = (
+        flexmech.compare_with_record(
+            damped, record, flexmech.ComparisonRequest(angle=ANGLE, quantity=name, fit=("gain",))
+        )
+        for record, name in ((both, quantity), (alone, points))
+    )
+    assert found.fitted("gain").value == expected.fitted("gain").value
+
+
 def test_functions_that_cannot_be_compared():
     request = flexmech.ComparisonRequest(angle=ANGLE)
     with pytest.raises(InputError, match="give the crank angle with --angle"):
@@ -363,6 +381,12 @@ def test_functions_that_cannot_be_compared():
     with pytest.raises(InputError, match="holds 2 frequency-response functions: mobility, other"):
         flexmech.compare_with_record(
             undamped(), replace(two, quantities=(*two.quantities, other)), request
+        )
+    with pytest.raises(InputError, match="has no column 'third'"):
+        flexmech.compare_with_record(
+            undamped(),
+            replace(two, quantities=(*two.quantities, other)),
+            flexmech.ComparisonRequest(angle=ANGLE, quantity="third@coupler:0.5"),
         )
     locked = flexmech.MeasuredQuantity("crank_angle", "rad", np.full(len(two.position), 1.0))
     with pytest.raises(InputError, match=r"crank angles of 57\.2958 deg, not 60"):

@@ -54,6 +54,20 @@ def test_a_narrow_band_is_named_by_what_meets_exactly():
     assert [(name.kind, name.order) for name in names] == [("sum", 8), ("principal", 7)]
 
 
+def test_a_name_that_cannot_be_gives_way_to_the_next():
+    parts, crank = np.array([0.8, 0.5, 0.02]), 93.5 / 8
+    found = band_name(
+        np.array([41.2, 52.3, 181.0]),
+        parts,
+        USUAL,
+        crank,
+        0.05,
+        differences=False,
+        is_refused=lambda name: name.kind == "principal",
+    )
+    assert (found.kind, found.order) == ("sum", 8)
+
+
 def test_no_multiple_is_no_name():
     assert name_of([44.5, 49.0, 181.0], [0.99, 0.0, 0.0], 89 / 7.5) == ("unnamed", (), 0)
     found = band_name(

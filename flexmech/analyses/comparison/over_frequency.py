@@ -56,7 +56,8 @@ def compared_over_frequency(
         If the fit fails.
     """
     assert request.angle is not None
-    column = _column(record)
+    name, points = _chosen(record, request.quantity)
+    column = _column(record, name)
     rows = _at_angle(record, request.angle)
     frequency = record.position[rows]
     if len(frequency) < LEAST_LINES:
@@ -73,7 +74,7 @@ def compared_over_frequency(
     names = fitted_names(request.fit or DEFAULT, links)
     if names.offset:
         raise InputError("fit: a frequency-response function has no offset; fit damping, stiffness")
-    impact, response = points_of(request.quantity, links)
+    impact, response = points_of(points, links)
     kind = MOBILITIES[column.unit]
     problem = ReceptanceProblem(
         engine,
@@ -102,13 +103,28 @@ def compared_over_frequency(
     return dataset.assign_coords(frequency=frequency).assign_attrs(kind=kind)
 
 
-def _column(record: MeasuredRecord) -> MeasuredQuantity:
-    """The one complex quantity of a response over a force."""
+def _chosen(record: MeasuredRecord, asked: str | None) -> tuple[str | None, str | None]:
+    """Name of the function asked for and the text of its points, of ``NAME@POINT,POINT``."""
+    if asked is None:
+        return None, None
+    name, at, points = asked.rpartition("@")
+    if at:
+        return name.strip(), points
+    known = (*record.names, *record.unreadable)
+    return (asked, None) if asked in known else (None, asked)
+
+
+def _column(record: MeasuredRecord, name: str | None) -> MeasuredQuantity:
+    """The complex quantity of a response over a force: that of a name, or the only one."""
     own = [q for q in record.quantities if np.iscomplexobj(q.values)]
+    if name is not None:
+        chosen = record.quantity(name)
+        own = [chosen] if np.iscomplexobj(chosen.values) else []
     if len(own) > 1:
         raise InputError(
             f"{record.source}: holds {len(own)} frequency-response functions: "
-            f"{', '.join(q.name for q in own[:10])}; give a file with one of them"
+            f"{', '.join(q.name for q in own[:10])}; choose one with the points of its impact and "
+            f'response, as in --quantity "{own[0].name}@coupler:0.5,rocker:0.5"'
         )
     if not own:
         reasons = [

@@ -24,8 +24,9 @@ class ComparisonRequest:
     quantity : str, optional
         What is computed: a column of ``response.csv`` over time, such as
         ``"coupler_mid_strain"``; for a frequency-response function the points of impact and
-        response, such as ``"coupler:0.5"`` or ``"coupler:0.5,rocker:0.5"``. Left out: what the
-        record's own column names.
+        response, such as ``"coupler:0.5"`` or ``"coupler:0.5,rocker:0.5"``, behind the
+        function's name and an @ where the record holds several. Left out: what the record's own
+        column names.
     fit : sequence of str, optional
         Any of ``"damping"``, ``"damping:LINK"``, ``"stiffness:LINK"``, ``"offset"`` and
         ``"gain"``, or ``"none"``. Left out: ``damping`` over time, ``damping`` and ``gain`` for a

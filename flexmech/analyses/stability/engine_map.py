@@ -240,8 +240,7 @@ class _EngineMap:
         ratios = self._each("damping that closes bands", closing, closings)
         bands = []
         for n, (top, ratio) in enumerate(zip(tops, ratios, strict=True)):
-            width = (ends[n][1] - ends[n][0]) / abs(top.crank_speed)
-            name = _name(top, followed, branches, width, differences=not definite)
+            name = _name(top, ends[n], followed, branches, differences=not definite)
             bands.append(
                 Band(
                     lower=edges[2 * n],
@@ -343,13 +342,13 @@ def _followed(solved: SolvedSpeed, modes: KeptModes, alike: FloatArray) -> Follo
 
 def _name(
     modes: KeptModes,
+    ends: tuple[float, float],
     followed: Sequence[FollowedSpeed],
     branches: FollowedModes,
-    width: float,
     *,
     differences: bool,
 ) -> BandName:
-    """Name of the band that is fastest growing at these modes."""
+    """Name of the band with these ends that grows fastest at these modes."""
     speeds = np.abs([each.crank_speed for each in followed])
     below = int(np.searchsorted(speeds, abs(modes.crank_speed), side="right")) - 1
     growing = modes.shape[..., modes.exponent.real.argmax(), None]
@@ -364,6 +363,19 @@ def _name(
             share = (abs(modes.crank_speed) - speeds[below]) / step
             frequency = frequency + share * wrapped(ahead - frequency, crank)
             break
+    width = (ends[1] - ends[0]) / abs(modes.crank_speed)
+
+    def signatures_agree(name: BandName) -> bool:
+        # Multipliers of one Krein signature pass through each other on the unit circle.
+        first, second = signatures_of(name, ends, followed)
+        return first * second > 0
+
     return band_name(
-        frequency, part, branches.usual_frequency, crank, width, differences=differences
+        frequency,
+        part,
+        branches.usual_frequency,
+        crank,
+        width,
+        differences=differences,
+        is_refused=signatures_agree,
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,6 +52,7 @@ def band_name(
     width: float,
     *,
     differences: bool,
+    is_refused: Callable[[BandName], bool] = lambda name: False,
 ) -> BandName:
     """Name of a band.
 
@@ -70,6 +71,8 @@ def band_name(
         Of the band, relative to its speed.
     differences : bool
         Whether differences of frequencies can be unstable.
+    is_refused : callable, optional
+        Tells names that cannot be, whatever the frequencies.
 
     Returns
     -------
@@ -95,6 +98,8 @@ def band_name(
                     continue
                 branches = tuple(sorted((int(label[a]), int(label[b]))))
                 name = BandName(kind, branches, order, abs(ratio - order))
+                if is_refused(name):
+                    continue
                 pulled = max(PULLED, order * width / 2)
                 found.append((common / (1 + ((ratio - order) / pulled) ** 2), name))
     if not found:
