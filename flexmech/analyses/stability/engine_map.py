@@ -365,10 +365,11 @@ def _name(
             break
     width = (ends[1] - ends[0]) / abs(modes.crank_speed)
 
-    def signatures_agree(name: BandName) -> bool:
-        # Multipliers of one Krein signature pass through each other on the unit circle.
+    def pass_through(name: BandName) -> bool:
+        # Multipliers of one Krein signature meet on the unit circle and stay on it. Sums meet with
+        # opposite ones unless the Hamilton function is far from definite.
         first, second = signatures_of(name, ends, followed)
-        return first * second > 0
+        return name.kind == "difference" and first * second > 0
 
     return band_name(
         frequency,
@@ -377,5 +378,5 @@ def _name(
         crank,
         width,
         differences=differences,
-        is_refused=signatures_agree,
+        is_refused=pass_through,
     )
