@@ -16,6 +16,7 @@ from flexmech.modal_testing.identify import (
 from flexmech.modal_testing.lscf import check_lscf, has_lscf
 from flexmech.modal_testing.shapes import complexity_factor, mac
 from flexmech.modal_testing.stabilisation import StabilisationChart
+from flexmech.modal_testing.synchronous import without_synchronous_average
 from flexmech.modal_testing.windows import ExponentialWindow, ForceWindow
 
 __all__ = [
@@ -36,4 +37,5 @@ __all__ = [
     "identify",
     "mac",
     "with_noise",
+    "without_synchronous_average",
 ]
