@@ -92,8 +92,9 @@ def _title(dataset: xr.Dataset) -> str:
         else f"crank locked at {np.degrees(attrs['crank_angle_locked']):.4g} deg"
     )
     fitted = [_fitted(dataset.isel(parameter=n)) for n in range(dataset.sizes["parameter"])]
-    said = f": {', '.join(fitted)}" if fitted else ""
-    return f"{attrs['record']} and {attrs['quantity']}, {where}{said}".replace("$", r"\$")
+    compared = f"{attrs['record']} and {attrs['quantity']}, {where}"
+    lines = [compared, *([", ".join(fitted)] if fitted else [])]
+    return "\n".join(lines).replace("$", r"\$")
 
 
 def _fitted(own: xr.Dataset) -> str:

@@ -126,7 +126,7 @@ class Sheet:
                 self.panels[0].legend(handles=handles)
             return
         name, room = "" if of is None else mechanism_name(of), figure_width() - 0.1
-        lines = [line for text in (name, title) for line in wrapped(text, room)]
+        lines = [line for text in (name, *title.split("\n")) for line in wrapped(text, room)]
         columns = legend_columns([str(handle.get_label()) for handle in handles])
         rows = -(-len(handles) // columns) + len(lines)
         self.figure.set_figheight(self.figure.get_figheight() + 0.12 + 0.165 * rows)
