@@ -1,7 +1,8 @@
-"""Links with one Kelvin-Voigt time, from a damping ratio of the linkage at rest."""
+"""Links with other Kelvin-Voigt times, or one from a damping ratio of the linkage at rest."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -12,7 +13,13 @@ from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.linear_system import Engine
 from flexmech.numbers import Bounds
 
-__all__ = ["DAMPING_RATIO", "lowest_frequency", "with_damping_ratio", "with_damping_time"]
+__all__ = [
+    "DAMPING_RATIO",
+    "lowest_frequency",
+    "with_damping_ratio",
+    "with_damping_time",
+    "with_damping_times",
+]
 
 DAMPING_RATIO = Bounds(least=0.0, below=1.0)
 """What a damping ratio of the linkage can be."""
@@ -27,9 +34,14 @@ def lowest_frequency(engine: Engine) -> float:
 
 def with_damping_time(engine: Engine, damping_time: float) -> Engine:
     """The engine with one Kelvin-Voigt time in s for all links."""
+    return with_damping_times(engine, dict.fromkeys(engine.mechanism.sections, damping_time))
+
+
+def with_damping_times(engine: Engine, times: Mapping[str, float]) -> Engine:
+    """The engine with one Kelvin-Voigt time in s for each of some links; the others keep theirs."""
     mechanism = engine.mechanism
     sections = {
-        name: section.with_damping_time(damping_time)
+        name: section.with_damping_time(times[name]) if name in times else section
         for name, section in mechanism.sections.items()
     }
     return engine.with_(mechanism=replace(mechanism, sections=sections))

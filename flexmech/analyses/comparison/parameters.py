@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from flexmech.analyses import damping_ratios
 from flexmech.errors import InputError, suggestion
 from flexmech.linear_system import Engine
 from flexmech.sections import BeamSection
@@ -113,13 +114,8 @@ def fitted_names(names: Sequence[str], links: Sequence[str]) -> Fitted:
 
 
 def with_damping_times(engine: Engine, times: Mapping[str, float]) -> Engine:
-    """The engine with one Kelvin-Voigt time in s for each of some links; the others keep theirs."""
-    mechanism = engine.mechanism
-    sections = {
-        name: section.with_damping_time(times[name]) if name in times else section
-        for name, section in mechanism.sections.items()
-    }
-    return engine.with_(mechanism=replace(mechanism, sections=sections), element=engine.element)
+    """The engine with other damping times of some links; a fit keeps the element that it has."""
+    return damping_ratios.with_damping_times(engine.with_(element=engine.element), times)
 
 
 def with_stiffness(engine: Engine, factors: Mapping[str, float]) -> Engine:
