@@ -1,5 +1,6 @@
 """Rigid linkages: topology, kinematics and inverse dynamics. No elasticity here."""
 
+from flexmech.linkages.attachments import GROUND, JointSpring, LinkPoint, Load, Spring
 from flexmech.linkages.coupler_curve import CouplerCurve, CouplerPoint
 from flexmech.linkages.coupler_sextic import coupler_sextic
 from flexmech.linkages.cusp_transitions import CuspTransition, cusp_transitions
@@ -19,9 +20,10 @@ from flexmech.linkages.synthesis import (
     time_ratio,
     transmission_design,
 )
-from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
+from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Slider, Topology, Weld
 
 __all__ = [
+    "GROUND",
     "Branch",
     "Clamp",
     "CouplerCurve",
@@ -33,17 +35,23 @@ __all__ = [
     "FourBar",
     "GrashofClass",
     "InverseDynamics",
+    "JointSpring",
     "Link",
     "LinkEnd",
     "LinkMass",
+    "LinkPoint",
     "Linkage",
+    "Load",
     "LockedCrank",
     "Pin",
     "Pivot",
     "RigidMotion",
     "RotatingArm",
+    "Slider",
+    "Spring",
     "Topology",
     "TransmissionDesign",
+    "Weld",
     "coupler_sextic",
     "cusp_transitions",
     "double_points",

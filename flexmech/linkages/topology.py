@@ -8,7 +8,7 @@ from typing import Literal
 from flexmech.errors import InputError
 from flexmech.short_repr import short_repr
 
-__all__ = ["Clamp", "End", "Link", "LinkEnd", "Pin", "Pivot", "Topology"]
+__all__ = ["Clamp", "End", "Link", "LinkEnd", "Pin", "Pivot", "Slider", "Topology", "Weld"]
 
 End = Literal["start", "end"]
 
@@ -23,10 +23,13 @@ class Link:
         Name used in model files and results, for example ``"coupler"``.
     length : float
         Distance between the two ends in m.
+    rigid : bool
+        Whether it has mass and inertia but no elastic coordinates.
     """
 
     name: str
     length: float
+    rigid: bool = False
 
 
 @dataclass(frozen=True)
@@ -47,19 +50,72 @@ class Clamp:
 
 @dataclass(frozen=True)
 class Pivot:
-    """A link end pinned to the ground: does not move, may turn."""
+    """A link end pinned to the ground: does not move, may turn.
+
+    Parameters
+    ----------
+    joint : str
+    held : LinkEnd
+    sprung : bool
+        Whether springs alone hold it (a bearing with a radial stiffness): the rigid linkage
+        turns about the ground pivot, the elastic link's end moves against it.
+    """
 
     joint: str
     held: LinkEnd
+    sprung: bool = False
 
 
 @dataclass(frozen=True)
 class Pin:
-    """Two link ends that share their position; the leader's frame carries the displacement."""
+    """Two link ends that share their position; the leader's frame carries the displacement.
+
+    Parameters
+    ----------
+    joint : str
+    leader, follower : LinkEnd
+    sprung : bool
+        Whether springs alone hold them together (a bearing with a radial stiffness): they
+        share their position in the rigid linkage, and move against each other elastically.
+    """
 
     joint: str
     leader: LinkEnd
     follower: LinkEnd
+    sprung: bool = False
+
+
+@dataclass(frozen=True)
+class Weld:
+    """Two link ends that share their position and keep the angle between their links."""
+
+    joint: str
+    leader: LinkEnd
+    follower: LinkEnd
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A link end that stays on a straight line of the ground or of a rigid link.
+
+    Parameters
+    ----------
+    joint : str
+    held : LinkEnd
+        The end that slides; it may turn against the line.
+    direction : float
+        Angle of the line to the ground's x axis, or to that of the guiding link's frame, in rad.
+    offset : float
+        Distance of the line from the origin of those axes in m, to the left of its direction.
+    guide : str
+        Rigid link that carries the line; empty for the ground.
+    """
+
+    joint: str
+    held: LinkEnd
+    direction: float
+    offset: float = 0.0
+    guide: str = ""
 
 
 @dataclass(frozen=True)
@@ -69,31 +125,40 @@ class Topology:
     Parameters
     ----------
     links : tuple of Link
-    clamps, pivots, pins : tuple
-        Connections. A link end is held or follows at most once.
+    clamps, pivots, pins, welds, sliders : tuple
+        Connections. A link end is held, slides or follows at most once.
 
     Raises
     ------
     InputError
-        If a connection names an unknown link or an end is held twice.
+        If a connection names an unknown link, an end is held twice, or a line is on a link
+        that is not rigid.
     """
 
     links: tuple[Link, ...]
     clamps: tuple[Clamp, ...] = ()
     pivots: tuple[Pivot, ...] = ()
     pins: tuple[Pin, ...] = ()
+    welds: tuple[Weld, ...] = ()
+    sliders: tuple[Slider, ...] = ()
 
     def __post_init__(self) -> None:
         names = self.link_names
         if len(set(names)) != len(names):
             raise InputError(f"link names must differ, got {names}")
-        held = [clamp.held for clamp in self.clamps] + [pivot.held for pivot in self.pivots]
-        bound = held + [pin.follower for pin in self.pins]
-        for place in bound + [pin.leader for pin in self.pins]:
+        bound = [*self._held, *(tie.follower for tie in self.ties)]
+        for place in [*bound, *(tie.leader for tie in self.ties)]:
             if place.link not in names:
                 raise InputError(f"a connection names link {place.link!r}; links are {names}")
         if len(set(bound)) != len(bound):
             raise InputError("a link end is held or led twice; make one connection the leader")
+        rigid = [link.name for link in self.links if link.rigid]
+        for slider in self.sliders:
+            if slider.guide and slider.guide not in rigid:
+                raise InputError(
+                    f"slider {slider.joint}: the link {slider.guide!r} that guides it is not one "
+                    f"of the rigid links {tuple(rigid)}; make it rigid, or guide it on the ground"
+                )
 
     def __repr__(self) -> str:
         links, joints = ", ".join(self.link_names), ", ".join(self.joint_names)
@@ -108,26 +173,39 @@ class Topology:
     def joints(self) -> dict[str, LinkEnd]:
         """Name of each joint and the link end that carries it: held or leading."""
         places = {clamp.joint: clamp.held for clamp in self.clamps}
-        places |= {pin.joint: pin.leader for pin in self.pins}
+        places |= {tie.joint: tie.leader for tie in self.ties}
+        places |= {slider.joint: slider.held for slider in self.sliders}
         return places | {pivot.joint: pivot.held for pivot in self.pivots}
+
+    @property
+    def ties(self) -> tuple[Pin | Weld, ...]:
+        """Connections of two links: pins, then welds."""
+        return (*self.pins, *self.welds)
+
+    @property
+    def _held(self) -> list[LinkEnd]:
+        """Link ends that the ground or a line holds."""
+        holders: tuple[Clamp | Pivot | Slider, ...] = (*self.clamps, *self.pivots, *self.sliders)
+        return [holder.held for holder in holders]
 
     @property
     def joined_ends(self) -> frozenset[LinkEnd]:
         """Link ends at a joint: all but free tips."""
-        held = [clamp.held for clamp in self.clamps] + [pivot.held for pivot in self.pivots]
-        pinned = [place for pin in self.pins for place in (pin.leader, pin.follower)]
-        return frozenset(held + pinned)
+        tied = [place for tie in self.ties for place in (tie.leader, tie.follower)]
+        return frozenset(self._held + tied)
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """Names of all joints: clamps, pins, pivots."""
+        """Names of all joints: clamps, pins, welds, sliders, pivots."""
         return tuple(self.joints)
 
     @property
     def joint_kinds(self) -> tuple[str, ...]:
-        """What each joint is: ``clamp``, ``pin`` or ``pivot``."""
+        """What each joint is: ``clamp``, ``pin``, ``weld``, ``slider`` or ``pivot``."""
         kinds = {clamp.joint: "clamp" for clamp in self.clamps}
         kinds |= {pin.joint: "pin" for pin in self.pins}
+        kinds |= {weld.joint: "weld" for weld in self.welds}
+        kinds |= {slider.joint: "slider" for slider in self.sliders}
         kinds |= {pivot.joint: "pivot" for pivot in self.pivots}
         return tuple(kinds[name] for name in self.joint_names)
 
@@ -136,12 +214,12 @@ class Topology:
         return self.link_names.index(link)
 
     def leader_of(self, place: LinkEnd) -> LinkEnd:
-        """Follow the pins from a link end to the end that carries its displacement."""
-        leaders = {pin.follower: pin.leader for pin in self.pins}
+        """Follow pins and welds from a link end to the end that carries its displacement."""
+        leaders = {tie.follower: tie.leader for tie in self.ties}
         seen = {place}
         while place in leaders:
             place = leaders[place]
             if place in seen:
-                raise InputError(f"the pins lead in a circle at {place}")
+                raise InputError(f"pins and welds lead in a circle at {place}")
             seen.add(place)
         return place

@@ -7,17 +7,27 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape
 
-from flexmech.errors import InputError, is_plain
+from flexmech.errors import InputError
 from flexmech.linkages import (
     CouplerPoint,
+    JointSpring,
     Linkage,
     LinkMass,
+    LinkPoint,
+    Load,
+    Spring,
     Topology,
     linkage_positions,
     shown_crank_angle,
 )
 from flexmech.materials import REFERENCE_TEMPERATURE
-from flexmech.materials.moisture import Faces
+from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
+from flexmech.mechanism.tables import (
+    environment_table,
+    joints_table,
+    link_table,
+    operation_table,
+)
 from flexmech.model_text import SharedTables, TomlTable, quantity
 from flexmech.numbers import (
     NOT_NEGATIVE,
@@ -28,105 +38,9 @@ from flexmech.numbers import (
 )
 from flexmech.sections import BeamSection, sections_between_joints
 from flexmech.short_repr import short_repr
-from flexmech.units import ACCELERATION, ANGULAR_SPEED, EXPANSION, LENGTH, MASS, TEMPERATURE
+from flexmech.units import EXPANSION
 
-__all__ = ["Mechanism", "PointMass", "Provenance", "Wetting"]
-
-
-@dataclass(frozen=True)
-class PointMass:
-    """A point mass on a link.
-
-    Parameters
-    ----------
-    link : str
-    position : float
-        Distance from the link's start in m.
-    mass : float
-        In kg.
-
-    Examples
-    --------
-    >>> section = flexmech.BeamSection.rectangle(flexmech.Material(70e9, 2700.0), 3e-3, 25e-3)
-    >>> arm = flexmech.RotatingArm(length=0.3)
-    >>> tip = flexmech.PointMass("arm", position=0.3, mass=0.01)
-    >>> mechanism = flexmech.Mechanism(arm, {"arm": section}, link_masses=(tip,))
-    >>> round(mechanism.link_mass("arm").moment(0), 6)  # with the arm itself, in kg
-    0.07075
-    """
-
-    link: str
-    position: float
-    mass: float
-
-    def to_table(self) -> TomlTable:
-        """Entry of ``point_masses`` of its link in a model file."""
-        return {"position": quantity(self.position, LENGTH), "mass": quantity(self.mass, MASS)}
-
-
-@dataclass(frozen=True)
-class Wetting:
-    """Where water can enter a link.
-
-    Parameters
-    ----------
-    faces : {"both", "lower", "upper"}
-        Faces that look to the sides of the link in the linkage's plane; lower is that of the
-        lowest y of the link's frame.
-    sides : bool
-        Whether water enters across the joint axes too.
-    """
-
-    faces: Faces = "both"
-    sides: bool = False
-
-    def to_table(self) -> TomlTable:
-        """Keys of a link in a model file; empty where both faces are wet and no sides."""
-        faces = {} if self.faces == "both" else {"exposed_faces": self.faces}
-        return {**faces, "exposed_sides": True} if self.sides else faces
-
-
-@dataclass(frozen=True)
-class Provenance:
-    """Where a mechanism came from.
-
-    Parameters
-    ----------
-    name : str
-        Short name, used in titles.
-    source : str
-        Publication or drawing.
-    file : str
-        Model file's name, empty when built in Python. Does not count in comparisons.
-    sha256 : str
-        Hash of the model file's bytes, empty when built in Python. Does not count either.
-    text : str
-        The model file's text, empty when built in Python. Does not count either.
-
-    Raises
-    ------
-    InputError
-        If the name is empty, or a text holds control characters.
-    """
-
-    name: str = "mechanism"
-    source: str = ""
-    file: str = field(default="", compare=False)
-    sha256: str = field(default="", compare=False)
-    text: str = field(default="", compare=False, repr=False)
-
-    def __post_init__(self) -> None:
-        if not (isinstance(self.name, str) and self.name.strip() and "\n" not in self.name):
-            raise InputError(
-                "name of a mechanism must be one line of text that is not empty, got "
-                f"{self.name!r}; it stands in titles"
-            )
-        for text in (self.name, self.source, self.file):
-            if not (isinstance(text, str) and is_plain(text)):
-                raise InputError(f"name, source and file must be plain text, got {text!r}")
-
-    def __repr__(self) -> str:
-        return short_repr(self, self.name, self.file or "made in Python")
+__all__ = ["Mechanism"]
 
 
 @dataclass(frozen=True)
@@ -156,12 +70,23 @@ class Mechanism:
     wetting : mapping of str to Wetting
         Where water enters links, by name; through both faces of those left out. Links that
         are wet through both faces are not kept.
+    bodies : tuple of AttachedBody
+        Rigid bodies that are fixed to links; kept in the order of the links.
+    loads : tuple of Load
+        Forces and torques on links.
+    springs : tuple of Spring
+        Between points of links and the ground.
+    joint_springs : tuple of JointSpring
+        Springs and dampers in pins and pivots.
+    shaft_inertia : float
+        Of the shaft that drives the crank, about its axis, in kg m^2. It matters where the
+        shaft is free.
 
     Raises
     ------
     InputError
-        If a link has no section, a mass is negative or off its link, a name is unknown, or a
-        number is out of its range.
+        If an elastic link has no section, a mass is negative or off its link, a name is
+        unknown, or a number is out of its range.
 
     Examples
     --------
@@ -183,6 +108,11 @@ class Mechanism:
     reference_temperature: float = REFERENCE_TEMPERATURE
     ground_thermal_expansion: float = 0.0
     wetting: Mapping[str, Wetting] = field(default_factory=dict)
+    bodies: tuple[AttachedBody, ...] = ()
+    loads: tuple[Load, ...] = ()
+    springs: tuple[Spring, ...] = ()
+    joint_springs: tuple[JointSpring, ...] = ()
+    shaft_inertia: float = 0.0
 
     def __post_init__(self) -> None:
         topology = self._checked_topology()
@@ -194,6 +124,8 @@ class Mechanism:
             check_number(mass, f"joint_masses: {joint}", "kg", NOT_NEGATIVE)
         for point in self.link_masses:
             self._check_point(point)
+        self._check_attachments()
+        check_number(self.shaft_inertia, "shaft_inertia", "kg m^2", NOT_NEGATIVE)
         check_pair(self.gravity, "gravity", "m/s^2")
         for speed in self.operating_speeds:
             check_number(speed, "each of operating_speeds", "rad/s")
@@ -243,15 +175,59 @@ class Mechanism:
             )
         check_number(point.mass, f"link_masses: mass on the {point.link}", "kg", NOT_NEGATIVE)
 
+    def _check_attachments(self) -> None:
+        for body in self.bodies:
+            check_instance(body, AttachedBody, "each of bodies", "give AttachedBody(link, m, kg)")
+            self._check_on_link(f"body on the {body.link}", LinkPoint(body.link, body.position))
+        for load in self.loads:
+            check_instance(load, Load, "each of loads", "give Load(name, point, force)")
+            self._check_on_link(f"load {load.name}", load.point)
+        for spring in self.springs:
+            check_instance(spring, Spring, "each of springs", "give Spring(name, first, second)")
+            for point in (spring.first, spring.second):
+                self._check_on_link(f"spring {spring.name}", point)
+        sprung = {joint for joint, kind in self._joint_kinds.items() if kind in ("pin", "pivot")}
+        for own in self.joint_springs:
+            check_instance(own, JointSpring, "each of joint_springs", "give JointSpring(joint)")
+            if own.joint not in sprung:
+                raise InputError(
+                    f"joint_springs: {own.joint!r} is no pin or pivot; these are {sorted(sprung)}"
+                )
+
+    def _check_on_link(self, what: str, point: LinkPoint) -> None:
+        """Refuse a point that is not on a link of the linkage or on the ground."""
+        if point.is_ground:
+            return
+        topology = self.linkage.topology
+        if point.link not in topology.link_names:
+            raise InputError(
+                f"{what}: unknown link {point.link!r}; links are {topology.link_names}"
+            )
+        length = topology.links[topology.index(point.link)].length
+        if not 0 <= point.x <= length:
+            raise InputError(
+                f"{what}: position {point.x:g} m is not on the {point.link} (0 to {length:g} m)"
+            )
+
+    @property
+    def _joint_kinds(self) -> dict[str, str]:
+        topology = self.linkage.topology
+        return dict(zip(topology.joint_names, topology.joint_kinds, strict=True))
+
     def _unite_spellings(self) -> None:
         """Keep what can be said in several ways in one, so that equal mechanisms compare so."""
         names = self.linkage.topology.link_names
         in_order = sorted(self.link_masses, key=lambda point: names.index(point.link))
+        bodies = sorted(self.bodies, key=lambda body: names.index(body.link))
         wetting = {name: faces for name, faces in self.wetting.items() if faces != Wetting()}
         sections = sections_between_joints(self.linkage.topology, self.sections)
         for field_name, value in (
             ("sections", sections),
             ("link_masses", tuple(in_order)),
+            ("bodies", tuple(bodies)),
+            ("loads", tuple(self.loads)),
+            ("springs", tuple(self.springs)),
+            ("joint_springs", tuple(self.joint_springs)),
             ("gravity", tuple(self.gravity)),
             ("operating_speeds", tuple(self.operating_speeds)),
             ("wetting", wetting),
@@ -365,29 +341,13 @@ class Mechanism:
             **shared.in_order,
             "links": links,
         }
-        if self.joint_masses:
-            document["joints"] = {
-                joint: {"mass": quantity(mass, MASS)} for joint, mass in self.joint_masses.items()
-            }
-        if environment := self._environment_table():
-            document["environment"] = environment
-        if self.operating_speeds:
-            speeds = [quantity(speed, ANGULAR_SPEED) for speed in self.operating_speeds]
-            document["operation"] = {"crank_speeds": speeds}
-        return tomli_w.dumps(document)
+        optional = {
+            "joints": joints_table(self.joint_masses),
+            "environment": environment_table(self.gravity, self.reference_temperature),
+            "operation": operation_table(self.operating_speeds),
+        }
+        return tomli_w.dumps(document | {key: table for key, table in optional.items() if table})
 
     def _link_table(self, name: str, shared: SharedTables) -> TomlTable:
-        points = [point.to_table() for point in self.link_masses if point.link == name]
-        return {
-            **self.sections[name].to_table(shared),
-            **self.wetting_of(name).to_table(),
-            **({"point_masses": points} if points else {}),
-        }
-
-    def _environment_table(self) -> TomlTable:
-        table: TomlTable = {}
-        if any(self.gravity):
-            table["gravity"] = [quantity(component, ACCELERATION) for component in self.gravity]
-        if self.reference_temperature != REFERENCE_TEMPERATURE:
-            table["reference_temperature"] = quantity(self.reference_temperature, TEMPERATURE)
-        return table
+        points = [point for point in self.link_masses if point.link == name]
+        return link_table(self.sections[name], self.wetting_of(name), points, shared)

@@ -1,0 +1,224 @@
+"""Loads on links and springs between them: plain data that rigid and elastic models read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexmech.errors import InputError
+from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_choice, check_number, checked_array
+from flexmech.types import FloatArray
+
+__all__ = ["GROUND", "Axes", "JointSpring", "LinkPoint", "Load", "LoadOver", "Spring"]
+
+GROUND = "ground"
+"""Where a :class:`LinkPoint` is that does not move."""
+
+Axes = Literal["ground", "link"]
+LoadOver = Literal["constant", "crank_angle", "time"]
+AXES: tuple[Axes, ...] = ("ground", "link")
+LOAD_OVER: tuple[LoadOver, ...] = ("constant", "crank_angle", "time")
+
+
+@dataclass(frozen=True)
+class LinkPoint:
+    """A point on the axis of a link, or of the ground.
+
+    Parameters
+    ----------
+    link : str
+        Name of the link, or :data:`GROUND`.
+    x : float
+        Distance from the link's start along its axis in m; ground coordinate of a ground point.
+    y : float
+        Ground coordinate of a ground point in m; zero on a link.
+
+    Raises
+    ------
+    InputError
+        If a coordinate is no number, or a point of a link is off its axis.
+    """
+
+    link: str
+    x: float
+    y: float = 0.0
+
+    def __post_init__(self) -> None:
+        check_number(self.x, f"point on {self.link}: x", "m")
+        check_number(self.y, f"point on {self.link}: y", "m")
+        if self.link != GROUND and self.y != 0.0:
+            raise InputError(
+                f"a point on the {self.link} must be on its axis, got y = {self.y:g} m"
+            )
+
+    @property
+    def is_ground(self) -> bool:
+        """Whether it does not move."""
+        return self.link == GROUND
+
+
+@dataclass(frozen=True)
+class Load:
+    """A force and a torque on a point of a link.
+
+    Parameters
+    ----------
+    name : str
+    point : LinkPoint
+        On a link.
+    force : tuple of (float, float)
+        In N, along x and y of the axes, one for each place of ``at``.
+    torque : tuple of float
+        In N m, likewise; positive to the left.
+    axes : {"ground", "link"}
+        Whether the force keeps its direction or turns with the link.
+    over : {"constant", "crank_angle", "time"}
+    at : tuple of float
+        Crank angles in rad, increasing over less than a turn (the load repeats with the
+        turn), or times in s (it keeps its first value before and its last one after them).
+        Between two places the load is linear. Empty where the load is constant.
+
+    Raises
+    ------
+    InputError
+        If the point is of the ground, or the table is not one.
+    """
+
+    name: str
+    point: LinkPoint
+    force: tuple[tuple[float, float], ...] = ((0.0, 0.0),)
+    torque: tuple[float, ...] = (0.0,)
+    axes: Axes = "ground"
+    over: LoadOver = "constant"
+    at: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        what = f"load {self.name}"
+        check_choice(self.axes, AXES, f"{what}: axes")
+        check_choice(self.over, LOAD_OVER, f"{what}: over")
+        if self.point.is_ground:
+            raise InputError(f"{what} acts on the ground; give a point of a link")
+        rows = 1 if self.over == "constant" else len(self.at)
+        if not len(self.force) == len(self.torque) == rows or not rows:
+            raise InputError(
+                f"{what} has {len(self.force)} forces and {len(self.torque)} torques for {rows} "
+                "places; give one of each for each place"
+            )
+        for number in (*self.torque, *(component for pair in self.force for component in pair)):
+            check_number(number, f"{what}: each force and torque", "N, N m")
+        places = checked_array(self.at, f"{what}: at", "rad or s")
+        if np.any(np.diff(places) <= 0):
+            raise InputError(f"{what}: its places must increase, each beyond the one before it")
+        if self.over == "crank_angle" and places[-1] - places[0] >= 2 * np.pi:
+            raise InputError(f"{what}: its crank angles span a turn or more; give less than one")
+
+    def values(self, crank_angle: ArrayLike, time: ArrayLike = 0.0) -> FloatArray:
+        """Force and torque in the load's axes.
+
+        Parameters
+        ----------
+        crank_angle : array_like, shape (...)
+            In rad.
+        time : array_like, shape (...)
+            In s.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Force along x and y in N, torque in N m.
+        """
+        angle, instant = np.broadcast_arrays(
+            np.asarray(crank_angle, dtype=float), np.asarray(time, dtype=float)
+        )
+        table = np.column_stack([np.asarray(self.force, dtype=float), self.torque])
+        if self.over == "constant":
+            return np.broadcast_to(table[0], (*angle.shape, 3)).copy()
+        period = 2 * np.pi if self.over == "crank_angle" else None
+        where = angle if self.over == "crank_angle" else instant
+        columns = [np.interp(where, self.at, column, period=period) for column in table.T]
+        return np.stack(columns, axis=-1)
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A straight spring between two points, with a damper beside it.
+
+    Parameters
+    ----------
+    name : str
+    first, second : LinkPoint
+    stiffness : float
+        In N/m.
+    free_length : float
+        Without force, in m.
+    damping : float
+        In N s/m.
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range, or both points are of one link or of the ground.
+    """
+
+    name: str
+    first: LinkPoint
+    second: LinkPoint
+    stiffness: float
+    free_length: float
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        what = f"spring {self.name}"
+        check_number(self.stiffness, f"{what}: stiffness", "N/m", NOT_NEGATIVE)
+        check_number(self.free_length, f"{what}: free_length", "m", NOT_NEGATIVE)
+        check_number(self.damping, f"{what}: damping", "N s/m", NOT_NEGATIVE)
+        if self.first.link == self.second.link:
+            raise InputError(f"{what} has both ends on {self.first.link}; join two links")
+
+
+@dataclass(frozen=True)
+class JointSpring:
+    """Springs and dampers in a pin or pivot.
+
+    Parameters
+    ----------
+    joint : str
+    torsional_stiffness : float
+        In N m/rad.
+    torsional_damping : float
+        In N m s/rad.
+    free_angle : float
+        Angle of the following link less that of the leading one, or of a pivoted link, in rad,
+        at which the spring has no torque; counted on continuously as the linkage turns.
+    radial_stiffness : float, optional
+        In N/m, the same in all directions; None where the pin is rigid.
+    radial_damping : float
+        In N s/m.
+
+    Raises
+    ------
+    InputError
+        If a number is out of its range, or there is radial damping without stiffness.
+    """
+
+    joint: str
+    torsional_stiffness: float = 0.0
+    torsional_damping: float = 0.0
+    free_angle: float = 0.0
+    radial_stiffness: float | None = None
+    radial_damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        what = f"spring in joint {self.joint}"
+        turning, damping = self.torsional_stiffness, self.torsional_damping
+        check_number(turning, f"{what}: torsional_stiffness", "N m/rad", NOT_NEGATIVE)
+        check_number(damping, f"{what}: torsional_damping", "N m s/rad", NOT_NEGATIVE)
+        check_number(self.free_angle, f"{what}: free_angle", "rad")
+        check_number(self.radial_damping, f"{what}: radial_damping", "N s/m", NOT_NEGATIVE)
+        if self.radial_stiffness is not None:
+            check_number(self.radial_stiffness, f"{what}: radial_stiffness", "N/m", POSITIVE)
+        elif self.radial_damping:
+            raise InputError(f"{what}: radial_damping needs a radial_stiffness beside it")
