@@ -185,7 +185,12 @@ class Engine(ElementKinds):
         return None
 
     @abstractmethod
-    def stressed_links(self, motion: RigidMotion, prestress: Prestress) -> StressedLinks:
+    def stressed_links(
+        self,
+        motion: RigidMotion,
+        prestress: Prestress,
+        near: Sequence[FloatArray] | None = None,
+    ) -> StressedLinks:
         """Tangent stiffness of each link in its frame under the motion's inertia forces.
 
         Parameters
@@ -193,6 +198,9 @@ class Engine(ElementKinds):
         motion : RigidMotion
             Batch of shape (B,).
         prestress : {"none", "axial", "equilibrium"}
+        near : sequence of ndarray, shape (B, n_link), optional
+            Elastic displacement of each link near that at equilibrium, which an engine may take
+            as the start of its iteration; it starts from straight links by default.
 
         Returns
         -------

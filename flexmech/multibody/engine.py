@@ -106,8 +106,16 @@ class ExudynEngine(Engine):
     def _unit_tension(self) -> list[FloatArray]:
         return unit_tension_stiffness(self.model.assembly)
 
-    def stressed_links(self, motion: RigidMotion, prestress: Prestress) -> StressedLinks:
-        """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
+    def stressed_links(
+        self,
+        motion: RigidMotion,
+        prestress: Prestress,
+        near: Sequence[FloatArray] | None = None,
+    ) -> StressedLinks:
+        """Tangent stiffness of each link; see :meth:`Engine.stressed_links`.
+
+        The static solver goes from one crank angle to the next by itself; ``near`` is not used.
+        """
         straight = self._is_straight(motion, prestress)
         if prestress == "axial" and self.element != "ancf":
             other = "" if self.mechanism.is_eccentric else "element 'ancf' or "

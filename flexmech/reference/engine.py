@@ -101,18 +101,23 @@ class ReferenceEngine(Engine):
         frames = LinkFrames(self.mechanism.linkage.topology, self.links)
         return Equilibrium(frames, [chain.elements for chain in self.chains])
 
-    def stressed_links(self, motion: RigidMotion, prestress: Prestress) -> StressedLinks:
+    def stressed_links(
+        self,
+        motion: RigidMotion,
+        prestress: Prestress,
+        near: Sequence[FloatArray] | None = None,
+    ) -> StressedLinks:
         """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
         if self._is_straight(motion, prestress):
             return StressedLinks.unloaded(self.links)
         if prestress == "axial":
             return StressedLinks(self._axial_tangents(motion))
-        return self._equilibrium(motion)
+        return self._equilibrium(motion, near)
 
-    def _equilibrium(self, motion: RigidMotion) -> StressedLinks:
+    def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
         varying = self._geometric(motion, varying_part_only=True)
         loads = inertia_loads(self.links, motion, self.mechanism.gravity)
-        displacement = self.equilibrium.solve(motion, loads, varying)
+        displacement = self.equilibrium.solve(motion, loads, varying, near)
         topology = self.mechanism.linkage.topology
         refuse_large_displacements(topology, self.links, motion, displacement)
         return self._displaced(displacement, varying)

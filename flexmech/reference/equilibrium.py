@@ -72,6 +72,13 @@ class _State:
             np.zeros((size, batch)), np.zeros(batch), np.zeros(0), np.zeros(batch, dtype=bool)
         )
 
+    @property
+    def is_stable(self) -> NDArray[np.bool_]:
+        """Which positions have converged, to a tangent stiffness that is positive."""
+        if not self.converged.any():
+            return self.converged
+        return np.asarray(self.converged & np.all(self.factors[:, 0] > 0, axis=0))
+
     def with_part(self, which: IntArray, part: _State) -> _State:
         """The state with some positions replaced; all of them at first."""
         if len(which) == len(self.error):
@@ -170,7 +177,11 @@ class Equilibrium:
         self._turned_by = _turns(frames, links)[:, None]
 
     def solve(
-        self, motion: RigidMotion, loads: Sequence[FloatArray], extra: Sequence[FloatArray]
+        self,
+        motion: RigidMotion,
+        loads: Sequence[FloatArray],
+        extra: Sequence[FloatArray],
+        near: Sequence[FloatArray] | None = None,
     ) -> list[FloatArray]:
         """Elastic displacement of each link in its frame at equilibrium.
 
@@ -183,6 +194,9 @@ class Equilibrium:
         extra : sequence of ndarray, shape (B, e, 2 p, 2 p)
             Stiffness of each element besides that of the corotational beam; a rigid
             displacement meets none.
+        near : sequence of ndarray, shape (B, n_link), optional
+            Displacements from which Newton's method starts. Where it leads to no stable
+            equilibrium from there, and by default, it starts from straight links.
 
         Returns
         -------
@@ -199,7 +213,14 @@ class Equilibrium:
             self._by_relative_coordinates(extra),
             self._tangents.turns(motion),
         )
-        state = self._newton(np.zeros(problem.outer.shape), problem, FIRST_ITERATIONS)
+        state = _State.unloaded(*problem.outer.shape)
+        if near is not None:
+            state = self._newton(self._tangents.coordinates(near), problem, FIRST_ITERATIONS)
+        left = np.flatnonzero(~state.is_stable)
+        if len(left):
+            straight = np.zeros((len(problem.outer), len(left)))
+            found = self._newton(straight, problem.at(left), FIRST_ITERATIONS)
+            state = state.with_part(left, found)
         for steps in LOAD_STEPS[1:]:
             left = np.flatnonzero(~state.converged)
             if not len(left):

@@ -103,6 +103,18 @@ class LinkageTangents:
             result.append(q)
         return result
 
+    def coordinates(self, displacement: Sequence[FloatArray]) -> FloatArray:
+        """Independent coordinates (size, B) of displacements (B, n_link) of all links.
+
+        An end that follows another link's is taken to be where that is.
+        """
+        z = np.zeros((self._frames.size, len(displacement[0])))
+        for link, (target, q) in enumerate(zip(self._frames.targets, displacement, strict=True)):
+            own = target >= 0
+            own[self._frames.following(link)] = False
+            z[target[own]] = q.T[own]
+        return z
+
     def gather(
         self, forces: Sequence[FloatArray], turns: Sequence[Sequence[FloatArray]]
     ) -> FloatArray:

@@ -19,7 +19,7 @@ from flexmech.verification.methods.frequencies import unit_arm
 class LinearLinks(ReferenceEngine):
     """Links whose internal forces are linear: the orbit is that of the linear equations."""
 
-    def stressed_links(self, motion, prestress):
+    def stressed_links(self, motion, prestress, near=None):
         return StressedLinks.unloaded(self.links)
 
     def running_links(self, motion, displacement):

@@ -9,6 +9,7 @@ import numpy as np
 from flexmech.analyses.stability.exponents import wrapped
 from flexmech.analyses.stability.following import BranchShapes
 from flexmech.analyses.stability.kept_modes import KeptModes, kept_modes, matched
+from flexmech.analyses.stability.known_equilibria import KnownEquilibria
 from flexmech.analyses.stability.speed_window import SpeedWindow, chebyshev_nodes
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
 from flexmech.choices import MapPrestress, MovingFrame
@@ -129,6 +130,9 @@ class LinkageSolver:
         periodic motion. The engine itself by default.
     samples : tuple of int
         Numbers of crank angles to sample a turn at, of which the first that is enough is taken.
+    known : KnownEquilibria, optional
+        From which the search for others starts, and to which they are added; from straight links
+        and forgotten by default.
     """
 
     engine: Engine
@@ -141,6 +145,7 @@ class LinkageSolver:
     windows: tuple[SpeedWindow, ...] = ()
     orbit_engine: Engine | None = None
     samples: tuple[int, ...] = SAMPLES
+    known: KnownEquilibria | None = None
 
     def moving(self, crank_speed: float) -> VibratingLinkage:
         """The linkage in its moving modes; interpolated, where a window holds the speed.
@@ -226,14 +231,15 @@ class LinkageSolver:
         speeds = chebyshev_nodes(low, high)
         if speeds[0] < 0:
             speeds = speeds[::-1]
-        fastest = float(speeds[0])
-        first, orbit = self._moving_modes(fastest, fastest)
+        fastest, known = float(speeds[0]), KnownEquilibria()
+        remembering = replace(self, known=known)
+        first, orbit = remembering._moving_modes(fastest, fastest)
         nodes = [self._linkage(first, orbit)]
         for speed in speeds[1:].tolist():
-            state = self._turn(speed, len(first.basis), fastest)
+            state = remembering._turn(speed, len(first.basis), fastest)
             other = moving_modes(state.turn, first.size, first, self.frame)
             nodes.append(self._linkage(other, state.orbit))
-        return SpeedWindow(low, high, nodes)
+        return SpeedWindow(low, high, nodes, known)
 
     def _linkage(self, moving: MovingModes, orbit: NonlinearOrbit | None) -> VibratingLinkage:
         linkage = VibratingLinkage.of(moving, self.modes)
@@ -263,7 +269,8 @@ class LinkageSolver:
 
     def sampled_coarsely(self) -> LinkageSolver:
         """The same from few crank angles: enough to tell what another mesh changes."""
-        return replace(self, samples=self.samples[:1], windows=())
+        known = KnownEquilibria.of_all(window.equilibria for window in self.windows)
+        return replace(self, samples=self.samples[:1], windows=(), known=known)
 
     def refined(self) -> LinkageSolver:
         """The same on a mesh of half the element length."""
@@ -271,7 +278,7 @@ class LinkageSolver:
         orbit = self.orbit_engine
         if orbit is not None:
             orbit = orbit.with_(elements=2 * orbit.elements)
-        return replace(self, engine=engine, orbit_engine=orbit, windows=())
+        return replace(self, engine=engine, orbit_engine=orbit, windows=(), known=KnownEquilibria())
 
     def with_more_modes(self) -> LinkageSolver:
         """The same with a larger number of moving modes."""
@@ -357,7 +364,10 @@ class LinkageSolver:
             orbit = nonlinear_orbit(self._moving_engine, crank_speed, samples)
             stressed = self.engine.running_links(motion, [q[order] for q in orbit.displacement])
         else:
-            stressed = self.engine.stressed_links(motion, self.prestress)
+            near = None if self.known is None else self.known.near(crank_speed, samples)
+            stressed = self.engine.stressed_links(motion, self.prestress, near)
+            if self.known is not None:
+                self.known.add(crank_speed, stressed.displacement)
         turn = SampledTurn.of(self.engine, motion, stressed, self.quasi_static, self.modes, fastest)
         return _SampledState(turn, orbit)
 

@@ -8,10 +8,11 @@ interpolation, which costs next to nothing. The last Chebyshev coefficient tells
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from flexmech.analyses.stability.known_equilibria import KnownEquilibria
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.time_domain import FourierSeries
 from flexmech.types import FloatArray
@@ -32,11 +33,14 @@ class SpeedWindow:
         Ends of the window in rad/s.
     nodes : sequence of VibratingLinkage
         At :func:`chebyshev_nodes`, all with the same fixed basis and scale.
+    equilibria : KnownEquilibria
+        At these.
     """
 
     low: float
     high: float
     nodes: Sequence[VibratingLinkage]
+    equilibria: KnownEquilibria = field(default_factory=KnownEquilibria)
 
     def holds(self, crank_speed: float) -> bool:
         """Whether a speed is in the window."""
