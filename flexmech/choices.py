@@ -22,6 +22,7 @@ __all__ = [
     "PICTURE_FORMATS",
     "PRESTRESS_LEVELS",
     "REPORT_PARTS",
+    "SHAFTS",
     "STARTS",
     "STORES",
     "ElementName",
@@ -37,6 +38,7 @@ __all__ = [
     "Prestress",
     "ReferenceElement",
     "ReportPart",
+    "ShaftChoice",
     "StabilityPrestress",
     "Start",
     "Store",
@@ -70,6 +72,10 @@ MOVING_FRAMES: tuple[MovingFrame, ...] = get_args(MovingFrame)
 LinkDirection = Literal["transverse", "axial"]
 """Of a force on a point of a link, or of its displacement: across the link's frame or along it."""
 LINK_DIRECTIONS: tuple[LinkDirection, ...] = get_args(LinkDirection)
+
+ShaftChoice = Literal["prescribed", "free"]
+"""Whether the shaft turns as prescribed, or as its torque and its inertia let it."""
+SHAFTS: tuple[ShaftChoice, ...] = get_args(ShaftChoice)
 
 Store = Literal["needed", "all"]
 """What a stored response holds: what pictures and comparisons need, or all there is."""

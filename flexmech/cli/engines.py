@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from flexmech.choices import ELEMENTS, ElementName, EngineChoice, EngineName, engine_of
+from flexmech.choices import (
+    ELEMENTS,
+    ElementName,
+    EngineChoice,
+    EngineName,
+    ShaftChoice,
+    engine_of,
+)
 from flexmech.errors import InputError
 
 if TYPE_CHECKING:
@@ -13,7 +20,11 @@ if TYPE_CHECKING:
 
 
 def make_engines(
-    mechanism: Mechanism, engine: EngineChoice, element: ElementName | None, elements: int
+    mechanism: Mechanism,
+    engine: EngineChoice,
+    element: ElementName | None,
+    elements: int,
+    shaft: ShaftChoice = "prescribed",
 ) -> list[Engine]:
     """Make the engines chosen, the reference first.
 
@@ -26,6 +37,7 @@ def make_engines(
         so that the two can be held against each other. Left out: the engine chooses.
     elements : int
         On each link.
+    shaft : {"prescribed", "free"}
 
     Returns
     -------
@@ -47,7 +59,7 @@ def make_engines(
     for name in chosen:
         kind = _engine_kind(name)
         its_element = None if element is None else kind.element_like(element)
-        engines.append(kind(mechanism, elements, its_element))
+        engines.append(kind(mechanism, elements, its_element, shaft=shaft))
     return engines
 
 

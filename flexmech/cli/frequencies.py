@@ -24,6 +24,7 @@ def frequencies(
     prestress: options.MapPrestress = "equilibrium",
     rotation_terms: options.RotationTerms = True,
     elements: options.PinnedElements = None,
+    shaft: options.Shaft = "prescribed",
     tolerance: options.Tolerance = TOLERANCE,
     temperature_rise: options.TemperatureRise = None,
     moisture: options.Moisture = None,
@@ -54,7 +55,7 @@ def frequencies(
     deliver(
         MovingFrequencies,
         lambda progress: moving_frequencies(
-            make_engines(mechanism, engine, element, elements or ELEMENTS_A_LINK),
+            make_engines(mechanism, engine, element, elements or ELEMENTS_A_LINK, shaft),
             np.radians(crank_angles),
             None if given is None else given.values,
             modes=modes,

@@ -246,6 +246,13 @@ PeriodicResponse = Annotated[
         "each, longer at low speeds.",
     ),
 ]
+Shaft = Annotated[
+    choices.ShaftChoice,
+    Option(
+        help="prescribed: the shaft turns at the crank speed; free: it has its own inertia and "
+        "the torque that the constant speed takes, and its rotation is one more coordinate."
+    ),
+]
 RunPrestress = Annotated[
     choices.Prestress,
     Option(

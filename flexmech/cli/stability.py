@@ -24,6 +24,7 @@ def stability(
     frame: options.Frame = "link",
     element: options.Element = None,
     elements: options.Elements = ELEMENTS_A_LINK,
+    shaft: options.Shaft = "prescribed",
     modes: options.KeptModes = KEPT_MODES,
     steps: options.StepsATurn = "auto",
     damping_ratio: options.DampingRatio = None,
@@ -55,7 +56,7 @@ def stability(
     found = deliver(
         StabilityMap,
         lambda progress: analysis(
-            make_engines(mechanism, engine, element, elements),
+            make_engines(mechanism, engine, element, elements, shaft),
             given.values,
             prestress=prestress,
             frame=frame,

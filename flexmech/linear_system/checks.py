@@ -20,10 +20,10 @@ def checked_mechanism(mechanism: object) -> Mechanism:
     if hasattr(mechanism, "__fspath__") or isinstance(mechanism, str):
         given = f"the path {str(mechanism)!r}"
         remedy = f"read the file first: flexmech.load_mechanism({str(mechanism)!r})"
-    elif hasattr(mechanism, "topology"):
-        remedy = "a linkage needs a section for each link: flexmech.Mechanism(linkage, sections)"
     elif hasattr(mechanism, "mechanism"):
         remedy = "give its attribute mechanism"
+    elif hasattr(mechanism, "topology"):
+        remedy = "a linkage needs a section for each link: flexmech.Mechanism(linkage, sections)"
     raise InputError(f"mechanism must be a flexmech.Mechanism, got {given}; {remedy}")
 
 

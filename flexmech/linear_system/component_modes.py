@@ -220,7 +220,9 @@ def _reduce(
     condensed = _complement(candidates, dynamic, mass)
     basis = np.concatenate([held.static, dynamic, condensed], axis=1)
     follows = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
-    return ReducedLink(held.link.projected(basis, held.ends), basis, follows)
+    # The rotation of a free shaft is the last of the coordinates that have a static shape.
+    shaft = held.static.shape[1] - len(held.link.shaft) + np.arange(len(held.link.shaft))
+    return ReducedLink(held.link.projected(basis, held.ends, shaft), basis, follows)
 
 
 def _turning_sections(held: _HeldLink) -> FloatArray:
@@ -265,10 +267,8 @@ def _complement(vectors: FloatArray, others: FloatArray, mass: FloatArray) -> Fl
 
 def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
     fixed, ends = _boundary(topology, link)
-    boundary = np.concatenate(
-        [link.end_displacement(e) for e in ("start", "end") if len(ends[e])]
-        or [np.zeros(0, dtype=np.intp)]
-    )
+    joined = [link.end_displacement(e) for e in ("start", "end") if len(ends[e])]
+    boundary = np.concatenate([*joined, link.shaft])
     free = ~fixed
     free[boundary] = False
     inner = np.flatnonzero(free)

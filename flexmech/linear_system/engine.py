@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.choices import MODES, PRESTRESS_LEVELS, Prestress
+from flexmech.choices import MODES, PRESTRESS_LEVELS, SHAFTS, Prestress, ShaftChoice
 from flexmech.errors import InputError
 from flexmech.linear_system.checks import checked_elements, checked_mechanism
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
-from flexmech.linear_system.element_kinds import ElementKinds
+from flexmech.linear_system.engine_links import EngineLinks
+from flexmech.linear_system.free_shaft import FreeShaft
 from flexmech.linear_system.link_frames import RotationTerms
-from flexmech.linear_system.link_model import LinkModel
-from flexmech.linear_system.link_stretch import LinkStretch
 from flexmech.linear_system.reduced_system import reduced_system, unreduced_system
-from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem
-from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import checked_drive
 from flexmech.mechanism import Mechanism
 from flexmech.numbers import POSITIVE, check_choice, check_count, check_number
@@ -34,7 +31,7 @@ SYSTEM_MODES = MODES + 2
 BATCH_BYTES = 32_000_000
 
 
-class Engine(ElementKinds):
+class Engine(EngineLinks):
     """Turns a mechanism and crank positions into a :class:`LinearSystem`.
 
     An engine is a value: it does not change, and two that compute the same are equal.
@@ -53,6 +50,10 @@ class Engine(ElementKinds):
     modes : int
         Natural frequencies for which an element that is left out must be fit. Analyses choose
         it anew for those that they are asked for.
+    shaft : {"prescribed", "free"}
+        Whether the shaft turns as prescribed; or its rotation against that is one more
+        coordinate, with the mechanism's ``shaft_inertia`` and with the torque that the mean
+        motion takes.
 
     Attributes
     ----------
@@ -78,6 +79,7 @@ class Engine(ElementKinds):
         element: str | None = None,
         component_modes: bool = True,
         modes: int = MODES,
+        shaft: ShaftChoice = "prescribed",
     ) -> None:
         self.mechanism = checked_mechanism(mechanism)
         self.elements = checked_elements(elements)
@@ -90,6 +92,9 @@ class Engine(ElementKinds):
                 f"it has {', '.join(self.element_kinds)}"
             )
         self.component_modes = component_modes
+        check_choice(shaft, SHAFTS, "shaft")
+        self.shaft = shaft
+        self._free_shaft = FreeShaft.of(mechanism) if shaft == "free" else None
         self._element_asked = element
         self._reductions: dict[tuple[int, float, bool, float], ComponentModes] = {}
 
@@ -101,6 +106,7 @@ class Engine(ElementKinds):
         element: str | None = None,
         component_modes: bool | None = None,
         modes: int | None = None,
+        shaft: ShaftChoice | None = None,
     ) -> Self:
         """Make the same engine with something changed.
 
@@ -113,6 +119,7 @@ class Engine(ElementKinds):
         component_modes : bool, optional
         modes : int, optional
             An element that was not asked for is chosen anew for them.
+        shaft : {"prescribed", "free"}, optional
 
         Returns
         -------
@@ -129,6 +136,7 @@ class Engine(ElementKinds):
             self._element_asked if element is None else element,
             self.component_modes if component_modes is None else component_modes,
             self.modes if modes is None else modes,
+            self.shaft if shaft is None else shaft,
         )
 
     def unreduced(self) -> Self:
@@ -137,6 +145,8 @@ class Engine(ElementKinds):
 
     def __repr__(self) -> str:
         modes = "" if self.component_modes else ", without component modes"
+        if self.shaft == "free":
+            modes += ", shaft free"
         name, plural = self.mechanism.provenance.name, "s" if self.elements > 1 else ""
         beams = f"{self.elements} {self.element} element{plural} a link"
         return f"{type(self).__name__}({name}, {beams}{modes})"
@@ -157,9 +167,9 @@ class Engine(ElementKinds):
         super().__setattr__(name, value)
 
     @property
-    def _computes(self) -> tuple[int, str, bool]:
+    def _computes(self) -> tuple[int, str, bool, str]:
         """What decides over the results, besides the mechanism."""
-        return self.elements, self.element, self.component_modes
+        return self.elements, self.element, self.component_modes, self.shaft
 
     def fit_for(self, modes: int) -> Self:
         """The engine with an element fit for so many natural frequencies, if none was asked for."""
@@ -170,89 +180,6 @@ class Engine(ElementKinds):
     def chooses_element(self) -> bool:
         """Whether no element was asked for, so that the mechanism decides."""
         return self._element_asked is None
-
-    @property
-    @abstractmethod
-    def links(self) -> tuple[LinkModel, ...]:
-        """Unreduced link models in the topology's order."""
-
-    @property
-    def stretches(self) -> tuple[LinkStretch, ...] | None:
-        """Second-order stretch of each link; None where an engine does not tell.
-
-        None as well where links bend or stretch without load: it is that of straight links.
-        """
-        return None
-
-    @abstractmethod
-    def stressed_links(
-        self,
-        motion: RigidMotion,
-        prestress: Prestress,
-        near: Sequence[FloatArray] | None = None,
-    ) -> StressedLinks:
-        """Tangent stiffness of each link in its frame under the motion's inertia forces.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        prestress : {"none", "axial", "equilibrium"}
-        near : sequence of ndarray, shape (B, n_link), optional
-            Elastic displacement of each link near that at equilibrium, which an engine may take
-            as the start of its iteration; it starts from straight links by default.
-
-        Returns
-        -------
-        StressedLinks
-
-        Raises
-        ------
-        ComputationError
-            If the equilibrium does not converge or is unstable; names the crank angle.
-        """
-
-    @property
-    def prestress_at_rest(self) -> Prestress:
-        """Level that describes the linkage at rest: ``none``, unless links bend without load."""
-        return "equilibrium" if self.mechanism.is_free_strained else "none"
-
-    def _is_straight(self, motion: RigidMotion, prestress: Prestress) -> bool:
-        """Whether the links are taken as straight and without stress."""
-        if self.mechanism.is_free_strained:
-            if prestress != "equilibrium":
-                raise InputError(
-                    f"prestress {prestress!r} is of straight links, but moisture or heat bends or "
-                    "stretches some of these; use prestress 'equilibrium'"
-                )
-            return False
-        unloaded = not motion.crank_speed.any() and not any(self.mechanism.gravity)
-        return prestress == "none" or unloaded
-
-    def running_links(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray]
-    ) -> StressedLinks:
-        """Tangent stiffness, internal forces and damping in states of the running linkage.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement : sequence of ndarray, shape (B, n_link)
-            Elastic displacement of each link in its frame.
-
-        Returns
-        -------
-        StressedLinks
-
-        Raises
-        ------
-        InputError
-            If the engine does not linearize about given states.
-        """
-        raise InputError(
-            f"the {self.name} engine does not linearize about states of the running linkage"
-        )
 
     @property
     def batch_size(self) -> int:
@@ -327,9 +254,10 @@ class Engine(ElementKinds):
             if running is None
             else self.running_links(motion, running)
         )
-        topology = self.mechanism.linkage.topology
-        if not self.component_modes:
-            return unreduced_system(topology, self.links, motion, stressed, terms)
+        if not self.component_modes or self.turns_freely_as_one_body:
+            return self._marked(
+                unreduced_system(self.topology, self.links, motion, stressed, terms)
+            )
         greatest = float(np.max(np.abs(motion.angular_velocity), initial=0.0))
         if not terms.any:
             greatest = 0.0
@@ -337,13 +265,19 @@ class Engine(ElementKinds):
             greatest = abs(fastest)
         loaded = any(t.ndim == 3 for t in stressed.tangent)
         reduction = self._reduction(modes, greatest, loaded, detail)
-        return reduced_system(topology, self.links, reduction, motion, stressed, terms)
+        return self._marked(
+            reduced_system(self.topology, self.links, reduction, motion, stressed, terms)
+        )
+
+    def _marked(self, system: LinearSystem) -> LinearSystem:
+        """The system, which knows how many of its modes are rigid."""
+        return replace(system, rigid_modes=self.rigid_modes) if self.rigid_modes else system
 
     def _reduction(self, modes: int, fastest: float, loaded: bool, detail: float) -> ComponentModes:
         key = (modes, fastest, loaded, detail)
         if key not in self._reductions:
             self._reductions[key] = component_modes(
-                self.mechanism.linkage.topology,
+                self.topology,
                 self.links,
                 modes,
                 fastest,

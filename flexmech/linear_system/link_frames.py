@@ -105,7 +105,7 @@ class LinkFrames:
     size : int
         Number of independent coordinates.
     end_count : int
-        How many of them, the first ones, are displacements of link ends.
+        How many of them, the first ones, are displacements of link ends or turn a free shaft.
     """
 
     end_count: int
@@ -155,12 +155,12 @@ class LinkFrames:
         return pairs
 
     def _number(self, last: Sequence[NDArray[np.bool_]]) -> int:
-        """Number the free coordinates, those of the links' ends first."""
+        """Number the free coordinates, those of the links' ends and of a free shaft first."""
         count = 0
         ends = [~late for late in last]
         for link, end in zip(self.links, ends, strict=True):
             elsewhere = np.ones(link.size, dtype=bool)
-            elsewhere[link.start] = elsewhere[link.end] = False
+            elsewhere[link.start] = elsewhere[link.end] = elsewhere[link.shaft] = False
             end[elsewhere] = False
         inner = [~(end | late) for end, late in zip(ends, last, strict=True)]
         for group in (ends, inner, last):

@@ -99,6 +99,8 @@ class LinkModel:
     vectors : ndarray of int, shape (2, k)
         Coordinates along x and across it of all vectors that turn with the link: displacements
         of nodes, and their slope vectors. Of a reduced link there are none.
+    shaft : ndarray of int, shape (1,) or (0,)
+        Coordinate that is the rotation of the driven shaft, where it is free.
     """
 
     name: str
@@ -119,6 +121,7 @@ class LinkModel:
     start_warping: IntArray = field(default_factory=NONE.copy)
     end_warping: IntArray = field(default_factory=NONE.copy)
     vectors: IntArray = field(default_factory=NO_VECTORS.copy)
+    shaft: IntArray = field(default_factory=NONE.copy)
 
     @property
     def ends(self) -> EndMatrices:
@@ -171,7 +174,9 @@ class LinkModel:
                 unit[self.end_displacement(end), place] = 1.0
         return unit
 
-    def projected(self, basis: FloatArray, kept: dict[str, IntArray]) -> LinkModel:
+    def projected(
+        self, basis: FloatArray, kept: dict[str, IntArray], shaft: IntArray = NONE
+    ) -> LinkModel:
         """The link with ``q = basis @ p``.
 
         Parameters
@@ -179,6 +184,8 @@ class LinkModel:
         basis : ndarray, shape (n, m)
         kept : dict
             New positions of ``start`` and ``end``.
+        shaft : ndarray of int, shape (1,) or (0,)
+            New position of the shaft's rotation.
         """
 
         def project(matrix: FloatArray) -> FloatArray:
@@ -207,6 +214,7 @@ class LinkModel:
             start_warping=NONE,
             end_warping=NONE,
             vectors=NO_VECTORS,
+            shaft=shaft,
             readings=self.readings.projected(basis),
             reduced_ends=ends,
         )

@@ -30,12 +30,16 @@ class StressedLinks:
     damping : list of ndarray, shape (B, n, n), or None
         Damping matrix in the state; None for that of the straight links. A bowed link that
         bends further is not stretched along its axis, and must not be damped as if it were.
+    loads : list of ndarray, shape (B, n), or None
+        Forces on the links that the state is under; None where there are none, or an engine
+        does not tell.
     """
 
     tangent: list[FloatArray]
     displacement: list[FloatArray] | None = None
     internal_force: list[FloatArray] | None = None
     damping: list[FloatArray] | None = None
+    loads: list[FloatArray] | None = None
 
     @classmethod
     def unloaded(cls, links: Sequence[LinkModel]) -> Self:

@@ -38,6 +38,9 @@ class LinearSystem:
         From each reduced link's coordinates to its unreduced ones.
     unit_mass_from : int, optional
         From this coordinate on the mass matrix is the unit matrix in every position.
+    rigid_modes : int
+        Natural modes that deform nothing: 1 where the shaft turns freely. They are no
+        vibration, and modes are counted without them.
     """
 
     motion: RigidMotion
@@ -49,6 +52,7 @@ class LinearSystem:
     expansion: FloatArray | None = None
     bases: tuple[FloatArray, ...] | None = None
     unit_mass_from: int | None = None
+    rigid_modes: int = 0
 
     @property
     def size(self) -> int:

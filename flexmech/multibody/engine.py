@@ -10,7 +10,14 @@ from typing import ClassVar
 import numpy as np
 
 from flexmech.beams import compare_theories
-from flexmech.choices import ELEMENTS, INTEGRATORS, MODES, Integrator, LinkDirection
+from flexmech.choices import (
+    ELEMENTS,
+    INTEGRATORS,
+    MODES,
+    Integrator,
+    LinkDirection,
+    ShaftChoice,
+)
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     Engine,
@@ -79,8 +86,9 @@ class ExudynEngine(Engine):
         element: str | None = None,
         component_modes: bool = True,
         modes: int = MODES,
+        shaft: ShaftChoice = "prescribed",
     ) -> None:
-        super().__init__(mechanism, elements, element, component_modes, modes)
+        super().__init__(mechanism, elements, element, component_modes, modes, shaft)
         refuse_sections(mechanism, self.element)
 
     @classmethod
@@ -98,7 +106,7 @@ class ExudynEngine(Engine):
         return link_models(self.model)
 
     @property
-    def links(self) -> tuple[LinkModel, ...]:
+    def held_links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models in Exudyn's coordinates, node by node."""
         return self._links
 
@@ -106,7 +114,7 @@ class ExudynEngine(Engine):
     def _unit_tension(self) -> list[FloatArray]:
         return unit_tension_stiffness(self.model.assembly)
 
-    def stressed_links(
+    def stressed_held_links(
         self,
         motion: RigidMotion,
         prestress: Prestress,
@@ -125,15 +133,23 @@ class ExudynEngine(Engine):
                 f"{other}prestress 'equilibrium'"
             )
         if straight:
-            return StressedLinks.unloaded(self.links)
+            return StressedLinks.unloaded(self.held_links)
         if prestress == "axial":
-            return StressedLinks(self._axial_tangents(motion))
-        loads = inertia_loads(self.links, motion, self.mechanism.gravity)
+            loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+            return StressedLinks(self._axial_tangents(motion), loads=loads)
+
+        def displaced(loads: list[FloatArray]) -> list[FloatArray]:
+            return static_equilibrium(self.model, motion, loads).displacement
+
+        loads = self._quasi_static_loads(motion, displaced)
         equilibrium = static_equilibrium(self.model, motion, loads)
         topology = self.mechanism.linkage.topology
-        refuse_large_displacements(topology, self.links, motion, equilibrium.displacement)
+        refuse_large_displacements(topology, self.held_links, motion, equilibrium.displacement)
         return StressedLinks(
-            equilibrium.tangent, equilibrium.displacement, damping=equilibrium.damping
+            equilibrium.tangent,
+            equilibrium.displacement,
+            damping=equilibrium.damping,
+            loads=loads,
         )
 
     def simulate(
@@ -188,7 +204,7 @@ class ExudynEngine(Engine):
             raise InputError("sample times must be zero or later and increase")
         steps = max(1, int(np.ceil(sample_time[-1] / step - 1e-9)))
         model = RunningModel(
-            self.mechanism, self.elements, self.element, drive, self.links, impacts
+            self.mechanism, self.elements, self.element, drive, self.held_links, impacts
         )
         if band is not None:
             check_number(band, "band", "Hz", POSITIVE)
@@ -238,9 +254,9 @@ class ExudynEngine(Engine):
         """
         check_number(step, "step", "s", POSITIVE)
         model = RunningModel(
-            self.mechanism, self.elements, self.element, drive, self.links, impacts
+            self.mechanism, self.elements, self.element, drive, self.held_links, impacts
         )
-        recorder = PointRecorder(self.mechanism.linkage.topology, self.links, points)
+        recorder = PointRecorder(self.mechanism.linkage.topology, self.held_links, points)
         Simulation(model, step, steps, "trapezoidal").run(start, recorder, progress)
         return recorder.finish()
 
@@ -279,11 +295,11 @@ class ExudynEngine(Engine):
         """
         check_number(step, "step", "s", POSITIVE)
         check_choice(integrator, INTEGRATORS, "integrator")
-        model = RunningModel(self.mechanism, self.elements, self.element, drive, self.links)
+        model = RunningModel(self.mechanism, self.elements, self.element, drive, self.held_links)
         simulation = Simulation(model, step, steps, integrator)
         return ExudynSystem.of(simulation, drive, start, stride)
 
-    def running_links(
+    def running_held_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:
         """Stiffness and internal forces in running states; see :meth:`Engine.running_links`."""
@@ -296,5 +312,7 @@ class ExudynEngine(Engine):
         tensions = element_tensions(self.mechanism, nodes, motion)
         return [
             link.stiffness + np.tensordot(tension[..., 0], unit, axes=1)
-            for link, tension, unit in zip(self.links, tensions, self._unit_tension, strict=True)
+            for link, tension, unit in zip(
+                self.held_links, tensions, self._unit_tension, strict=True
+            )
         ]

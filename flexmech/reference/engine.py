@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
@@ -79,12 +80,12 @@ class ReferenceEngine(Engine):
         )
 
     @cached_property
-    def links(self) -> tuple[LinkModel, ...]:
+    def held_links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models, coordinates (u, v, phi, ...) node by node."""
         return tuple(chain.model for chain in self.chains)
 
     @cached_property
-    def stretches(self) -> tuple[LinkStretch, ...] | None:
+    def held_stretches(self) -> tuple[LinkStretch, ...] | None:
         """Second-order stretch of each link; see :attr:`Engine.stretches`."""
         if self.mechanism.is_free_strained:
             return None
@@ -98,10 +99,10 @@ class ReferenceEngine(Engine):
     @cached_property
     def equilibrium(self) -> Equilibrium:
         """Solver for the quasi-static equilibrium on this mesh."""
-        frames = LinkFrames(self.mechanism.linkage.topology, self.links)
+        frames = LinkFrames(self.mechanism.linkage.topology, self.held_links)
         return Equilibrium(frames, [chain.elements for chain in self.chains])
 
-    def stressed_links(
+    def stressed_held_links(
         self,
         motion: RigidMotion,
         prestress: Prestress,
@@ -109,20 +110,25 @@ class ReferenceEngine(Engine):
     ) -> StressedLinks:
         """Tangent stiffness of each link; see :meth:`Engine.stressed_links`."""
         if self._is_straight(motion, prestress):
-            return StressedLinks.unloaded(self.links)
+            return StressedLinks.unloaded(self.held_links)
         if prestress == "axial":
-            return StressedLinks(self._axial_tangents(motion))
+            loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+            return StressedLinks(self._axial_tangents(motion), loads=loads)
         return self._equilibrium(motion, near)
 
     def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
         varying = self._geometric(motion, varying_part_only=True)
-        loads = inertia_loads(self.links, motion, self.mechanism.gravity)
-        displacement = self.equilibrium.solve(motion, loads, varying, near)
-        topology = self.mechanism.linkage.topology
-        refuse_large_displacements(topology, self.links, motion, displacement)
-        return self._displaced(displacement, varying)
 
-    def running_links(
+        def displaced(loads: list[FloatArray]) -> list[FloatArray]:
+            return self.equilibrium.solve(motion, loads, varying, near)
+
+        loads = self._quasi_static_loads(motion, displaced)
+        displacement = displaced(loads)
+        topology = self.mechanism.linkage.topology
+        refuse_large_displacements(topology, self.held_links, motion, displacement)
+        return replace(self._displaced(displacement, varying), loads=loads)
+
+    def running_held_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
     ) -> StressedLinks:
         """Stiffness and internal forces in running states; see :meth:`Engine.running_links`.
@@ -146,7 +152,7 @@ class ReferenceEngine(Engine):
         geometric = self._geometric(motion, varying_part_only=False)
         return [
             link.stiffness + assemble_chain(extra)
-            for link, extra in zip(self.links, geometric, strict=True)
+            for link, extra in zip(self.held_links, geometric, strict=True)
         ]
 
     def _geometric(self, motion: RigidMotion, *, varying_part_only: bool) -> list[FloatArray]:

@@ -99,7 +99,7 @@ class DrivenLinkage:
             else prestressed_links(engine, drive, prestress, modes, detail)
         )
         self.links, self.bases = reduced.models, reduced.bases
-        self.frames = LinkFrames(engine.mechanism.linkage.topology, self.links)
+        self.frames = LinkFrames(engine.topology, self.links)
         self._condensed = np.zeros(self.frames.size, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.follows, strict=True):
             self._condensed[target[condensed]] = True

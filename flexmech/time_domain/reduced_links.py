@@ -110,7 +110,7 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
         return ReducedLinks.all_of(engine)
     reduced = ReducedLinks.of(
         component_modes(
-            engine.mechanism.linkage.topology,
+            engine.topology,
             engine.links,
             modes,
             0.0,
@@ -149,7 +149,7 @@ def prestressed_links(
     motion = engine.mechanism.linkage.motion(turn, drive.speed)
     return ReducedLinks.of(
         component_modes(
-            engine.mechanism.linkage.topology,
+            engine.topology,
             engine.links,
             modes,
             float(np.abs(motion.angular_velocity).max()),

@@ -90,7 +90,7 @@ class SampledTurn:
         SampledTurn
         """
         speed = float(motion.crank_speed[0])
-        turns_pins = bool(engine.mechanism.linkage.topology.pins)
+        turns_pins = bool(engine.topology.pins)
         reduced = (
             prestressed_links(engine, CrankDrive(fastest or speed), prestress, modes, DETAIL)
             if turns_pins
@@ -108,7 +108,7 @@ class SampledTurn:
                 for (basis, _), tangent in zip(pairs, stressed.tangent, strict=True)
             ],
             damping=[basis.T @ d @ basis for (basis, _), d in zip(pairs, damping, strict=True)],
-            frames=LinkFrames(engine.mechanism.linkage.topology, reduced.models),
+            frames=LinkFrames(engine.topology, reduced.models),
             crank_speed=speed,
         )
 

@@ -218,3 +218,22 @@ def test_tracking_lines_name_what_is_torn_and_where_modes_veer() -> None:
     # A branch that this engine never meets at this speed is no torn one.
     dataset["branch_of_mode"] = dataset["branch_of_mode"].clip(max=3)
     assert len(tracking_lines(dataset)) == 1
+
+
+def test_a_free_shaft_is_asked_of_all_engines(asked: dict[str, Any], tmp_path: Path) -> None:
+    result = run(ALUMINIUM, "--shaft", "free", "--no-plots", "--out", str(tmp_path))
+    assert result.exit_code == 0, result.output
+    assert [engine.shaft for engine in asked["engines"]] == ["free", "free"]
+
+
+def test_the_mode_of_a_free_shaft_is_rigid_and_has_a_table(tmp_path: Path) -> None:
+    more = ("--engine", "reference", "--shaft", "free", "--speeds", "0")
+    result = run(ALUMINIUM, *QUICK, *more, "--no-plots", "--out", str(tmp_path))
+    assert result.exit_code == 0, result.output
+    assert "rigid: the mode of the free shaft, below 0.001 Hz in all positions" in result.output
+    header, *rows = (tmp_path / "shaft.csv").read_text().splitlines()
+    columns = "engine,crank_speed_rad_s,crank_angle_deg,kind,frequency_Hz,growth_rate_1_s"
+    assert header == columns
+    assert [row.split(",")[:4] for row in rows] == [
+        ["reference", "0", angle, "rigid"] for angle in ("0", "60")
+    ]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -35,10 +35,13 @@ class Modes:
     vectors : ndarray, shape (B, n, m)
         Mode shapes in the system's coordinates, normalized so that x^H M x = 1; real for
         a conservative system.
+    rigid : ndarray of complex, shape (B, 2 r)
+        Both eigenvalues of each of the system's r rigid modes, which are none of the m modes.
     """
 
     eigenvalues: NDArray[np.complex128]
     vectors: NDArray[Any]
+    rigid: NDArray[np.complex128] = field(default_factory=lambda: np.zeros((0, 0), dtype=complex))
 
     @property
     def count(self) -> int:
@@ -47,7 +50,7 @@ class Modes:
 
     def lowest(self, count: int) -> Modes:
         """The first ``count`` of them."""
-        return Modes(self.eigenvalues[:, :count], self.vectors[:, :, :count])
+        return Modes(self.eigenvalues[:, :count], self.vectors[:, :, :count], self.rigid)
 
     @property
     def frequency(self) -> FloatArray:
@@ -65,7 +68,8 @@ def solve_modes(system: LinearSystem, count: int, spare: int = 0) -> Modes:
     """Lowest ``count`` modes in each position, and some more.
 
     A conservative system (frozen inertial form without damping) is solved as
-    ``(K - w^2 M) x = 0``; any other as ``(lambda^2 M + lambda C + K) x = 0``.
+    ``(K - w^2 M) x = 0``; any other as ``(lambda^2 M + lambda C + K) x = 0``. Rigid modes of the
+    system are left out.
 
     Parameters
     ----------
@@ -113,6 +117,8 @@ def solve_eigenvalues(system: LinearSystem, count: int) -> NDArray[np.complex128
         found = quadratic_eigenvalues(system, count)
         _refuse_unsteady(system, found, count)
         return found.eigenvalues
+    if system.rigid_modes:
+        return _conservative(system, count).eigenvalues
     every = np.asarray(np.linalg.eigvalsh(_standard_form(system)[0]), dtype=float)
     values = every[:, :count].copy()
     _sharpen(system, every, values)
@@ -121,9 +127,10 @@ def solve_eigenvalues(system: LinearSystem, count: int) -> NDArray[np.complex128
 
 
 def _require(system: LinearSystem, count: int) -> None:
-    if not 1 <= count <= system.size:
+    most = system.size - system.rigid_modes
+    if not 1 <= count <= most:
         raise InputError(
-            f"modes: {count} were asked for, the model has {system.size} coordinates; ask for "
+            f"modes: {count} were asked for, the model has {most} coordinates; ask for "
             "fewer modes or more elements"
         )
 
@@ -131,13 +138,35 @@ def _require(system: LinearSystem, count: int) -> None:
 def _conservative(system: LinearSystem, count: int) -> Modes:
     stiffness, unit_mass = _standard_form(system)
     every, vectors = np.linalg.eigh(stiffness)
-    values, vectors = every[:, :count].copy(), vectors[:, :, :count]
+    rigid = system.rigid_modes
+    vectors = vectors[:, :, : rigid + count]
     ends = unit_mass.shape[2]
     shapes = unit_mass @ vectors[:, :ends]
     shapes[:, ends:] += vectors[:, ends:]
-    _sharpen(system, every, values, shapes)
+    still, shapes = shapes[:, :, :rigid], np.ascontiguousarray(shapes[:, :, rigid:])
+    values = every[:, rigid : rigid + count].copy()
+    _sharpen(_held(system, still, every[:, -1]), every[:, rigid:], values, shapes)
     _refuse_unstable(system, values)
-    return Modes(1j * np.sqrt(values), shapes)
+    return Modes(1j * np.sqrt(values), shapes, _rigid_eigenvalues(system, still))
+
+
+def _held(system: LinearSystem, shapes: FloatArray, square: FloatArray) -> LinearSystem:
+    """The system with shapes (B, n, r) of unit mass held by springs that make them as fast."""
+    if not shapes.shape[2]:
+        return system
+    inertia = system.mass @ shapes
+    springs = square[:, None, None] * (inertia @ np.swapaxes(inertia, 1, 2))
+    return replace(system, stiffness=system.stiffness + springs)
+
+
+def _rigid_eigenvalues(system: LinearSystem, shapes: FloatArray) -> NDArray[np.complex128]:
+    """Both eigenvalues (B, 2 r) of each rigid shape (B, n, r) of unit mass.
+
+    By Rayleigh's quotient: round-off of the fastest modes hides the eigenvalue itself.
+    """
+    squares = np.einsum("bir,bij,bjr->br", shapes, system.stiffness, shapes)
+    values = np.sqrt(np.asarray(-squares, dtype=complex))
+    return np.concatenate([values, -values], axis=1)
 
 
 def _standard_form(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
@@ -209,7 +238,7 @@ def _general(system: LinearSystem, count: int, spare: int) -> Modes:
     _refuse_unsteady(system, found, count)
     shapes = found.vectors
     norm = np.einsum("bim,bij,bjm->bm", shapes.conj(), system.mass, shapes, optimize=True)
-    return Modes(found.eigenvalues, shapes / np.sqrt(norm.real)[:, None, :])
+    return Modes(found.eigenvalues, shapes / np.sqrt(norm.real)[:, None, :], found.rigid)
 
 
 def _refuse_unsteady(system: LinearSystem, found: QuadraticModes, count: int) -> None:

@@ -29,6 +29,7 @@ from flexmech.analyses.frequencies.pictured import scaled_parts
 from flexmech.analyses.frequencies.reduction import ReductionError, settled
 from flexmech.analyses.frequencies.refinement import Positions
 from flexmech.analyses.frequencies.request import FrequencyRequest
+from flexmech.analyses.frequencies.shaft_mode import shaft_readings
 from flexmech.analyses.frequencies.tracking import Tracker
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray, IntArray, LabelledProgress
@@ -226,6 +227,8 @@ def _along_angles(
         modes = solve_modes(system, asked, count - asked)
         tracker.add(system.inertial_shapes(modes.vectors))
         found = {"frequency": modes.frequency, "damping_ratio": modes.damping_ratio}
+        if system.rigid_modes:
+            found |= shaft_readings(modes)
         if losses is not None:
             states = systems.states(system.motion.crank_angle)
             prestress = systems.formulation.quasi_static_prestress
@@ -242,8 +245,9 @@ def _along_angles(
         "veering": branches.veering,
         "branch_unclear": branches.unclear,
     }
+    over = ("crank_angle", "mode")
     return xr.Dataset(
-        {name: (("crank_angle", "mode"), values) for name, values in every.items()}
+        {name: (over[: values.ndim], values) for name, values in every.items()}
         | {"branch_whole": ("branch", branches.whole)},
         coords={"branch": np.arange(1, count + 1)},
     )

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.analyses.frequencies.companion import inverse_companion, without_rigid_modes
 from flexmech.linear_system import LinearSystem
 from flexmech.types import FloatArray, IntArray
 
@@ -47,12 +48,15 @@ class QuadraticModes:
         Whether one of the modes that must oscillate creeps.
     diverges : ndarray of bool, shape (B,)
         Whether an eigenvalue is real and positive.
+    rigid : ndarray of complex, shape (B, 2 r)
+        Both eigenvalues of each of the system's r rigid modes, which are none of the m modes.
     """
 
     eigenvalues: NDArray[np.complex128]
     vectors: NDArray[np.complex128]
     creeps: NDArray[np.bool_]
     diverges: NDArray[np.bool_]
+    rigid: NDArray[np.complex128]
 
 
 def quadratic_modes(system: LinearSystem, count: int, spare: int = 0) -> QuadraticModes:
@@ -72,8 +76,12 @@ def quadratic_modes(system: LinearSystem, count: int, spare: int = 0) -> Quadrat
     QuadraticModes
         ``count + spare`` of them.
     """
-    companion, unit = _inverse_companion(system)
-    inverse, states = np.linalg.eig(companion)
+    if system.rigid_modes:
+        inverse, states, unit, rigid = without_rigid_modes(system)
+    else:
+        companion, unit = inverse_companion(system)
+        inverse, states = np.linalg.eig(companion)
+        rigid = _no_modes(system)
     order, unclear = _clear_modes(inverse, count + spare)
     eigenvalues = _of(unit, inverse, order)
     vectors = np.asarray(
@@ -86,7 +94,7 @@ def quadratic_modes(system: LinearSystem, count: int, spare: int = 0) -> Quadrat
         eigenvalues[place] = found[: count + spare]
         vectors[place] = shapes[:, which[: count + spare]]
         creeps[place] = creeping[:count].any()
-    return QuadraticModes(eigenvalues, vectors, creeps, _diverges(inverse))
+    return QuadraticModes(eigenvalues, vectors, creeps, _diverges(inverse), rigid)
 
 
 def quadratic_eigenvalues(system: LinearSystem, count: int) -> QuadraticModes:
@@ -102,7 +110,9 @@ def quadratic_eigenvalues(system: LinearSystem, count: int) -> QuadraticModes:
     -------
     QuadraticModes
     """
-    companion, unit = _inverse_companion(system)
+    if system.rigid_modes:
+        return quadratic_modes(system, count)
+    companion, unit = inverse_companion(system)
     inverse = np.linalg.eigvals(companion)
     order, unclear = _clear_modes(inverse, count)
     eigenvalues = _of(unit, inverse, order)
@@ -114,25 +124,11 @@ def quadratic_eigenvalues(system: LinearSystem, count: int) -> QuadraticModes:
         eigenvalues[place] = found[:count]
         creeps[place] = creeping[:count].any()
     none = np.zeros((len(unclear), system.size, 0), dtype=complex)
-    return QuadraticModes(eigenvalues, none, creeps, _diverges(inverse))
+    return QuadraticModes(eigenvalues, none, creeps, _diverges(inverse), _no_modes(system))
 
 
-def _inverse_companion(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
-    """Matrices (B, 2 n, 2 n) whose eigenvalues are ``unit / lambda``, and the units (B, 1).
-
-    The lowest modes are their largest eigenvalues. In units of time of the slowest mode both
-    blocks are of order one.
-    """
-    size = system.size
-    flexible = np.linalg.solve(
-        system.stiffness, np.concatenate([system.damping, system.mass], axis=2)
-    )
-    unit = 1 / np.sqrt(np.abs(flexible[:, :, size:]).sum(axis=2).max(axis=1))[:, None]
-    companion = np.zeros((len(flexible), 2 * size, 2 * size))
-    companion[:, :size, :size] = -flexible[:, :, :size] * unit[:, None]
-    companion[:, :size, size:] = -flexible[:, :, size:] * unit[:, None] ** 2
-    companion[:, np.arange(size, 2 * size), np.arange(size)] = 1.0
-    return companion, unit
+def _no_modes(system: LinearSystem) -> NDArray[np.complex128]:
+    return np.zeros((len(system.mass), 0), dtype=complex)
 
 
 def _of(unit: FloatArray, inverse: NDArray[Any], order: IntArray) -> NDArray[np.complex128]:

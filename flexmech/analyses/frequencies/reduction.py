@@ -148,7 +148,7 @@ def reduction_error(
     ReductionError
     """
     engine, improved = unreduced.engine, np.empty_like(modes.eigenvalues)
-    frames = LinkFrames(engine.mechanism.linkage.topology, engine.links)
+    frames = LinkFrames(engine.topology, engine.links)
     shapes = reduced.unreduced_vectors(modes.vectors, frames)
     at_a_time = max(1, MATRIX_BYTES // (8 * frames.size**2))
     for start in range(0, len(crank_angle), at_a_time):
@@ -169,9 +169,26 @@ def reduction_error(
 def _inverse_iteration(full: LinearSystem, shapes: NDArray[Any]) -> NDArray[np.complex128]:
     """Eigenvalues after one step of inverse iteration in the space of the shapes (B, n, m)."""
     loads = full.mass @ shapes
+    if full.rigid_modes:
+        return _shifted_iteration(full, loads, shapes)
     better = np.linalg.solve(full.stiffness, loads)
     adjoint = np.swapaxes(better, 1, 2)
-    inertia, stiffness = adjoint @ full.mass @ better, adjoint @ loads
+    return _in_space(adjoint @ full.mass @ better, adjoint @ loads)
+
+
+def _shifted_iteration(
+    full: LinearSystem, loads: FloatArray, shapes: FloatArray
+) -> NDArray[np.complex128]:
+    """The same about minus the lowest square: of rigid modes the stiffness has no inverse."""
+    square = np.einsum("bi,bij,bj->b", *[shapes[..., 0], full.stiffness, shapes[..., 0]])
+    square /= np.einsum("bi,bi->b", shapes[..., 0], loads[..., 0])
+    better = np.linalg.solve(full.stiffness + square[:, None, None] * full.mass, loads)
+    adjoint = np.swapaxes(better, 1, 2)
+    return _in_space(adjoint @ full.mass @ better, adjoint @ full.stiffness @ better)
+
+
+def _in_space(inertia: FloatArray, stiffness: FloatArray) -> NDArray[np.complex128]:
+    """Eigenvalues in a space, in which mass and stiffness are given."""
     lower = np.linalg.inv(np.linalg.cholesky(inertia))
     values = np.linalg.eigvalsh(lower @ stiffness @ np.swapaxes(lower, 1, 2))
     return np.asarray(1j * np.sqrt(values))

@@ -14,6 +14,7 @@ from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_reason, theory_warnings
 from flexmech.analyses.frequencies import words
 from flexmech.analyses.frequencies.extremes import known_error
+from flexmech.analyses.frequencies.shaft_mode import shaft_lines, shaft_table
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.analyses.tables import DEGREES, table_over
@@ -32,6 +33,7 @@ FILES = (
     "frequencies.nc",
     "vibration_effect.csv",
     "damping.csv",
+    "shaft.csv",
     "frequencies.png",
     "speed_effect.png",
     "vibration_effect.png",
@@ -217,7 +219,8 @@ class MovingFrequencies(Result):
         -------
         dict of str to pandas.DataFrame
             ``frequencies``; ``vibration_effect`` with running and quasi-static frequencies,
-            ``damping`` with the damping ratio by modal strain energy. With states these are
+            ``damping`` with the damping ratio by modal strain energy, ``shaft`` with the mode of
+            a free shaft. With states these are
             in the environment, those in ``dry/`` of the dry mechanism, and
             ``hygrothermal_effect`` has both frequencies side by side.
         """
@@ -246,6 +249,8 @@ class MovingFrequencies(Result):
             )
         if "strain_energy_damping" in data:
             tables["damping"] = _rows(damping_ratio=data["strain_energy_damping"])
+        if "shaft_frequency" in data:
+            tables["shaft"] = shaft_table(data)
         return tables
 
     def datasets(self) -> dict[str, xr.Dataset]:
@@ -329,6 +334,7 @@ class MovingFrequencies(Result):
             *words.vibration_lines(last.vibration_effect(), data),
             *words.damping_ratio_lines(data),
             *words.damping_lines(data),
+            *shaft_lines(data),
             *str(self.dataset.attrs.get("environment_lines", "")).splitlines(),
             *words.change_lines(change),
         ]

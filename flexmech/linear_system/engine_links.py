@@ -1,0 +1,232 @@
+"""Links of an engine, at their stress and with their shaft held or free."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import ClassVar
+
+from flexmech.choices import Prestress
+from flexmech.errors import InputError
+from flexmech.linear_system.element_kinds import ElementKinds
+from flexmech.linear_system.free_shaft import FreeShaft
+from flexmech.linear_system.link_model import LinkModel, inertia_loads
+from flexmech.linear_system.link_stretch import LinkStretch
+from flexmech.linear_system.quasi_static import steady_loads
+from flexmech.linear_system.stressed_links import StressedLinks
+from flexmech.linkages import RigidMotion, Topology
+from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
+
+__all__ = ["EngineLinks"]
+
+
+class EngineLinks(ElementKinds):
+    """Links of an engine as its linear systems are made of them.
+
+    An engine gives the links whose clamped one is held by the shaft, in a frame that turns as
+    prescribed. A free shaft is released in them: it changes none of their states.
+
+    Attributes
+    ----------
+    name : str
+    mechanism : Mechanism
+    """
+
+    name: ClassVar[str]
+    mechanism: Mechanism
+    _free_shaft: FreeShaft | None
+
+    @cached_property
+    def topology(self) -> Topology:
+        """Links and connections of the linear system: a free shaft is a pivot."""
+        topology = self.mechanism.linkage.topology
+        return topology if self._free_shaft is None else self._free_shaft.topology(topology)
+
+    @cached_property
+    def links(self) -> tuple[LinkModel, ...]:
+        """Unreduced link models in the topology's order; the shaft is as it is asked for."""
+        held = self.held_links
+        return held if self._free_shaft is None else self._free_shaft.links(held)
+
+    @property
+    @abstractmethod
+    def held_links(self) -> tuple[LinkModel, ...]:
+        """Unreduced link models in the topology's order, the clamped one in its clamp."""
+
+    @property
+    def stretches(self) -> tuple[LinkStretch, ...] | None:
+        """Second-order stretch of each link; None where an engine does not tell.
+
+        None as well where links bend or stretch without load: it is that of straight links.
+        """
+        held, shaft = self.held_stretches, self._free_shaft
+        if held is None or shaft is None:
+            return held
+        return shaft.stretches(self.held_links, held)
+
+    @property
+    def held_stretches(self) -> tuple[LinkStretch, ...] | None:
+        """As :attr:`stretches`, of :attr:`held_links`."""
+        return None
+
+    def stressed_links(
+        self,
+        motion: RigidMotion,
+        prestress: Prestress,
+        near: Sequence[FloatArray] | None = None,
+    ) -> StressedLinks:
+        """Tangent stiffness of each link in its frame under the motion's inertia forces.
+
+        The equilibrium is that with the shaft held, whether it is free or not.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        prestress : {"none", "axial", "equilibrium"}
+        near : sequence of ndarray, shape (B, n_link), optional
+            Elastic displacement of each link near that at equilibrium, which an engine may take
+            as the start of its iteration; it starts from straight links by default.
+
+        Returns
+        -------
+        StressedLinks
+
+        Raises
+        ------
+        ComputationError
+            If the equilibrium does not converge or is unstable; names the crank angle.
+        """
+        held = self.stressed_held_links(motion, prestress, near)
+        shaft = self._free_shaft
+        if shaft is None:
+            return held
+        reaction = None
+        if shaft.has_lever and not self._is_straight(motion, prestress):
+            assert held.loads is not None
+            reaction = shaft.reaction(self.held_links, motion, held.loads)
+        return shaft.stressed(self.held_links, held, reaction)
+
+    @abstractmethod
+    def stressed_held_links(
+        self,
+        motion: RigidMotion,
+        prestress: Prestress,
+        near: Sequence[FloatArray] | None = None,
+    ) -> StressedLinks:
+        """As :meth:`stressed_links`, of :attr:`held_links`.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        prestress : {"none", "axial", "equilibrium"}
+        near : sequence of ndarray, shape (B, n_link), optional
+            Elastic displacement of each link near that at equilibrium, which an engine may take
+            as the start of its iteration; it starts from straight links by default.
+
+        Returns
+        -------
+        StressedLinks
+
+        Raises
+        ------
+        ComputationError
+            If the equilibrium does not converge or is unstable; names the crank angle.
+        """
+
+    @property
+    def prestress_at_rest(self) -> Prestress:
+        """Level that describes the linkage at rest: ``none``, unless links bend without load."""
+        return "equilibrium" if self.mechanism.is_free_strained else "none"
+
+    def _quasi_static_loads(
+        self, motion: RigidMotion, solve: Callable[[list[FloatArray]], list[FloatArray]]
+    ) -> list[FloatArray]:
+        """Loads (B, n_link) on the held links, which ``solve`` displaces under them."""
+        loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+        if not self.turns_freely_as_one_body:
+            return loads
+        return steady_loads(self.held_links, motion, loads, solve)
+
+    def _is_straight(self, motion: RigidMotion, prestress: Prestress) -> bool:
+        """Whether the links are taken as straight and without stress."""
+        if self.mechanism.is_free_strained:
+            if prestress != "equilibrium":
+                raise InputError(
+                    f"prestress {prestress!r} is of straight links, but moisture or heat bends or "
+                    "stretches some of these; use prestress 'equilibrium'"
+                )
+            return False
+        unloaded = not motion.crank_speed.any() and not any(self.mechanism.gravity)
+        return prestress == "none" or unloaded
+
+    def running_links(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> StressedLinks:
+        """Tangent stiffness, internal forces and damping in states of the running linkage.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link)
+            Elastic displacement of each link in its frame.
+
+        Returns
+        -------
+        StressedLinks
+
+        Raises
+        ------
+        InputError
+            If the engine does not linearize about given states.
+        """
+        shaft = self._free_shaft
+        if shaft is None:
+            return self.running_held_links(motion, displacement)
+        clamped = shaft.displacements(self.held_links, list(displacement))
+        held = self.running_held_links(motion, clamped)
+        return replace(shaft.stressed(self.held_links, held), displacement=list(displacement))
+
+    def running_held_links(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> StressedLinks:
+        """As :meth:`running_links`, of :attr:`held_links`.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link)
+            Elastic displacement of each link in its frame.
+
+        Returns
+        -------
+        StressedLinks
+
+        Raises
+        ------
+        InputError
+            If the engine does not linearize about given states.
+        """
+        raise InputError(
+            f"the {self.name} engine does not linearize about states of the running linkage"
+        )
+
+    @property
+    def turns_freely_as_one_body(self) -> bool:
+        """Whether the shaft is free and nothing moves against what it turns.
+
+        The body is not reduced: component modes of a straight link do not show how one that is
+        stretched turns as a whole, and a turn would meet a force.
+        """
+        return self._free_shaft is not None and self._free_shaft.turns_one_body(self.topology)
+
+    @property
+    def rigid_modes(self) -> int:
+        """Natural modes at rest without deformation: that of a shaft that turns freely."""
+        return 0 if self._free_shaft is None else 1
