@@ -121,9 +121,7 @@ class FreeShaft:
             stiffness=basis.T @ link.stiffness @ basis,
             damping=basis.T @ link.damping @ basis,
             readings=link.readings.projected(basis) if self.has_lever else link.readings,
-            fields=RigidFields(
-                *(back @ getattr(link.fields, one.name) for one in fields(RigidFields))
-            ),
+            fields=RigidFields(*own),
             shaft=np.array([turned]),
         )
         rotation = np.array([turned])
