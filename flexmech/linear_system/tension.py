@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexmech.linkages import RigidMotion, inverse_dynamics
+from flexmech.linkages import RigidMotion
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
@@ -35,9 +35,7 @@ def element_tensions(
     list of ndarray, shape (B, e, 3)
         Legendre coefficients along each element: mean, linear, quadratic.
     """
-    forces = inverse_dynamics(
-        mechanism.linkage.topology, motion, mechanism.link_masses_in_order, mechanism.gravity
-    )
+    forces = mechanism.inverse_dynamics(motion)
     tensions = []
     for link, places in enumerate(nodes):
         length = np.diff(places)

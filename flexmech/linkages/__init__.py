@@ -1,5 +1,6 @@
 """Rigid linkages: topology, kinematics and inverse dynamics. No elasticity here."""
 
+from flexmech.linkages.applied_forces import ForceOnLink
 from flexmech.linkages.attachments import GROUND, JointSpring, LinkPoint, Load, Spring
 from flexmech.linkages.coupler_curve import CouplerCurve, CouplerPoint
 from flexmech.linkages.coupler_sextic import coupler_sextic
@@ -7,7 +8,8 @@ from flexmech.linkages.cusp_transitions import CuspTransition, cusp_transitions
 from flexmech.linkages.double_points import DoublePoint, double_points
 from flexmech.linkages.drive import CrankDrive, LockedCrank
 from flexmech.linkages.fourbar import Branch, FourBar, GrashofClass
-from flexmech.linkages.inverse_dynamics import InverseDynamics, LinkMass, inverse_dynamics
+from flexmech.linkages.inverse_dynamics import InverseDynamics, inverse_dynamics
+from flexmech.linkages.link_mass import LinkBody, LinkMass
 from flexmech.linkages.linkage import Linkage
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.positions import linkage_positions, shown_crank_angle, standing
@@ -21,6 +23,7 @@ from flexmech.linkages.synthesis import (
     transmission_design,
 )
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Slider, Topology, Weld
+from flexmech.linkages.winding import continuous_angles
 
 __all__ = [
     "GROUND",
@@ -32,11 +35,13 @@ __all__ = [
     "CrankRockerProportions",
     "CuspTransition",
     "DoublePoint",
+    "ForceOnLink",
     "FourBar",
     "GrashofClass",
     "InverseDynamics",
     "JointSpring",
     "Link",
+    "LinkBody",
     "LinkEnd",
     "LinkMass",
     "LinkPoint",
@@ -52,6 +57,7 @@ __all__ = [
     "Topology",
     "TransmissionDesign",
     "Weld",
+    "continuous_angles",
     "coupler_sextic",
     "cusp_transitions",
     "double_points",

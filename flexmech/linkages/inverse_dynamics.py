@@ -6,112 +6,37 @@ masses). All results are batched over the positions of a :class:`RigidMotion`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from flexmech.errors import InputError
+from flexmech.linkages.applied_forces import (
+    ForceOnLink,
+    forces_of_joint_springs,
+    forces_of_loads,
+    forces_of_springs,
+)
+from flexmech.linkages.attachments import JointSpring, Load, Spring
+from flexmech.linkages.connection_forces import (
+    connections,
+    guide_place,
+    line_normal,
+    solve_connections,
+)
+from flexmech.linkages.internal_forces import LinkForces
+from flexmech.linkages.link_mass import LinkMass
 from flexmech.linkages.motion import RigidMotion, direction, normal
-from flexmech.linkages.topology import LinkEnd, Topology
+from flexmech.linkages.topology import Topology
 from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray
 
-__all__ = ["InverseDynamics", "LinkMass", "inverse_dynamics"]
-
-# Of point masses, in lengths of their link.
-LEAST_DISTANCE = 1 / 500
+__all__ = ["InverseDynamics", "inverse_dynamics"]
 
 
 @dataclass(frozen=True)
-class LinkMass:
-    """Mass of one link: point masses on the line between its ends, and distributed mass.
-
-    Parameters
-    ----------
-    length : float
-        In m.
-    mass_per_length : float
-        Distributed mass in kg/m.
-    point_positions, point_masses : tuple of float
-        Point masses in kg and their distances from the link's start in m.
-    offset : float
-        Distance of the distributed mass from the line between the ends in m.
-    """
-
-    length: float
-    mass_per_length: float
-    point_positions: tuple[float, ...] = ()
-    point_masses: tuple[float, ...] = ()
-    offset: float = 0.0
-
-    @classmethod
-    def of_points(
-        cls,
-        length: float,
-        mass_per_length: float,
-        points: Sequence[tuple[float, float]],
-        offset: float = 0.0,
-    ) -> LinkMass:
-        """Mass of a link with points far enough apart for a beam element between them.
-
-        Points nearer to each other than 1/500 of the link's length become one at their centre of
-        mass, and one nearer to an end is shared between the end and that distance as a lever
-        would. Mass and first moment stay; the polar second moment changes by less than 1e-6 of
-        the points' mass times the length squared. A shorter element would be more than 1e8 times
-        as stiff as the link, and round-off of its stiffness would blur the lowest frequencies.
-
-        Parameters
-        ----------
-        length, mass_per_length, offset : float
-            As in :class:`LinkMass`.
-        points : sequence of (float, float)
-            Distance from the link's start in m and mass in kg, in any order.
-        """
-        least = LEAST_DISTANCE * length
-        apart: list[tuple[float, float]] = []
-        for position, mass in sorted(_away_from_ends(points, length, least)):
-            where, total = position, mass
-            inside = apart and apart[-1][0] > 0 and position < length
-            if inside and position - apart[-1][0] < least:
-                before, other = apart.pop()
-                total = other + mass
-                where = (before * other + position * mass) / total
-            apart.append((where, total))
-        positions, masses = zip(*apart, strict=True) if apart else ((), ())
-        return cls(length, mass_per_length, positions, masses, offset)
-
-    @property
-    def moment_across(self) -> float:
-        """Integral of the distance from the line between the ends over the mass in kg m."""
-        return self.mass_per_length * self.length * self.offset
-
-    def moment(self, order: int) -> float:
-        """Integral of ``x**order`` over the mass: mass, first or polar second moment."""
-        distributed = self.mass_per_length * self.length ** (order + 1) / (order + 1)
-        if order == 2:
-            distributed += self.moment_across * self.offset
-        points = zip(self.point_positions, self.point_masses, strict=True)
-        return distributed + sum(mass * x**order for x, mass in points)
-
-
-def _away_from_ends(
-    points: Sequence[tuple[float, float]], length: float, least: float
-) -> Iterator[tuple[float, float]]:
-    """Points, of which those near an end act at the end and at the least distance from it."""
-    for position, mass in points:
-        for end, inner in ((0.0, least), (length, length - least)):
-            share = (position - end) / (inner - end)
-            if 0 < share < 1:
-                yield end, mass * (1 - share)
-                yield inner, mass * share
-                break
-        else:
-            yield position, mass
-
-
-@dataclass(frozen=True)
-class InverseDynamics:
+class InverseDynamics(LinkForces):
     """Forces in the rigid linkage that its motion asks for.
 
     Parameters
@@ -120,65 +45,42 @@ class InverseDynamics:
     masses : tuple of LinkMass
     gravity : tuple of float
         Gravitational acceleration in ground axes, m/s^2.
+    start_force : ndarray, shape (..., n_links, 2)
+        Sum of joint forces on the start of each link, ground axes, N.
+    start_moment : ndarray, shape (..., n_links)
+        Sum of joint couples on the start of each link, N m.
+    applied : tuple of ForceOnLink
+        Loads and forces of springs.
+    on_guides : tuple of ForceOnLink
+        What sliders press on the links that guide them.
     inertia_force : ndarray, shape (..., n_links, 2)
         Resultant of inertia and weight on each link, ground axes, N.
     inertia_moment : ndarray, shape (..., n_links)
         Its moment about the link's start, N m.
     joint_force : dict of str to ndarray, shape (..., 2)
-        Force on the held or following link at each joint, ground axes, N.
+        Force on the held or following link at each joint, ground axes, N. A slider's is
+        across its line.
+    joint_moment : dict of str to ndarray, shape (...)
+        Couple on the held or following link at each joint, N m: of clamps and welds, zero at
+        the others. A torsional spring in a joint is not part of it.
     driving_torque : ndarray, shape (...)
-        Torque of the shaft on the clamped link about the shaft's axis, N m.
-    start_force : ndarray, shape (..., n_links, 2)
-        Sum of joint forces on the start of each link, ground axes, N.
+        Torque of the shaft on the clamped link about the shaft's axis, N m. The inertia of
+        the shaft itself is not in it.
     """
 
-    motion: RigidMotion
-    masses: tuple[LinkMass, ...]
-    gravity: tuple[float, float]
     inertia_force: FloatArray
     inertia_moment: FloatArray
     joint_force: dict[str, FloatArray]
+    joint_moment: dict[str, FloatArray]
     driving_torque: FloatArray
-    start_force: FloatArray
 
     def __repr__(self) -> str:
         return short_repr(self, *shapes(self))
 
-    def axial_force(self, link: int, x: float | FloatArray) -> FloatArray:
-        """Tension along a link in N.
-
-        Parameters
-        ----------
-        link : int
-        x : float or ndarray, shape (k,)
-            Distances from the link's start in m. A point mass exactly there counts to the far
-            side of the cut.
-
-        Returns
-        -------
-        ndarray, shape (...) or (..., k)
-        """
-        mass, place = self.masses[link], np.asarray(x, dtype=float)
-        angle = self.motion.angle[..., link]
-        along = direction(angle)
-        pull = self.motion.origin_acceleration[..., link, :] - np.asarray(self.gravity)
-        start = np.sum(pull * along, axis=-1)
-        turning = self.motion.angular_velocity[..., link] ** 2
-        at_start = np.sum(self.start_force[..., link, :] * along, axis=-1)
-        change = self.motion.angular_acceleration[..., link]
-        mass_before = mass.mass_per_length * place
-        first_before = mass_before * place / 2
-        beside = mass_before * mass.offset
-        for position, point in zip(mass.point_positions, mass.point_masses, strict=True):
-            passed = point * (position < place)
-            mass_before, first_before = mass_before + passed, first_before + passed * position
-        tension: FloatArray = (
-            np.multiply.outer(start, mass_before)
-            - np.multiply.outer(turning, first_before)
-            - np.multiply.outer(change, beside)
-            - at_start[(..., *[None] * place.ndim)]
-        )
-        return tension
+    @property
+    def driving_power(self) -> FloatArray:
+        """Power of the driving torque in W; shape (...)."""
+        return np.asarray(self.driving_torque * self.motion.crank_speed)
 
 
 def inverse_dynamics(
@@ -186,6 +88,12 @@ def inverse_dynamics(
     motion: RigidMotion,
     masses: Sequence[LinkMass],
     gravity: tuple[float, float] = (0.0, 0.0),
+    *,
+    loads: Sequence[Load] = (),
+    springs: Sequence[Spring] = (),
+    joint_springs: Sequence[JointSpring] = (),
+    time: ArrayLike = 0.0,
+    continuous_angles: FloatArray | None = None,
 ) -> InverseDynamics:
     """Solve the rigid linkage's equations of motion for its joint forces.
 
@@ -199,6 +107,14 @@ def inverse_dynamics(
         One a link, in order.
     gravity : tuple of float
         Gravitational acceleration in ground axes, m/s^2.
+    loads : sequence of Load
+    springs : sequence of Spring
+    joint_springs : sequence of JointSpring
+    time : array_like, shape (...)
+        Of each position in s, for loads over time.
+    continuous_angles : ndarray, shape (..., n_links), optional
+        Angles of the links counted on as the linkage turns, for springs in joints; those of
+        ``motion`` if left out. :func:`continuous_angles` gives them.
 
     Returns
     -------
@@ -207,62 +123,25 @@ def inverse_dynamics(
     Raises
     ------
     InputError
-        If the connections do not determine the forces.
+        If the connections do not determine the forces, or a spring has no direction.
     """
     force, moment = _inertia_loads(motion, masses, gravity)
-    columns = _connection_columns(topology)
-    n_links = len(topology.links)
-    if len(columns) != 3 * n_links:
-        raise InputError(
-            f"{len(columns)} connection forces for {3 * n_links} equations of motion: the "
-            "linkage is not held exactly once; check clamps, pivots and pins"
-        )
-    batch = motion.angle.shape[:-1]
-    matrix = np.zeros((*batch, 3 * n_links, 3 * n_links))
-    for number, column in enumerate(columns):
-        for place, sign, component in column.acts:
-            _add_unit_load(matrix[..., number], topology, motion, place, sign, component)
-    rows = np.concatenate([force, moment[..., None]], axis=-1).reshape(*batch, 3 * n_links)
-    unknown = -np.linalg.solve(matrix, rows[..., None])[..., 0]
-    return _collect(topology, motion, tuple(masses), gravity, force, moment, columns, unknown)
+    angles = motion.angle if continuous_angles is None else continuous_angles
+    applied = (
+        *forces_of_loads(topology, motion, loads, time),
+        *forces_of_springs(topology, motion, springs),
+        *forces_of_joint_springs(topology, motion, joint_springs, angles),
+    )
+    rows = np.concatenate([force, moment[..., None]], axis=-1)
+    _add_forces(rows, motion, applied)
+    unknown = solve_connections(topology, motion, rows.reshape(*rows.shape[:-2], -1))
+    return _collect(topology, motion, tuple(masses), gravity, force, moment, applied, unknown)
 
 
-@dataclass(frozen=True)
-class _Column:
-    """One unknown: component 0, 1 (force in ground axes) or 2 (torque) at a joint."""
-
-    joint: str
-    component: int
-    acts: tuple[tuple[LinkEnd, float, int], ...]
-
-
-def _connection_columns(topology: Topology) -> list[_Column]:
-    columns = []
-    for clamp in topology.clamps:
-        columns += [_Column(clamp.joint, i, ((clamp.held, 1.0, i),)) for i in (0, 1, 2)]
-    for pivot in topology.pivots:
-        columns += [_Column(pivot.joint, i, ((pivot.held, 1.0, i),)) for i in (0, 1)]
-    for pin in topology.pins:
-        acts = [((pin.follower, 1.0, i), (pin.leader, -1.0, i)) for i in (0, 1)]
-        columns += [_Column(pin.joint, i, acts[i]) for i in (0, 1)]
-    return columns
-
-
-def _add_unit_load(
-    column: FloatArray,
-    topology: Topology,
-    motion: RigidMotion,
-    place: LinkEnd,
-    sign: float,
-    component: int,
-) -> None:
-    """Add a unit force or torque at a link end to a column of the equations of motion."""
-    link = topology.index(place.link)
-    column[..., 3 * link + component] += sign
-    if component < 2 and place.end == "end":
-        arm = topology.links[link].length * direction(motion.angle[..., link])
-        lever = -arm[..., 1] if component == 0 else arm[..., 0]
-        column[..., 3 * link + 2] += sign * lever
+def _add_forces(rows: FloatArray, motion: RigidMotion, forces: Iterable[ForceOnLink]) -> None:
+    for one in forces:
+        rows[..., one.link, :2] += one.force
+        rows[..., one.link, 2] += one.moment(motion)
 
 
 def _inertia_loads(
@@ -289,27 +168,39 @@ def _collect(
     gravity: tuple[float, float],
     force: FloatArray,
     moment: FloatArray,
-    columns: list[_Column],
+    applied: tuple[ForceOnLink, ...],
     unknown: FloatArray,
 ) -> InverseDynamics:
     batch = unknown.shape[:-1]
     joint_force = {name: np.zeros((*batch, 2)) for name in topology.joint_names}
+    joint_moment = {name: np.zeros(batch) for name in topology.joint_names}
     start_force = np.zeros((*batch, len(topology.links), 2))
-    torque = np.zeros(batch)
-    for number, column in enumerate(columns):
+    start_moment = np.zeros((*batch, len(topology.links)))
+    on_guides = []
+    for number, one in enumerate(connections(topology)):
         value = unknown[..., number]
-        if column.component < 2:
-            joint_force[column.joint][..., column.component] = value
-            for place, sign, component in column.acts:
-                if place.end == "start":
-                    start_force[..., topology.index(place.link), component] += sign * value
+        vector = None
+        if one.slider is not None:
+            vector = value[..., None] * line_normal(topology, motion, one.slider)
+            joint_force[one.joint] += vector
+            if one.slider.guide:
+                x, y = guide_place(topology, motion, one.slider)
+                guide = topology.index(one.slider.guide)
+                on_guides.append(ForceOnLink(guide, x, -vector, np.zeros(batch), y))
+        elif one.component == 2:
+            joint_moment[one.joint] += value
         else:
-            # The clamp's couple acts at the link's start; about the shaft's axis the clamp
-            # force has a lever too when the link sits on a hub.
-            link = topology.index(column.acts[0][0].link)
-            lever = motion.origin[..., link, :]
-            clamp = joint_force[column.joint]
-            torque = value + lever[..., 0] * clamp[..., 1] - lever[..., 1] * clamp[..., 0]
+            joint_force[one.joint][..., one.component] += value
+        for place, sign in ((one.place, 1.0), (one.other, -1.0)):
+            if place is None or place.end != "start":
+                continue
+            link = topology.index(place.link)
+            if vector is not None:
+                start_force[..., link, :] += sign * vector
+            elif one.component == 2:
+                start_moment[..., link] += sign * value
+            else:
+                start_force[..., link, one.component] += sign * value
     return InverseDynamics(
         motion=motion,
         masses=masses,
@@ -317,6 +208,27 @@ def _collect(
         inertia_force=force,
         inertia_moment=moment,
         joint_force=joint_force,
-        driving_torque=torque,
+        driving_torque=_driving_torque(topology, motion, joint_force, joint_moment),
         start_force=start_force,
+        joint_moment=joint_moment,
+        start_moment=start_moment,
+        applied=applied,
+        on_guides=tuple(on_guides),
     )
+
+
+def _driving_torque(
+    topology: Topology,
+    motion: RigidMotion,
+    joint_force: dict[str, FloatArray],
+    joint_moment: dict[str, FloatArray],
+) -> FloatArray:
+    """Of all clamps about the shaft's axis: a clamp on a hub has a lever besides its couple."""
+    torque = np.zeros(motion.crank_angle.shape)
+    for clamp in topology.clamps:
+        torque = torque + joint_moment[clamp.joint]
+        if clamp.hub:
+            arm = clamp.hub * direction(motion.angle[..., topology.index(clamp.held.link)])
+            force = joint_force[clamp.joint]
+            torque = torque + arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0]
+    return torque

@@ -54,7 +54,7 @@ class RotatingArm:
         """One link, clamped at its start (joint ``O2``)."""
         return Topology(
             links=(Link("arm", self.length),),
-            clamps=(Clamp("O2", LinkEnd("arm", "start")),),
+            clamps=(Clamp("O2", LinkEnd("arm", "start"), self.hub_radius),),
         )
 
     def motion(

@@ -42,10 +42,19 @@ class LinkEnd:
 
 @dataclass(frozen=True)
 class Clamp:
-    """A link end welded to the driven shaft: neither moves nor turns in the link frame."""
+    """A link end welded to the driven shaft: neither moves nor turns in the link frame.
+
+    Parameters
+    ----------
+    joint : str
+    held : LinkEnd
+    hub : float
+        Distance in m by which the end lies beyond the shaft's axis, along the link's frame.
+    """
 
     joint: str
     held: LinkEnd
+    hub: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -7,20 +7,32 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape
 
+from numpy.typing import ArrayLike
+
 from flexmech.errors import InputError
 from flexmech.linkages import (
     CouplerPoint,
+    InverseDynamics,
     JointSpring,
     Linkage,
+    LinkBody,
     LinkMass,
-    LinkPoint,
     Load,
+    RigidMotion,
     Spring,
     Topology,
+    continuous_angles,
+    inverse_dynamics,
     linkage_positions,
     shown_crank_angle,
 )
 from flexmech.materials import REFERENCE_TEMPERATURE
+from flexmech.mechanism.checks import (
+    check_bodies,
+    check_loads,
+    check_point_masses,
+    check_springs,
+)
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
 from flexmech.mechanism.tables import (
     environment_table,
@@ -51,7 +63,8 @@ class Mechanism:
     ----------
     linkage : Linkage
     sections : mapping of str to BeamSection
-        One for each link of the topology.
+        One for each link of the topology; a rigid link may do without, and has the mass of
+        its ``bodies`` then.
     joint_masses : mapping of str to float
         Point masses in kg at joints, by joint name.
     link_masses : tuple of PointMass
@@ -122,9 +135,10 @@ class Mechanism:
                     f"joint_masses: unknown joint {joint!r}; joints are {topology.joint_names}"
                 )
             check_number(mass, f"joint_masses: {joint}", "kg", NOT_NEGATIVE)
-        for point in self.link_masses:
-            self._check_point(point)
-        self._check_attachments()
+        check_point_masses(topology, self.link_masses)
+        check_bodies(topology, self.bodies)
+        check_loads(topology, self.loads)
+        check_springs(topology, self.springs, self.joint_springs)
         check_number(self.shaft_inertia, "shaft_inertia", "kg m^2", NOT_NEGATIVE)
         check_pair(self.gravity, "gravity", "m/s^2")
         for speed in self.operating_speeds:
@@ -148,71 +162,18 @@ class Mechanism:
                 f"linkage must be a linkage such as FourBar or RotatingArm, got {self.linkage!r}"
             )
         check_instance(self.sections, Mapping, "sections", "give a section for each link by name")
-        if set(self.sections) != set(topology.link_names):
+        elastic = {link.name for link in topology.links if not link.rigid}
+        if not elastic <= set(self.sections) <= set(topology.link_names):
             raise InputError(
                 f"sections are given for {sorted(self.sections)}, the links are "
                 f"{sorted(topology.link_names)}; give one section for each link"
+                + ("" if len(elastic) == len(topology.links) else " that is not rigid")
             )
         for name, section in self.sections.items():
             remedy = "make one, as with BeamSection.rectangle"
             check_instance(section, BeamSection, f"section of the {name}", remedy)
         check_instance(self.provenance, Provenance, "provenance", "give Provenance(name, source)")
         return topology
-
-    def _check_point(self, point: PointMass) -> None:
-        topology = self.linkage.topology
-        check_instance(point, PointMass, "each of link_masses", "give PointMass(link, m, kg)")
-        if point.link not in topology.link_names:
-            raise InputError(
-                f"link_masses: unknown link {point.link!r}; links are {topology.link_names}"
-            )
-        length = topology.links[topology.index(point.link)].length
-        check_number(point.position, f"link_masses: position on the {point.link}", "m")
-        if not 0 <= point.position <= length:
-            raise InputError(
-                f"link_masses: position {point.position:g} m is not on the {point.link} "
-                f"(0 to {length:g} m)"
-            )
-        check_number(point.mass, f"link_masses: mass on the {point.link}", "kg", NOT_NEGATIVE)
-
-    def _check_attachments(self) -> None:
-        for body in self.bodies:
-            check_instance(body, AttachedBody, "each of bodies", "give AttachedBody(link, m, kg)")
-            self._check_on_link(f"body on the {body.link}", LinkPoint(body.link, body.position))
-        for load in self.loads:
-            check_instance(load, Load, "each of loads", "give Load(name, point, force)")
-            self._check_on_link(f"load {load.name}", load.point)
-        for spring in self.springs:
-            check_instance(spring, Spring, "each of springs", "give Spring(name, first, second)")
-            for point in (spring.first, spring.second):
-                self._check_on_link(f"spring {spring.name}", point)
-        sprung = {joint for joint, kind in self._joint_kinds.items() if kind in ("pin", "pivot")}
-        for own in self.joint_springs:
-            check_instance(own, JointSpring, "each of joint_springs", "give JointSpring(joint)")
-            if own.joint not in sprung:
-                raise InputError(
-                    f"joint_springs: {own.joint!r} is no pin or pivot; these are {sorted(sprung)}"
-                )
-
-    def _check_on_link(self, what: str, point: LinkPoint) -> None:
-        """Refuse a point that is not on a link of the linkage or on the ground."""
-        if point.is_ground:
-            return
-        topology = self.linkage.topology
-        if point.link not in topology.link_names:
-            raise InputError(
-                f"{what}: unknown link {point.link!r}; links are {topology.link_names}"
-            )
-        length = topology.links[topology.index(point.link)].length
-        if not 0 <= point.x <= length:
-            raise InputError(
-                f"{what}: position {point.x:g} m is not on the {point.link} (0 to {length:g} m)"
-            )
-
-    @property
-    def _joint_kinds(self) -> dict[str, str]:
-        topology = self.linkage.topology
-        return dict(zip(topology.joint_names, topology.joint_kinds, strict=True))
 
     def _unite_spellings(self) -> None:
         """Keep what can be said in several ways in one, so that equal mechanisms compare so."""
@@ -247,9 +208,13 @@ class Mechanism:
         headings = ("link", "length (mm)", "mass (g)", "EA (N)", "EI (N m²)", "thickness (mm)")
         rows: list[tuple[str, ...]] = [headings]
         for link in self.linkage.topology.links:
-            section = self.sections[link.name]
+            length, section = link.length * 1e3, self.sections.get(link.name)
+            if section is None:
+                mass = self.link_mass(link.name).moment(0)
+                rows.append((link.name, f"{length:.5g}", f"{1e3 * mass:.5g}", "rigid", "rigid", ""))
+                continue
             numbers = (
-                link.length * 1e3,
+                length,
                 section.mass_per_length * link.length * 1e3,
                 section.axial_stiffness,
                 section.bending_stiffness,
@@ -261,7 +226,7 @@ class Mechanism:
         return f"<p>{escape(repr(self))}</p>{figure_html(figure)}<table>{table}</table>"
 
     def link_mass(self, link: str) -> LinkMass:
-        """Mass of one link with its point masses and those of the joints that it leads."""
+        """Mass of one link with its point masses, bodies and the joints that it leads or slides."""
         topology = self.linkage.topology
         length = topology.links[topology.index(link)].length
         points = [(p.position, p.mass) for p in self.link_masses if p.link == link and p.mass > 0]
@@ -269,8 +234,46 @@ class Mechanism:
             place = topology.joints[joint]
             if place.link == link and mass > 0:
                 points.append((0.0 if place.end == "start" else length, mass))
-        section = self.sections[link]
-        return LinkMass.of_points(length, section.mass_per_length, points, section.mass_axis)
+        bodies = [
+            LinkBody(body.position, body.mass, body.inertia, body.offset)
+            for body in self.bodies
+            if body.link == link
+        ]
+        section = self.sections.get(link)
+        line, axis = (section.mass_per_length, section.mass_axis) if section else (0.0, 0.0)
+        return LinkMass.of_points(length, line, points, axis, bodies)
+
+    def inverse_dynamics(self, motion: RigidMotion, time: ArrayLike = 0.0) -> InverseDynamics:
+        """Forces in the rigid linkage under everything that acts on it.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Of the linkage.
+        time : array_like, shape (...)
+            Of each position in s, for loads over time.
+
+        Returns
+        -------
+        InverseDynamics
+
+        Raises
+        ------
+        InputError
+            If the connections do not determine the forces, or a spring has no direction.
+        """
+        turning = any(spring.torsional_stiffness for spring in self.joint_springs)
+        return inverse_dynamics(
+            self.linkage.topology,
+            motion,
+            self.link_masses_in_order,
+            self.gravity,
+            loads=self.loads,
+            springs=self.springs,
+            joint_springs=self.joint_springs,
+            time=time,
+            continuous_angles=continuous_angles(self.linkage, motion) if turning else None,
+        )
 
     def wetting_of(self, link: str) -> Wetting:
         """Where water enters a link."""

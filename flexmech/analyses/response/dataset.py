@@ -22,7 +22,7 @@ from flexmech.analyses.response.spectra import (
 )
 from flexmech.analyses.stations import rigid_positions
 from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive, RigidMotion, inverse_dynamics
+from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.types import FloatArray
 
 __all__ = ["add_mesh_errors", "build_dataset"]
@@ -184,7 +184,7 @@ def _rigid_values(engine: Engine, motion: RigidMotion) -> xr.Dataset:
     """Torque, forces and positions if the links were rigid."""
     mechanism = engine.mechanism
     topology = mechanism.linkage.topology
-    forces = inverse_dynamics(topology, motion, mechanism.link_masses_in_order, mechanism.gravity)
+    forces = mechanism.inverse_dynamics(motion)
     joint_force = np.stack([forces.joint_force[name] for name in topology.joint_names], axis=1)
     positions = rigid_positions(engine, motion)
     return xr.Dataset(

@@ -1,0 +1,251 @@
+"""Unknown forces of clamps, pivots, pins, welds and sliders in the links' equations of motion."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from flexmech.errors import InputError
+from flexmech.linkages.motion import RigidMotion, direction, normal
+from flexmech.linkages.topology import LinkEnd, Slider, Topology
+from flexmech.types import FloatArray
+
+__all__ = ["Connection", "connection_matrix", "connections", "guide_place", "solve_connections"]
+
+# Of singular values of the equations, with moments divided by the longest link, over the largest.
+RANK_TOLERANCE = 1e-9
+# Above this ratio of connection forces to what they hold, the equations may be singular.
+SUSPICIOUS_FORCE = 1e8
+
+
+@dataclass(frozen=True)
+class Connection:
+    """One unknown: a force along a ground axis, a couple, or a force across a slider's line.
+
+    Parameters
+    ----------
+    joint : str
+    component : {0, 1, 2, 3}
+        Force along ground x or y, couple, force along the left normal of a slider's line.
+    place : LinkEnd
+        The held or following end, on which it acts.
+    other : LinkEnd or None
+        The leading end, on which its opposite acts; None where that is the ground or a guide.
+    slider : Slider or None
+        Whose line carries the force.
+    """
+
+    joint: str
+    component: int
+    place: LinkEnd
+    other: LinkEnd | None = None
+    slider: Slider | None = None
+
+
+@lru_cache(maxsize=64)
+def connections(topology: Topology) -> tuple[Connection, ...]:
+    """Every unknown of a linkage: clamps and welds have 3, pivots and pins 2, sliders 1."""
+    found = []
+    for clamp in topology.clamps:
+        found += [Connection(clamp.joint, i, clamp.held) for i in (0, 1, 2)]
+    for pivot in topology.pivots:
+        found += [Connection(pivot.joint, i, pivot.held) for i in (0, 1)]
+    for pin in topology.pins:
+        found += [Connection(pin.joint, i, pin.follower, pin.leader) for i in (0, 1)]
+    for weld in topology.welds:
+        found += [Connection(weld.joint, i, weld.follower, weld.leader) for i in (0, 1, 2)]
+    for slider in topology.sliders:
+        found.append(Connection(slider.joint, 3, slider.held, slider=slider))
+    return tuple(found)
+
+
+def guide_place(
+    topology: Topology, motion: RigidMotion, slider: Slider
+) -> tuple[FloatArray, FloatArray]:
+    """Where a sliding point is in the frame of the link that guides it.
+
+    Parameters
+    ----------
+    topology : Topology
+    motion : RigidMotion
+    slider : Slider
+        With a guide.
+
+    Returns
+    -------
+    tuple of ndarray, shape (...)
+        Along and across the guide's frame in m.
+    """
+    link, guide = topology.index(slider.held.link), topology.index(slider.guide)
+    x = 0.0 if slider.held.end == "start" else topology.links[link].length
+    line = motion.position(link, x) - motion.origin[..., guide, :]
+    angle = motion.angle[..., guide]
+    along, across = direction(angle), normal(angle)
+    return np.sum(line * along, axis=-1), np.sum(line * across, axis=-1)
+
+
+def line_normal(topology: Topology, motion: RigidMotion, slider: Slider) -> FloatArray:
+    """Unit vector to the left of a slider's line in ground axes; shape (..., 2)."""
+    angle = np.full(motion.crank_angle.shape, slider.direction)
+    if slider.guide:
+        angle = angle + motion.angle[..., topology.index(slider.guide)]
+    return normal(angle)
+
+
+def connection_matrix(topology: Topology, motion: RigidMotion) -> FloatArray:
+    """Force and moment about its start that each unknown of unit size gives each link.
+
+    Parameters
+    ----------
+    topology : Topology
+    motion : RigidMotion
+
+    Returns
+    -------
+    ndarray, shape (..., 3 * n_links, n_unknowns)
+        Rows of a link: force along ground x and y, moment.
+    """
+    unknowns = connections(topology)
+    lengths = np.array([link.length for link in topology.links])
+    arms = lengths[:, None] * direction(motion.angle)
+    matrix = np.zeros((*motion.crank_angle.shape, 3 * len(lengths), len(unknowns)))
+    for number, unknown in enumerate(unknowns):
+        column = matrix[..., number]
+        if unknown.slider is not None:
+            _add_line_force(column, topology, motion, unknown.slider, arms)
+            continue
+        for place, sign in ((unknown.place, 1.0), (unknown.other, -1.0)):
+            if place is None:
+                continue
+            link = topology.index(place.link)
+            column[..., 3 * link + unknown.component] += sign
+            if unknown.component < 2 and place.end == "end":
+                arm = arms[..., link, :]
+                lever = -arm[..., 1] if unknown.component == 0 else arm[..., 0]
+                column[..., 3 * link + 2] += sign * lever
+    return matrix
+
+
+def _add_line_force(
+    column: FloatArray,
+    topology: Topology,
+    motion: RigidMotion,
+    slider: Slider,
+    arms: FloatArray,
+) -> None:
+    """A unit force across a slider's line: on the held end, and back on the guide."""
+    across = line_normal(topology, motion, slider)
+    link = topology.index(slider.held.link)
+    column[..., 3 * link : 3 * link + 2] += across
+    at_end = slider.held.end == "end"
+    if at_end:
+        column[..., 3 * link + 2] += _cross(arms[..., link, :], across)
+    if slider.guide:
+        guide = topology.index(slider.guide)
+        place = motion.origin[..., link, :] - motion.origin[..., guide, :]
+        place = place + arms[..., link, :] if at_end else place
+        column[..., 3 * guide : 3 * guide + 2] -= across
+        column[..., 3 * guide + 2] -= _cross(place, across)
+
+
+def _cross(arm: FloatArray, force: FloatArray) -> FloatArray:
+    return np.asarray(arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0])
+
+
+def solve_connections(topology: Topology, motion: RigidMotion, load: FloatArray) -> FloatArray:
+    """Connection forces that balance what acts on the links.
+
+    Parameters
+    ----------
+    topology : Topology
+    motion : RigidMotion
+    load : ndarray, shape (..., 3 * n_links)
+        Forces and moments about the links' starts, inertia among them.
+
+    Returns
+    -------
+    ndarray, shape (..., 3 * n_links)
+        In the order of :func:`connections`.
+
+    Raises
+    ------
+    InputError
+        If the connections hold the linkage more or less than once; names a joint.
+    """
+    matrix = connection_matrix(topology, motion)
+    if matrix.shape[-1] != matrix.shape[-2]:
+        raise InputError(_what_is_wrong(topology, motion, matrix))
+    try:
+        solved = np.asarray(-np.linalg.solve(matrix, load[..., None])[..., 0], dtype=float)
+    except np.linalg.LinAlgError:
+        raise InputError(_what_is_wrong(topology, motion, matrix)) from None
+    # Round-off makes a singular matrix regular; what it gives is then far too large.
+    shortest = min(link.length for link in topology.links)
+    held = np.abs(load).max(initial=0.0) * max(1.0, 1.0 / shortest)
+    if not np.abs(solved).max(initial=0.0) <= SUSPICIOUS_FORCE * held:
+        words = _what_is_wrong(topology, motion, matrix)
+        if words:
+            raise InputError(words)
+    return solved
+
+
+def _what_is_wrong(topology: Topology, motion: RigidMotion, matrix: FloatArray) -> str:
+    """Which joint holds too much or too little, in the first position where one does."""
+    equations, unknowns = matrix.shape[-2:]
+    longest = max(link.length for link in topology.links)
+    scaled = matrix.reshape(-1, equations, unknowns).copy()
+    scaled[:, 2::3] /= longest
+    couples = [number for number, c in enumerate(connections(topology)) if c.component == 2]
+    scaled[:, :, couples] *= longest
+    for angle, case in zip(motion.crank_angle.ravel(), scaled, strict=True):
+        left, values, _ = np.linalg.svd(case)
+        rank = int(np.sum(values > RANK_TOLERANCE * values[0])) if len(values) else 0
+        if rank == unknowns == equations:
+            continue
+        faults = []
+        if rank < unknowns:
+            joint = _first_dependent(topology, case)
+            faults.append(
+                f"joint {joint} holds what the other joints hold already; make it a pin, a "
+                "slider or a free end"
+            )
+        if rank < equations:
+            link = int(np.argmax(np.abs(left[:, rank:]).max(axis=-1).reshape(-1, 3).max(axis=-1)))
+            joints = ", ".join(_joints_of(topology, topology.links[link].name)) or "none"
+            faults.append(
+                f"the {topology.links[link].name} can move although the shaft is held; hold it "
+                f"at one of its joints (it has {joints})"
+            )
+        return (
+            f"{unknowns} connection forces for {equations} equations of motion: the linkage is "
+            f"not held exactly once at crank angle {np.degrees(angle):.6g} deg: "
+            + ", and ".join(faults)
+        )
+    return ""
+
+
+def _first_dependent(topology: Topology, matrix: FloatArray) -> str:
+    """Joint of the first unknown that those before it can take over."""
+    basis: list[FloatArray] = []
+    for unknown, column in zip(connections(topology), matrix.T, strict=True):
+        rest = column.copy()
+        for _ in range(2):
+            for unit in basis:
+                rest = rest - (unit @ rest) * unit
+        size = float(np.linalg.norm(rest))
+        if size <= RANK_TOLERANCE * float(np.linalg.norm(column)):
+            return unknown.joint
+        basis.append(rest / size)
+    return connections(topology)[-1].joint
+
+
+def _joints_of(topology: Topology, link: str) -> list[str]:
+    """Joints at which a link is held or tied, in order and each once."""
+    found = [c.joint for c in connections(topology) if c.place.link == link]
+    found += [
+        c.joint for c in connections(topology) if c.other is not None and c.other.link == link
+    ]
+    found += [slider.joint for slider in topology.sliders if slider.guide == link]
+    return list(dict.fromkeys(found))
