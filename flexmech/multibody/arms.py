@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -135,19 +136,30 @@ class Arms:
         return tangent
 
 
+class NodeMap(Protocol):
+    """From a link's coordinates to those of its nodes, less the reference ones."""
+
+    @property
+    def back(self) -> NodeMap: ...
+
+    def moved(self, axis: FloatArray, /) -> FloatArray: ...
+
+    def moved_rate(self, axis: FloatArray, rate: FloatArray, /) -> FloatArray: ...
+
+
 class LinkArms:
     """Arms of all links of a mechanism, over the coordinates of all links together.
 
     Parameters
     ----------
-    arms : sequence of Arms or None
-        None for a link whose nodes are on the pins' axis.
+    maps : sequence of NodeMap or None
+        None for a link whose coordinates are those of its nodes.
     coordinates : sequence of slice
         Where each link's coordinates are.
     """
 
-    def __init__(self, arms: Sequence[Arms | None], coordinates: Sequence[slice]) -> None:
-        self._links = [(a, own) for a, own in zip(arms, coordinates, strict=True) if a is not None]
+    def __init__(self, maps: Sequence[NodeMap | None], coordinates: Sequence[slice]) -> None:
+        self._links = [(m, own) for m, own in zip(maps, coordinates, strict=True) if m is not None]
 
     def to_nodes(self, axis: FloatArray) -> FloatArray:
         """Exudyn's coordinates, less the reference ones, of points on the pins' axis.
@@ -213,5 +225,5 @@ class LinkArms:
         return back.rate_to_nodes(nodes, rate)
 
     @classmethod
-    def _of(cls, links: Sequence[tuple[Arms, slice]]) -> LinkArms:
+    def _of(cls, links: Sequence[tuple[NodeMap, slice]]) -> LinkArms:
         return cls([arms for arms, _ in links], [own for _, own in links])

@@ -1,4 +1,4 @@
-"""Links of a mechanism in an Exudyn system, their pins and the markers that joints need.
+"""Links of a mechanism in an Exudyn system, and the markers that joints need.
 
 What stands still and what runs differ in their loads, their supports and their drive. Both
 hold one assembly, add these to it in their own order, and have the system assembled.
@@ -6,7 +6,7 @@ hold one assembly, add these to it in their own order, and have the system assem
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -17,37 +17,20 @@ from flexmech.mesh import node_positions
 from flexmech.multibody.arms import Arms, LinkArms
 from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.beams import BEAM_KINDS
-from flexmech.multibody.items import ItemNumber, SystemItems
+from flexmech.multibody.items import ItemNumber, Made, SystemItems
+from flexmech.multibody.link_parts import (
+    RIGID_SIZE,
+    BeamPart,
+    LinkPart,
+    RigidPart,
+    turn_vectors,
+)
 from flexmech.multibody.node_bodies import NodeBodies, point_masses_at
+from flexmech.multibody.polar_slopes import PolarSlopes
+from flexmech.multibody.user_functions import turned_frame
 from flexmech.types import FloatArray
 
-__all__ = ["LinkAssembly", "LinkPart"]
-
-
-@dataclass(frozen=True)
-class LinkPart:
-    """One link in the Exudyn system.
-
-    Parameters
-    ----------
-    positions : ndarray, shape (e + 1,)
-        Node positions along the link in m.
-    nodes, elements : list of ItemNumber
-    coordinates : slice
-        Where the link's coordinates are in the system's.
-    arms : Arms, optional
-        From the pins' axis to the nodes; None where the section is not eccentric and the
-        nodes are on it.
-    bodies : NodeBodies, optional
-        Bodies at the nodes, which carry all mass; its beams do where there are none.
-    """
-
-    positions: FloatArray
-    nodes: list[ItemNumber]
-    elements: list[ItemNumber]
-    coordinates: slice
-    arms: Arms | None = None
-    bodies: NodeBodies | None = None
+__all__ = ["LinkAssembly"]
 
 
 class LinkAssembly:
@@ -69,9 +52,8 @@ class LinkAssembly:
     items : SystemItems
     mbs : exudyn.MainSystem
         Its system.
-    sections : list of BeamSection
     parts : list of LinkPart
-        In the topology's order, as the sections.
+        In the topology's order.
     size : int
         Number of coordinates of all links.
     arms : LinkArms
@@ -82,7 +64,6 @@ class LinkAssembly:
     def __init__(self, mechanism: Mechanism, elements: int, kind: str) -> None:
         self.mechanism = mechanism
         self.topology = mechanism.linkage.topology
-        self.sections = [mechanism.sections[name] for name in self.topology.link_names]
         self.kind: BeamKind = BEAM_KINDS[kind]
         self.items = SystemItems()
         self.mbs = self.items.mbs
@@ -90,41 +71,88 @@ class LinkAssembly:
         self.parts = self._add_links(elements)
         self.size = self.parts[-1].coordinates.stop
         self.arms = LinkArms(
-            [part.arms for part in self.parts], [part.coordinates for part in self.parts]
+            [part.node_map for _, part in self.beams],
+            [part.coordinates for _, part in self.beams],
         )
+
+    @property
+    def beams(self) -> Iterator[tuple[int, BeamPart]]:
+        """Number and part of each elastic link."""
+        for number, part in enumerate(self.parts):
+            if isinstance(part, BeamPart):
+                yield number, part
 
     @property
     def nodal_force_scale(self) -> float:
         """Force between neighbouring nodes if one stood still and the other at the origin."""
         extent = sum(link.length for link in self.topology.links)
         scales = []
-        for section, part in zip(self.sections, self.parts, strict=True):
-            length = float(np.diff(part.positions).min())
+        for _, part in self.beams:
+            section, length = part.section, float(np.diff(part.positions).min())
             bending = 12 * section.bending_stiffness / length**2
             stiffness = max(section.axial_stiffness, section.shear_stiffness, bending) / length
             scales.append(stiffness * extent)
-        return max(scales)
+        return max(scales, default=0.0)
 
-    def point_masses(self, link: int) -> FloatArray:
+    def point_masses(self, part: BeamPart) -> FloatArray:
         """Point mass at each node of a link in kg, shape (e + 1,)."""
-        name, part = self.topology.link_names[link], self.parts[link]
-        return point_masses_at(self.mechanism, name, part.positions)
+        return point_masses_at(self.mechanism, part.name, part.positions)
 
     def part_of(self, place: LinkEnd) -> LinkPart:
         """The link that an end belongs to."""
         return self.parts[self.topology.index(place.link)]
 
-    def end_node(self, place: LinkEnd) -> tuple[ItemNumber, int]:
-        """Node number at a link end and the first of its coordinates."""
+    def end_node(self, place: LinkEnd) -> ItemNumber:
+        """Node at a link end; of a rigid link the one at its start."""
+        return self.part_of(place).nodes[0 if place.end == "start" else -1]
+
+    def turning_coordinate(self, place: LinkEnd) -> int | None:
+        """Which coordinate of that node is its angle; None where it has a slope vector."""
         part = self.part_of(place)
-        if place.end == "start":
-            return part.nodes[0], part.coordinates.start
-        return part.nodes[-1], part.coordinates.stop - self.kind.per_node
+        is_angle = isinstance(part, RigidPart) or self.kind.turns_arms
+        return RIGID_SIZE - 1 if is_angle else None
+
+    def angle_coordinate(self, place: LinkEnd) -> int:
+        """Number of that angle among the coordinates of all links."""
+        turning = self.turning_coordinate(place)
+        assert turning is not None
+        return self.first_coordinate(place) + turning
+
+    def first_coordinate(self, place: LinkEnd) -> int:
+        """First coordinate of that node among those of all links."""
+        part = self.part_of(place)
+        own = part.coordinates
+        is_first = isinstance(part, RigidPart) or place.end == "start"
+        return int(own.start if is_first else own.stop - self.kind.per_node)
 
     def reference_place(self, place: LinkEnd) -> FloatArray:
-        """Where a link end is in the reference configuration, shape (2,)."""
-        positions = self.part_of(place).positions
-        return np.array([positions[0 if place.end == "start" else -1], 0.0])
+        """Where the node at a link end is along the link in the reference configuration, (2,)."""
+        part = self.part_of(place)
+        if isinstance(part, RigidPart) or place.end == "start":
+            return np.zeros(2)
+        return np.array([part.length, 0.0])
+
+    def is_at_node(self, place: LinkEnd) -> bool:
+        """Whether the point on the pins' axis at a link end is a node."""
+        part = self.part_of(place)
+        if isinstance(part, RigidPart):
+            return place.end == "start"
+        return part.arms is None
+
+    def turned(self, vector: FloatArray, angles: FloatArray) -> FloatArray:
+        """All links' coordinates (size,), the vectors of each link turned by its angle."""
+        turned = vector.copy()
+        for part, angle in zip(self.parts, angles, strict=True):
+            turn_vectors(turned[None, part.coordinates], part.vectors, angle[None])
+        return turned
+
+    def deformation(self, state: FloatArray, pose: FloatArray) -> FloatArray:
+        """How far coordinates (size,) are from others; angles within half a turn."""
+        change = state - pose
+        for part in self.parts:
+            own, angles = change[part.coordinates], np.flatnonzero(part.rotation)
+            own[angles] -= 2 * np.pi * np.round(own[angles] / (2 * np.pi))
+        return np.asarray(change)
 
     def add_fixed_coordinate(self) -> ItemNumber:
         """Add a coordinate that stays zero; returns its marker."""
@@ -158,19 +186,6 @@ class LinkAssembly:
         )
         return self.items.add("CoordinateConstraint", name, markerNumbers=[fixed, marker], **offset)
 
-    def add_pins(self) -> list[ItemNumber]:
-        """Pin the links together; returns the pins' numbers in the topology's order."""
-        joints = []
-        for pin in self.topology.pins:
-            name = f"pin_{pin.joint}"
-            self.items.begin(f"pin {pin.joint}")
-            markers = [
-                self.add_end_marker(place, f"{name}_on_{place.link}")
-                for place in (self.topology.leader_of(pin.leader), pin.follower)
-            ]
-            joints.append(self.items.add("RevoluteJoint2D", name, markerNumbers=markers))
-        return joints
-
     def add_ground_pin(
         self, name: str, held: LinkEnd, place: list[float]
     ) -> tuple[ItemNumber, ItemNumber]:
@@ -201,17 +216,85 @@ class LinkAssembly:
 
     def add_end_marker(self, place: LinkEnd, name: str) -> ItemNumber:
         """Add a marker of the point on the pins' axis at a link end."""
-        part = self.part_of(place)
-        if part.arms is not None:
-            return self.add_axis_point(part, 0 if place.end == "start" else -1, name)
-        return self.items.add("MarkerNodePosition", name, nodeNumber=self.end_node(place)[0])
+        if not self.is_at_node(place):
+            return self.add_frame_marker(place, name)
+        return self.items.add("MarkerNodePosition", name, nodeNumber=self.end_node(place))
 
-    def add_axis_point(self, part: LinkPart, number: int, name: str) -> ItemNumber:
+    def add_frame_marker(self, place: LinkEnd, name: str, angle: float = 0.0) -> ItemNumber:
+        """Add a marker of that point, which turns with the link's axis there.
+
+        Parameters
+        ----------
+        place : LinkEnd
+        name : str
+        angle : float
+            By which the marker is turned against the axis, in rad.
+
+        Returns
+        -------
+        ItemNumber
+        """
+        part, at_start = self.part_of(place), place.end == "start"
+        if isinstance(part, RigidPart):
+            x = 0.0 if at_start else part.length
+            return self.add_body_frame(part.body, name, x, 0.0, angle)
+        if part.arms is not None:
+            return self.add_axis_point(part, 0 if at_start else -1, name)
+        return self.add_section_marker(place, name, angle)
+
+    def add_section_marker(self, place: LinkEnd, name: str, angle: float = 0.0) -> ItemNumber:
+        """Add a marker that turns with a link's axis at an end, at the node of a beam.
+
+        Parameters
+        ----------
+        place : LinkEnd
+        name : str
+        angle : float
+            By which the marker is turned against the axis, in rad.
+
+        Returns
+        -------
+        ItemNumber
+        """
+        part, at_start = self.part_of(place), place.end == "start"
+        if isinstance(part, RigidPart):
+            return self.add_frame_marker(place, name, angle)
+        end = 0 if at_start else -1
+        x = 0.0 if at_start else float(part.positions[-1] - part.positions[-2])
+        node, element = part.nodes[end], part.elements[end]
+        return self.kind.add_axis_marker(self.items, name, node, element, x, angle)
+
+    def add_body_frame(
+        self, body: ItemNumber, name: str, x: float, y: float = 0.0, angle: float = 0.0
+    ) -> ItemNumber:
+        """Add a marker at a place of a body.
+
+        Parameters
+        ----------
+        body : ItemNumber
+        name : str
+        x, y : float
+            In m.
+        angle : float
+            By which the marker is turned against the body, in rad.
+
+        Returns
+        -------
+        ItemNumber
+        """
+        if not angle:
+            return self.items.add(
+                "MarkerBodyRigid", name, bodyNumber=body, localPosition=[x, y, 0.0]
+            )
+        frame = Made(turned_frame, (x, y, angle))
+        return self.items.add("MarkerBodyRigid", name, bodyNumber=body, localHT=frame)
+
+    def add_axis_point(self, part: BeamPart, number: int, name: str) -> ItemNumber:
         """Add a marker of the point on the pins' axis at a node of an eccentric link.
 
         Parameters
         ----------
-        part : LinkPart
+        part : BeamPart
         number : int
             Of the node in the link.
         name : str
@@ -231,28 +314,78 @@ class LinkAssembly:
         )
 
     def _add_links(self, elements: int) -> list[LinkPart]:
-        parts, start = [], 0
-        for name, section in zip(self.topology.link_names, self.sections, strict=True):
-            mass = self.mechanism.link_mass(name)
-            positions = node_positions(mass.length, elements, mass.point_positions)
-            self.items.begin(f"{name}: nodes, in the undeformed link along the x axis")
-            nodes = [
-                self.kind.add_node(self.items, f"{name}_node_{i}", float(x), section.neutral_axis)
-                for i, x in enumerate(positions)
-            ]
-            self.items.begin(f"{name}: beam elements")
-            beams = [
-                self.kind.add_element(
-                    self.items, f"{name}_element_{i}", nodes[i : i + 2], float(h), section
-                )
-                for i, h in enumerate(np.diff(positions))
-            ]
-            stop = start + self.kind.per_node * len(nodes)
-            arms = Arms(section.neutral_axis) if section.is_eccentric else None
-            bodies = None
-            if not self.kind.carries_mass:
-                points = point_masses_at(self.mechanism, name, positions)
-                bodies = NodeBodies.added(self.items, name, nodes, positions, section, points)
-            parts.append(LinkPart(positions, nodes, beams, slice(start, stop), arms, bodies))
-            start = stop
+        parts: list[LinkPart] = []
+        start = 0
+        for link in self.topology.links:
+            part = (
+                self._add_rigid(link.name, start)
+                if link.rigid
+                else self._add_beam(link.name, elements, start)
+            )
+            parts.append(part)
+            start = part.coordinates.stop
         return parts
+
+    def _add_beam(self, name: str, elements: int, start: int) -> BeamPart:
+        section, mass = self.mechanism.sections[name], self.mechanism.link_mass(name)
+        positions = node_positions(mass.length, elements, mass.point_positions)
+        self.items.begin(f"{name}: nodes, in the undeformed link along the x axis")
+        nodes = [
+            self.kind.add_node(self.items, f"{name}_node_{i}", float(x), section.neutral_axis)
+            for i, x in enumerate(positions)
+        ]
+        self.items.begin(f"{name}: beam elements")
+        beams = [
+            self.kind.add_element(
+                self.items, f"{name}_element_{i}", nodes[i : i + 2], float(h), section
+            )
+            for i, h in enumerate(np.diff(positions))
+        ]
+        stop = start + self.kind.per_node * len(nodes)
+        bodies = None
+        if not self.kind.carries_mass:
+            points = point_masses_at(self.mechanism, name, positions)
+            bodies = NodeBodies.added(self.items, name, nodes, positions, section, points)
+        return BeamPart(
+            name=name,
+            section=section,
+            kind=self.kind,
+            positions=positions,
+            nodes=nodes,
+            elements=beams,
+            coordinates=slice(start, stop),
+            arms=Arms(section.neutral_axis) if section.is_eccentric else None,
+            bodies=bodies,
+            polar=self._polar_slopes(name, len(nodes)),
+        )
+
+    def _add_rigid(self, name: str, start: int) -> RigidPart:
+        mass = self.mechanism.link_mass(name)
+        moments = (mass.moment(0), mass.moment(1), mass.moment_across, mass.moment(2))
+        self.items.begin(f"{name}: a rigid body, its node at the start of the link")
+        node = self.items.add(
+            "NodeRigidBody2D", f"{name}_node", referenceCoordinates=[0.0, 0.0, 0.0]
+        )
+        total, along, across, second = moments
+        body = self.items.add(
+            "ObjectRigidBody2D",
+            f"{name}_body",
+            nodeNumber=node,
+            mass=total,
+            inertia=second,
+            centerOfMass=[along / total, across / total] if total else [0.0, 0.0],
+        )
+        own = slice(start, start + RIGID_SIZE)
+        return RigidPart(name, mass.length, [node], body, moments, own)
+
+    def _polar_slopes(self, name: str, count: int) -> PolarSlopes | None:
+        """Ends of a link of cables at which a joint holds the direction of the slope."""
+        topology = self.topology
+        held = [end for weld in topology.welds for end in (weld.leader, weld.follower)]
+        held += [clamp.held for clamp in topology.clamps[1:]]
+        ends = {end.end for end in held if end.link == name}
+        if self.kind.turns_arms or not ends:
+            return None
+        last = self.kind.per_node * (count - 1)
+        slopes = sorted({"start": 0, "end": last}[end] + 2 for end in ends)
+        return PolarSlopes(np.array(slopes, dtype=np.intp))

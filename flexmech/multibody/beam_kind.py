@@ -113,7 +113,13 @@ class BeamKind(ABC):
 
     @abstractmethod
     def add_axis_marker(
-        self, items: SystemItems, name: str, node: ItemNumber, element: ItemNumber, x: float
+        self,
+        items: SystemItems,
+        name: str,
+        node: ItemNumber,
+        element: ItemNumber,
+        x: float,
+        angle: float = 0.0,
     ) -> ItemNumber:
         """Marker that turns with the beam's axis (its section if it shears) at a node.
 
@@ -125,6 +131,8 @@ class BeamKind(ABC):
             Of the node and of the element that ends there.
         x : float
             The node's distance from the element's start in m.
+        angle : float
+            By which the marker is turned against the axis, in rad; of a cable alone.
 
         Returns
         -------
@@ -186,25 +194,6 @@ class BeamKind(ABC):
         unit_rates = np.tile(np.eye(size), (len(place), 1))
         strains = self.strains(np.repeat(place, size, axis=0), unit_rates, length, section)
         return np.asarray(sum(strain.power for strain in strains)).reshape(place.shape)
-
-    def turned(self, vectors: FloatArray, angle: FloatArray) -> FloatArray:
-        """Coordinates with every vector turned by an angle; scalars stay.
-
-        Parameters
-        ----------
-        vectors : ndarray, shape (m, k * per_node)
-        angle : ndarray, shape (m,)
-
-        Returns
-        -------
-        ndarray, shape (m, k * per_node)
-        """
-        x, y = self.vector_pairs(vectors.shape[1] // self.per_node)
-        cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
-        turned = vectors.copy()
-        turned[:, x] = cosine * vectors[:, x] - sine * vectors[:, y]
-        turned[:, y] = sine * vectors[:, x] + cosine * vectors[:, y]
-        return turned
 
     def is_axial(self, count: int) -> NDArray[np.bool_]:
         """Which coordinates of a chain of ``count`` nodes move it along its axis."""

@@ -11,8 +11,9 @@ from flexmech.linear_system import RigidFields
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.exact_beam import element_shear_damping_time, element_shear_stiffness
-from flexmech.multibody.items import ItemNumber, SystemItems
+from flexmech.multibody.items import ItemNumber, Made, SystemItems
 from flexmech.multibody.strains import Strain, cable_strains, exact_beam_strains
+from flexmech.multibody.user_functions import turned_frame
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
@@ -101,9 +102,18 @@ class AncfCable(BeamKind):
         return q.ravel()
 
     def add_axis_marker(
-        self, items: SystemItems, name: str, node: ItemNumber, element: ItemNumber, x: float
+        self,
+        items: SystemItems,
+        name: str,
+        node: ItemNumber,
+        element: ItemNumber,
+        x: float,
+        angle: float = 0.0,
     ) -> ItemNumber:
         """See :class:`BeamKind`."""
+        if angle:
+            frame = Made(turned_frame, (x, 0.0, angle))
+            return items.add("MarkerBodyRigid", name, bodyNumber=element, localHT=frame)
         return items.add("MarkerBodyRigid", name, bodyNumber=element, localPosition=[x, 0.0, 0.0])
 
     def strains(
@@ -183,7 +193,13 @@ class GeometricallyExactBeam(BeamKind):
         return q.ravel()
 
     def add_axis_marker(
-        self, items: SystemItems, name: str, node: ItemNumber, element: ItemNumber, x: float
+        self,
+        items: SystemItems,
+        name: str,
+        node: ItemNumber,
+        element: ItemNumber,
+        x: float,
+        angle: float = 0.0,
     ) -> ItemNumber:
         """See :class:`BeamKind`."""
         return items.add("MarkerNodeRigid", name, nodeNumber=node)

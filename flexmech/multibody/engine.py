@@ -308,7 +308,7 @@ class ExudynEngine(Engine):
         return StressedLinks(tangent, list(displacement), force, damping)
 
     def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
-        nodes = [part.positions for part in self.model.assembly.parts]
+        nodes = [part.positions for _, part in self.model.assembly.beams]
         tensions = element_tensions(self.mechanism, nodes, motion)
         return [
             link.stiffness + np.tensordot(tension[..., 0], unit, axes=1)

@@ -15,9 +15,11 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.errors import InputError
 from flexmech.linkages import CrankDrive, Linkage, LockedCrank
-from flexmech.multibody.assembly import LinkAssembly, LinkPart
+from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber
+from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.time_domain import Impact
 
 __all__ = ["add_impacts"]
@@ -44,7 +46,12 @@ def add_impacts(
         assembly.items.begin(f"impact on {impact.point}")
         link = impact.point.index(assembly.topology)
         force = _PulseForce(impact, drive, assembly.mechanism.linkage, link)
-        shares = _shares(assembly, assembly.parts[link], impact.point.fraction, f"impact_{count}")
+        part = assembly.parts[link]
+        if isinstance(part, RigidPart):
+            raise InputError(
+                f"the impact is on the {part.name}, which is rigid; strike an elastic link"
+            )
+        shares = _shares(assembly, part, impact.point.fraction, f"impact_{count}")
         for marker, share in shares:
             assembly.items.add(
                 "LoadForceVector",
@@ -56,7 +63,7 @@ def add_impacts(
 
 
 def _shares(
-    assembly: LinkAssembly, part: LinkPart, fraction: float, name: str
+    assembly: LinkAssembly, part: BeamPart, fraction: float, name: str
 ) -> Iterator[tuple[ItemNumber, float]]:
     """Markers that carry a unit force on a point, and the share of each."""
     x = fraction * part.positions[-1]

@@ -69,7 +69,7 @@ class Made:
     Parameters
     ----------
     function : callable
-        One of :data:`flexmech.multibody.user_functions.SHARED`.
+        One of :data:`flexmech.multibody.shared_text.SHARED`.
     arguments : tuple of float
     """
 

@@ -20,6 +20,8 @@ from flexmech.linear_system import (
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.link_parts import BeamPart, RigidPart, turn_vectors
+from flexmech.multibody.rigid_tangents import rigid_virial, turning_stiffness
 from flexmech.multibody.static_model import StaticModel
 from flexmech.types import FloatArray, IntArray
 
@@ -71,8 +73,8 @@ def linearized(
     initial = load_exudyn().ConfigurationType.Initial
     assembly.mbs.systemData.SetODE2Coordinates(state, initial)
     mass, stiffness, damping = map(np.array, assembly.mbs.ComputeLinearizedSystem(settings)[:3])
-    for section, part in zip(assembly.sections, assembly.parts, strict=True):
-        if not section.damping.any:
+    for _, part in assembly.beams:
+        if not part.section.damping.any:
             # Bodies off their nodes leave the round-off of differences by velocities.
             damping[part.coordinates] = 0.0
     return mass, stiffness, damping
@@ -118,30 +120,55 @@ def static_equilibrium(
     assembly, batch = model.assembly, len(motion.crank_angle)
     tangents = _Tangents(assembly, batch)
     relative = motion.angle - motion.angle[:, assembly.base, None]
-    forces = np.concatenate(
-        [assembly.kind.turned(load, relative[:, link]) for link, load in enumerate(loads)],
-        axis=1,
-    )
+    applied = _Applied.of(model, motion, loads)
     round_off = ROUND_OFF * assembly.nodal_force_scale
     deformation = np.zeros(assembly.size)
     displacement = np.empty((batch, assembly.size))
     for number in range(batch):
         pose = model.move_to(motion, number)
-        model.set_forces(forces[number])
-        loaded = float(np.abs(forces[number]).sum()) + model.free_load
+        forces, couples = applied.forces[number], applied.couples[number]
+        model.loads.set(forces, couples)
+        loaded = float(np.abs(forces).sum()) + model.free_load
         settings = simulation_settings(max(RELATIVE_RESIDUAL * loaded, round_off))
-        start = pose + _turned(assembly, deformation, relative[number])
+        start = pose + assembly.turned(deformation, relative[number])
         if not _solve_static(assembly, settings, assembly.arms.to_nodes(start)):
-            _solve_afresh(model, settings, pose, forces[number], motion, number)
+            _solve_afresh(model, settings, pose, applied, motion, number)
         state = assembly.arms.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
-        deformation = displacement[number] = _turned(assembly, state - pose, -relative[number])
-        tangents.take(number, settings, state)
+        turning = turning_stiffness(model, state, couples)
+        moved = assembly.deformation(state, pose)
+        deformation = displacement[number] = assembly.turned(moved, -relative[number])
+        tangents.take(number, settings, state, forces, turning)
     stiffness, damping = tangents.in_link_frames(relative)
     return StaticEquilibrium(
         displacement=[displacement[:, part.coordinates] for part in assembly.parts],
         tangent=stiffness,
         damping=damping,
     )
+
+
+@dataclass(frozen=True)
+class _Applied:
+    """What :meth:`flexmech.multibody.static_loads.StaticLoads.set` takes, over a batch."""
+
+    forces: FloatArray
+    couples: FloatArray
+
+    @classmethod
+    def of(cls, model: StaticModel, motion: RigidMotion, loads: list[FloatArray]) -> _Applied:
+        """Forces (B, n_link) in link frames as those in the crank's frame."""
+        assembly = model.assembly
+        relative = motion.angle - motion.angle[:, assembly.base, None]
+        forces = np.concatenate(loads, axis=1)
+        couples = np.zeros((len(forces), len(assembly.parts), 2))
+        for link, part in enumerate(assembly.parts):
+            own, angle = forces[:, part.coordinates], relative[:, link]
+            if isinstance(part, RigidPart):
+                couple = couples[:, link]
+                couple[:, 0] = rigid_virial(assembly.mechanism, motion, link) / part.length
+                couple[:, 1] = own[:, 2] / part.length
+                turn_vectors(couple, part.force_vectors, angle)
+            turn_vectors(own, part.force_vectors, angle)
+        return cls(forces, couples)
 
 
 def running_tangents(
@@ -169,7 +196,7 @@ def running_tangents(
     together = np.concatenate(displacement, axis=1)
     settings, tangents = simulation_settings(), _Tangents(assembly, len(together))
     for number, q in enumerate(together):
-        state = model.move_to(motion, number) + _turned(assembly, q, relative[number])
+        state = model.move_to(motion, number) + assembly.turned(q, relative[number])
         tangents.take(number, settings, state)
     return tangents.in_link_frames(relative)
 
@@ -189,12 +216,13 @@ def internal_forces(model: StaticModel, displacement: Sequence[FloatArray]) -> l
         The derivatives of the strain energy by which Exudyn's elements store it.
     """
     forces = []
-    for link, (part, q) in enumerate(zip(model.assembly.parts, displacement, strict=True)):
-        arms = part.arms
-        if arms is None:
-            forces.append(_internal_force(model.assembly, link, q))
-        else:
-            forces.append(arms.force(q, _internal_force(model.assembly, link, arms.moved(q))))
+    for part, q in zip(model.assembly.parts, displacement, strict=True):
+        if isinstance(part, RigidPart):
+            forces.append(np.zeros_like(q))
+            continue
+        mapped = part.node_map
+        force = _internal_force(part, q if mapped is None else mapped.moved(q))
+        forces.append(force if mapped is None else mapped.force(q, force))
     return forces
 
 
@@ -208,30 +236,56 @@ class _Tangents:
             [np.empty((batch, size, size)) for size in sizes] for _ in range(2)
         )
         self._state: FloatArray = np.empty((batch, assembly.size))
+        self._outer: FloatArray = np.zeros((batch, assembly.size))
 
-    def take(self, number: int, settings: Any, state: FloatArray) -> None:
-        """Linearize about a state."""
+    def take(
+        self,
+        number: int,
+        settings: Any,
+        state: FloatArray,
+        outer: FloatArray | None = None,
+        turning: FloatArray | None = None,
+    ) -> None:
+        """Linearize about a state.
+
+        Parameters
+        ----------
+        number : int
+            Of the state.
+        settings : exudyn.SimulationSettings
+        state : ndarray, shape (size,)
+        outer : ndarray, shape (size,), optional
+            Forces on Exudyn's coordinates that keep their direction.
+        turning : ndarray, shape (n_links,), optional
+            Stiffness of rigid links against turning.
+        """
         assembly = self._assembly
         _, stiffness, damping = linearized(assembly, settings, assembly.arms.to_nodes(state))
         self._state[number] = state
+        if outer is not None:
+            self._outer[number] = outer
         for link, part in enumerate(assembly.parts):
             own = (part.coordinates, part.coordinates)
             self._stiffness[link][number] = stiffness[own]
             self._damping[link][number] = damping[own]
+            if isinstance(part, RigidPart) and turning is not None:
+                self._stiffness[link][number, -1, -1] = turning[link]
 
     def in_link_frames(self, angle: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """Both in frames turned by ``angle`` (B, n_links) against the model's."""
         assembly = self._assembly
-        for link, part in enumerate(assembly.parts):
-            if part.arms is not None:
+        for link, part in assembly.beams:
+            if (mapped := part.node_map) is not None:
                 state = self._state[:, part.coordinates]
-                force = _internal_force(assembly, link, part.arms.moved(state))
+                force = _internal_force(part, mapped.moved(state))
+                if part.polar is not None:
+                    force -= self._outer[:, part.coordinates]
                 stiff, damped = self._stiffness[link], self._damping[link]
-                self._stiffness[link] = part.arms.tangent(state, stiff, force)
-                self._damping[link] = part.arms.matrix(state, damped)
+                self._stiffness[link] = mapped.tangent(state, stiff, force)
+                self._damping[link] = mapped.matrix(state, damped)
         stiffness, damping = (
             [
-                _to_link_frame(matrix, angle[:, link], *_vectors(assembly, link))
+                _to_link_frame(matrix, angle[:, link], *assembly.parts[link].vectors)
                 for link, matrix in enumerate(matrices)
             ]
             for matrices in (self._stiffness, self._damping)
@@ -253,7 +307,7 @@ def _solve_afresh(
     model: StaticModel,
     settings: Any,
     pose: FloatArray,
-    forces: FloatArray,
+    applied: _Applied,
     motion: RigidMotion,
     number: int,
 ) -> None:
@@ -263,7 +317,7 @@ def _solve_afresh(
     for steps in LOAD_STEPS:
         start = nodes
         for part in np.arange(1, steps + 1) / steps:
-            model.set_forces(part * forces)
+            model.loads.set(part * applied.forces[number], part * applied.couples[number])
             model.swell(float(part))
             if not _solve_static(assembly, settings, start):
                 break
@@ -282,24 +336,10 @@ def _solve_afresh(
     )
 
 
-def _internal_force(assembly: LinkAssembly, link: int, nodes: FloatArray) -> FloatArray:
+def _internal_force(part: BeamPart, nodes: FloatArray) -> FloatArray:
     """Elastic forces on a link's nodes, (B, n), at coordinates less the reference ones."""
-    part = assembly.parts[link]
-    place = nodes + assembly.kind.rigid_fields(part.positions).centripetal
-    return assembly.kind.internal_force(place, np.diff(part.positions), assembly.sections[link])
-
-
-def _vectors(assembly: LinkAssembly, link: int) -> tuple[IntArray, IntArray]:
-    return assembly.kind.vector_pairs(len(assembly.parts[link].nodes))
-
-
-def _turned(assembly: LinkAssembly, vector: FloatArray, angles: FloatArray) -> FloatArray:
-    """All links' coordinates (size,), each link's vectors turned by its angle."""
-    parts = [
-        assembly.kind.turned(vector[None, part.coordinates], angles[link : link + 1])[0]
-        for link, part in enumerate(assembly.parts)
-    ]
-    return np.concatenate(parts)
+    place = nodes + part.straight
+    return part.kind.internal_force(place, np.diff(part.positions), part.section)
 
 
 def _to_link_frame(matrix: FloatArray, angle: FloatArray, x: IntArray, y: IntArray) -> FloatArray:

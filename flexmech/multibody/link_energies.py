@@ -7,7 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmech.linear_system import LinkModel
+from flexmech.linkages.motion import direction, normal
 from flexmech.multibody.assembly import LinkAssembly
+from flexmech.multibody.link_parts import RigidPart
 from flexmech.types import FloatArray
 
 __all__ = ["LinkEnergies"]
@@ -47,8 +49,16 @@ class LinkEnergies:
         ndarray, shape (m,)
         """
         mass, part = self._links[link].mass, self._assembly.parts[link]
+        if isinstance(part, RigidPart):
+            total, along, across, second = part.moments
+            angle, spin = position[:, 2], velocity[:, 2]
+            moment = along * normal(angle) - across * direction(angle)
+            crossed = spin * np.sum(velocity[:, :2] * moment, axis=1)
+            square = total * np.sum(velocity[:, :2] ** 2, axis=1) + second * spin**2
+            return np.asarray(square / 2 + crossed)
         if part.bodies is None:
-            return np.asarray(np.sum(velocity @ mass * velocity, axis=1) / 2)
+            rate = velocity if part.polar is None else part.polar.moved_rate(position, velocity)
+            return np.asarray(np.sum(rate @ mass * rate, axis=1) / 2)
         # By the nodes only the first moments of the bodies there turn with the sections.
         rate = velocity
         if part.arms is not None:
@@ -77,9 +87,15 @@ class LinkEnergies:
         ndarray, shape (m,)
         """
         part = self._assembly.parts[link]
-        if part.bodies is None:
-            return np.asarray(-position @ self.weight(link))
         x, y = self._assembly.mechanism.gravity
+        if isinstance(part, RigidPart):
+            total, along, across, _ = part.moments
+            angle = position[:, 2]
+            moment = total * position[:, :2] + along * direction(angle) + across * normal(angle)
+            return np.asarray(-moment @ np.array([x, y]))
+        if part.bodies is None:
+            nodes = position if part.polar is None else part.polar.moved(position)
+            return np.asarray(-nodes @ self.weight(link))
         nodes = position if part.arms is None else part.arms.moved(position)
         nodes = nodes.reshape(len(position), -1, self._assembly.kind.per_node)
         (along, across), turn = part.bodies.centre.T, nodes[..., 2]

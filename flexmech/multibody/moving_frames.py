@@ -5,12 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexmech.linear_system import LinkModel
 from flexmech.linkages import RigidMotion
-from flexmech.multibody.assembly import LinkPart
-from flexmech.multibody.beam_kind import BeamKind
+from flexmech.multibody.link_parts import LinkPart, turn_vectors
 from flexmech.types import FloatArray
 
 __all__ = ["MovingFrames"]
@@ -21,18 +18,12 @@ class MovingFrames:
 
     Parameters
     ----------
-    kind : BeamKind
     parts : sequence of LinkPart
         The links in an Exudyn system in ground axes.
-    links : sequence of LinkModel
     """
 
-    def __init__(
-        self, kind: BeamKind, parts: Sequence[LinkPart], links: Sequence[LinkModel]
-    ) -> None:
-        self.kind = kind
+    def __init__(self, parts: Sequence[LinkPart]) -> None:
         self.parts = parts
-        self.links = links
         self.size = parts[-1].coordinates.stop
 
     def to_absolute(
@@ -57,12 +48,12 @@ class MovingFrames:
         velocity = np.empty_like(position)
         for link, part in enumerate(self.parts):
             angle, speed = motion.angle[:, link], motion.angular_velocity[:, link, None]
-            straight = self.links[link].fields.centripetal
+            straight = part.straight
             local = straight + displacement[link]
-            carried = rate[link] + speed * self._quarter_turned(local)
-            place, drift = self._rigid(motion, link)
-            position[:, part.coordinates] = self.kind.turned(local, angle) + place - straight
-            velocity[:, part.coordinates] = self.kind.turned(carried, angle) + drift
+            carried = rate[link] + speed * _quarter_turned(part, local)
+            place, drift = _rigid(part, motion, link)
+            position[:, part.coordinates] = _turned(part, local, angle) + place - straight
+            velocity[:, part.coordinates] = _turned(part, carried, angle) + drift
         return position, velocity
 
     def to_frames(
@@ -83,41 +74,44 @@ class MovingFrames:
         displacement, rate = [], []
         for link, part in enumerate(self.parts):
             angle, speed = motion.angle[:, link], motion.angular_velocity[:, link, None]
-            straight = self.links[link].fields.centripetal
-            place, drift = self._rigid(motion, link)
-            carried = self._unwound(position[:, part.coordinates] + straight - place)
-            local = self.kind.turned(carried, -angle)
-            moving = self.kind.turned(velocity[:, part.coordinates] - drift, -angle)
+            straight = part.straight
+            place, drift = _rigid(part, motion, link)
+            carried = _unwound(part, position[:, part.coordinates] + straight - place)
+            local = _turned(part, carried, -angle)
+            moving = _turned(part, velocity[:, part.coordinates] - drift, -angle)
             displacement.append(local - straight)
-            rate.append(moving - speed * self._quarter_turned(local))
+            rate.append(moving - speed * _quarter_turned(part, local))
         return displacement, rate
 
-    def _rigid(self, motion: RigidMotion, link: int) -> tuple[FloatArray, FloatArray]:
-        """What the frame's place and angle add to coordinates, its motion to velocities."""
-        fields = self.links[link].fields
-        # Where the beam has rotations, they are all of the tangential field but its vectors.
-        rotation = np.where(self._is_vector(len(fields.along)), 0.0, fields.tangential)
-        added = []
-        for point, angle in (
-            (motion.origin, motion.angle),
-            (motion.origin_velocity, motion.angular_velocity),
-        ):
-            x, y = point[:, link, 0, None], point[:, link, 1, None]
-            added.append(x * fields.along + y * fields.across + angle[:, link, None] * rotation)
-        return added[0], added[1]
 
-    def _quarter_turned(self, vectors: FloatArray) -> FloatArray:
-        """Vectors (m, n_link) turned by a quarter; rotations give nothing."""
-        x, y = self.kind.vector_pairs(vectors.shape[1] // self.kind.per_node)
-        turned = np.zeros_like(vectors)
-        turned[:, x], turned[:, y] = -vectors[:, y], vectors[:, x]
-        return turned
+def _rigid(part: LinkPart, motion: RigidMotion, link: int) -> tuple[FloatArray, FloatArray]:
+    """What the frame's place and angle add to coordinates, its motion to velocities."""
+    added = []
+    for point, angle in (
+        (motion.origin, motion.angle),
+        (motion.origin_velocity, motion.angular_velocity),
+    ):
+        x, y = point[:, link, 0, None], point[:, link, 1, None]
+        added.append(x * part.along + y * part.across + angle[:, link, None] * part.rotation)
+    return added[0], added[1]
 
-    def _unwound(self, coordinates: FloatArray) -> FloatArray:
-        """Rotations within half a turn; the angles of a linkage may jump by whole turns."""
-        turns = np.round(coordinates / (2 * np.pi))
-        return coordinates - np.where(self._is_vector(coordinates.shape[1]), 0.0, 2 * np.pi * turns)
 
-    def _is_vector(self, size: int) -> NDArray[np.bool_]:
-        x, y = self.kind.vector_pairs(size // self.kind.per_node)
-        return np.isin(np.arange(size), np.concatenate([x, y]))
+def _turned(part: LinkPart, values: FloatArray, angle: FloatArray) -> FloatArray:
+    """Coordinates (m, n_link) with every vector turned by an angle (m,); scalars stay."""
+    turned = values.copy()
+    turn_vectors(turned, part.vectors, angle)
+    return turned
+
+
+def _quarter_turned(part: LinkPart, values: FloatArray) -> FloatArray:
+    """Vectors of (m, n_link) turned by a quarter; other coordinates give nothing."""
+    x, y = part.vectors
+    turned = np.zeros_like(values)
+    turned[:, x], turned[:, y] = -values[:, y], values[:, x]
+    return turned
+
+
+def _unwound(part: LinkPart, coordinates: FloatArray) -> FloatArray:
+    """Angles within half a turn; the angles of a linkage may jump by whole turns."""
+    turns = np.round(coordinates / (2 * np.pi))
+    return coordinates - np.where(part.rotation, 2 * np.pi * turns, 0.0)

@@ -7,24 +7,31 @@ constraint on the hub's angle carries the whole driving torque.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from flexmech.linear_system import LinkModel
-from flexmech.linkages import Clamp, CrankDrive, LinkEnd, LockedCrank
+from flexmech.linkages import Clamp, CrankDrive, LockedCrank
+from flexmech.linkages.motion import normal
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.impacts import add_impacts
 from flexmech.multibody.items import ItemNumber
+from flexmech.multibody.joints import add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_energies import LinkEnergies
-from flexmech.multibody.node_bodies import NodeBodies
-from flexmech.multibody.user_functions import AxisPoint, HubClamp, Joints, Shaft
+from flexmech.multibody.running_joints import (
+    drifting_joints,
+    greatest_gap,
+    place_at_start,
+    place_on_hub,
+)
+from flexmech.multibody.running_loads import add_running_loads
+from flexmech.multibody.user_functions import Shaft
 from flexmech.time_domain import Impact
-from flexmech.types import FloatArray, IntArray
+from flexmech.types import FloatArray
 
 __all__ = ["RunningModel"]
 
@@ -54,8 +61,10 @@ class RunningModel:
     drive_constraint : ItemNumber
         The constraint on the hub's angle, which carries the driving torque.
     constraints : dict of str to list of ItemNumber
-        Of each joint, without what keeps the clamp from turning.
-    joints : Joints
+        Of each joint, without what keeps clamps and welds from turning.
+    sliders : dict of str to SliderJoint
+        By their joints.
+    joints : Joints or ClosedJoints
         What the integration rule leaves to drift.
     total_size : int
         Coordinates of the links and the hub, which come last.
@@ -79,27 +88,50 @@ class RunningModel:
         self.shaft = Shaft(
             float(self._start.angle[assembly.base]), float(drive.speed), float(drive.run_up_time)
         )
-        self._lever = self._clamp_on_hub()
-        self._add_loads()
+        add_running_loads(assembly, self.energies)
         assembly.items.begin("crank drive: a hub without mass, turned by the shaft")
         fixed = assembly.add_fixed_coordinate()
         hub, self.drive_constraint = self._add_hub(fixed)
-        self.constraints = {self._clamp.joint: [self._add_clamp(hub)]}
+        clamps = assembly.topology.clamps
+        self.constraints = {clamp.joint: [self._add_clamp(hub, clamp)] for clamp in clamps}
         self.constraints |= self._add_pivots(fixed)
-        for pin, number in zip(assembly.topology.pins, assembly.add_pins(), strict=True):
-            self.constraints[pin.joint] = [number]
+        for tie in add_ties(assembly, self._start.angle):
+            self.constraints[tie.tie.joint] = [tie.position]
+        self.sliders = {line.slider.joint: line for line in add_sliders(assembly)}
+        self.constraints |= {joint: [line.constraint] for joint, line in self.sliders.items()}
         add_impacts(assembly, drive, impacts)
         assembly.mbs.Assemble()
-        self.joints = self._joints()
+        self.joints = drifting_joints(assembly, self.shaft, self._start)
 
-    @property
-    def joint_multipliers(self) -> IntArray:
-        """Multipliers that are minus the force at each joint, shape (n_joints, 2)."""
+    def joint_force(self, multiplier: FloatArray, position: FloatArray) -> FloatArray:
+        """Force on the held or following link at each joint in ground axes.
+
+        Parameters
+        ----------
+        multiplier : ndarray, shape (m, n_multipliers)
+        position : ndarray, shape (m, size)
+            Coordinates of the links.
+
+        Returns
+        -------
+        ndarray, shape (m, n_joints, 2)
+            In N.
+        """
         names = self.assembly.topology.joint_names
-        found = np.zeros((len(names), 2), dtype=np.intp)
+        force = np.zeros((len(multiplier), len(names), 2))
         for joint, constraints in self.constraints.items():
-            found[names.index(joint)] = np.concatenate([self._multipliers(c) for c in constraints])
-        return found
+            number = names.index(joint)
+            rows = np.concatenate([self._multipliers(c) for c in constraints])
+            if joint not in self.sliders:
+                force[:, number] = -multiplier[:, rows]
+                continue
+            slider = self.sliders[joint].slider
+            angle = np.full(len(multiplier), slider.direction)
+            if slider.guide:
+                guide = self.assembly.topology.index(slider.guide)
+                angle += position[:, self.assembly.parts[guide].coordinates][:, 2]
+            force[:, number] = multiplier[:, rows[:1]] * normal(angle)
+        return force
 
     @property
     def multiplier_count(self) -> int:
@@ -150,105 +182,7 @@ class RunningModel:
         float
             In m.
         """
-        assembly, topology = self.assembly, self.assembly.topology
-
-        def place(end: LinkEnd) -> FloatArray:
-            first = assembly.end_node(end)[1]
-            return np.asarray(position[first : first + 2] + assembly.reference_place(end))
-
-        held = [clamp.held for clamp in topology.clamps]
-        held += [pivot.held for pivot in topology.pivots]
-        gaps = [place(end) - self._place(end) for end in held]
-        gaps += [place(pin.leader) - place(pin.follower) for pin in topology.pins]
-        return float(np.max(np.linalg.norm(gaps, axis=1)))
-
-    def _joints(self) -> Joints:
-        """What the integration rule leaves to drift."""
-        assembly, topology = self.assembly, self.assembly.topology
-        eccentric = {
-            name
-            for name, part in zip(topology.link_names, assembly.parts, strict=True)
-            if part.arms is not None
-        }
-        pins = [(topology.leader_of(pin.leader), pin.follower) for pin in topology.pins]
-        return Joints(
-            self.shaft,
-            HubClamp(
-                self._axis_point(self._clamp.held), self._lever, len(assembly.kind.vectors) == 2
-            ),
-            [
-                (self._axis_point(pivot.held), _pair(self._place(pivot.held)))
-                for pivot in topology.pivots
-                if pivot.held.link in eccentric
-            ],
-            [
-                (self._axis_point(leader), self._axis_point(follower))
-                for leader, follower in pins
-                if eccentric & {leader.link, follower.link}
-            ],
-        )
-
-    def _axis_point(self, end: LinkEnd) -> AxisPoint:
-        """The point on the pins' axis at a link end, by Exudyn's coordinates."""
-        arms = self.assembly.part_of(end).arms
-        return AxisPoint(
-            first=self.assembly.end_node(end)[1],
-            x=float(self.assembly.reference_place(end)[0]),
-            arm=0.0 if arms is None else float(arms.length),
-        )
-
-    def _place(self, held: LinkEnd) -> FloatArray:
-        """Where a link end is at time zero, shape (2,)."""
-        topology = self.assembly.topology
-        link = topology.index(held.link)
-        x = 0.0 if held.end == "start" else topology.links[link].length
-        return self._start.position(link, x)
-
-    def _add_loads(self) -> None:
-        """Point masses and weight, node by node.
-
-        One object over all nodes, as in the model at standstill, would make each tangent dense.
-        """
-        assembly = self.assembly
-        for link, part in enumerate(assembly.parts):
-            name = assembly.topology.link_names[link]
-            if part.bodies is not None:
-                self._add_weight(name, part.bodies)
-                continue
-            assembly.items.begin(f"{name}: point masses and weight")
-            masses = assembly.point_masses(link)
-            weights = self.energies.weight(link).reshape(len(part.nodes), -1)
-            for number, (node, mass, weight) in enumerate(
-                zip(part.nodes, masses, weights, strict=True)
-            ):
-                if mass or weight.any():
-                    matrix = np.diag([mass, mass] + [0.0] * (assembly.kind.per_node - 2))
-                    assembly.items.add(
-                        "ObjectGenericODE2",
-                        f"{name}_load_{number}",
-                        nodeNumbers=[node],
-                        massMatrix=matrix,
-                        forceVector=weight,
-                    )
-
-    def _add_weight(self, link: str, bodies: NodeBodies) -> None:
-        """Weight of a link at the centres of mass of the bodies at its nodes."""
-        items = self.assembly.items
-        x, y = self.assembly.mechanism.gravity
-        if not (x or y):
-            return
-        items.begin(f"{link}: weight")
-        pairs = zip(bodies.numbers, bodies.mass, bodies.centre, strict=True)
-        for number, (body, mass, place) in enumerate(pairs):
-            name = f"{link}_weight_{number}"
-            centre = items.add(
-                "MarkerBodyRigid",
-                f"{name}_centre",
-                bodyNumber=body,
-                localPosition=[*map(float, place), 0.0],
-            )
-            force = [float(mass * x), float(mass * y), 0.0]
-            items.add("LoadForceVector", name, markerNumber=centre, loadVector=force)
+        return greatest_gap(self.assembly, self._start, position)
 
     def _add_hub(self, fixed: ItemNumber) -> tuple[ItemNumber, ItemNumber]:
         """Body without mass that turns with the shaft, and the constraint on its angle."""
@@ -268,35 +202,28 @@ class RunningModel:
             "offsetUserFunction_t": self.shaft.constraint_speed,
         }
 
-    def _clamp_on_hub(self) -> tuple[float, float]:
-        """Where the clamped end is on the hub in m."""
-        place, turn = self._place(self._clamp.held), -self.shaft.start_angle
-        cosine, sine = math.cos(turn), math.sin(turn)
-        x, y = map(float, place)
-        return cosine * x - sine * y, sine * x + cosine * y
-
-    def _add_clamp(self, hub: ItemNumber) -> ItemNumber:
-        """Pin the clamped end to the hub and keep the link's axis there parallel to it.
+    def _add_clamp(self, hub: ItemNumber, clamp: Clamp) -> ItemNumber:
+        """Pin a clamped end to the hub and keep the link's axis there at its angle to it.
 
         Returns
         -------
         ItemNumber
             Of the pin.
         """
-        assembly, items, clamp = self.assembly, self.assembly.items, self._clamp
+        assembly, items = self.assembly, self.assembly.items
         name = f"clamp_{clamp.joint}"
         items.begin(f"clamp {clamp.joint}: the link's end on the hub, its axis parallel to it")
+        lever = place_on_hub(assembly, self._start, clamp.held)
         on_hub = items.add(
-            "MarkerBodyRigid", f"{name}_on_hub", bodyNumber=hub, localPosition=[*self._lever, 0.0]
+            "MarkerBodyRigid", f"{name}_on_hub", bodyNumber=hub, localPosition=[*lever, 0.0]
         )
-        node, _ = assembly.end_node(clamp.held)
         on_link = assembly.add_end_marker(clamp.held, f"{name}_on_{clamp.held.link}")
         pin = items.add("RevoluteJoint2D", name, markerNumbers=[on_hub, on_link])
-        part = assembly.parts[assembly.base]
-        at_start = clamp.held.end == "start"
-        element = part.elements[0 if at_start else -1]
-        x = 0.0 if at_start else float(part.positions[-1] - part.positions[-2])
-        axis = assembly.kind.add_axis_marker(items, f"{name}_axis", node, element, x)
+        link = assembly.topology.index(clamp.held.link)
+        turn = float(self._start.angle[link] - self._start.angle[assembly.base])
+        if turn:
+            on_hub = assembly.add_body_frame(hub, f"{name}_direction", 0.0, 0.0, turn)
+        axis = assembly.add_section_marker(clamp.held, f"{name}_axis")
         items.add(
             "GenericJoint",
             f"{name}_rotation",
@@ -309,13 +236,13 @@ class RunningModel:
         """Pin links to the ground; returns the constraints of each pivot."""
         assembly, constraints = self.assembly, {}
         for pivot in assembly.topology.pivots:
-            name, place = f"pivot_{pivot.joint}", self._place(pivot.held)
+            name, place = f"pivot_{pivot.joint}", place_at_start(assembly, self._start, pivot.held)
             assembly.items.begin(f"pivot {pivot.joint}")
-            if assembly.part_of(pivot.held).arms is not None:
+            if not assembly.is_at_node(pivot.held):
                 pin = assembly.add_ground_pin(name, pivot.held, [*map(float, place), 0.0])[1]
                 constraints[pivot.joint] = [pin]
                 continue
-            node = assembly.end_node(pivot.held)[0]
+            node = assembly.end_node(pivot.held)
             offset = place - assembly.reference_place(pivot.held)
             constraints[pivot.joint] = [
                 assembly.add_constraint(f"{name}_{axis}", fixed, node, i, offset=float(offset[i]))
@@ -323,13 +250,5 @@ class RunningModel:
             ]
         return constraints
 
-    @property
-    def _clamp(self) -> Clamp:
-        return self.assembly.topology.clamps[0]
-
     def _multipliers(self, constraint: ItemNumber) -> list[int]:
         return list(self.assembly.mbs.systemData.GetObjectLTGAE(int(constraint)))
-
-
-def _pair(place: FloatArray) -> tuple[float, float]:
-    return float(place[0]), float(place[1])

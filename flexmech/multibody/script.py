@@ -15,6 +15,7 @@ from textwrap import wrap
 from flexmech.errors import one_line
 from flexmech.linkages import CrankDrive
 from flexmech.mechanism import Provenance
+from flexmech.multibody.closure import ClosedJoints
 from flexmech.multibody.items import Item
 from flexmech.multibody.script_text import (
     Brackets,
@@ -26,8 +27,9 @@ from flexmech.multibody.script_text import (
     quoted,
     statement,
 )
+from flexmech.multibody.shared_text import SHARED
 from flexmech.multibody.solver_settings import Setting
-from flexmech.multibody.user_functions import SHARED, Joints
+from flexmech.multibody.user_functions import Joints
 from flexmech.types import FloatArray
 
 __all__ = ["ScriptSource", "linkage_script"]
@@ -112,7 +114,7 @@ class ScriptSource:
         Of the mechanism.
     drive : CrankDrive
     items : sequence of Item
-    joints : Joints
+    joints : Joints or ClosedJoints
     drifts : bool
         Whether these need to be put in place after every step.
     coordinates, rates : ndarray, shape (n,)
@@ -127,7 +129,7 @@ class ScriptSource:
     provenance: Provenance
     drive: CrankDrive
     items: Sequence[Item]
-    joints: Joints
+    joints: Joints | ClosedJoints
     drifts: bool
     coordinates: FloatArray
     rates: FloatArray
@@ -191,7 +193,7 @@ def _body(source: ScriptSource) -> Iterator[str]:
             pair(f.name, fixed.get(f.name, expression(getattr(joints, f.name))))
             for f in fields(joints)
         )
-        yield from statement("joints = ", call("Joints", *given))
+        yield from statement("joints = ", call(type(joints).__name__, *given))
         yield "mbs.SetPostStepUserFunction(joints.after_step)"
     yield "\n# Settings."
     yield "settings = exu.SimulationSettings()"

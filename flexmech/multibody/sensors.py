@@ -7,16 +7,19 @@ import math
 import numpy as np
 
 from flexmech.linkages import Link
-from flexmech.multibody.assembly import LinkAssembly, LinkPart
+from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import Choice, ItemNumber, SystemItems
+from flexmech.multibody.joints import SliderJoint
+from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.running_model import RunningModel
-from flexmech.multibody.user_functions import constraint_force, middle_deflection
+from flexmech.multibody.user_functions import constraint_force, line_force, middle_deflection
 
 __all__ = ["add_sensors"]
 
 # Kept in memory, at every step.
 _KEPT = {"writeToFile": False, "storeInternal": True}
 _POSITION = Choice("OutputVariableType", "Position")
+_ROTATION = Choice("OutputVariableType", "Rotation")
 # A node this near to the middle, over the length, is the middle.
 _AT_NODE = 1e-9
 
@@ -36,6 +39,8 @@ def add_sensors(model: RunningModel) -> None:
     assembly, items, topology = model.assembly, model.assembly.items, model.assembly.topology
     clamped = {clamp.held.link for clamp in topology.clamps}
     for link, part in zip(topology.links, assembly.parts, strict=True):
+        if isinstance(part, RigidPart):
+            continue
         points = _LinkPoints(assembly, part, link)
         items.begin(f"{link.name}: sensors of its deflection")
         if link.name in clamped:
@@ -59,14 +64,18 @@ def add_sensors(model: RunningModel) -> None:
     items.begin("sensors of forces and torque")
     kinds = dict(zip(topology.joint_names, topology.joint_kinds, strict=True))
     for joint in topology.joint_names:
-        _add_force(items, f"{kinds[joint]}_{joint}_force", model.constraints[joint])
+        name = f"{kinds[joint]}_{joint}_force"
+        if joint in model.sliders:
+            _add_line_force(assembly, name, model.sliders[joint])
+        else:
+            _add_force(items, name, model.constraints[joint])
     _add_force(items, "driving_torque", [model.drive_constraint])
 
 
 class _LinkPoints:
     """Sensors of where points on the pins' axis of a link are."""
 
-    def __init__(self, assembly: LinkAssembly, part: LinkPart, link: Link) -> None:
+    def __init__(self, assembly: LinkAssembly, part: BeamPart, link: Link) -> None:
         self._items = assembly.items
         self._is_curved = assembly.kind.carries_mass
         self._part = part
@@ -128,5 +137,29 @@ def _add_force(items: SystemItems, name: str, constraints: list[ItemNumber]) -> 
         name,
         factors=list(constraints),
         sensorUserFunction=constraint_force,
+        **_KEPT,
+    )
+
+
+def _add_line_force(assembly: LinkAssembly, name: str, line: SliderJoint) -> None:
+    """Force of a line on the end that slides on it."""
+    turning = []
+    if line.slider.guide:
+        guide = assembly.parts[assembly.topology.index(line.slider.guide)]
+        turning = [
+            assembly.items.add(
+                "SensorNode",
+                f"{name}_guide",
+                nodeNumber=guide.nodes[0],
+                outputVariableType=_ROTATION,
+                **_KEPT,
+            )
+        ]
+    assembly.items.add(
+        "SensorUserFunction",
+        name,
+        sensorNumbers=turning,
+        factors=[line.constraint, line.slider.direction + math.pi / 2],
+        sensorUserFunction=line_force,
         **_KEPT,
     )

@@ -50,8 +50,7 @@ class Simulation:
         self.step = step
         self.steps = steps
         self.integrator = integrator
-        self._frames = MovingFrames(model.assembly.kind, model.assembly.parts, model.links)
-        self._joints = model.joint_multipliers
+        self._frames = MovingFrames(model.assembly.parts)
         self._torque = model.torque_multiplier
 
     def run(
@@ -121,15 +120,16 @@ class Simulation:
         )
         displacement, rate = self._frames.to_frames(motion, position, velocity)
         kinetic, strain, gravity, dissipation = np.zeros((4, len(time)))
-        for number, (part, link) in enumerate(zip(assembly.parts, self.model.links, strict=True)):
-            section, lengths = assembly.sections[number], np.diff(part.positions)
+        for number, part in enumerate(assembly.parts):
             own = part.coordinates
             kinetic += energies.kinetic(number, position[:, own], velocity[:, own])
             gravity += energies.gravity(number, position[:, own])
-            place, speed = displacement[number] + link.fields.centripetal, rate[number]
-            if part.arms is not None:
-                place, speed = part.arms.moved(place), part.arms.moved_rate(place, speed)
-            for part_of in assembly.kind.strains(place, speed, lengths, section):
+        for number, beam in assembly.beams:
+            place, speed = displacement[number], rate[number]
+            if (mapped := beam.node_map) is not None:
+                place, speed = mapped.moved(place), mapped.moved_rate(place, speed)
+            place, lengths = place + beam.straight, np.diff(beam.positions)
+            for part_of in beam.kind.strains(place, speed, lengths, beam.section):
                 strain += part_of.energy
                 dissipation += part_of.dissipation
         return StepBlock(
@@ -137,7 +137,7 @@ class Simulation:
             crank_speed=motion.crank_speed,
             displacement=displacement,
             rate=rate,
-            joint_force=-multiplier[:, self._joints],
+            joint_force=self.model.joint_force(multiplier, position),
             driving_torque=-multiplier[:, self._torque],
             kinetic_energy=kinetic,
             strain_energy=strain,

@@ -2,7 +2,8 @@
 
 The model stands in the crank's frame: the shaft's clamp is then a condition on single
 coordinates with a constant constraint Jacobian, whatever the crank angle. What changes
-from one position to the next are the coordinates, the ground pivots and the loads.
+from one position to the next are the coordinates, the ground pivots, the lines of the ground
+and the loads.
 """
 
 from __future__ import annotations
@@ -10,10 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from flexmech.linear_system import free_load
-from flexmech.linkages import LinkEnd, RigidMotion
+from flexmech.linkages import LinkEnd, RigidMotion, shown_crank_angle
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber
+from flexmech.multibody.joints import SliderJoint, TieJoint, add_sliders, add_ties
+from flexmech.multibody.static_loads import StaticLoads
 from flexmech.types import FloatArray
 
 __all__ = ["StaticModel"]
@@ -34,22 +37,38 @@ class StaticModel:
     ----------
     assembly : LinkAssembly
         The links in the frame of the clamped one.
+    loads : StaticLoads
+        Forces on the links.
+    grounds : list of tuple of LinkEnd, ItemNumber and ItemNumber
+        Link ends that are pinned to the ground off their nodes, the ground and the pin of each.
+    ties : list of TieJoint
+    sliders : list of SliderJoint
     """
 
     def __init__(self, mechanism: Mechanism, elements: int, kind: str) -> None:
-        self.assembly = LinkAssembly(mechanism, elements, kind)
-        self._arm_loads: list[tuple[ItemNumber, int]] = []
-        self._grounds: list[tuple[ItemNumber, int, float]] = []
-        self._loads = self._add_loads()
+        self.assembly = assembly = LinkAssembly(mechanism, elements, kind)
+        self.grounds: list[tuple[LinkEnd, ItemNumber, ItemNumber]] = []
+        self.loads = StaticLoads(assembly)
         self._offsets = self._add_supports()
-        self.assembly.add_pins()
-        self.assembly.mbs.Assemble()
+        self.ties: list[TieJoint] = []
+        self.sliders: list[SliderJoint] = []
+        topology = assembly.topology
+        if topology.ties or topology.sliders or topology.clamps[1:]:
+            linkage = mechanism.linkage
+            angle = linkage.motion(shown_crank_angle(linkage)).angle
+            self.ties = add_ties(assembly, angle)
+            self.sliders = add_sliders(assembly)
+            self._add_further_clamps(angle)
+        assembly.mbs.Assemble()
 
     @property
     def free_load(self) -> float:
         """Force by which swelling that is held back pulls and bends an element, at most."""
-        links = zip(self.assembly.sections, self.assembly.parts, strict=True)
-        return max(free_load(section, np.diff(part.positions).min()) for section, part in links)
+        loads = (
+            free_load(part.section, np.diff(part.positions).min())
+            for _, part in self.assembly.beams
+        )
+        return max(loads, default=0.0)
 
     def move_to(self, motion: RigidMotion, number: int) -> FloatArray:
         """Put the supports where position ``number`` of a batch has them.
@@ -73,79 +92,78 @@ class StaticModel:
         for link, part in enumerate(assembly.parts):
             origin = back @ motion.origin[number, link]
             angle = float(motion.angle[number, link] - turn)
-            pose[part.coordinates] = assembly.kind.pose(part.positions, origin, angle)
+            pose[part.coordinates] = part.pose(origin, angle)
         nodes = assembly.arms.to_nodes(pose)
+        set_parameter = assembly.mbs.SetObjectParameter
         for constraint, coordinate in self._offsets:
-            assembly.mbs.SetObjectParameter(constraint, "offset", float(nodes[coordinate]))
-        for ground, first, x in self._grounds:
-            place = [float(pose[first]) + x, float(pose[first + 1]), 0.0]
-            assembly.mbs.SetObjectParameter(ground, "referencePosition", place)
+            set_parameter(constraint, "offset", float(nodes[coordinate]))
+        for end, ground, _ in self.grounds:
+            place = assembly.part_of(end).end_place(end.end, pose)
+            set_parameter(ground, "referencePosition", [*map(float, place), 0.0])
+        for tie in self.ties:
+            if tie.rotation is not None and tie.turns_nodes:
+                leading, following = (
+                    pose[assembly.angle_coordinate(end)]
+                    for end in (tie.tie.leader, tie.tie.follower)
+                )
+                set_parameter(tie.rotation, "offset", float(following - leading))
+        for slider in self.sliders:
+            if slider.ground is not None:
+                place, normal = back @ slider.place, back @ slider.normal
+                set_parameter(slider.ground, "referencePosition", [*map(float, place), 0.0])
+                set_parameter(slider.constraint, "normalMarker1", [*map(float, normal), 0.0])
         return pose
-
-    def set_forces(self, forces: FloatArray) -> None:
-        """Generalized forces on all coordinates, shape (size,), in the crank's frame."""
-        mbs, at_nodes = self.assembly.mbs, forces.copy()
-        for load, first in self._arm_loads:
-            x, y = at_nodes[first : first + 2]
-            mbs.SetLoadParameter(load, "loadVector", [float(x), float(y), 0.0])
-            at_nodes[first : first + 2] = 0.0
-        mbs.SetObjectParameter(self._loads, "forceVector", at_nodes)
 
     def swell(self, part: float) -> None:
         """Give all elements a part of the free strains of their sections; 1 for all of it."""
         assembly = self.assembly
-        for section, link in zip(assembly.sections, assembly.parts, strict=True):
-            for element in link.elements if section.is_free_strained else ():
-                assembly.kind.swell(assembly.mbs, element, section, part)
-
-    def _add_loads(self) -> ItemNumber:
-        """One object that carries forces on every coordinate and the point masses."""
-        assembly = self.assembly
-        mass = np.zeros((assembly.size, assembly.size))
-        for link, part in enumerate(assembly.parts):
-            at = part.coordinates.start + assembly.kind.per_node * np.arange(len(part.nodes))
-            if part.bodies is None:
-                mass[at, at] = mass[at + 1, at + 1] = assembly.point_masses(link)
-            if part.arms is None:
-                continue
-            for number, first in enumerate(at):
-                name = f"load_{link}_{number}"
-                marker = assembly.add_axis_point(part, number, f"{name}_point")
-                load = assembly.items.add(
-                    "LoadForceVector", name, markerNumber=marker, loadVector=[0.0, 0.0, 0.0]
-                )
-                self._arm_loads.append((load, int(first)))
-        every = [node for part in assembly.parts for node in part.nodes]
-        return assembly.items.add(
-            "ObjectGenericODE2",
-            "loads",
-            nodeNumbers=every,
-            massMatrix=mass if mass.any() else None,
-            forceVector=np.zeros(assembly.size),
-        )
+        for _, link in assembly.beams:
+            for element in link.elements if link.section.is_free_strained else ():
+                assembly.kind.swell(assembly.mbs, element, link.section, part)
 
     def _add_supports(self) -> list[tuple[ItemNumber, int]]:
         """Hold clamped and pivoted coordinates; returns constraints and what they hold."""
         assembly = self.assembly
         fixed = assembly.add_fixed_coordinate()
-        held: list[tuple[LinkEnd, tuple[int, ...]]] = [
-            (clamp.held, (0, 1, assembly.kind.clamped)) for clamp in assembly.topology.clamps
-        ]
+        held: list[tuple[LinkEnd, tuple[int, ...]]] = []
+        for number, clamp in enumerate(assembly.topology.clamps):
+            turning = assembly.turning_coordinate(clamp.held)
+            if turning is not None:
+                held.append((clamp.held, (0, 1, turning)))
+            else:
+                # The slope of the first clamped cable lies along the frame's x axis.
+                held.append((clamp.held, (0, 1) if number else (0, 1, assembly.kind.clamped)))
         for pivot in assembly.topology.pivots:
-            if assembly.part_of(pivot.held).arms is None:
+            if assembly.is_at_node(pivot.held):
                 held.append((pivot.held, (0, 1)))
             else:
-                ground = assembly.add_ground_pin(
+                ground, pin = assembly.add_ground_pin(
                     f"pivot_{pivot.joint}", pivot.held, [0.0, 0.0, 0.0]
-                )[0]
-                first, x = assembly.end_node(pivot.held)[1], assembly.reference_place(pivot.held)[0]
-                self._grounds.append((ground, first, float(x)))
+                )
+                self.grounds.append((pivot.held, ground, pin))
         offsets = []
         for place, coordinates in held:
-            node, first = assembly.end_node(place)
+            node, first = assembly.end_node(place), assembly.first_coordinate(place)
             for coordinate in coordinates:
                 constraint = assembly.add_constraint(
                     f"support_{node.name}_{coordinate}", fixed, node, coordinate
                 )
                 offsets.append((constraint, first + coordinate))
         return offsets
+
+    def _add_further_clamps(self, angle: FloatArray) -> None:
+        """Keep the slopes of further clamped cables from turning; the angle is of all links."""
+        assembly = self.assembly
+        for clamp in assembly.topology.clamps[1:]:
+            if assembly.turning_coordinate(clamp.held) is not None:
+                continue
+            name, items = f"clamp_{clamp.joint}_rotation", assembly.items
+            ground = items.add("ObjectGround", f"{name}_ground")
+            turn = float(angle[assembly.topology.index(clamp.held.link)] - angle[assembly.base])
+            frames = [
+                assembly.add_body_frame(ground, f"{name}_on_ground", 0.0),
+                assembly.add_frame_marker(clamp.held, f"{name}_axis", -turn),
+            ]
+            items.add(
+                "GenericJoint", name, markerNumbers=frames, constrainedAxes=[0, 0, 0, 0, 0, 1]
+            )

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.errors import InputError
 from flexmech.linear_system import LinkModel, LinkReadings
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.linearize import linearized, simulation_settings
+from flexmech.multibody.link_parts import RigidPart
 from flexmech.multibody.static_model import StaticModel
 from flexmech.types import FloatArray, IntArray
 
@@ -28,7 +30,10 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
     mass, stiffness, damping = linearized(assembly, simulation_settings(), straight)
     model.swell(1.0)
     kind, models = assembly.kind, []
-    for name, part in zip(assembly.topology.link_names, assembly.parts, strict=True):
+    for part in assembly.parts:
+        if isinstance(part, RigidPart):
+            raise InputError(f"the {part.name} is rigid, which linear systems do not know yet")
+        name = part.name
         count, size = len(part.nodes), part.coordinates.stop - part.coordinates.start
         own = [matrix[part.coordinates, part.coordinates] for matrix in (mass, stiffness, damping)]
         if part.arms is not None:
@@ -87,14 +92,17 @@ def unit_tension_stiffness(assembly: LinkAssembly) -> list[FloatArray]:
     settings = simulation_settings()
     relaxed = linearized(assembly, settings, straight)[1]
     parts = []
-    for section, part in zip(assembly.sections, assembly.parts, strict=True):
+    for part in assembly.parts:
+        if isinstance(part, RigidPart):
+            parts.append(np.zeros((0, part.straight.size, part.straight.size)))
+            continue
         unit = []
         for element in part.elements:
             assembly.mbs.SetObjectParameter(element, "referenceAxialStrain", -1.0)
             tense = linearized(assembly, settings, straight)[1]
             assembly.mbs.SetObjectParameter(element, "referenceAxialStrain", 0.0)
             change = (tense - relaxed)[part.coordinates, part.coordinates]
-            unit.append(change / section.axial_stiffness)
+            unit.append(change / part.section.axial_stiffness)
         parts.append(np.stack(unit))
     return parts
 

@@ -14,14 +14,15 @@ from typing import Any
 import numpy as np
 
 __all__ = [
-    "SHARED",
     "AxisPoint",
     "HubClamp",
     "Joints",
     "Shaft",
     "constraint_force",
     "difference_mass",
+    "line_force",
     "middle_deflection",
+    "turned_frame",
 ]
 
 
@@ -226,19 +227,42 @@ def constraint_force(
     return [-float(multipliers[row]) for row in rows]
 
 
+def line_force(mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any) -> list[float]:
+    """Sensor: force of a line on the end that slides on it, in ground axes.
+
+    The first factor is the number of the constraint, the second the angle of the line's normal
+    in rad; a sensor, if any, is that of the rotation of the link that guides it.
+
+    Parameters
+    ----------
+    mbs, t, sensors, factors, configuration
+        What Exudyn gives to a sensor.
+    """
+    row = mbs.systemData.GetObjectLTGAE(int(factors[0]))[0]
+    force = float(mbs.systemData.GetAECoordinates()[row])
+    angle = factors[1]
+    if len(sensors):
+        angle += mbs.GetSensorValues(sensors[0], configuration)[2]
+    return [force * math.cos(angle), force * math.sin(angle)]
+
+
 def difference_mass(mass: float, inertia: float) -> Any:
     """Mass in kg and inertia in kg m^2 by the difference of two nodes' velocities."""
     difference = np.array([[1.0, -1.0], [-1.0, 1.0]])
     return np.kron(difference, np.diag([mass, mass, inertia]))
 
 
-# In the order in which they need each other.
-SHARED = (
-    Shaft,
-    AxisPoint,
-    HubClamp,
-    Joints,
-    difference_mass,
-    middle_deflection,
-    constraint_force,
-)
+def turned_frame(x: float, y: float, angle: float) -> Any:
+    """Frame of a marker in its body's.
+
+    Parameters
+    ----------
+    x, y : float
+        Its place in m.
+    angle : float
+        In rad.
+    """
+    frame = np.eye(4)
+    frame[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
+    frame[:2, 3] = x, y
+    return frame

@@ -254,7 +254,8 @@ def test_a_section_s_mass_is_all_there(neutral, mass):
 def strain_energy(engine, link, displacement):
     """Of a link displaced in its frame; ``displacement`` (m, n) are those of the pins' axis."""
     assembly = engine.model.assembly
-    part, section = assembly.parts[link], assembly.sections[link]
+    part = assembly.parts[link]
+    section = part.section
     nodes = part.arms.moved(displacement) + engine.links[link].fields.centripetal
     strains = assembly.kind.strains(nodes, 0 * nodes, np.diff(part.positions), section)
     return sum(strain.energy for strain in strains)

@@ -87,7 +87,7 @@ def strains(assembly, displacement, rate):
     part = assembly.parts[0]
     straight = assembly.kind.rigid_fields(part.positions).centripetal
     lengths = np.diff(part.positions)
-    return assembly.kind.strains(straight + displacement, rate, lengths, assembly.sections[0])
+    return assembly.kind.strains(straight + displacement, rate, lengths, assembly.parts[0].section)
 
 
 @pytest.mark.parametrize("element", ELEMENTS)

@@ -1,0 +1,266 @@
+"""Joints put in place after every step where that takes more than moving one node.
+
+As :mod:`flexmech.multibody.user_functions`, this is the text of exported scripts too. Constraints
+on velocities leave places and angles to the integration rule, whose errors would add up where a
+joint is not linear in the coordinates: a rigid link turns, a weld holds directions, a guide's line
+turns. The least change of the coordinates of the joined nodes closes all joints (Gauss-Newton).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from flexmech.multibody.user_functions import Shaft
+
+__all__ = ["AngleGap", "ClosedJoints", "JoinedEnd", "LineGap", "PlaceGap"]
+
+
+@dataclass(frozen=True)
+class JoinedEnd:
+    """A point that turns with a node, and the direction of the link there.
+
+    Parameters
+    ----------
+    first : int
+        The node's first coordinate in the system.
+    node : tuple of float
+        Its reference place in m.
+    lever : tuple of float
+        The point's place from the node, along and across the link, in m.
+    has_slope : bool
+        Whether the node has a slope vector as its third and fourth coordinate, or an angle.
+    """
+
+    first: int
+    node: tuple[float, float]
+    lever: tuple[float, float]
+    has_slope: bool
+
+    def angle(self, position: Any) -> float:
+        """Angle of the link's axis there in rad."""
+        turn = self.first + 2
+        if self.has_slope:
+            return math.atan2(position[turn + 1], 1 + position[turn])
+        return float(position[turn])
+
+    def angle_row(self, position: Any, row: Any, factor: float) -> None:
+        """Add the angle's derivative by the coordinates to a row.
+
+        Parameters
+        ----------
+        position : ndarray
+            Coordinates of the system.
+        row : ndarray
+            Added to.
+        factor : float
+            What the derivative is multiplied by.
+        """
+        turn = self.first + 2
+        if self.has_slope:
+            x, y = 1 + position[turn], position[turn + 1]
+            row[turn] -= factor * y / (x * x + y * y)
+            row[turn + 1] += factor * x / (x * x + y * y)
+        else:
+            row[turn] += factor
+
+    def arm(self, position: Any) -> tuple[float, float]:
+        """From the node to the point, in m."""
+        if not (self.lever[0] or self.lever[1]):
+            return 0.0, 0.0
+        angle, (x, y) = self.angle(position), self.lever
+        cosine, sine = math.cos(angle), math.sin(angle)
+        return cosine * x - sine * y, sine * x + cosine * y
+
+    def place(self, position: Any) -> tuple[float, float]:
+        """Where the point is, in m."""
+        x, y = self.arm(position)
+        return (
+            position[self.first] + self.node[0] + x,
+            position[self.first + 1] + self.node[1] + y,
+        )
+
+    def place_row(self, position: Any, row: Any, x: float, y: float) -> None:
+        """Add the derivative of the place's part along a vector to a row.
+
+        Parameters
+        ----------
+        position : ndarray
+            Coordinates of the system.
+        row : ndarray
+            Added to.
+        x, y : float
+            The vector.
+        """
+        row[self.first] += x
+        row[self.first + 1] += y
+        if self.lever[0] or self.lever[1]:
+            across, along = self.arm(position)
+            self.angle_row(position, row, y * across - x * along)
+
+
+@dataclass(frozen=True)
+class PlaceGap:
+    """Two points that are one; without a leader, a point at a place of the ground or the hub.
+
+    Parameters
+    ----------
+    follower : JoinedEnd
+    leader : JoinedEnd or None
+    place : tuple of float
+        Of the point without a leader, in m.
+    on_hub : bool
+        Whether that place turns with the hub.
+    """
+
+    follower: JoinedEnd
+    leader: JoinedEnd | None
+    place: tuple[float, float]
+    on_hub: bool
+
+    def rows(self, position: Any, turn: float, gap: Any, rows: Any) -> int:
+        """Write how far they are apart and its derivatives; returns the number of rows.
+
+        Parameters
+        ----------
+        position : ndarray
+            Coordinates of the system.
+        turn : float
+            Angle of the hub in rad.
+        gap, rows : ndarray
+            Written to.
+        """
+        x, y = self.place
+        if self.on_hub:
+            x, y = (
+                math.cos(turn) * x - math.sin(turn) * y,
+                math.sin(turn) * x + math.cos(turn) * y,
+            )
+        if self.leader is not None:
+            x, y = self.leader.place(position)
+            self.leader.place_row(position, rows[0], -1.0, 0.0)
+            self.leader.place_row(position, rows[1], 0.0, -1.0)
+        own = self.follower.place(position)
+        gap[0], gap[1] = own[0] - x, own[1] - y
+        self.follower.place_row(position, rows[0], 1.0, 0.0)
+        self.follower.place_row(position, rows[1], 0.0, 1.0)
+        return 2
+
+
+@dataclass(frozen=True)
+class AngleGap:
+    """An angle in rad that stays between two links, or between a link and the hub."""
+
+    follower: JoinedEnd
+    leader: JoinedEnd | None
+    between: float
+
+    def rows(self, position: Any, turn: float, gap: Any, rows: Any) -> int:
+        """Write how much it has changed and its derivatives; returns the number of rows.
+
+        Parameters
+        ----------
+        position : ndarray
+            Coordinates of the system.
+        turn : float
+            Angle of the hub in rad.
+        gap, rows : ndarray
+            Written to.
+        """
+        before = turn
+        if self.leader is not None:
+            before = self.leader.angle(position)
+            self.leader.angle_row(position, rows[0], -1.0)
+        gap[0] = math.remainder(self.follower.angle(position) - before - self.between, 2 * math.pi)
+        self.follower.angle_row(position, rows[0], 1.0)
+        return 1
+
+
+@dataclass(frozen=True)
+class LineGap:
+    """A point on a line of the ground or of a rigid link.
+
+    Parameters
+    ----------
+    held : JoinedEnd
+    guide : JoinedEnd or None
+        A point of the line on the link that guides it.
+    place : tuple of float
+        A point of a line of the ground in m.
+    direction : float
+        Angle of the line in rad, in the axes of the ground or of the link.
+    """
+
+    held: JoinedEnd
+    guide: JoinedEnd | None
+    place: tuple[float, float]
+    direction: float
+
+    def rows(self, position: Any, turn: float, gap: Any, rows: Any) -> int:
+        """Write how far it is off and its derivatives; returns the number of rows.
+
+        Parameters
+        ----------
+        position : ndarray
+            Coordinates of the system.
+        turn : float
+            Angle of the hub in rad.
+        gap, rows : ndarray
+            Written to.
+        """
+        angle, (x, y) = self.direction, self.place
+        if self.guide is not None:
+            angle += self.guide.angle(position)
+            x, y = self.guide.place(position)
+        cosine, sine = math.cos(angle), math.sin(angle)
+        own = self.held.place(position)
+        gap[0] = cosine * (own[1] - y) - sine * (own[0] - x)
+        self.held.place_row(position, rows[0], -sine, cosine)
+        if self.guide is not None:
+            self.guide.place_row(position, rows[0], sine, -cosine)
+            along = cosine * (own[0] - x) + sine * (own[1] - y)
+            self.guide.angle_row(position, rows[0], -along)
+        return 1
+
+
+@dataclass(frozen=True)
+class ClosedJoints:
+    """All joints of a linkage, closed after every step.
+
+    Parameters
+    ----------
+    shaft : Shaft
+    gaps : list
+        Of the joints.
+    rows : int
+        How many conditions they are.
+    """
+
+    shaft: Shaft
+    gaps: list[PlaceGap | AngleGap | LineGap]
+    rows: int
+
+    def put_in_place(self, position: Any, t: float) -> None:
+        """Correct the system's coordinates, in place; the hub's angle comes last."""
+        turn = self.shaft.angle(t)
+        position[-1] = turn
+        for _ in range(3):
+            gap, gradient = np.zeros(self.rows), np.zeros((self.rows, len(position)))
+            first = 0
+            for each in self.gaps:
+                first += each.rows(position, turn, gap[first:], gradient[first:])
+            if np.abs(gap).max() < 1e-15:
+                break
+            moved = np.flatnonzero(gradient.any(axis=0))
+            gradient = gradient[:, moved]
+            position[moved] -= gradient.T @ np.linalg.solve(gradient @ gradient.T, gap)
+
+    def after_step(self, mbs: Any, t: float) -> bool:
+        """User function of the system after every step."""
+        position = mbs.systemData.GetODE2Coordinates()
+        self.put_in_place(position, t)
+        mbs.systemData.SetODE2Coordinates(position)
+        return True

@@ -1,0 +1,224 @@
+"""What the system has of each link: its items, and how its coordinates turn with it.
+
+Coordinates of a beam are those of points on the pins' axis, less the reference ones; see
+:mod:`flexmech.multibody.arms` and :mod:`flexmech.multibody.polar_slopes` for what leads from
+them to Exudyn's. Those of a rigid link are the place of its start and its angle, as in Exudyn.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linkages.topology import End
+from flexmech.multibody.arms import Arms
+from flexmech.multibody.beam_kind import BeamKind
+from flexmech.multibody.items import ItemNumber
+from flexmech.multibody.node_bodies import NodeBodies
+from flexmech.multibody.polar_slopes import PolarSlopes
+from flexmech.sections import BeamSection
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["BeamPart", "LinkPart", "RigidPart", "turn_vectors"]
+
+# Coordinates of a rigid link.
+RIGID_SIZE = 3
+
+
+@dataclass(frozen=True)
+class BeamPart:
+    """A link of beam elements.
+
+    Parameters
+    ----------
+    name : str
+    section : BeamSection
+    kind : BeamKind
+    positions : ndarray, shape (e + 1,)
+        Node positions along the link in m.
+    nodes, elements : list of ItemNumber
+    coordinates : slice
+        Where the link's coordinates are in the system's.
+    arms : Arms, optional
+        From the pins' axis to the nodes; None where the section is not eccentric and the
+        nodes are on it.
+    bodies : NodeBodies, optional
+        Bodies at the nodes, which carry all mass; its beams do where there are none.
+    polar : PolarSlopes, optional
+        Nodes at which something holds the direction of a cable's slope; None where there is no
+        such node.
+    """
+
+    name: str
+    section: BeamSection
+    kind: BeamKind
+    positions: FloatArray
+    nodes: list[ItemNumber]
+    elements: list[ItemNumber]
+    coordinates: slice
+    arms: Arms | None = None
+    bodies: NodeBodies | None = None
+    polar: PolarSlopes | None = None
+
+    @property
+    def length(self) -> float:
+        """In m."""
+        return float(self.positions[-1])
+
+    @property
+    def node_map(self) -> Arms | PolarSlopes | None:
+        """From the link's coordinates to those of its nodes; None where they are the same."""
+        return self.arms or self.polar
+
+    @cached_property
+    def straight(self) -> FloatArray:
+        """Coordinates of the undeformed link in its own frame, with the reference ones, (n,)."""
+        return self.kind.rigid_fields(self.positions).centripetal
+
+    @cached_property
+    def along(self) -> FloatArray:
+        """Change of the coordinates when the link moves by one along x, (n,)."""
+        return self.kind.rigid_fields(self.positions).along
+
+    @cached_property
+    def across(self) -> FloatArray:
+        """Change of the coordinates when the link moves by one along y, (n,)."""
+        return self.kind.rigid_fields(self.positions).across
+
+    @cached_property
+    def rotation(self) -> FloatArray:
+        """1 for coordinates that are angles, 0 for all others, (n,)."""
+        # Where the beam has rotations, they are all of the tangential field but its vectors.
+        fields = self.kind.rigid_fields(self.positions)
+        return np.where(self._is_vector, 0.0, fields.tangential)
+
+    @cached_property
+    def vectors(self) -> tuple[IntArray, IntArray]:
+        """X and y coordinates of all vectors that turn with the link, (k,) each."""
+        x, y = self.force_vectors
+        if self.polar is None:
+            return x, y
+        kept = ~np.isin(x, self.polar.first)
+        return x[kept], y[kept]
+
+    @cached_property
+    def force_vectors(self) -> tuple[IntArray, IntArray]:
+        """The same of the forces on Exudyn's coordinates."""
+        return self.kind.vector_pairs(len(self.nodes))
+
+    def pose(self, origin: FloatArray, angle: float) -> FloatArray:
+        """Coordinates, less the reference ones, of the undeformed link at a place and angle."""
+        pose = self.kind.pose(self.positions, origin, angle)
+        if self.polar is not None:
+            pose[self.polar.first], pose[self.polar.first + 1] = 0.0, angle
+        return pose
+
+    def end_place(self, end: End, position: FloatArray) -> FloatArray:
+        """Where an end is by the coordinates of all links (size,), shape (2,)."""
+        own = position[self.coordinates]
+        if end == "start":
+            return np.asarray(own[:2])
+        first = len(own) - self.kind.per_node
+        return np.asarray(own[first : first + 2] + np.array([self.length, 0.0]))
+
+    @property
+    def _is_vector(self) -> NDArray[np.bool_]:
+        return np.isin(np.arange(len(self.straight)), np.concatenate(self.vectors))
+
+
+@dataclass(frozen=True)
+class RigidPart:
+    """A rigid link: a body with its node at the start of the link.
+
+    Parameters
+    ----------
+    name : str
+    length : float
+        In m.
+    nodes : list of ItemNumber
+        The one node.
+    body : ItemNumber
+    moments : tuple of float
+        Mass in kg, its first moments along and across the link in kg m, and its polar second
+        moment in kg m^2, about the start.
+    coordinates : slice
+    """
+
+    name: str
+    length: float
+    nodes: list[ItemNumber]
+    body: ItemNumber
+    moments: tuple[float, float, float, float]
+    coordinates: slice
+
+    @property
+    def centre(self) -> tuple[float, float]:
+        """Centre of mass from the start, along and across the link, in m."""
+        mass, along, across, _ = self.moments
+        return (along / mass, across / mass) if mass else (0.0, 0.0)
+
+    @property
+    def straight(self) -> FloatArray:
+        """Coordinates of the undeformed link in its own frame, with the reference ones, (n,)."""
+        return np.zeros(RIGID_SIZE)
+
+    @property
+    def along(self) -> FloatArray:
+        """Change of the coordinates when the link moves by one along x, (n,)."""
+        return np.array([1.0, 0.0, 0.0])
+
+    @property
+    def across(self) -> FloatArray:
+        """Change of the coordinates when the link moves by one along y, (n,)."""
+        return np.array([0.0, 1.0, 0.0])
+
+    @property
+    def rotation(self) -> FloatArray:
+        """1 for coordinates that are angles, 0 for all others, (n,)."""
+        return np.array([0.0, 0.0, 1.0])
+
+    @property
+    def vectors(self) -> tuple[IntArray, IntArray]:
+        """X and y coordinates of all vectors that turn with the link, (k,) each."""
+        return np.array([0]), np.array([1])
+
+    @property
+    def force_vectors(self) -> tuple[IntArray, IntArray]:
+        """The same of the forces on Exudyn's coordinates."""
+        return self.vectors
+
+    def pose(self, origin: FloatArray, angle: float) -> FloatArray:
+        """Coordinates, less the reference ones, of the undeformed link at a place and angle."""
+        return np.array([origin[0], origin[1], angle])
+
+    def end_place(self, end: End, position: FloatArray) -> FloatArray:
+        """Where an end is by the coordinates of all links (size,), shape (2,)."""
+        x, y, angle = position[self.coordinates]
+        arm = 0.0 if end == "start" else self.length
+        return np.array([x + arm * np.cos(angle), y + arm * np.sin(angle)])
+
+
+LinkPart: TypeAlias = BeamPart | RigidPart
+"""One link in the Exudyn system."""
+
+
+def turn_vectors(values: FloatArray, pairs: tuple[IntArray, IntArray], angle: FloatArray) -> None:
+    """Turn vectors in place.
+
+    Parameters
+    ----------
+    values : ndarray, shape (m, n)
+    pairs : tuple of ndarray of int, shape (k,)
+        Their x and y coordinates.
+    angle : ndarray, shape (m,)
+        In rad.
+    """
+    x, y = pairs
+    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    along, across = values[:, x], values[:, y]
+    values[:, x] = cosine * along - sine * across
+    values[:, y] = sine * along + cosine * across

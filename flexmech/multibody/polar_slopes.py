@@ -1,0 +1,175 @@
+"""Slopes of cable nodes by their stretch and their angle, where something holds their direction.
+
+A cable's node has a slope vector ``(1 + s_x, s_y)``. A weld keeps the angle between two such
+vectors, and a body on a node turns with one; the stretch of each is the link's own. By stretch e
+and angle phi,
+
+    s_x = (1 + e) cos(phi) - 1,    s_y = (1 + e) sin(phi),
+
+such a condition is linear: two angles differ by a constant. Its forces then add nothing to the
+tangent stiffness but what this map adds, second derivatives of the slope times the forces on it.
+To first order about the straight link both pairs of coordinates are the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["PolarSlopes"]
+
+
+@dataclass(frozen=True, eq=False)
+class PolarSlopes:
+    """Nodes of one link whose slopes are told by stretch and angle.
+
+    Parameters
+    ----------
+    first : ndarray of int, shape (k,)
+        Coordinate of the link that is the stretch of each; the angle comes next to it.
+    """
+
+    first: IntArray
+
+    @property
+    def back(self) -> _CartesianSlopes:
+        """From slope vectors to stretch and angle."""
+        return _CartesianSlopes(self.first)
+
+    def moved(self, polar: FloatArray) -> FloatArray:
+        """Coordinates of the nodes, less the reference ones.
+
+        Parameters
+        ----------
+        polar : ndarray, shape (..., n)
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+        """
+        nodes = polar.copy()
+        stretch, cosine, sine = self._slope(polar)
+        nodes[..., self.first] = stretch * cosine - 1
+        nodes[..., self.first + 1] = stretch * sine
+        return nodes
+
+    def moved_rate(self, polar: FloatArray, rate: FloatArray) -> FloatArray:
+        """Velocities of the nodes.
+
+        Parameters
+        ----------
+        polar, rate : ndarray, shape (..., n)
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+        """
+        nodes = rate.copy()
+        stretch, cosine, sine = self._slope(polar)
+        growing, turning = rate[..., self.first], stretch * rate[..., self.first + 1]
+        nodes[..., self.first] = growing * cosine - turning * sine
+        nodes[..., self.first + 1] = growing * sine + turning * cosine
+        return nodes
+
+    def force(self, polar: FloatArray, force: FloatArray) -> FloatArray:
+        """Forces on the nodes as those on stretch and angle, ``J' f``.
+
+        Parameters
+        ----------
+        polar, force : ndarray, shape (..., n)
+
+        Returns
+        -------
+        ndarray, shape (..., n)
+        """
+        result = force.copy()
+        stretch, cosine, sine = self._slope(polar)
+        x, y = force[..., self.first], force[..., self.first + 1]
+        result[..., self.first] = x * cosine + y * sine
+        result[..., self.first + 1] = stretch * (y * cosine - x * sine)
+        return result
+
+    def matrix(self, polar: FloatArray, matrix: FloatArray) -> FloatArray:
+        """A matrix of the nodes' coordinates in stretch and angle, ``J' X J``.
+
+        Parameters
+        ----------
+        polar : ndarray, shape (..., n)
+        matrix : ndarray, shape (..., n, n)
+
+        Returns
+        -------
+        ndarray, shape (..., n, n)
+        """
+        size = polar.shape[-1]
+        gradient = np.zeros((*polar.shape, size))
+        every = np.arange(size)
+        gradient[..., every, every] = 1.0
+        stretch, cosine, sine = self._slope(polar)
+        e, phi = self.first, self.first + 1
+        gradient[..., e, e], gradient[..., e, phi] = cosine, -stretch * sine
+        gradient[..., phi, e], gradient[..., phi, phi] = sine, stretch * cosine
+        return np.asarray(np.swapaxes(gradient, -1, -2) @ matrix @ gradient)
+
+    def tangent(self, polar: FloatArray, stiffness: FloatArray, force: FloatArray) -> FloatArray:
+        """Tangent stiffness in stretch and angle.
+
+        Parameters
+        ----------
+        polar : ndarray, shape (..., n)
+        stiffness : ndarray, shape (..., n, n)
+            Of the nodes.
+        force : ndarray, shape (..., n)
+            Internal forces on the nodes, less outer ones that keep their direction.
+
+        Returns
+        -------
+        ndarray, shape (..., n, n)
+        """
+        tangent = self.matrix(polar, stiffness)
+        stretch, cosine, sine = self._slope(polar)
+        e, phi = self.first, self.first + 1
+        x, y = force[..., e], force[..., phi]
+        along, across = x * cosine + y * sine, y * cosine - x * sine
+        tangent[..., e, phi] += across
+        tangent[..., phi, e] += across
+        tangent[..., phi, phi] -= stretch * along
+        return tangent
+
+    def _slope(self, polar: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Length, cosine and sine of the slope vectors."""
+        angle = polar[..., self.first + 1]
+        return 1 + polar[..., self.first], np.cos(angle), np.sin(angle)
+
+
+@dataclass(frozen=True, eq=False)
+class _CartesianSlopes:
+    """The map back; see :class:`PolarSlopes`."""
+
+    first: IntArray
+
+    @property
+    def back(self) -> PolarSlopes:
+        """From stretch and angle to slope vectors."""
+        return PolarSlopes(self.first)
+
+    def moved(self, nodes: FloatArray) -> FloatArray:
+        """Stretch and angle, the angle within half a turn."""
+        polar = nodes.copy()
+        x, y = 1 + nodes[..., self.first], nodes[..., self.first + 1]
+        polar[..., self.first] = np.hypot(x, y) - 1
+        polar[..., self.first + 1] = np.arctan2(y, x)
+        return polar
+
+    def moved_rate(self, nodes: FloatArray, rate: FloatArray) -> FloatArray:
+        """Rates of stretch and angle."""
+        polar = rate.copy()
+        x, y = 1 + nodes[..., self.first], nodes[..., self.first + 1]
+        dx, dy = rate[..., self.first], rate[..., self.first + 1]
+        length = np.hypot(x, y)
+        polar[..., self.first] = (x * dx + y * dy) / length
+        polar[..., self.first + 1] = (x * dy - y * dx) / length**2
+        return polar

@@ -1,0 +1,138 @@
+"""Stiffness of rigid links against turning, from the forces on them.
+
+A force F that keeps its direction at the place r of a rigid link, turned by phi, does the work
+``F . R(phi) r``; its second derivative gives the stiffness ``F . R(phi) r``. Where F is the force
+of a joint, this is the derivative of ``C_q' lambda`` by the link's angle, which Exudyn leaves out
+of its linearization.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.linkages import LinkEnd, RigidMotion
+from flexmech.linkages.motion import direction, normal
+from flexmech.mechanism import Mechanism
+from flexmech.multibody.link_parts import RigidPart
+from flexmech.multibody.static_model import StaticModel
+from flexmech.types import FloatArray
+
+__all__ = ["JointForce", "joint_forces", "rigid_virial", "turning_stiffness"]
+
+
+@dataclass(frozen=True)
+class JointForce:
+    """Force of a joint on a link.
+
+    Parameters
+    ----------
+    link : int
+    place : ndarray, shape (2,)
+        Where it acts, in the model's axes in m.
+    force : ndarray, shape (2,)
+        In N.
+    """
+
+    link: int
+    place: FloatArray
+    force: FloatArray
+
+
+def joint_forces(model: StaticModel, state: FloatArray) -> Iterator[JointForce]:
+    """Forces of pins, welds, sliders and ground pins off nodes, after a static solution.
+
+    Parameters
+    ----------
+    model : StaticModel
+    state : ndarray, shape (size,)
+        Coordinates of all links.
+
+    Returns
+    -------
+    iterator of JointForce
+    """
+    assembly = model.assembly
+    data = assembly.mbs.systemData
+    multipliers = np.array(data.GetAECoordinates())
+
+    def own(constraint: int) -> FloatArray:
+        return multipliers[list(data.GetObjectLTGAE(int(constraint)))]
+
+    def on(end: LinkEnd, force: FloatArray) -> JointForce:
+        place = assembly.part_of(end).end_place(end.end, state)
+        return JointForce(assembly.topology.index(end.link), place, force)
+
+    for end, _, pin in model.grounds:
+        yield on(end, -own(pin))
+    for joint in model.ties:
+        force = -own(joint.position)
+        yield on(joint.tie.follower, force)
+        yield on(joint.leader, -force)
+    for line in model.sliders:
+        x, y, _ = assembly.mbs.GetObjectParameter(line.constraint, "normalMarker1")
+        normal = np.array([x, y])
+        if line.slider.guide:
+            guide = assembly.topology.index(line.slider.guide)
+            angle = state[assembly.parts[guide].coordinates][2]
+            cosine, sine = np.cos(angle), np.sin(angle)
+            normal = np.array([cosine * x - sine * y, sine * x + cosine * y])
+        held = on(line.slider.held, own(line.constraint)[0] * normal)
+        yield held
+        if line.slider.guide:
+            yield JointForce(guide, held.place, -held.force)
+
+
+def rigid_virial(mechanism: Mechanism, motion: RigidMotion, link: int) -> FloatArray:
+    """Virial of inertia forces and weight of a rigid link about its start.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    motion : RigidMotion
+        Batch of shape (B,).
+    link : int
+
+    Returns
+    -------
+    ndarray, shape (B,)
+        Integral of force times place in N m.
+    """
+    mass = mechanism.link_mass(mechanism.linkage.topology.link_names[link])
+    angle, turning = motion.angle[:, link], motion.angular_velocity[:, link] ** 2
+    pull = motion.origin_acceleration[:, link] - np.asarray(mechanism.gravity)
+    centre = mass.moment(1) * direction(angle) + mass.moment_across * normal(angle)
+    return np.asarray(turning * mass.moment(2) - np.sum(centre * pull, axis=1))
+
+
+def turning_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray) -> FloatArray:
+    """Stiffness against turning of each rigid link after a static solution.
+
+    Parameters
+    ----------
+    model : StaticModel
+    state : ndarray, shape (size,)
+        Coordinates of all links.
+    couples : ndarray, shape (n_links, 2)
+        As :meth:`flexmech.multibody.static_loads.StaticLoads.set` took them.
+
+    Returns
+    -------
+    ndarray, shape (n_links,)
+        In N m/rad; zero of elastic links.
+    """
+    parts = model.assembly.parts
+    stiffness = np.zeros(len(parts))
+    rigid = [link for link, part in enumerate(parts) if isinstance(part, RigidPart)]
+    if not rigid:
+        return stiffness
+    for link in rigid:
+        end = parts[link].end_place("end", state)
+        stiffness[link] = couples[link] @ (end - state[parts[link].coordinates][:2])
+    for acting in joint_forces(model, state):
+        if acting.link in rigid:
+            start = state[parts[acting.link].coordinates][:2]
+            stiffness[acting.link] += acting.force @ (acting.place - start)
+    return stiffness

@@ -1,0 +1,203 @@
+"""Joints of a running linkage: what its start must keep together, and what steps let drift."""
+
+from __future__ import annotations
+
+import math
+from itertools import chain
+
+import numpy as np
+
+from flexmech.linkages import LinkEnd, RigidMotion
+from flexmech.multibody.assembly import LinkAssembly
+from flexmech.multibody.closure import AngleGap, ClosedJoints, JoinedEnd, LineGap, PlaceGap
+from flexmech.multibody.link_parts import RigidPart
+from flexmech.multibody.user_functions import AxisPoint, HubClamp, Joints, Shaft
+from flexmech.types import FloatArray
+
+__all__ = ["drifting_joints", "greatest_gap", "place_at_start", "place_on_hub"]
+
+
+def place_at_start(assembly: LinkAssembly, start: RigidMotion, held: LinkEnd) -> FloatArray:
+    """Where a link end of the rigid linkage is at time zero in m, shape (2,).
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    start : RigidMotion
+        At time zero, of shape ().
+    held : LinkEnd
+
+    Returns
+    -------
+    ndarray, shape (2,)
+    """
+    link = assembly.topology.index(held.link)
+    x = 0.0 if held.end == "start" else assembly.topology.links[link].length
+    return start.position(link, x)
+
+
+def place_on_hub(assembly: LinkAssembly, start: RigidMotion, held: LinkEnd) -> tuple[float, float]:
+    """Where a clamped end is on the hub in m; the hub turns with the first clamped link.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    start : RigidMotion
+        At time zero, of shape ().
+    held : LinkEnd
+
+    Returns
+    -------
+    tuple of float
+    """
+    turn = -float(start.angle[assembly.base])
+    cosine, sine = math.cos(turn), math.sin(turn)
+    x, y = map(float, place_at_start(assembly, start, held))
+    return cosine * x - sine * y, sine * x + cosine * y
+
+
+def greatest_gap(assembly: LinkAssembly, start: RigidMotion, position: FloatArray) -> float:
+    """Greatest displacement between link ends or supports that a joint holds together.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    start : RigidMotion
+        At time zero, of shape ().
+    position : ndarray, shape (size,)
+        Coordinates of the links then.
+
+    Returns
+    -------
+    float
+        In m; welds that are turned count by the length of their shorter link.
+    """
+    topology = assembly.topology
+
+    def place(end: LinkEnd) -> FloatArray:
+        return assembly.part_of(end).end_place(end.end, position)
+
+    held = [clamp.held for clamp in topology.clamps]
+    held += [pivot.held for pivot in topology.pivots]
+    gaps = [place(end) - place_at_start(assembly, start, end) for end in held]
+    gaps += [place(tie.leader) - place(tie.follower) for tie in topology.ties]
+    closed = drifting_joints(assembly, Shaft(float(start.angle[assembly.base]), 0.0, 0.0), start)
+    others = [0.0]
+    if isinstance(closed, ClosedJoints):
+        nodes = np.append(assembly.arms.to_nodes(position), [0.0, 0.0, 0.0])
+        length = min(link.length for link in topology.links)
+        for gap in closed.gaps:
+            value, rows = np.zeros(2), np.zeros((2, len(nodes)))
+            gap.rows(nodes, closed.shaft.angle(0.0), value, rows)
+            others.append(abs(value[0]) * (length if isinstance(gap, AngleGap) else 1.0))
+    return float(max(np.max(np.linalg.norm(gaps, axis=1)), *others))
+
+
+def drifting_joints(
+    assembly: LinkAssembly, shaft: Shaft, start: RigidMotion
+) -> Joints | ClosedJoints:
+    """What the integration rule leaves to drift.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    shaft : Shaft
+    start : RigidMotion
+        At time zero, of shape ().
+
+    Returns
+    -------
+    Joints or ClosedJoints
+        The latter where putting nodes in place one by one does not do.
+    """
+    topology = assembly.topology
+    rigid = any(isinstance(part, RigidPart) for part in assembly.parts)
+    if rigid or topology.welds or topology.sliders or topology.clamps[1:]:
+        return _closed_joints(assembly, shaft, start)
+    eccentric = {part.name for _, part in assembly.beams if part.arms is not None}
+    pins = [(topology.leader_of(pin.leader), pin.follower) for pin in topology.pins]
+    clamped = topology.clamps[0].held
+    lever = place_on_hub(assembly, start, clamped)
+    return Joints(
+        shaft,
+        HubClamp(_axis_point(assembly, clamped), lever, len(assembly.kind.vectors) == 2),
+        [
+            (_axis_point(assembly, end), _pair(place_at_start(assembly, start, end)))
+            for end in (pivot.held for pivot in topology.pivots)
+            if end.link in eccentric
+        ],
+        [
+            (_axis_point(assembly, leader), _axis_point(assembly, follower))
+            for leader, follower in pins
+            if eccentric & {leader.link, follower.link}
+        ],
+    )
+
+
+def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> ClosedJoints:
+    topology = assembly.topology
+
+    def joined(end: LinkEnd) -> JoinedEnd:
+        return _joined_end(assembly, end)
+
+    def angle(end: LinkEnd) -> float:
+        return float(start.angle[topology.index(end.link)])
+
+    places = [
+        PlaceGap(joined(clamp.held), None, place_on_hub(assembly, start, clamp.held), True)
+        for clamp in topology.clamps
+    ]
+    places += [
+        PlaceGap(joined(end), None, _pair(place_at_start(assembly, start, end)), False)
+        for end in (pivot.held for pivot in topology.pivots)
+    ]
+    places += [
+        PlaceGap(joined(tie.follower), joined(topology.leader_of(tie.leader)), (0.0, 0.0), False)
+        for tie in topology.ties
+    ]
+    shaft_angle = float(start.angle[assembly.base])
+    angles = [
+        AngleGap(joined(clamp.held), None, angle(clamp.held) - shaft_angle)
+        for clamp in topology.clamps
+    ]
+    angles += [
+        AngleGap(
+            joined(weld.follower), joined(weld.leader), angle(weld.follower) - angle(weld.leader)
+        )
+        for weld in topology.welds
+    ]
+    lines = []
+    for slider in topology.sliders:
+        x = -slider.offset * math.sin(slider.direction)
+        place, guide = (x, slider.offset * math.cos(slider.direction)), None
+        if slider.guide:
+            own = joined(LinkEnd(slider.guide, "start"))
+            guide = JoinedEnd(own.first, own.node, place, own.has_slope)
+        lines.append(LineGap(joined(slider.held), guide, place, slider.direction))
+    rows = 2 * len(places) + len(angles) + len(lines)
+    return ClosedJoints(shaft, list(chain(places, angles, lines)), rows)
+
+
+def _joined_end(assembly: LinkAssembly, end: LinkEnd) -> JoinedEnd:
+    part, first = assembly.part_of(end), assembly.first_coordinate(end)
+    node = _pair(assembly.reference_place(end))
+    if isinstance(part, RigidPart):
+        lever = (0.0 if end.end == "start" else part.length, 0.0)
+        return JoinedEnd(first, node, lever, has_slope=False)
+    arm = 0.0 if part.arms is None else float(part.arms.length)
+    return JoinedEnd(first, (node[0], arm), (0.0, -arm), len(part.kind.vectors) == 2)
+
+
+def _axis_point(assembly: LinkAssembly, end: LinkEnd) -> AxisPoint:
+    """The point on the pins' axis at an end of a beam, by Exudyn's coordinates."""
+    part = assembly.part_of(end)
+    assert not isinstance(part, RigidPart)
+    return AxisPoint(
+        first=assembly.first_coordinate(end),
+        x=float(assembly.reference_place(end)[0]),
+        arm=0.0 if part.arms is None else float(part.arms.length),
+    )
+
+
+def _pair(place: FloatArray) -> tuple[float, float]:
+    return float(place[0]), float(place[1])

@@ -1,0 +1,36 @@
+"""Functions and classes whose text an exported script contains."""
+
+from __future__ import annotations
+
+from flexmech.multibody.closure import AngleGap, ClosedJoints, JoinedEnd, LineGap, PlaceGap
+from flexmech.multibody.user_functions import (
+    AxisPoint,
+    HubClamp,
+    Joints,
+    Shaft,
+    constraint_force,
+    difference_mass,
+    line_force,
+    middle_deflection,
+    turned_frame,
+)
+
+__all__ = ["SHARED"]
+
+# In the order in which they need each other.
+SHARED = (
+    Shaft,
+    AxisPoint,
+    HubClamp,
+    Joints,
+    JoinedEnd,
+    PlaceGap,
+    AngleGap,
+    LineGap,
+    ClosedJoints,
+    difference_mass,
+    turned_frame,
+    middle_deflection,
+    constraint_force,
+    line_force,
+)

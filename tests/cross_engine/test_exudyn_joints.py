@@ -1,0 +1,145 @@
+"""Welds, sliders and rigid links in Exudyn, held against Exudyn itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.linalg
+from numpy.typing import NDArray
+
+from flexmech import BeamSection, CrankDrive, ExudynEngine, FourBar, Material, Mechanism
+from flexmech.linear_system import inertia_loads
+from flexmech.linkages import Linkage, RigidMotion
+from flexmech.multibody.linearize import internal_forces, running_tangents, static_equilibrium
+from flexmech.multibody.static_model import StaticModel
+from flexmech.multibody.straight_links import link_models
+from flexmech.time_domain import LinkState
+from tests.cross_engine.joined_linkages import LArm, SliderCrank, Ternary, tie_basis
+
+FloatArray = NDArray[np.float64]
+FOUR_BAR = FourBar(ground=0.254, crank=0.102, coupler=0.2794, rocker=0.2667)
+LINKAGES: dict[str, Linkage] = {
+    "L-arm": LArm(),
+    "ternary coupler": Ternary(FOUR_BAR),
+    "slider-crank": SliderCrank(),
+    "slider-crank uphill": SliderCrank(line=0.4),
+}
+KINDS = ("ancf", "geometrically-exact")
+
+
+def strips(linkage: Linkage, thickness: float = 2e-3, **options: Any) -> Mechanism:
+    """Aluminium strips under their weight."""
+    section = BeamSection.rectangle(Material(68.9e9, 2923.0), thickness, 25.4e-3)
+    sections = dict.fromkeys(linkage.topology.link_names, section)
+    return Mechanism(linkage, sections, gravity=(0.0, -9.81), **options)
+
+
+class Static:
+    """Equilibria of one position under the inertia forces and further ones."""
+
+    def __init__(self, mechanism: Mechanism, kind: str, angle: float, speed: float) -> None:
+        self.topology = mechanism.linkage.topology
+        self.model = StaticModel(mechanism, 4, kind)
+        self.links = link_models(self.model)
+        self.motion: RigidMotion = mechanism.linkage.motion(np.array([angle]), speed)
+        self.loads = inertia_loads(self.links, self.motion, mechanism.gravity)
+
+    def equilibrium(self, further: Sequence[FloatArray] | None = None) -> Any:
+        loads = [load.copy() for load in self.loads]
+        for load, more in zip(loads, further or [], strict=bool(further)):
+            load += more
+        return static_equilibrium(self.model, self.motion, loads)
+
+    def displacement(self, further: Sequence[FloatArray]) -> FloatArray:
+        return np.concatenate([q[0] for q in self.equilibrium(further).displacement])
+
+
+@pytest.mark.parametrize("name", LINKAGES)
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_tangent_tells_how_the_equilibrium_moves(name: str, kind: str) -> None:
+    """Small forces on nodes move it by the inverse tangent, whatever forces the joints carry."""
+    case = Static(strips(LINKAGES[name]), kind, np.radians(40.0), 20.0)
+    found = case.equilibrium()
+    basis = tie_basis(case.topology, case.motion, case.links)
+    stiffness = basis.T @ scipy.linalg.block_diag(*(k[0] for k in found.tangent)) @ basis
+    start = np.concatenate([q[0] for q in found.displacement])
+    # Joints keep what they join: places, and angles of welds, also where links are bent far.
+    assert np.abs(start - basis @ (basis.T @ start)).max() < 1e-14
+    assert np.abs(start).max() > 2e-3
+    random = np.random.default_rng(1)
+    for _ in range(3):
+        forces = [np.zeros_like(load) for load in case.loads]
+        for link, force in zip(case.links, forces, strict=True):
+            at = np.flatnonzero(link.fields.along + link.fields.across)
+            force[0, at] = random.normal(size=len(at))
+        step = 2e-3 * max(np.abs(load).max() for load in case.loads)
+        ahead, back = (case.displacement([s * step * f for f in forces]) for s in (1, -1))
+        moved = (ahead - back) / (2 * step)
+        together = np.concatenate([force[0] for force in forces])
+        expected = basis @ np.linalg.solve(stiffness, basis.T @ together)
+        np.testing.assert_allclose(moved, expected, rtol=0, atol=2e-7 * np.abs(moved).max())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_tangents_of_running_states_are_derivatives_of_internal_forces(kind: str) -> None:
+    case = Static(strips(LArm()), kind, 0.3, 20.0)
+    state = [q.copy() for q in case.equilibrium().displacement]
+    tangent, _ = running_tangents(case.model, case.motion, state)
+    step = 1e-7
+    for link, q in enumerate(state):
+        derivative = np.empty_like(tangent[link][0])
+        for column in range(q.shape[1]):
+            both = []
+            for sign in (1, -1):
+                moved = [each.copy() for each in state]
+                moved[link][0, column] += sign * step
+                both.append(internal_forces(case.model, moved)[link][0])
+            derivative[:, column] = (both[0] - both[1]) / (2 * step)
+        size = np.abs(derivative).max()
+        np.testing.assert_allclose(tangent[link][0], derivative, rtol=0, atol=1e-7 * size)
+
+
+@pytest.mark.parametrize("name", LINKAGES)
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("integrator", ["trapezoidal", "generalized-alpha"])
+def test_a_run_keeps_its_energy_and_its_joints(name: str, kind: str, integrator: Any) -> None:
+    mechanism = strips(LINKAGES[name], 4e-3)
+    engine, drive = ExudynEngine(mechanism, 3, kind), CrankDrive(20.0)
+    time = np.linspace(0.0, 0.02, 21)
+    run = engine.simulate(drive, LinkState.rigid(engine.links), time, 2e-5, integrator=integrator)
+    assert run.energy_error < 1e-6
+    state = np.concatenate(run.displacement, axis=1)
+    greatest = np.abs(state).max()
+    assert greatest > 1e-4
+    for instant in (7, 20):
+        motion = mechanism.linkage.motion(drive.crank_angle(time[instant : instant + 1]), 20.0)
+        basis = tie_basis(mechanism.linkage.topology, motion, engine.links)
+        apart = state[instant] - basis @ (basis.T @ state[instant])
+        assert np.abs(apart).max() < 1e-9
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_forces_of_joints_balance_inertia(kind: str) -> None:
+    """Stiff links: a weld, a line and a pin carry what the rigid linkage asks for."""
+    linkage = SliderCrank()
+    steel = BeamSection.rectangle(Material(2e16, 7800.0), 10e-3, 20e-3)
+    mechanism = Mechanism(linkage, dict.fromkeys(linkage.topology.link_names, steel))
+    engine, drive = ExudynEngine(mechanism, 2, kind), CrankDrive(20.0)
+    time = np.linspace(0.0, 0.05, 6)
+    run = engine.simulate(
+        drive, LinkState.rigid(engine.links), time, 1e-4, integrator="generalized-alpha"
+    )
+    motion = linkage.motion(drive.crank_angle(time), 20.0)
+    mass = mechanism.link_mass("coupler").moment(0)
+    centre = motion.acceleration(1, linkage.coupler / 2)
+    names = linkage.topology.joint_names
+    pin, line = (run.joint_force[:, names.index(joint)] for joint in ("A", "B"))
+    # On the coupler: the pin's force, for it follows, and the line's.
+    # The axial vibration of the start has died out by the second sample.
+    size = np.abs(mass * centre).max()
+    np.testing.assert_allclose((pin + line)[2:], (mass * centre)[2:], rtol=0, atol=1e-5 * size)
+    assert np.abs(line[:, 0]).max() < 1e-9 * size
+    assert np.abs(line[:, 1]).max() > 0.05 * size
