@@ -8,12 +8,8 @@ from flexmech.linear_system.component_modes import (
     component_modes,
 )
 from flexmech.linear_system.engine import Engine
-from flexmech.linear_system.link_frames import (
-    LinkDamping,
-    LinkFrames,
-    RotationTerms,
-    SystemMatrices,
-)
+from flexmech.linear_system.following_rows import FollowingRows
+from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
 from flexmech.linear_system.link_points import LinkPoint, displacement_row, point_rows
 from flexmech.linear_system.link_readings import LinkReadings
@@ -27,6 +23,8 @@ from flexmech.linear_system.quasi_static import (
     free_load,
     refuse_large_displacements,
 )
+from flexmech.linear_system.rigid_link import rigid_link
+from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem, condense
 from flexmech.linear_system.tension import element_tensions
@@ -46,6 +44,7 @@ __all__ = [
     "ROUND_OFF",
     "ComponentModes",
     "Engine",
+    "FollowingRows",
     "LinearSystem",
     "LinkDamping",
     "LinkFrames",
@@ -71,4 +70,5 @@ __all__ = [
     "point_rows",
     "refuse_large_displacements",
     "refuse_positions",
+    "rigid_link",
 ]

@@ -15,8 +15,8 @@ from flexmech.linear_system.checks import checked_elements, checked_mechanism
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
 from flexmech.linear_system.engine_links import EngineLinks
 from flexmech.linear_system.free_shaft import FreeShaft
-from flexmech.linear_system.link_frames import RotationTerms
 from flexmech.linear_system.reduced_system import reduced_system, unreduced_system
+from flexmech.linear_system.rotation_terms import RotationTerms
 from flexmech.linear_system.system import LinearSystem
 from flexmech.linkages.motion import checked_drive
 from flexmech.mechanism import Mechanism

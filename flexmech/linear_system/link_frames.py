@@ -2,7 +2,9 @@
 
 Each link's displacement is written in the frame of its rigid motion. A pin keeps the
 displacement of its joint in the leader's frame; the follower's end is
-``R(theta_follower)^T R(theta_leader)`` times it. With ``q = N(t) z``::
+``R(theta_follower)^T R(theta_leader)`` times it. A weld turns by an angle that does not change,
+and the rotation is one; an end on a line follows the slide; ends on rigid links follow these
+(:mod:`flexmech.linear_system.rigid_coordinates`). With ``q = N(t) z``::
 
     M_r = N'MN
     C_r = N'(2 M Ndot + 2 omega S N) + N'DN
@@ -15,76 +17,22 @@ eq. 1.57). The same code serves every engine: only the link matrices differ.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.link_map import LinkMap
 from flexmech.linear_system.link_model import LinkModel
-from flexmech.linear_system.link_place import LinkPlace, TurningPair
+from flexmech.linear_system.link_place import LinkPlace
+from flexmech.linear_system.link_ties import LinkTies
+from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LinkDamping", "LinkFrames", "RotationTerms", "SystemMatrices"]
-
-
-@dataclass(frozen=True)
-class RotationTerms:
-    """Which inertial terms of the turning frames count.
-
-    Parameters
-    ----------
-    coriolis : bool
-        Velocity-proportional terms: ``2 M_d`` and ``2 M_vel``, and ``N'D Ndot``, which damped
-        links add to the stiffness where a pin turns.
-    centripetal : bool
-        Terms in squares and products of angular velocities: ``M_acc``, ``M_dd``,
-        ``2 M_d,vel``.
-    tangential : bool
-        Terms in angular accelerations of ``M_acc`` and ``M_dd``.
-    """
-
-    coriolis: bool = True
-    centripetal: bool = True
-    tangential: bool = True
-
-    @classmethod
-    def all_or_none(cls, wanted: bool) -> RotationTerms:
-        """All terms, or the frozen inertial form."""
-        return cls(wanted, wanted, wanted)
-
-    @property
-    def any(self) -> bool:
-        """Whether one term at least counts."""
-        return self.coriolis or self.centripetal or self.tangential
-
-
-@dataclass(frozen=True)
-class SystemMatrices:
-    """Mass, damping and stiffness over a batch; each of shape (B, n, n)."""
-
-    mass: FloatArray
-    damping: FloatArray
-    stiffness: FloatArray
-
-
-@dataclass(frozen=True)
-class LinkDamping:
-    """Damping of one link in its state of stress.
-
-    Parameters
-    ----------
-    matrix : ndarray, shape (n, n) or (B, n, n)
-    ends : ndarray, shape (n, n) or (B, n, n)
-        Forces from the rate of the joined ends alone; see
-        :class:`flexmech.linear_system.link_model.EndMatrices`.
-    """
-
-    matrix: FloatArray
-    ends: FloatArray
+__all__ = ["LinkFrames"]
 
 
 class LinkFrames:
@@ -101,14 +49,14 @@ class LinkFrames:
     Attributes
     ----------
     targets : list of ndarray of int, shape (n_link,)
-        For each link coordinate the coordinate of z that it takes; -1 where held.
+        For each link coordinate the coordinate of z that it takes: its own, or another link's
+        that it equals or, turned, follows. -1 where it is held, and where it follows several.
     size : int
         Number of independent coordinates.
     end_count : int
-        How many of them, the first ones, are displacements of link ends or turn a free shaft.
+        How many of them, the first ones, may lead others: those of rigid links and of sliders,
+        displacements of link ends, rotations of welded ends and of a free shaft.
     """
-
-    end_count: int
 
     def __init__(
         self,
@@ -118,85 +66,35 @@ class LinkFrames:
     ) -> None:
         self.topology = topology
         self.links = tuple(links)
-        self.targets = [np.full(link.size, -2, dtype=np.intp) for link in self.links]
-        self._followers: list[list[tuple[IntArray, int]]] = [[] for _ in self.links]
-        self._hold()
-        pairs = self._mark_followers()
-        self.size = self._number(
-            [np.zeros(link.size, dtype=bool) for link in self.links] if last is None else last
-        )
-        for link, pair, leader, leader_pair in pairs:
-            self.targets[link][pair] = self.targets[leader][leader_pair]
-            held = self.targets[leader][leader_pair] < 0
-            if not held.all():
-                self._followers[link].append((pair, leader))
-
-    def _hold(self) -> None:
-        for clamp in self.topology.clamps:
-            link = self.topology.index(clamp.held.link)
-            model, end = self.links[link], clamp.held.end
-            self.targets[link][model.end_displacement(end)] = -1
-            self.targets[link][model.end_rotation_of(end)] = -1
-        for pivot in self.topology.pivots:
-            link = self.topology.index(pivot.held.link)
-            self.targets[link][self.links[link].end_displacement(pivot.held.end)] = -1
-        for place in self.topology.joined_ends:
-            link = self.topology.index(place.link)
-            self.targets[link][self.links[link].end_warping_of(place.end)] = -1
-
-    def _mark_followers(self) -> list[tuple[int, IntArray, int, IntArray]]:
-        pairs = []
-        for pin in self.topology.pins:
-            root = self.topology.leader_of(pin.leader)
-            link, leader = self.topology.index(pin.follower.link), self.topology.index(root.link)
-            pair = self.links[link].end_displacement(pin.follower.end)
-            self.targets[link][pair] = -1
-            pairs.append((link, pair, leader, self.links[leader].end_displacement(root.end)))
-        return pairs
-
-    def _number(self, last: Sequence[NDArray[np.bool_]]) -> int:
-        """Number the free coordinates, those of the links' ends and of a free shaft first."""
-        count = 0
-        ends = [~late for late in last]
-        for link, end in zip(self.links, ends, strict=True):
-            elsewhere = np.ones(link.size, dtype=bool)
-            elsewhere[link.start] = elsewhere[link.end] = elsewhere[link.shaft] = False
-            end[elsewhere] = False
-        inner = [~(end | late) for end, late in zip(ends, last, strict=True)]
-        for group in (ends, inner, last):
-            for target, chosen in zip(self.targets, group, strict=True):
-                free = (target == -2) & chosen
-                target[free] = np.arange(count, count + free.sum())
-                count += int(free.sum())
-            if group is ends:
-                self.end_count = count
-        return count
+        if last is None:
+            last = [np.zeros(link.size, dtype=bool) for link in self.links]
+        self._ties = LinkTies(topology, self.links, last)
+        self.targets = self._ties.targets
+        self.size, self.end_count = self._ties.size, self._ties.end_count
 
     def following(self, link: int) -> IntArray:
-        """Coordinates of a link that follow another link's end."""
-        pairs = [pair for pair, _ in self._followers[link]]
-        return np.concatenate([np.zeros(0, dtype=np.intp), *pairs])
+        """Coordinates of a link that follow others, turned."""
+        rows = [rows for rows, _ in self._ties.following(link)]
+        return np.concatenate([np.zeros(0, dtype=np.intp), *rows])
 
-    def turning_pairs(self, motion: RigidMotion, link: int) -> list[TurningPair]:
-        """Rotation of a link's following ends and its time derivatives over a batch."""
-        pairs = []
-        for pair, leader in self._followers[link]:
-            angle = motion.angle[:, leader] - motion.angle[:, link]
-            speed = motion.angular_velocity[:, leader] - motion.angular_velocity[:, link]
-            change = motion.angular_acceleration[:, leader] - motion.angular_acceleration[:, link]
-            cosine, sine = np.cos(angle), np.sin(angle)
-            turn = np.stack([cosine, -sine, sine, cosine], axis=-1).reshape(-1, 2, 2)
-            quarter = np.stack([-sine, -cosine, cosine, -sine], axis=-1).reshape(-1, 2, 2)
-            pairs.append(
-                TurningPair(
-                    pair=pair,
-                    turn=turn,
-                    rate=speed[:, None, None] * quarter,
-                    centripetal=-(speed[:, None, None] ** 2) * turn,
-                    tangential=change[:, None, None] * quarter,
-                )
-            )
-        return pairs
+    def own(self, link: int) -> IntArray:
+        """Coordinates of a link that are independent ones of the linkage, and lead themselves."""
+        return self._ties.own(link)
+
+    def following_rows(self, motion: RigidMotion) -> list[list[FollowingRows]]:
+        """What follows in each link, and its time derivatives.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+
+        Returns
+        -------
+        list of list of FollowingRows
+            A list for each link.
+        """
+        return self._ties.following_rows(motion)
 
     def assemble(
         self,
@@ -231,17 +129,23 @@ class LinkFrames:
         rates = np.zeros(shape) if damps else np.broadcast_to(0.0, shape)
         tangents = [_tangent(self.links[n], motion, n, x, terms) for n, x in enumerate(stiffness)]
         factors = [m.turning_factors(self._turned(motion, n)) for n, m in enumerate(self._maps)]
-        self._sum_steady(mass, {n: link.mass for n, link in enumerate(self.links)}, factors)
-        self._sum_steady(total, {n: t for n, t in enumerate(tangents) if t.ndim == 2}, factors)
+        self._sum_steady(mass, {n: self.links[n].mass for n in self._steady}, factors)
+        steady = {n: tangents[n] for n in self._steady if tangents[n].ndim == 2}
+        self._sum_steady(total, steady, factors)
+        following: list[list[FollowingRows]] | None = None
         for number, (link, tangent, own) in enumerate(
             zip(self.links, tangents, damping, strict=True)
         ):
             damped = bool(own.matrix.any())
-            if tangent.ndim == 2 and not damped and not terms.any:
+            if number in steady and not damped and not terms.any:
                 continue
-            place, pairs = self._places[number], self.turning_pairs(motion, number)
+            if following is None:
+                following = self.following_rows(motion)
+            place, pairs = self._places[number], following[number]
             speed = motion.angular_velocity[:, number, None, None]
-            if tangent.ndim == 3:
+            if number not in self._steady:
+                place.add(mass, link.mass, pairs)
+            if number not in steady:
                 place.add(total, tangent, pairs)
             if damped:
                 place.add(rates, own.matrix, pairs)
@@ -267,7 +171,7 @@ class LinkFrames:
     ) -> None:
         """Write the sum of ``N'XN`` over symmetric matrices (n, n) of some links, by number."""
         # What turns has a row or a column of an end that leads, and those ends come first.
-        led = [self.targets[n][pair] for n in matrices for pair, _ in self._followers[n]]
+        led = [columns for n in matrices for _, columns in self._ties.following(n)]
         ends = 1 + max((int(pair.max()) for pair in led), default=-1)
         resting = np.zeros((self.size, self.size))
         for number, matrix in matrices.items():
@@ -283,22 +187,26 @@ class LinkFrames:
 
     def _turned(self, motion: RigidMotion, link: int) -> FloatArray:
         """Angles by which a link's following ends turn, (k, B)."""
-        leaders = [leader for _, leader in self._followers[link]]
+        leaders = self._ties.leaders(link)
         return np.asarray(motion.angle[:, leaders].T - motion.angle[:, link])
 
     @cached_property
+    def _steady(self) -> frozenset[int]:
+        """Links of which nothing follows but ends that turn."""
+        return frozenset(n for n in range(len(self.links)) if not self._ties.is_general(n))
+
+    @cached_property
     def _maps(self) -> list[LinkMap]:
-        return [
-            LinkMap.of(target, [pair for pair, _ in followers], self.size)
-            for target, followers in zip(self.targets, self._followers, strict=True)
-        ]
+        maps = []
+        for number, target in enumerate(self.targets):
+            following = self._ties.following(number) if number in self._steady else []
+            maps.append(LinkMap.of(target, [rows for rows, _ in following], self.size))
+        return maps
 
     @cached_property
     def _places(self) -> list[LinkPlace]:
-        return [
-            LinkPlace.of(target, [pair for pair, _ in followers])
-            for target, followers in zip(self.targets, self._followers, strict=True)
-        ]
+        numbered = enumerate(self.targets)
+        return [LinkPlace.of(target, self._ties.following(n)) for n, target in numbered]
 
     def link_coordinates(self, motion: RigidMotion, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Coordinates of each link from independent ones.
@@ -314,13 +222,15 @@ class LinkFrames:
         list of ndarray, shape (B, n_link, m)
         """
         result = []
-        for number, link in enumerate(self.links):
+        for number, (link, following) in enumerate(
+            zip(self.links, self.following_rows(motion), strict=True)
+        ):
             target = self.targets[number]
             free = target >= 0
             q = np.zeros((len(vectors), link.size, vectors.shape[2]), dtype=vectors.dtype)
             q[:, free] = vectors[:, target[free]]
-            for turning in self.turning_pairs(motion, number):
-                q[:, turning.pair] = turning.turn @ q[:, turning.pair]
+            for led in following:
+                q[:, led.rows] = led.turn @ vectors[:, led.columns]
             result.append(q)
         return result
 
@@ -346,20 +256,20 @@ class LinkFrames:
             ``q = N z``, ``N z' + N' z`` and ``N z'' + 2 N' z' + N'' z`` of each link.
         """
         result = []
-        for number, link in enumerate(self.links):
+        for number, (link, following) in enumerate(
+            zip(self.links, self.following_rows(motion), strict=True)
+        ):
             target = self.targets[number]
             free = target >= 0
             q, rate, change = np.zeros((3, len(position), link.size))
             for values, given in ((q, position), (rate, velocity), (change, acceleration)):
                 values[:, free] = given[:, target[free]]
-            for turning in self.turning_pairs(motion, number):
-                z0, z1, z2 = (v[:, turning.pair, None] for v in (q, rate, change))
-                twice = turning.centripetal + turning.tangential
-                q[:, turning.pair] = (turning.turn @ z0)[..., 0]
-                rate[:, turning.pair] = (turning.turn @ z1 + turning.rate @ z0)[..., 0]
-                change[:, turning.pair] = (turning.turn @ z2 + 2 * turning.rate @ z1 + twice @ z0)[
-                    ..., 0
-                ]
+            for led in following:
+                z0, z1, z2 = (v[:, led.columns, None] for v in (position, velocity, acceleration))
+                twice = led.centripetal + led.tangential
+                q[:, led.rows] = (led.turn @ z0)[..., 0]
+                rate[:, led.rows] = (led.turn @ z1 + led.rate @ z0)[..., 0]
+                change[:, led.rows] = (led.turn @ z2 + 2 * led.rate @ z1 + twice @ z0)[..., 0]
             result.append((q, rate, change))
         return result
 
@@ -374,14 +284,15 @@ class LinkFrames:
             Forces on each link in its frame.
         """
         total = np.zeros((len(motion.crank_angle), self.size))
-        for number, load in enumerate(loads):
-            turned = np.array(load, dtype=float)
-            for turning in self.turning_pairs(motion, number):
-                pair = turning.pair
-                turned[:, pair] = np.einsum("bij,bi->bj", turning.turn, turned[:, pair])
-            target = self.targets[number]
+        for number, (load, following) in enumerate(
+            zip(loads, self.following_rows(motion), strict=True)
+        ):
+            target = self.targets[number].copy()
+            for led in following:
+                total[:, led.columns] += led.leading(load[:, led.rows])
+                target[led.rows] = -1
             free = np.flatnonzero(target >= 0)
-            total[:, target[free]] += turned[:, free]
+            total[:, target[free]] += load[:, free]
         return total
 
 

@@ -74,8 +74,10 @@ class LinkModel:
         Without rotary inertia: a section that turns about its centre of mass keeps its
         centrifugal potential.
     first_moment : ndarray, shape (2, n)
-        Integral of ``rho y N`` along and across, with y the distance from the pins' axis;
-        zero where the centres of mass lie on it.
+        ``-rho N^T J e`` and ``rho N^T e``, integrated, with e the place of matter against that
+        which the field ``centripetal`` gives it: mostly its distance from the pins' axis. Zero
+        where the centres of mass lie on that. As in ``translational_mass``, a rotation that
+        turns e has no part in the first.
     stiffness : ndarray, shape (n, n)
         Elastic stiffness of the unloaded, straight link.
     damping : ndarray, shape (n, n)
@@ -84,7 +86,7 @@ class LinkModel:
         Whether a coordinate moves the link along its axis.
     start, end : ndarray of int, shape (2,) or (0,)
         Coordinates that are the displacement of the two ends; empty where a reduction has
-        removed an end that is not joined.
+        removed an end that is not joined, and of a rigid link's end.
     start_rotation, end_rotation : ndarray of int, shape (k,)
         Coordinates that a clamp at that end holds besides the displacement.
     readings : LinkReadings
@@ -101,6 +103,8 @@ class LinkModel:
         of nodes, and their slope vectors. Of a reduced link there are none.
     shaft : ndarray of int, shape (1,) or (0,)
         Coordinate that is the rotation of the driven shaft, where it is free.
+    rigid : bool
+        Whether the link is rigid; see :func:`flexmech.linear_system.rigid_link`.
     """
 
     name: str
@@ -122,6 +126,7 @@ class LinkModel:
     end_warping: IntArray = field(default_factory=NONE.copy)
     vectors: IntArray = field(default_factory=NO_VECTORS.copy)
     shaft: IntArray = field(default_factory=NONE.copy)
+    rigid: bool = False
 
     @property
     def ends(self) -> EndMatrices:
@@ -252,7 +257,7 @@ def inertia_loads(
             - motion.angular_velocity[:, number, None] ** 2 * fields.centripetal
             + motion.angular_acceleration[:, number, None] * fields.tangential
         )
-        # Matter off the pins' axis is also pulled across it.
+        # Matter that is elsewhere than the field says, as off the pins' axis, is pulled as well.
         turning = motion.angular_velocity[:, number, None] ** 2
         loads.append(turning * link.first_moment[1] - acceleration @ link.mass)
     return loads

@@ -7,33 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LinkPlace", "TurningPair"]
+__all__ = ["LinkPlace"]
 
-
-@dataclass(frozen=True)
-class TurningPair:
-    """A follower's end displacement, turned from the leader's frame.
-
-    Parameters
-    ----------
-    pair : ndarray of int, shape (2,)
-        The end's coordinates in the following link.
-    turn : ndarray, shape (B, 2, 2)
-        ``R``, from the leader's frame to the follower's.
-    rate : ndarray, shape (B, 2, 2)
-        Time derivative of ``R``.
-    centripetal, tangential : ndarray, shape (B, 2, 2)
-        Second time derivative of ``R``: the parts in the square of the relative angular
-        velocity and in the relative angular acceleration.
-    """
-
-    pair: IntArray
-    turn: FloatArray
-    rate: FloatArray
-    centripetal: FloatArray
-    tangential: FloatArray
+Numbers = slice | IntArray
 
 
 @dataclass(frozen=True)
@@ -44,41 +23,44 @@ class LinkPlace:
     ----------
     runs : list of tuple of slice
         Those that are coordinates of the linkage themselves: runs in the link and in the linkage.
-    following : list of tuple of slice
-        Pairs that are another link's end, turned.
+    following : list of tuple of slice or ndarray of int
+        Rows that follow, in the link, and what they follow, in the linkage.
     """
 
     runs: list[tuple[slice, slice]]
-    following: list[tuple[slice, slice]]
+    following: list[tuple[Numbers, Numbers]]
 
     @classmethod
-    def of(cls, target: IntArray, pairs: Sequence[IntArray]) -> LinkPlace:
+    def of(cls, target: IntArray, following: Sequence[tuple[IntArray, IntArray]]) -> LinkPlace:
         """Place of a link.
 
         Parameters
         ----------
         target : ndarray of int, shape (n,)
             Coordinate of the linkage of each of the link; -1 where held.
-        pairs : sequence of ndarray of int, shape (2,)
-            Coordinates of the link's ends that follow.
+        following : sequence of tuple of ndarray of int
+            Rows of the link that follow, and the columns that they follow.
         """
         own = target.copy()
-        for pair in pairs:
-            own[pair] = -1
+        for rows, _ in following:
+            own[rows] = -1
         free = np.flatnonzero(own >= 0)
-        return cls(_runs(free, own[free]), [(_pair(pair), _pair(target[pair])) for pair in pairs])
+        places = [(_numbers(rows), _numbers(columns)) for rows, columns in following]
+        return cls(_runs(free, own[free]), places)
 
-    def add(self, total: FloatArray, matrix: FloatArray, pairs: Sequence[TurningPair]) -> None:
-        """Add ``Q' X Q`` to a matrix of the linkage; only the following ends turn.
+    def add(
+        self, total: FloatArray, matrix: FloatArray, following: Sequence[FollowingRows]
+    ) -> None:
+        """Add ``Q' X Q`` to a matrix of the linkage; only what follows turns.
 
         Parameters
         ----------
         total : ndarray, shape (B, size, size)
         matrix : ndarray, shape (n, n) or (B, n, n)
-        pairs : sequence of TurningPair
+        following : sequence of FollowingRows
         """
         self.add_resting(total, matrix)
-        self.add_turning(total, matrix, pairs)
+        self.add_turning(total, matrix, following)
 
     def add_resting(self, total: FloatArray, matrix: FloatArray) -> None:
         """Add the part of ``Q' X Q`` that does not turn, to (size, size) or (B, size, size)."""
@@ -87,7 +69,7 @@ class LinkPlace:
                 total[..., to_row, to_column] += matrix[..., row, column]
 
     def add_turning(
-        self, total: FloatArray, matrix: FloatArray, pairs: Sequence[TurningPair]
+        self, total: FloatArray, matrix: FloatArray, following: Sequence[FollowingRows]
     ) -> None:
         """Add the rest of ``Q' X Q``.
 
@@ -95,53 +77,66 @@ class LinkPlace:
         ----------
         total : ndarray, shape (B, size, size)
         matrix : ndarray, shape (n, n) or (B, n, n)
-        pairs : sequence of TurningPair
+        following : sequence of FollowingRows
         """
-        for (row, to_row), turning in zip(self.following, pairs, strict=True):
+        for (rows, to_rows), led in zip(self.following, following, strict=True):
             for column, to_column in self.runs:
-                total[:, to_row, to_column] += _turned(turning.turn, matrix[..., row, column])
-        self.add_following(total, matrix, pairs, [turning.turn for turning in pairs])
+                block = _turned(led.turn, matrix[..., rows, column])
+                total[_where(to_rows, to_column)] += block
+        self.add_following(total, matrix, following, [led.turn for led in following])
 
     def add_following(
         self,
         total: FloatArray,
         matrix: FloatArray,
-        pairs: Sequence[TurningPair],
+        following: Sequence[FollowingRows],
         right: Sequence[FloatArray],
     ) -> None:
-        """Add ``Q' X P``, where P holds the following ends alone.
+        """Add ``Q' X P``, where P holds what follows alone.
 
         Parameters
         ----------
         total : ndarray, shape (B, size, size)
         matrix : ndarray, shape (n, n) or (B, n, n)
-        pairs : sequence of TurningPair
-        right : sequence of ndarray, shape (B, 2, 2)
-            ``P`` of each end.
+        following : sequence of FollowingRows
+        right : sequence of ndarray, shape (B, r, c)
+            ``P`` of each.
         """
-        for (column, to_column), by in zip(self.following, right, strict=True):
-            transposed = np.swapaxes(matrix[..., column], -1, -2)
+        for (columns, to_columns), by in zip(self.following, right, strict=True):
+            transposed = np.swapaxes(matrix[..., columns], -1, -2)
             turned = np.swapaxes(_turned(by, transposed), 1, 2)
             for row, to_row in self.runs:
-                total[:, to_row, to_column] += turned[:, row]
-            for (row, to_row), turning in zip(self.following, pairs, strict=True):
-                total[:, to_row, to_column] += np.swapaxes(turning.turn, 1, 2) @ turned[:, row]
+                total[_where(to_row, to_columns)] += turned[:, row]
+            for (rows, to_rows), led in zip(self.following, following, strict=True):
+                total[_where(to_rows, to_columns)] += np.swapaxes(led.turn, 1, 2) @ turned[:, rows]
 
 
 def _turned(turn: FloatArray, rows: FloatArray) -> FloatArray:
-    """``R' X`` for rows (2, n) or (B, 2, n) of a link matrix; (B, 2, n)."""
+    """``P' X`` for rows (r, n) or (B, r, n) of a link matrix; (B, c, n)."""
     transposed = np.swapaxes(turn, 1, 2)
     if rows.ndim == 3:
         return transposed @ rows
-    return (transposed.reshape(-1, 2) @ rows).reshape(len(turn), 2, -1)
+    batch, columns, count = transposed.shape
+    return (transposed.reshape(-1, count) @ rows).reshape(batch, columns, -1)
 
 
-def _pair(numbers: IntArray) -> slice:
-    """Slice of two numbers, in their order."""
-    first, second = (int(n) for n in numbers)
-    step = second - first
-    stop = second + step
-    return slice(first, stop if stop >= 0 else None, step)
+def _where(rows: Numbers, columns: Numbers) -> tuple[Numbers, ...]:
+    """Index of a block of matrices (B, size, size)."""
+    if isinstance(rows, slice) or isinstance(columns, slice):
+        return slice(None), rows, columns
+    return slice(None), rows[:, None], columns
+
+
+def _numbers(numbers: IntArray) -> Numbers:
+    """Slice of numbers that are evenly spaced, in their order; else the numbers."""
+    if len(numbers) < 2:
+        return slice(int(numbers[0]), int(numbers[0]) + 1) if len(numbers) else slice(0, 0)
+    steps = np.diff(numbers)
+    step = int(steps[0])
+    if step == 0 or (steps != step).any():
+        return numbers
+    stop = int(numbers[-1]) + step
+    return slice(int(numbers[0]), stop if stop >= 0 else None, step)
 
 
 def _runs(source: IntArray, target: IntArray) -> list[tuple[slice, slice]]:

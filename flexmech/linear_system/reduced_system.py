@@ -8,13 +8,9 @@ from dataclasses import fields
 import numpy as np
 
 from flexmech.linear_system.component_modes import ComponentModes
-from flexmech.linear_system.link_frames import (
-    LinkDamping,
-    LinkFrames,
-    RotationTerms,
-    SystemMatrices,
-)
+from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel
+from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem, condense
 from flexmech.linkages import RigidMotion, Topology

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.linear_system.link_frames import LinkFrames, RotationTerms, SystemMatrices
+from flexmech.linear_system.link_frames import LinkFrames
+from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray, IntArray
@@ -106,8 +107,7 @@ class LinearSystem:
         full = np.zeros((len(vectors), frames.size, vectors.shape[2]), dtype=vectors.dtype)
         for number, reduced in enumerate(self.link_coordinates(vectors)):
             q = self.bases[number] @ reduced
-            own = np.flatnonzero(frames.targets[number] >= 0)
-            own = own[~np.isin(own, frames.following(number))]
+            own = frames.own(number)
             full[:, frames.targets[number][own]] = q[:, own]
         return full
 

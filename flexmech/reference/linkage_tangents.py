@@ -84,11 +84,8 @@ class LinkageTangents:
     def turns(self, motion: RigidMotion) -> list[list[FloatArray]]:
         """Rotation (2, 2, B) of each link's following ends from their leaders' frames."""
         return [
-            [
-                np.ascontiguousarray(np.moveaxis(turning.turn, 0, -1))
-                for turning in self._frames.turning_pairs(motion, link)
-            ]
-            for link in range(len(self._links))
+            [np.ascontiguousarray(np.moveaxis(led.turn, 0, -1)) for led in following]
+            for following in self._frames.following_rows(motion)
         ]
 
     def link_displacement(
@@ -110,8 +107,7 @@ class LinkageTangents:
         """
         z = np.zeros((self._frames.size, len(displacement[0])))
         for link, (target, q) in enumerate(zip(self._frames.targets, displacement, strict=True)):
-            own = target >= 0
-            own[self._frames.following(link)] = False
+            own = self._frames.own(link)
             z[target[own]] = q.T[own]
         return z
 

@@ -234,8 +234,7 @@ class DrivenLinkage:
         values = np.zeros((2, self.frames.size))
         for number, (full, basis) in enumerate(zip(self.engine.links, self.bases, strict=True)):
             target = self.frames.targets[number]
-            own = np.flatnonzero(target >= 0)
-            own = own[~np.isin(own, self.frames.following(number))]
+            own = self.frames.own(number)
             both = np.stack([state.displacement[number], state.rate[number]], axis=1)
             weighted = basis.T @ full.mass
             nearest = np.linalg.solve(weighted @ basis, weighted @ both)
@@ -306,9 +305,8 @@ class DrivenLinkage:
         """Coordinates of the frames that move their own link along its axis."""
         axial = np.zeros(self.frames.size, dtype=bool)
         for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
-            own = (target >= 0) & link.is_axial
-            own[self.frames.following(number)] = False
-            axial[target[own]] = True
+            own = self.frames.own(number)
+            axial[target[own[link.is_axial[own]]]] = True
         return axial
 
     def _force(self, motion: RigidMotion, stress: list[LinkStress]) -> FloatArray:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmech.linear_system import LinkFrames
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain.driven_linkage import DrivenLinkage
@@ -18,7 +17,7 @@ from flexmech.time_domain.equations import Following
 from flexmech.time_domain.link_inertia import LinkInertia, MovingLink, dot
 from flexmech.time_domain.recording import StepBlock
 from flexmech.time_domain.state import VibrationState
-from flexmech.types import FloatArray, IntArray
+from flexmech.types import FloatArray
 
 __all__ = ["LinkageDynamics"]
 
@@ -67,6 +66,8 @@ class LinkageDynamics:
             MovingLink.of(number, parts, motion, unit, gravity)
             for number, parts in enumerate(elastic)
         ]
+        # How what follows moves in its link's frame while z stands still.
+        unit_following = frames.following_rows(unit)
         totals = np.zeros((6, len(time)))
         ends, fields = [], []
         for number, (inertia, link, stress) in enumerate(
@@ -88,8 +89,9 @@ class LinkageDynamics:
             torque = dot(link.virtual_velocity, rigid) + link.virtual_turn * inertia.turning_power(
                 link
             )
-            for pair, turned in _turning_ends(frames, unit, coordinates[0], number):
-                torque += dot(turned, shapes[:, pair])
+            for led in unit_following[number]:
+                turned = (led.rate @ coordinates[0][:, led.columns, None])[..., 0]
+                torque += dot(turned, shapes[:, led.rows])
             weight = inertia.gravity_energy(
                 motion.origin[:, number], motion.angle[:, number], link.displacement, gravity
             )
@@ -147,21 +149,3 @@ class LinkageDynamics:
 def _to_ground(vector: FloatArray, angle: FloatArray) -> FloatArray:
     """Vectors (m, 2) from a link's frame to ground axes."""
     return vector[:, :1] * direction(angle) + vector[:, 1:] * normal(angle)
-
-
-def _turning_ends(
-    frames: LinkFrames, motion: RigidMotion, position: FloatArray, link: int
-) -> list[tuple[IntArray, FloatArray]]:
-    """How a link's following ends move in its frame while z stands still.
-
-    Returns
-    -------
-    list of tuple of ndarray, shape (k,) and (m, k)
-        Coordinates of the link, and their velocities.
-    """
-    target, ends = frames.targets[link], []
-    for turning in frames.turning_pairs(motion, link):
-        free = target[turning.pair] >= 0
-        led = position[:, target[turning.pair][free], None]
-        ends.append((turning.pair, (turning.rate[:, :, free] @ led)[..., 0]))
-    return ends

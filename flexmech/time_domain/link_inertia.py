@@ -140,7 +140,7 @@ class LinkInertia:
         fields = np.stack([getattr(full.fields, name) for name in FIELDS], axis=1)
         rigid, mass = fields.T @ full.mass @ fields, basis.T @ full.mass @ fields
         turned = basis.T @ full.gyroscopic @ fields
-        # Points off the pins' axis have a distance from the start across it as well.
+        # Matter off the pins' axis has a distance from the start across it as well.
         distance = FIELDS.index("centripetal")
         along, across = full.first_moment
         rigid[distance] += across @ fields
@@ -211,7 +211,7 @@ class LinkInertia:
         """
         along, across = direction(angle), normal(angle)
         distance = FIELDS.index("centripetal")
-        mass, moment, lifted = self.rigid[0, 0], self.rigid[0, distance], self.rigid[distance, 1]
+        mass, (moment, lifted) = self.rigid[0, 0], self.rigid[distance, :2]
         moved = np.stack([along @ gravity, across @ gravity], axis=1)
         elastic = dot(moved, displacement @ self.mass[:, :2])
         centre = mass * origin + moment * along + lifted * across

@@ -77,14 +77,13 @@ class LinkageStretch:
         """Turns of the following ends; ``motion`` is a batch of shape (m,)."""
         count, first = len(motion.crank_angle), self._frames.size
         turn, rate = np.zeros((2, count, self.size - first, self._frames.end_count))
-        for number, places in enumerate(self._places):
-            target = self._frames.targets[number]
-            for pair in self._frames.turning_pairs(motion, number):
-                rows = places[pair.pair] - first
-                free = target[pair.pair] >= 0
-                columns = target[pair.pair][free]
-                turn[:, rows[:, None], columns] = pair.turn[:, :, free]
-                rate[:, rows[:, None], columns] = pair.rate[:, :, free]
+        for places, following in zip(
+            self._places, self._frames.following_rows(motion), strict=True
+        ):
+            for led in following:
+                rows = places[led.rows] - first
+                turn[:, rows[:, None], led.columns] = led.turn
+                rate[:, rows[:, None], led.columns] = led.rate
         return PinTurns(turn, rate)
 
     def remainder(self, turns: PinTurns, position: FloatArray, velocity: FloatArray) -> FloatArray:

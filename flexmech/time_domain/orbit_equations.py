@@ -218,8 +218,7 @@ class OrbitEquations:
         """Independent coordinates z (N, n) of the displacement of each link, (N, n_link)."""
         z = np.zeros((self.samples, self.frames.size))
         for number, (target, q) in enumerate(zip(self.frames.targets, displacement, strict=True)):
-            own = target >= 0
-            own[self.frames.following(number)] = False
+            own = self.frames.own(number)
             z[:, target[own]] = q[:, own]
         return z
 

@@ -14,7 +14,7 @@ from flexmech.analyses import solve_modes
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.reduction import settled
 from flexmech.linear_system import GREAT_DETAIL, ComponentModes, LinearSystem, component_modes
-from flexmech.linear_system.link_frames import SystemMatrices
+from flexmech.linear_system.rotation_terms import SystemMatrices
 from flexmech.linear_system.system import condense
 from flexmech.mechanism import Mechanism
 from flexmech.reference import ReferenceEngine

@@ -1,0 +1,306 @@
+"""Which coordinates of the links are independent, and what the others follow from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system.following_rows import FollowingRows
+from flexmech.linear_system.joint_points import (
+    JointPoint,
+    TurningJoint,
+    joint_points,
+    turning_joints,
+)
+from flexmech.linear_system.link_model import LinkModel
+from flexmech.linear_system.moving_matrix import MovingMatrix
+from flexmech.linear_system.rigid_coordinates import RigidCoordinates
+from flexmech.linkages import LinkEnd, RigidMotion, Topology
+from flexmech.types import IntArray
+
+__all__ = ["LinkTies"]
+
+
+@dataclass(frozen=True)
+class _TurningEnd:
+    """An end whose displacement is that of a flexible link's end, turned."""
+
+    rows: IntArray
+    columns: IntArray
+    leader: int
+
+
+@dataclass(frozen=True)
+class _EqualRows:
+    """Rows that equal one column: what else a welded section turns with its rotation."""
+
+    rows: IntArray
+    columns: IntArray
+
+
+@dataclass(frozen=True)
+class _LedEnd:
+    """An end whose displacement is that of a rigid link's point or of a point on a line."""
+
+    rows: IntArray
+    columns: IntArray
+    point: JointPoint
+
+
+@dataclass(frozen=True)
+class _RigidRows:
+    """Rows that are coordinates ``among`` y of the rigid links."""
+
+    rows: IntArray
+    columns: IntArray
+    among: IntArray
+
+
+_Tie = _TurningEnd | _EqualRows | _LedEnd | _RigidRows
+
+
+class LinkTies:
+    """Ties of the coordinates of all links, and the numbers of the independent ones.
+
+    Parameters
+    ----------
+    topology : Topology
+    links : sequence of LinkModel
+    last : sequence of ndarray of bool, shape (n_link,)
+        Coordinates of each link to number after all others.
+
+    Attributes
+    ----------
+    targets : list of ndarray of int, shape (n_link,)
+        See :class:`flexmech.linear_system.LinkFrames`.
+    size, end_count : int
+        Likewise.
+    rigid : RigidCoordinates
+        Of the rigid links and sliders.
+    """
+
+    def __init__(
+        self,
+        topology: Topology,
+        links: Sequence[LinkModel],
+        last: Sequence[NDArray[np.bool_]],
+    ) -> None:
+        self.topology = topology
+        self.rigid = RigidCoordinates(topology)
+        self._links = links
+        self._ties: list[list[_Tie]] = [[] for _ in links]
+        self.targets = [np.full(link.size, -2, dtype=np.intp) for link in links]
+        self._points, self._turns = joint_points(topology), turning_joints(topology)
+        self._number_rigid()
+        self._mark()
+        self.size = self._number(last)
+        self._follow()
+
+    def following(self, link: int) -> list[tuple[IntArray, IntArray]]:
+        """Rows of a link that follow and the columns that they follow, tie by tie."""
+        return [(tie.rows, tie.columns) for tie in self._ties[link]]
+
+    def leaders(self, link: int) -> list[int]:
+        """Links whose ends those of a link follow, turned; of a link where nothing else does."""
+        return [tie.leader for tie in self._ties[link] if isinstance(tie, _TurningEnd)]
+
+    def is_general(self, link: int) -> bool:
+        """Whether more follows in a link than ends that turn."""
+        return not all(isinstance(tie, _TurningEnd) for tie in self._ties[link])
+
+    def own(self, link: int) -> IntArray:
+        """Coordinates of a link that are independent ones, and follow nothing."""
+        own = self.targets[link] >= 0
+        for rows, _ in self.following(link):
+            own[rows] = False
+        return np.flatnonzero(own)
+
+    def following_rows(self, motion: RigidMotion) -> list[list[FollowingRows]]:
+        """What follows in each link over a batch of shape (B,)."""
+        moving = _Moving(self.rigid, motion)
+        return [
+            [self._led(moving, link, tie) for tie in ties] for link, ties in enumerate(self._ties)
+        ]
+
+    def _led(self, moving: _Moving, link: int, tie: _Tie) -> FollowingRows:
+        motion = moving.motion
+        if isinstance(tie, _TurningEnd):
+            matrix = moving.turned(tie.leader, link)
+        elif isinstance(tie, _EqualRows):
+            matrix = MovingMatrix.constant(np.ones((len(tie.rows), 1)), len(motion.crank_angle))
+        elif isinstance(tie, _LedEnd):
+            matrix = (moving.to_frame(link) @ moving.point(tie.point)).columns(tie.columns)
+        else:
+            matrix = moving.coordinates.rows(tie.among).columns(tie.columns)
+        return FollowingRows.of(tie.rows, tie.columns, matrix)
+
+    def _rows(self, end: LinkEnd) -> IntArray:
+        return self._links[self.topology.index(end.link)].end_displacement(end.end)
+
+    def _rotations(self, end: LinkEnd) -> IntArray:
+        return self._links[self.topology.index(end.link)].end_rotation_of(end.end)
+
+    def _number_rigid(self) -> None:
+        """Number the independent coordinates of rigid links; the others follow them."""
+        moving = _Moving(self.rigid, self.rigid.general_position)
+        place = np.full(self.rigid.size, -1, dtype=np.intp)
+        place[self.rigid.independent] = np.arange(len(self.rigid.independent))
+        for link in self.rigid.links:
+            among = self.rigid.of_link(link)
+            self.targets[link][:] = place[among]
+            self._add_rigid(moving, link, np.arange(3), among)
+
+    def _add_rigid(self, moving: _Moving, link: int, rows: IntArray, among: IntArray) -> None:
+        """Let rows of a link that are none of w follow those of them that they depend on."""
+        led = self.targets[link][rows] < 0
+        if not led.any():
+            return
+        rows, among = rows[led], among[led]
+        columns = moving.columns(moving.coordinates.rows(among))
+        if len(columns):
+            self._ties[link].append(_RigidRows(rows, columns, among))
+
+    def _mark(self) -> None:
+        """Mark what is held or follows: no independent coordinates are these."""
+        for end in self.topology.joined_ends:
+            link = self.topology.index(end.link)
+            self.targets[link][self._links[link].end_warping_of(end.end)] = -1
+        for point in self._points:
+            leads = point.held or self._leads_by_rigid(point)
+            for end in point.ends if leads else point.ends[1:]:
+                if not self.rigid.is_rigid(end):
+                    self.targets[self.topology.index(end.link)][self._rows(end)] = -1
+        for turn in self._turns:
+            leads = turn.held or any(map(self.rigid.is_rigid, turn.ends))
+            for number, end in enumerate(turn.ends):
+                if not self.rigid.is_rigid(end):
+                    follow = self._rotations(end)[0 if leads or number else 1 :]
+                    self.targets[self.topology.index(end.link)][follow] = -1
+
+    def _leads_by_rigid(self, point: JointPoint) -> bool:
+        return point.slider is not None or any(map(self.rigid.is_rigid, point.ends))
+
+    def _number(self, last: Sequence[NDArray[np.bool_]]) -> int:
+        """Number the free coordinates, those of the links' ends and of a free shaft first."""
+        count = len(self.rigid.independent)
+        ends = [~late for late in last]
+        for number, (link, end) in enumerate(zip(self._links, ends, strict=True)):
+            elsewhere = np.ones(link.size, dtype=bool)
+            elsewhere[link.start] = elsewhere[link.end] = elsewhere[link.shaft] = False
+            elsewhere[self._leading_rotations(number)] = False
+            end[elsewhere] = False
+        inner = [~(end | late) for end, late in zip(ends, last, strict=True)]
+        for group in (ends, inner, last):
+            for target, chosen in zip(self.targets, group, strict=True):
+                free = (target == -2) & chosen
+                target[free] = np.arange(count, count + free.sum())
+                count += int(free.sum())
+            if group is ends:
+                self.end_count = count
+        return count
+
+    def _leading_rotations(self, link: int) -> list[int]:
+        """Rotations of a link's welded ends that others follow."""
+        name = self.topology.links[link].name
+        return [
+            int(self._rotations(turn.ends[0])[0])
+            for turn in self._turns
+            if turn.ends[0].link == name
+            and len(turn.ends) > 1
+            and len(self._rotations(turn.ends[0]))
+        ]
+
+    def _follow(self) -> None:
+        """Tell what the marked ends of flexible links follow."""
+        moving = _Moving(self.rigid, self.rigid.general_position)
+        for point in self._points:
+            if point.held:
+                continue
+            by_rigid = self._leads_by_rigid(point)
+            for end in point.ends if by_rigid else point.ends[1:]:
+                rows, link = self._rows(end), self.topology.index(end.link)
+                if self.rigid.is_rigid(end) or not len(rows):
+                    continue
+                if by_rigid:
+                    columns = moving.columns(moving.point(point))
+                    if len(columns):
+                        self._ties[link].append(_LedEnd(rows, columns, point))
+                else:
+                    self._follow_end(link, rows, point.ends[0])
+        for turn in self._turns:
+            if not turn.held:
+                self._follow_rotation(moving, turn)
+
+    def _follow_end(self, link: int, rows: IntArray, leading: LinkEnd) -> None:
+        leader = self.topology.index(leading.link)
+        columns = self.targets[leader][self._rows(leading)]
+        self.targets[link][rows] = columns
+        if (columns >= 0).any():
+            self._ties[link].append(_TurningEnd(rows, columns, leader))
+
+    def _follow_rotation(self, moving: _Moving, turn: TurningJoint) -> None:
+        rigid = [end for end in turn.ends if self.rigid.is_rigid(end)]
+        if rigid:
+            among = self.rigid.of_link(self.topology.index(rigid[0].link))[2]
+            for end in turn.ends:
+                if not self.rigid.is_rigid(end):
+                    rows = self._rotations(end)
+                    link = self.topology.index(end.link)
+                    self._add_rigid(moving, link, rows, np.full(len(rows), among))
+            return
+        root = turn.ends[0]
+        column = self.targets[self.topology.index(root.link)][self._rotations(root)[:1]]
+        for number, end in enumerate(turn.ends):
+            link, rows = self.topology.index(end.link), self._rotations(end)
+            if number:
+                self.targets[link][rows[:1]] = column
+            if len(rows) > 1:
+                self._ties[link].append(_EqualRows(rows[1:], column))
+
+
+class _Moving:
+    """Matrices of one batch of positions, made when they are first asked for."""
+
+    def __init__(self, rigid: RigidCoordinates, motion: RigidMotion) -> None:
+        self.motion = motion
+        self._rigid = rigid
+        self._points: dict[JointPoint, MovingMatrix] = {}
+
+    @cached_property
+    def coordinates(self) -> MovingMatrix:
+        """All coordinates of rigid links and sliders from the independent ones, (B, size, n)."""
+        return self._rigid.moving(self.motion)
+
+    def point(self, point: JointPoint) -> MovingMatrix:
+        """Displacement of a point that rigid links or a line lead in ground axes, (B, 2, n)."""
+        if point not in self._points:
+            displaced = self._rigid.point(self.motion, point)
+            assert displaced is not None
+            self._points[point] = displaced @ self.coordinates
+        return self._points[point]
+
+    def to_frame(self, link: int) -> MovingMatrix:
+        """From ground axes to the frame of a link, (B, 2, 2)."""
+        motion = self.motion
+        return MovingMatrix.rotation(
+            -motion.angle[:, link],
+            -motion.angular_velocity[:, link],
+            -motion.angular_acceleration[:, link],
+        )
+
+    def turned(self, leader: int, link: int) -> MovingMatrix:
+        """From the frame of one link to that of another, (B, 2, 2)."""
+        motion = self.motion
+        return MovingMatrix.rotation(
+            motion.angle[:, leader] - motion.angle[:, link],
+            motion.angular_velocity[:, leader] - motion.angular_velocity[:, link],
+            motion.angular_acceleration[:, leader] - motion.angular_acceleration[:, link],
+        )
+
+    def columns(self, matrix: MovingMatrix) -> IntArray:
+        """Which of the independent coordinates a matrix in a general position depends on."""
+        return np.flatnonzero(self._rigid.moves(matrix))
