@@ -42,7 +42,15 @@ class FollowingRows:
 
     @classmethod
     def of(cls, rows: IntArray, columns: IntArray, matrix: MovingMatrix) -> FollowingRows:
-        """Rows that follow by a moving matrix (B, r, c)."""
+        """Rows that follow by a moving matrix.
+
+        Parameters
+        ----------
+        rows : ndarray of int, shape (r,)
+        columns : ndarray of int, shape (c,)
+        matrix : MovingMatrix
+            Of shape (B, r, c).
+        """
         return cls(rows, columns, matrix.value, matrix.rate, matrix.centripetal, matrix.tangential)
 
     def leading(self, forces: FloatArray) -> FloatArray:

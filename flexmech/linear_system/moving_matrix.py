@@ -44,13 +44,26 @@ class MovingMatrix:
 
     @classmethod
     def constant(cls, matrix: FloatArray, batch: int) -> Self:
-        """One matrix (r, c) that does not change, B times."""
+        """One matrix that does not change.
+
+        Parameters
+        ----------
+        matrix : ndarray, shape (r, c)
+        batch : int
+            How many times.
+        """
         nothing = np.zeros((batch, *matrix.shape))
         return cls(nothing + matrix, nothing, nothing, nothing)
 
     @classmethod
     def rotation(cls, angle: FloatArray, speed: FloatArray, change: FloatArray) -> Self:
-        """Rotation (B, 2, 2) by an angle in rad with its first and second derivative, (B,)."""
+        """Rotation by an angle, (B, 2, 2).
+
+        Parameters
+        ----------
+        angle, speed, change : ndarray, shape (B,)
+            In rad, with its first and second time derivative.
+        """
         cosine, sine = np.cos(angle), np.sin(angle)
         turn = np.stack([cosine, -sine, sine, cosine], axis=-1).reshape(-1, 2, 2)
         quarter = np.stack([-sine, -cosine, cosine, -sine], axis=-1).reshape(-1, 2, 2)

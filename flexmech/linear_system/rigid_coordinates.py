@@ -36,6 +36,10 @@ class DisplacedMotion(RigidMotion):
 
     Parameters
     ----------
+    crank_angle, crank_speed, angle, angular_velocity, angular_acceleration : ndarray
+        See :class:`RigidMotion`; batch of shape (B,).
+    origin, origin_velocity, origin_acceleration : ndarray
+        Likewise.
     turn : ndarray, shape (B, n_links)
         By how much each angle is that of the displaced rigid link rather than that of the rigid
         motion, in rad; zero of flexible links.
@@ -48,7 +52,15 @@ class DisplacedMotion(RigidMotion):
 
     @classmethod
     def of(cls, motion: RigidMotion, turn: FloatArray, slide: FloatArray) -> Self:
-        """A rigid motion with its rigid links displaced."""
+        """A rigid motion with its rigid links displaced.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        turn : ndarray, shape (B, n_links)
+        slide : ndarray, shape (B, n_sliders)
+        """
         own = {field.name: getattr(motion, field.name) for field in fields(RigidMotion)}
         own["angle"] = motion.angle + turn
         return cls(**own, turn=turn, slide=slide)
