@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from math import gcd
 from typing import Protocol
 
 import numpy as np
@@ -87,9 +88,15 @@ class FloquetModes:
         defect = abs(float(self.log_modulus.sum()) - self.trace_integral)
         return defect / max(1.0, float(np.abs(self.log_modulus).sum()))
 
-    def shapes(self) -> NDArray[np.complex128]:
-        """Shapes ``phi`` at the starts of the N steps, (N, n, n): (step, state, mode)."""
-        return self._propagated.shapes()
+    def shapes(self, every: int = 1) -> NDArray[np.complex128]:
+        """Shapes ``phi`` at the starts of the N steps, (N, n, n): (step, state, mode).
+
+        Parameters
+        ----------
+        every : int
+            A divisor of N: at the start of every so many steps alone, (N / every, n, n).
+        """
+        return self._propagated.shapes(every)
 
 
 def floquet_modes(system: PeriodicSystem, steps: int) -> FloquetModes:
@@ -128,8 +135,8 @@ def floquet_modes(system: PeriodicSystem, steps: int) -> FloquetModes:
 class _Shapes(Protocol):
     """What the shapes of the modes are made from."""
 
-    def shapes(self) -> NDArray[np.complex128]:
-        """At the starts of the N steps, (N, n, n)."""
+    def shapes(self, every: int) -> NDArray[np.complex128]:
+        """At the starts of every so many of the N steps, (N / every, n, n)."""
 
 
 @dataclass(frozen=True)
@@ -140,8 +147,8 @@ class _Turning:
     vectors: NDArray[np.complex128]
     turns: FloatArray
 
-    def shapes(self) -> NDArray[np.complex128]:
-        phase = 2j * np.pi * np.arange(self.steps)[:, None] / self.steps
+    def shapes(self, every: int) -> NDArray[np.complex128]:
+        phase = 2j * np.pi * np.arange(0, self.steps, every)[:, None] / self.steps
         return np.asarray(self.vectors * np.exp(phase * self.turns)[:, None])
 
 
@@ -168,19 +175,24 @@ class _Propagated:
     vectors: NDArray[np.complex128]
     order: NDArray[np.intp]
 
-    def shapes(self) -> NDArray[np.complex128]:
+    def shapes(self, every: int) -> NDArray[np.complex128]:
         starts = _modes_backwards(self.triangular, self.log, self.vectors)
         count, length, size, _ = self.chunks.shape
+        parts = count * length // self.steps
+        # Nothing is wanted in the middle of so many transition matrices.
+        joined = gcd(every * parts, length)
+        length //= joined
+        chunks = _products(self.chunks.reshape(-1, joined, size, size))
+        chunks = chunks.reshape(count, length, size, size)
         shapes = np.empty((count, length, size, size), dtype=complex)
         back = np.exp(-self.log[self.order] / (count * length))
         now = np.ascontiguousarray(starts[..., self.order])
         for step in range(length):
             shapes[:, step] = now
             # Real matrices move real and imaginary parts by themselves.
-            moved = self.chunks[:, step] @ now.view(float)
+            moved = chunks[:, step] @ now.view(float)
             now = back * moved.view(complex)
-        parts = count * length // self.steps
-        return shapes.reshape(self.steps, parts, size, size)[:, 0]
+        return shapes.reshape(-1, size, size)[:: every * parts // joined]
 
 
 def _short_products(exponent: FloatArray, spread: float) -> tuple[FloatArray, FloatArray]:

@@ -124,7 +124,8 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
             break
         below, above = squares[:, count - 1], squares[:, count]
         gap = float(np.sqrt(above / below).min()) - 1 if below.min() > 0 else 0.0
-        smoothness[count] = min(gap / LEAST_GAP, _overlap(turn, count) / LEAST_OVERLAP)
+        overlap = float(turn.subspace(count).least_common.min())
+        smoothness[count] = min(gap / LEAST_GAP, overlap / LEAST_OVERLAP)
         if smoothness[count] > 1:
             counts.append(count)
     while len(counts) < wanted:
@@ -158,11 +159,11 @@ def moving_modes(
     """
     modes = turn.frozen_modes[:, :, :count]
     if like is None:
-        scale, fixed = _scale_and_fixed_basis(turn, count)
+        scale, fixed, alignment = _scale_and_fixed_basis(turn, count)
     else:
         scale, fixed = like.scale, like.fixed
-    left, _, right = _in_common(turn, modes, fixed)
-    basis = modes @ (left @ right)
+        alignment = turn.aligned(count, fixed)[0]
+    basis = modes @ alignment
     skew, stiffness, damping, moving_damping = _projected(turn, basis, frame)
     root = np.sqrt(scale)
     matrix, damped = np.zeros((2, len(basis), 2 * count, 2 * count))
@@ -192,36 +193,15 @@ def _series(turn: SampledTurn, matrix: FloatArray) -> FourierSeries:
     return FourierSeries.through(matrix)
 
 
-def _scale_and_fixed_basis(turn: SampledTurn, count: int) -> tuple[FloatArray, FloatArray]:
-    """Natural frequencies (m,) of the averaged stiffness, and its modes as a fixed basis."""
-    modes, fixed = turn.frozen_modes[:, :, :count], _fixed_basis(turn, count)
-    left, _, right = _in_common(turn, modes, fixed)
-    align = left @ right
-    squares = turn.frozen_squares[:, :count]
-    average = np.einsum("aij,ai,aik->jk", align, squares, align) / len(align)
-    mean_squares, turned = np.linalg.eigh(average)
-    return np.sqrt(np.abs(mean_squares)), fixed @ turned
-
-
-def _fixed_basis(turn: SampledTurn, count: int) -> FloatArray:
-    """Basis (n, m) of the subspace that has most in common with those at all crank angles."""
-    weight = np.linalg.cholesky(turn.mass.mean(axis=0)).T
-    span = np.linalg.qr(weight @ turn.frozen_modes[:, :, :count])[0]
-    average = (span @ np.swapaxes(span, 1, 2)).mean(axis=0)
-    return np.asarray(np.linalg.solve(weight, np.linalg.eigh(average)[1][:, -count:]))
-
-
-def _overlap(turn: SampledTurn, count: int) -> float:
-    """Least singular value of what the subspaces have in common with a fixed one."""
-    modes = turn.frozen_modes[:, :, :count]
-    return float(_in_common(turn, modes, _fixed_basis(turn, count))[1].min())
-
-
-def _in_common(
-    turn: SampledTurn, modes: FloatArray, fixed: FloatArray
+def _scale_and_fixed_basis(
+    turn: SampledTurn, count: int
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Singular values and vectors of what modes (N, n, m) have in common with a fixed basis."""
-    return np.linalg.svd(np.swapaxes(modes, 1, 2) @ turn.mass @ fixed)
+    """Natural frequencies (m,) of the averaged stiffness; its modes, and those nearest to them."""
+    own = turn.subspace(count)
+    squares = turn.frozen_squares[:, :count]
+    average = np.einsum("aij,ai,aik->jk", own.alignment, squares, own.alignment)
+    mean_squares, turned = np.linalg.eigh(average / len(squares))
+    return np.sqrt(np.abs(mean_squares)), own.fixed @ turned, own.alignment @ turned
 
 
 def _projected(

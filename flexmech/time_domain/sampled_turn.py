@@ -20,12 +20,31 @@ from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.reduced_links import ReducedLinks, prestressed_links
 from flexmech.types import FloatArray
 
-__all__ = ["SampledTurn"]
+__all__ = ["FrozenSubspace", "SampledTurn"]
 
 # Times the frequency up to which component modes are kept for the natural frequencies alone.
 DETAIL = 2.0
 # Relative change of a matrix along the turn that round-off makes.
 UNCHANGED = 1e-13
+
+
+@dataclass(frozen=True)
+class FrozenSubspace:
+    """The subspaces of the lowest m natural modes at N crank angles beside a fixed one.
+
+    Parameters
+    ----------
+    fixed : ndarray, shape (n, m)
+        Basis of the subspace that has most in common with those at all crank angles.
+    alignment : ndarray, shape (N, m, m)
+        Combinations of the modes that are nearest to it.
+    least_common : ndarray, shape (N,)
+        Least part that a direction of them has in common with it.
+    """
+
+    fixed: FloatArray
+    alignment: FloatArray
+    least_common: FloatArray
 
 
 @dataclass(frozen=True)
@@ -147,6 +166,52 @@ class SampledTurn:
     def frozen_modes(self) -> FloatArray:
         """Natural modes without rotation terms, (N, n, n): one a column, of unit modal mass."""
         return self._frozen[2]
+
+    def subspace(self, count: int) -> FrozenSubspace:
+        """What the lowest natural modes at all crank angles have in common with a fixed basis.
+
+        Parameters
+        ----------
+        count : int
+            Number m of modes.
+
+        Returns
+        -------
+        FrozenSubspace
+        """
+        if count not in self._subspaces:
+            weight = np.linalg.cholesky(self.mass.mean(axis=0)).T
+            modes = self.frozen_modes[:, :, :count]
+            span = np.linalg.qr(weight @ modes)[0]
+            average = (span @ np.swapaxes(span, 1, 2)).mean(axis=0)
+            most = np.linalg.eigh(average)[1][:, -count:]
+            fixed = np.asarray(np.linalg.solve(weight, most))
+            self._subspaces[count] = FrozenSubspace(fixed, *self.aligned(count, fixed))
+        return self._subspaces[count]
+
+    def aligned(self, count: int, fixed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Combinations of the lowest natural modes that are nearest to a fixed basis.
+
+        Parameters
+        ----------
+        count : int
+            Number m of modes.
+        fixed : ndarray, shape (n, m)
+
+        Returns
+        -------
+        ndarray, shape (N, m, m)
+            Orthogonal: from the combinations to the modes.
+        ndarray, shape (N,)
+            Least part that a direction of them has in common with the fixed basis.
+        """
+        modes = self.frozen_modes[:, :, :count]
+        left, common, right = np.linalg.svd(np.swapaxes(modes, 1, 2) @ self.mass @ fixed)
+        return left @ right, common.min(axis=1)
+
+    @cached_property
+    def _subspaces(self) -> dict[int, FrozenSubspace]:
+        return {}
 
     @cached_property
     def _frozen(self) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -273,3 +273,15 @@ def symmetric_functions(modes: FloquetModes) -> FloatArray:
     """Coefficients of the polynomial of the multipliers: smooth where multipliers are double."""
     multipliers = np.exp(modes.exponent * modes.period)
     return np.poly(multipliers / np.abs(multipliers).max())
+
+
+@pytest.mark.parametrize("every", [1, 4, 10, 60])
+@pytest.mark.parametrize("steps", [60, 240])
+def test_shapes_at_few_instants_are_those_at_all(steps: int, every: int) -> None:
+    # One mode that dies out fast takes many short products, light damping alone few.
+    for exponents in ([-0.1, -0.7, -0.3], [-0.1, -9.0, -0.3]):
+        modes = floquet_modes(uneven(with_exponents(exponents, 3), 4.0), steps)
+        assert modes.shapes(every) == pytest.approx(modes.shapes()[::every], rel=1e-9, abs=1e-9)
+    same = floquet_modes(constant(with_exponents([-0.1, -0.7], 3), 4.0), steps)
+    assert modes.shapes(every).shape == (steps // every, 3, 3)
+    assert same.shapes(every) == pytest.approx(same.shapes()[::every])

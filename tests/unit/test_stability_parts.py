@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flexmech.analyses.damping_ratios import with_damping_ratio
+from flexmech.analyses.stability import edges
 from flexmech.analyses.stability.collisions import Meeting
 from flexmech.analyses.stability.naming import BandName, band_name, signatures_of
 from flexmech.analyses.stability.parallel import FEW, in_order
@@ -130,6 +132,38 @@ def test_a_window_gives_what_is_built_at_each_speed(solver):
     direct, between = (s.solve(s.moving(speed)) for s in (solver, windowed))
     for exponent in direct.exponent:
         assert np.abs(between.exponent - exponent).min() < 1e-6 * abs(exponent)
+
+
+def test_growth_alone_is_that_of_the_kept_modes(solver):
+    damped = replace(solver, engine=with_damping_ratio(solver.engine, 0.002), modes=2)
+    for speed in (31.0, 89.0):
+        moving = damped.moving(speed)
+        assert damped.growth_at(moving) == pytest.approx(damped.solve(moving).growth_rate, rel=1e-9)
+
+
+def test_growth_alone_is_held_to_the_trace_of_the_system(solver, monkeypatch):
+    monkeypatch.setattr("flexmech.analyses.stability.solver.LIOUVILLE", -1.0)
+    moving = solver.moving(31.0)
+    for ask in (solver.solve, solver.growth_at):
+        with pytest.raises(ComputationError, match="Liouville"):
+            ask(moving)
+
+
+def test_an_edge_is_found_from_what_is_known_of_its_bracket(monkeypatch):
+    asked = []
+
+    def growth(self, speed):
+        asked.append(speed)
+        return speed**3 - 8
+
+    monkeypatch.setattr(edges.SignedGrowth, "__call__", growth)
+    found = edges.find_edge(None, edges.EdgeSearch(3.0, 1.0, 19.0, -7.0))
+    assert found.crank_speed == pytest.approx(2.0, rel=1e-7)
+    assert found.width == 2.0
+    assert not {1.0, 3.0} & set(asked)
+    assert len(set(asked)) == len(asked)
+    assert abs(found.growth) < 1e-6
+    assert edges.find_edge(None, edges.EdgeSearch(3.0, 3.0, 19.0, 19.0)).width == 0.0
 
 
 def test_a_window_does_not_reach_beyond_the_last_equilibrium(solver):

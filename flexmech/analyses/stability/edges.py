@@ -13,7 +13,7 @@ from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.errors import ComputationError
 
-__all__ = ["EdgeSearch", "find_edge", "find_top"]
+__all__ = ["EdgeSearch", "FoundEdge", "edge_errors", "find_edge", "find_top"]
 
 # Relative to the crank speed.
 EDGE_TOLERANCE = 1e-8
@@ -34,10 +34,15 @@ class EdgeSearch:
     ----------
     inside, outside : float
         Crank speeds in rad/s with and without growth; the same where the band is open.
+    growth_inside, growth_outside : float
+        Measure of growth there; see
+        :class:`flexmech.analyses.stability.signed_growth.SignedGrowth`.
     """
 
     inside: float
     outside: float
+    growth_inside: float
+    growth_outside: float
 
     @property
     def width(self) -> float:
@@ -45,7 +50,26 @@ class EdgeSearch:
         return abs(self.outside - self.inside)
 
 
-def find_edge(solver: LinkageSolver, search: EdgeSearch) -> BandEdge:
+@dataclass(frozen=True)
+class FoundEdge:
+    """An edge whose errors are not yet known.
+
+    Parameters
+    ----------
+    crank_speed : float
+        rad/s.
+    growth : float
+        Measure of growth there: next to nothing.
+    width : float
+        Of the bracket in rad/s; zero where the band is open.
+    """
+
+    crank_speed: float
+    growth: float
+    width: float
+
+
+def find_edge(solver: LinkageSolver, search: EdgeSearch) -> FoundEdge:
     """Find the edge in a bracket.
 
     Parameters
@@ -55,33 +79,57 @@ def find_edge(solver: LinkageSolver, search: EdgeSearch) -> BandEdge:
 
     Returns
     -------
-    BandEdge
+    FoundEdge
     """
     if not search.width:
-        return BandEdge(search.inside, 0.0, 0.0, 0.0, is_open=True)
+        return FoundEdge(search.inside, search.growth_inside, 0.0)
     growth = SignedGrowth(solver)
+    seen = {search.inside: search.growth_inside, search.outside: search.growth_outside}
+
+    def measure(crank_speed: float) -> float:
+        if crank_speed not in seen:
+            seen[crank_speed] = growth(crank_speed)
+        return seen[crank_speed]
+
     low, high = sorted((search.inside, search.outside))
     edge = float(
         scipy.optimize.brentq(
-            growth, low, high, xtol=EDGE_TOLERANCE * abs(high), rtol=1e-14, maxiter=MOST_STEPS
+            measure, low, high, xtol=EDGE_TOLERANCE * abs(high), rtol=1e-14, maxiter=MOST_STEPS
         )
     )
-    apart = SLOPE_OVER * search.width
-    moving = solver.moving(edge)
-    here = growth.of(solver.solve(moving))
+    return FoundEdge(edge, measure(edge), search.width)
+
+
+def edge_errors(solver: LinkageSolver, found: FoundEdge) -> BandEdge:
+    """Find out how wrong steps, reduction and mesh make an edge.
+
+    Parameters
+    ----------
+    solver : LinkageSolver
+        With which it was found.
+    found : FoundEdge
+
+    Returns
+    -------
+    BandEdge
+    """
+    edge, width = found.crank_speed, found.width
+    if not width:
+        return BandEdge(edge, 0.0, 0.0, 0.0, is_open=True)
+    growth, apart = SignedGrowth(solver), SLOPE_OVER * width
     slope = abs((growth(edge + apart) - growth(edge - apart)) / (2 * apart))
-    place = _Place(edge, slope, search.width)
-    coarse = solver.sampled_coarsely()
+    place = _Place(edge, slope, width)
+    moving, coarse = solver.moving(edge), solver.sampled_coarsely()
     try:
         same, more_modes = coarse.both_reductions(edge)
-        there = SignedGrowth(coarse).of(coarse.solve(same))
+        there = SignedGrowth(coarse).at(same)
         by_reduction = place.moved(coarse.with_more_modes(), there, more_modes)
         by_mesh = place.moved(coarse.refined(), there)
     except ComputationError:
-        by_reduction = by_mesh = search.width
+        by_reduction = by_mesh = width
     return BandEdge(
         crank_speed=edge,
-        step_error=place.moved(solver.with_half_the_steps(moving), here, moving),
+        step_error=place.moved(solver.with_half_the_steps(moving), found.growth, moving),
         reduction_error=by_reduction,
         mesh_error=by_mesh * BY_REFINEMENT,
         is_open=False,
@@ -102,7 +150,7 @@ class _Place:
         """How far away another solver, instead of the one with growth ``here``, puts the edge."""
         growth = SignedGrowth(solver)
         try:
-            there = growth.of(solver.solve(moving or solver.moving(self.edge)))
+            there = growth.at(moving or solver.moving(self.edge))
             by_slope = abs(there - here) / self.slope
             return by_slope if by_slope <= LINEAR * self.width else self._sought(growth, there)
         except ComputationError:

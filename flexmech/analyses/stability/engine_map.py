@@ -12,10 +12,16 @@ from typing import TypeVar
 import numpy as np
 
 from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_time
-from flexmech.analyses.stability.band import Band
+from flexmech.analyses.stability.band import Band, BandEdge
 from flexmech.analyses.stability.closing import ClosingSearch, closing_damping_ratio
 from flexmech.analyses.stability.collisions import MetModes, meetings, met
-from flexmech.analyses.stability.edges import EdgeSearch, find_edge, find_top
+from flexmech.analyses.stability.edges import (
+    EdgeSearch,
+    FoundEdge,
+    edge_errors,
+    find_edge,
+    find_top,
+)
 from flexmech.analyses.stability.engine_stability import (
     CheckedErrors,
     EngineStability,
@@ -23,11 +29,10 @@ from flexmech.analyses.stability.engine_stability import (
     NoEquilibrium,
 )
 from flexmech.analyses.stability.equilibria import speeds_without_equilibrium
-from flexmech.analyses.stability.exponent_errors import exponent_errors
-from flexmech.analyses.stability.exponents import wrapped
-from flexmech.analyses.stability.following import FollowedModes, follow, likeness
+from flexmech.analyses.stability.exponent_errors import ExponentErrors, exponent_errors
+from flexmech.analyses.stability.following import FollowedModes, follow
 from flexmech.analyses.stability.kept_modes import KeptModes, matched
-from flexmech.analyses.stability.naming import BandName, band_name, signatures_of
+from flexmech.analyses.stability.naming import name_of_growth, signatures_of
 from flexmech.analyses.stability.parallel import in_order
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth, speeds_between
@@ -148,8 +153,7 @@ class _EngineMap:
             if not interrupted and within:
                 found, narrower = self._meetings(within)
                 same = branches.last(len(within))
-                bands = self._bands(within, same, found, list(refused), definite)
-                errors = self._errors(within)
+                bands, errors = self._bands(within, same, found, list(refused), definite)
         except KeyboardInterrupt:
             interrupted = True
         unit = self._request.speed_unit
@@ -173,13 +177,20 @@ class _EngineMap:
         low, high = min(speeds), max(speeds)
         count = int(np.ceil((high - low) / (WINDOW * self._lowest)))
         ends = list(pairwise(np.linspace(low, high, count + 1).tolist()))
-        opened = self._each("stress", partial(_windows, self._by_ratio), ends)
-        windows = tuple(window for some in opened for window in some)
+        windows = self._windows("stress", self._by_ratio, ends)
         self._by_ratio = replace(self._by_ratio, windows=windows)
         if self._solver.engine is not self._by_ratio.engine:
-            opened = self._each("damping", partial(_windows, self._solver), ends)
-            windows = tuple(window for some in opened for window in some)
+            windows = self._windows("damping", self._solver, ends)
         self._solver = replace(self._solver, windows=windows)
+
+    def _windows(
+        self, label: str, solver: LinkageSolver, ends: Sequence[tuple[float, float]]
+    ) -> tuple[SpeedWindow, ...]:
+        # The fastest take longest and come first.
+        fastest_first = sorted(ends, key=lambda pair: -abs(sum(pair)))
+        opened = self._each(label, partial(_windows, solver), fastest_first)
+        windows = [window for some in opened for window in some]
+        return tuple(sorted(windows, key=lambda window: window.low))
 
     def _solutions(self, asked: Sequence[float]) -> tuple[list[_Solution], bool]:
         """Solutions at the speeds asked for and those between, by which modes are followed."""
@@ -213,7 +224,7 @@ class _EngineMap:
         found: Sequence[MetModes],
         refused: Sequence[float],
         definite: bool,
-    ) -> list[Band]:
+    ) -> tuple[list[Band], CheckedErrors]:
         growth = SignedGrowth(self._solver)
         samples = [
             Sample(f.crank_speed, growth.of_exponents(f.exponent, f.period), f.growth_rate)
@@ -223,11 +234,16 @@ class _EngineMap:
         between = speeds_between(samples, BETWEEN * self._lowest, refused)
         samples += self._each("growth in bands", growth.sample, between)
         runs = runs_of_growth(samples, refused)
-        searches = [EdgeSearch(*ends) for run in runs for ends in run.brackets]
-        edges = self._each("edges of bands", partial(find_edge, self._solver), searches)
+        known = {sample.crank_speed: sample.signed_growth for sample in samples}
+        searches = [
+            EdgeSearch(inside, outside, known[inside], known[outside])
+            for run in runs
+            for inside, outside in run.brackets
+        ]
+        found_edges = self._each("edges of bands", partial(find_edge, self._solver), searches)
         ends = [
             (lower.crank_speed, upper.crank_speed)
-            for lower, upper in zip(edges[::2], edges[1::2], strict=True)
+            for lower, upper in zip(found_edges[::2], found_edges[1::2], strict=True)
         ]
         places = [(run.fastest, *pair) for run, pair in zip(runs, ends, strict=True)]
         tops = self._each("growth in bands", partial(find_top, self._solver), places)
@@ -236,11 +252,10 @@ class _EngineMap:
             ClosingSearch(top.crank_speed, *pair, start)
             for top, pair in zip(tops, ends, strict=True)
         ]
-        closing = partial(closing_damping_ratio, self._by_ratio)
-        ratios = self._each("damping that closes bands", closing, closings)
+        edges, ratios, errors = self._measured(found_edges, closings, followed)
         bands = []
         for n, (top, ratio) in enumerate(zip(tops, ratios, strict=True)):
-            name = _name(top, ends[n], followed, branches, differences=not definite)
+            name = name_of_growth(top, ends[n], followed, branches, differences=not definite)
             bands.append(
                 Band(
                     lower=edges[2 * n],
@@ -255,18 +270,37 @@ class _EngineMap:
                     signatures=signatures_of(name, ends[n], followed),
                 )
             )
-        return bands
+        return bands, errors
 
-    def _errors(self, followed: Sequence[FollowedSpeed]) -> CheckedErrors:
-        """Errors by reduction and mesh at some speeds outside of bands."""
+    def _measured(
+        self,
+        edges: Sequence[FoundEdge],
+        closings: Sequence[ClosingSearch],
+        followed: Sequence[FollowedSpeed],
+    ) -> tuple[list[BandEdge], list[float], CheckedErrors]:
+        """Errors of edges, damping ratios that close bands, and errors at some steady speeds.
+
+        None needs another's answer. The longest come first, so that no process waits in the end:
+        turns at slow speeds take many steps, and at fast ones the mesh moves edges.
+        """
         steady = [each.crank_speed for each in followed if not each.is_unstable]
         places = np.unique(np.linspace(0, len(steady) - 1, CHECKED_SPEEDS).astype(np.intp))
         speeds = [steady[place] for place in places.tolist()] if steady else []
-        errors = self._each("errors", partial(exponent_errors, self._solver), speeds)
-        return CheckedErrors(
-            np.array(speeds),
-            np.array([error.reduction for error in errors]),
-            np.array([error.mesh for error in errors]),
+        jobs: list[Callable[[], ExponentErrors | BandEdge | float]] = [
+            *(partial(exponent_errors, self._solver, speed) for speed in speeds),
+            *(partial(edge_errors, self._solver, edge) for edge in reversed(edges)),
+            *(partial(closing_damping_ratio, self._by_ratio, each) for each in closings),
+        ]
+        answers = self._each("errors, and damping that closes bands", _answer, jobs)
+        errors = [answer for answer in answers if isinstance(answer, ExponentErrors)]
+        return (
+            [answer for answer in answers if isinstance(answer, BandEdge)][::-1],
+            [answer for answer in answers if isinstance(answer, float)],
+            CheckedErrors(
+                np.array(speeds),
+                np.array([error.reduction for error in errors]),
+                np.array([error.mesh for error in errors]),
+            ),
         )
 
     def _each(
@@ -303,6 +337,10 @@ def _windows(solver: LinkageSolver, ends: tuple[float, float]) -> list[SpeedWind
     return [*_windows(solver, (low, middle)), *_windows(solver, (middle, high))]
 
 
+def _answer(job: Callable[[], Answer]) -> Answer:
+    return job()
+
+
 def _solution(solver: LinkageSolver, crank_speed: float) -> _Solution:
     try:
         return _Solution(crank_speed, solver.solved(crank_speed), None)
@@ -337,46 +375,4 @@ def _followed(solved: SolvedSpeed, modes: KeptModes, alike: FloatArray) -> Follo
         buckled_angle=solved.buckled_angle,
         orbit_distance=solved.orbit_distance,
         orbit_residual=solved.orbit_residual,
-    )
-
-
-def _name(
-    modes: KeptModes,
-    ends: tuple[float, float],
-    followed: Sequence[FollowedSpeed],
-    branches: FollowedModes,
-    *,
-    differences: bool,
-) -> BandName:
-    """Name of the band with these ends that grows fastest at these modes."""
-    speeds = np.abs([each.crank_speed for each in followed])
-    below = int(np.searchsorted(speeds, abs(modes.crank_speed), side="right")) - 1
-    growing = modes.shape[..., modes.exponent.real.argmax(), None]
-    before = branches.shapes[max(below, 0)]
-    part = likeness(before.shape, growing)[:, 0].reshape(-1, 2).max(axis=1)
-    frequency = np.abs(before.frequency[::2])
-    crank = 1 / modes.period
-    for after, other in zip(followed[below + 1 :], branches.shapes[below + 1 :], strict=True):
-        if not after.is_unstable:
-            ahead = np.abs(other.frequency[::2])
-            step = abs(after.crank_speed) - speeds[below]
-            share = (abs(modes.crank_speed) - speeds[below]) / step
-            frequency = frequency + share * wrapped(ahead - frequency, crank)
-            break
-    width = (ends[1] - ends[0]) / abs(modes.crank_speed)
-
-    def pass_through(name: BandName) -> bool:
-        # Multipliers of one Krein signature meet on the unit circle and stay on it. Sums meet with
-        # opposite ones unless the Hamilton function is far from definite.
-        first, second = signatures_of(name, ends, followed)
-        return name.kind == "difference" and first * second > 0
-
-    return band_name(
-        frequency,
-        part,
-        branches.usual_frequency,
-        crank,
-        width,
-        differences=differences,
-        is_refused=pass_through,
     )

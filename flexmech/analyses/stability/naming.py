@@ -9,9 +9,12 @@ import numpy as np
 
 from flexmech.analyses.stability.band import Kind
 from flexmech.analyses.stability.engine_stability import FollowedSpeed
+from flexmech.analyses.stability.exponents import wrapped
+from flexmech.analyses.stability.following import FollowedModes, likeness
+from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.types import FloatArray
 
-__all__ = ["BandName", "band_name", "signatures_of"]
+__all__ = ["BandName", "band_name", "name_of_growth", "signatures_of"]
 
 # A branch that is a smaller part of the mode that grows has no part in the band.
 LEAST_PART = 0.15
@@ -137,3 +140,62 @@ def signatures_of(
         if min(map(abs, found)) > LEAST_SIGNATURE:
             return found
     return float("nan"), float("nan")
+
+
+def name_of_growth(
+    modes: KeptModes,
+    ends: tuple[float, float],
+    followed: Sequence[FollowedSpeed],
+    branches: FollowedModes,
+    *,
+    differences: bool,
+) -> BandName:
+    """Name of the band that grows fastest at these modes.
+
+    Parameters
+    ----------
+    modes : KeptModes
+    ends : tuple of float
+        Of the band in rad/s.
+    followed : sequence of FollowedSpeed
+        By increasing size of the speed.
+    branches : FollowedModes
+        At the same speeds.
+    differences : bool
+        Whether differences of frequencies can be unstable.
+
+    Returns
+    -------
+    BandName
+    """
+    speeds = np.abs([each.crank_speed for each in followed])
+    below = int(np.searchsorted(speeds, abs(modes.crank_speed), side="right")) - 1
+    growing = modes.shape[..., modes.exponent.real.argmax(), None]
+    before = branches.shapes[max(below, 0)]
+    part = likeness(before.shape, growing)[:, 0].reshape(-1, 2).max(axis=1)
+    frequency = np.abs(before.frequency[::2])
+    crank = 1 / modes.period
+    for after, other in zip(followed[below + 1 :], branches.shapes[below + 1 :], strict=True):
+        if not after.is_unstable:
+            ahead = np.abs(other.frequency[::2])
+            step = abs(after.crank_speed) - speeds[below]
+            share = (abs(modes.crank_speed) - speeds[below]) / step
+            frequency = frequency + share * wrapped(ahead - frequency, crank)
+            break
+    width = (ends[1] - ends[0]) / abs(modes.crank_speed)
+
+    def pass_through(name: BandName) -> bool:
+        # Multipliers of one Krein signature meet on the unit circle and stay on it. Sums meet with
+        # opposite ones unless the Hamilton function is far from definite.
+        first, second = signatures_of(name, ends, followed)
+        return name.kind == "difference" and first * second > 0
+
+    return band_name(
+        frequency,
+        part,
+        branches.usual_frequency,
+        crank,
+        width,
+        differences=differences,
+        is_refused=pass_through,
+    )

@@ -16,10 +16,10 @@ from flexmech.threads import one_thread
 
 __all__ = ["FEW", "in_order"]
 
-FEW = 6
+FEW = 2
 """Tasks that are not worth processes of their own."""
 
-_tasks: list[Callable[[Any], Any]] = []
+_tasks: list[tuple[Callable[[Any], Any], Sequence[Any]]] = []
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
@@ -47,26 +47,27 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
         with one_thread():
             yield from map(task, items)
         return
-    # What a process is split off with need not be sent to it: tasks may hold large arrays.
-    _tasks.append(task)
+    # What a process is split off with need not be sent to it: tasks and items may be large.
+    _tasks.append((task, items))
     try:
         context = multiprocessing.get_context("fork")
         with ProcessPoolExecutor(workers, context, _begin) as pool:
             with warnings.catch_warnings():
                 # Progress runs in a thread of its own, which the processes do not use.
                 warnings.simplefilter("ignore", DeprecationWarning)
-                waiting = [pool.submit(_do, item) for item in items]
+                waiting = [pool.submit(_do, number) for number in range(len(items))]
             try:
                 for future in waiting:
                     yield future.result()
             finally:
                 pool.shutdown(wait=True, cancel_futures=True)
     finally:
-        _tasks.remove(task)
+        _tasks.pop()
 
 
-def _do(item: Any) -> Any:
-    return _tasks[-1](item)
+def _do(number: int) -> Any:
+    task, items = _tasks[-1]
+    return task(items[number])
 
 
 def _processors() -> int:

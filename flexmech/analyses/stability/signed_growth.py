@@ -11,6 +11,7 @@ from flexmech.analyses.stability.exponents import GROWS, wrapped
 from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.analyses.stability.runs_of_growth import Sample
 from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 
 __all__ = ["SignedGrowth"]
 
@@ -32,15 +33,24 @@ class SignedGrowth:
 
     def __call__(self, crank_speed: float) -> float:
         """Measure at a crank speed in rad/s."""
-        return self.sample(crank_speed).signed_growth
+        return self.at(self.solver.moving(crank_speed))
 
     def sample(self, crank_speed: float) -> Sample:
         """Measure and growth rate at a crank speed in rad/s."""
-        modes = self.solver.solve(self.solver.moving(crank_speed))
-        return Sample(crank_speed, self.of(modes), modes.growth_rate)
+        moving = self.solver.moving(crank_speed)
+        if self.solver.is_damped:
+            growth = self.solver.growth_at(moving)
+            return Sample(crank_speed, growth, growth)
+        modes = self.solver.solve(moving)
+        return Sample(crank_speed, self._of(modes), modes.growth_rate)
 
-    def of(self, modes: KeptModes) -> float:
-        """Measure of modes that are known."""
+    def at(self, moving: VibratingLinkage) -> float:
+        """Measure of a linkage in its moving modes."""
+        if self.solver.is_damped:
+            return self.solver.growth_at(moving)
+        return self._of(self.solver.solve(moving))
+
+    def _of(self, modes: KeptModes) -> float:
         return self.of_exponents(modes.exponent, modes.period)
 
     def of_exponents(self, exponent: NDArray[np.complex128], period: float) -> float:

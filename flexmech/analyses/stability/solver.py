@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmech.analyses.stability.exponents import wrapped
 from flexmech.analyses.stability.following import BranchShapes
-from flexmech.analyses.stability.kept_modes import KeptModes, kept_modes, matched
+from flexmech.analyses.stability.kept_modes import KeptModes, kept_growth, kept_modes, matched
 from flexmech.analyses.stability.known_equilibria import KnownEquilibria
 from flexmech.analyses.stability.speed_window import SpeedWindow, chebyshev_nodes
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
@@ -309,22 +309,19 @@ class LinkageSolver:
         """
         factor = self.damping if damping is None else damping
         modes = kept_modes(moving, factor, self.steps_for(moving))
-        if modes.liouville_defect > LIOUVILLE:
-            raise ComputationError(
-                f"the Floquet multipliers at crank speed {CRANK_SPEED} are not those of the "
-                f"linkage: their logarithms add up to {modes.liouville_defect:.1e} of themselves "
-                "beside the integral of the trace (Liouville); take more steps",
-                crank_speed=moving.crank_speed,
-            )
+        _hold_to_trace(modes.liouville_defect, moving.crank_speed)
         return modes
 
-    def growth_at(self, moving: VibratingLinkage, damping: float) -> float:
-        """Greatest growth rate of the kept modes in 1/s with a factor on the damping."""
-        return self.solve(moving, damping).growth_rate
+    def growth_at(self, moving: VibratingLinkage, damping: float | None = None) -> float:
+        """Greatest growth rate of the kept modes in 1/s; arguments and errors as of `solve`."""
+        factor = self.damping if damping is None else damping
+        kept = kept_growth(moving, factor, self.steps_for(moving))
+        _hold_to_trace(kept.liouville_defect, moving.crank_speed)
+        return kept.growth_rate
 
     def growth_rate(self, crank_speed: float) -> float:
         """Greatest growth rate of the kept modes in 1/s."""
-        return self.solve(self.moving(crank_speed)).growth_rate
+        return self.growth_at(self.moving(crank_speed))
 
     def solved(self, crank_speed: float) -> SolvedSpeed:
         """Kept Floquet modes with the error of their steps."""
@@ -382,3 +379,13 @@ class LinkageSolver:
             return self.steps
         wanted = max(LEAST_STEPS, moving.fastest * moving.period / RADIANS_A_STEP)
         return 2 * SHAPE_ANGLES * int(np.ceil(wanted / (2 * SHAPE_ANGLES)))
+
+
+def _hold_to_trace(liouville_defect: float, crank_speed: float) -> None:
+    if liouville_defect > LIOUVILLE:
+        raise ComputationError(
+            f"the Floquet multipliers at crank speed {CRANK_SPEED} are not those of the "
+            f"linkage: their logarithms add up to {liouville_defect:.1e} of themselves "
+            "beside the integral of the trace (Liouville); take more steps",
+            crank_speed=crank_speed,
+        )
