@@ -57,6 +57,9 @@ from .linkages import CouplerCurve as CouplerCurve
 from .linkages import CouplerPoint as CouplerPoint
 from .linkages import CrankDrive as CrankDrive
 from .linkages import FourBar as FourBar
+from .linkages import PlanarJoint as PlanarJoint
+from .linkages import PlanarLink as PlanarLink
+from .linkages import PlanarLinkage as PlanarLinkage
 from .linkages import RotatingArm as RotatingArm
 from .linkages import double_points as double_points
 from .linkages import synthesize_crank_rocker as synthesize_crank_rocker

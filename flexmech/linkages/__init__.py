@@ -12,6 +12,7 @@ from flexmech.linkages.inverse_dynamics import InverseDynamics, inverse_dynamics
 from flexmech.linkages.link_mass import LinkBody, LinkMass
 from flexmech.linkages.linkage import Linkage
 from flexmech.linkages.motion import RigidMotion
+from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
 from flexmech.linkages.positions import linkage_positions, shown_crank_angle, standing
 from flexmech.linkages.rotating_arm import RotatingArm
 from flexmech.linkages.synthesis import (
@@ -50,6 +51,9 @@ __all__ = [
     "LockedCrank",
     "Pin",
     "Pivot",
+    "PlanarJoint",
+    "PlanarLink",
+    "PlanarLinkage",
     "RigidMotion",
     "RotatingArm",
     "Slider",

@@ -1,0 +1,156 @@
+"""Motion of all bodies of a drawing, batched over crank angles."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import InputError
+from flexmech.linkages.motion import RigidMotion
+from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, BodyMotion, bodies_of
+from flexmech.linkages.planar.drawing import Drawing
+from flexmech.linkages.planar.newton import FollowedPath, NewtonGroup
+from flexmech.linkages.planar.plan import assembly_order
+from flexmech.types import FloatArray
+
+__all__ = ["Assembly"]
+
+
+class Assembly:
+    """The moving linkage of a drawing.
+
+    Parameters
+    ----------
+    drawing : Drawing
+    drawn_at : float
+        Crank angle of the drawing in rad.
+    """
+
+    def __init__(self, drawing: Drawing, drawn_at: float) -> None:
+        self.drawing = drawing
+        self.drawn_at = drawn_at
+        self.bodies = bodies_of(drawing)
+        self.steps = assembly_order(drawing, self.bodies, drawn_at)
+        self._paths: dict[int, FollowedPath] = {}
+
+    def check_as_drawn(self) -> None:
+        """Refuse a drawing that locks where it is drawn."""
+        known = self._driven(np.zeros(1))
+        for step in self.steps:
+            if isinstance(step, NewtonGroup):
+                step.refuse_locking(known)
+                known |= step.as_drawn(known)
+            else:
+                known |= step.motion(known, np.zeros(1))
+
+    def motion(self, theta: FloatArray, omega: FloatArray, alpha: FloatArray) -> RigidMotion:
+        """Rigid motion of every beam at crank angles, speeds and accelerations of one shape."""
+        turned = np.ravel(theta) - self.drawn_at
+        known = self.body_motion(turned)
+        columns = [self._beam(known, turned, beam) for beam in self._beams]
+        angle, turn_1, turn_2, place, place_1, place_2 = (
+            np.stack(np.broadcast_arrays(*column), axis=-1).reshape(*theta.shape, -1)
+            for column in zip(*columns, strict=True)
+        )
+        w, a = omega[..., None], alpha[..., None]
+        return RigidMotion(
+            crank_angle=theta,
+            crank_speed=omega,
+            angle=angle,
+            angular_velocity=turn_1 * w,
+            angular_acceleration=turn_2 * w**2 + turn_1 * a,
+            origin=_pairs(place),
+            origin_velocity=_pairs(place_1) * w[..., None],
+            origin_acceleration=(
+                _pairs(place_2) * w[..., None] ** 2 + _pairs(place_1) * a[..., None]
+            ),
+        )
+
+    def stands(self, theta: FloatArray) -> NDArray[np.bool_]:
+        """Whether the linkage can stand at crank angles of shape (A,)."""
+        try:
+            self.body_motion(theta - self.drawn_at)
+        except InputError:
+            if len(theta) == 1:
+                return np.array([False])
+            half = len(theta) // 2
+            return np.concatenate([self.stands(theta[:half]), self.stands(theta[half:])])
+        return np.ones(len(theta), dtype=bool)
+
+    def body_motion(self, angle: FloatArray, steps: int | None = None) -> dict[int, BodyMotion]:
+        """Motion of the bodies at crank angles less that of the drawing.
+
+        Parameters
+        ----------
+        angle : ndarray, shape (B,)
+            In rad.
+        steps : int, optional
+            How many steps of the plan to take; all of them by default.
+
+        Returns
+        -------
+        dict of int to BodyMotion
+
+        Raises
+        ------
+        InputError
+            Where the linkage cannot be assembled or locks.
+        """
+        known = self._driven(angle)
+        for number, step in enumerate(self.steps[:steps]):
+            if isinstance(step, NewtonGroup):
+                known |= step.motion(known, _within_half_a_turn(angle), self._path(number, step))
+            else:
+                known |= step.motion(known, angle)
+        return known
+
+    def _path(self, number: int, group: NewtonGroup) -> FollowedPath:
+        if number not in self._paths:
+            self._paths[number] = group.follow(lambda angle: self.body_motion(angle, number))
+        return self._paths[number]
+
+    def _driven(self, angle: FloatArray) -> dict[int, BodyMotion]:
+        """Ground and crank."""
+        zero, one = np.zeros_like(angle), np.ones_like(angle)
+        axis = self.drawing.complex_point(self.drawing.drive.point)
+        ground = BodyMotion(axis, axis + 0j * one, one + 0j, 0j * one, 0j * one, zero, zero)
+        crank = BodyMotion(axis, ground.place, np.exp(1j * angle), 0j * one, 0j * one, one, zero)
+        return {GROUND_BODY: ground, CRANK: crank}
+
+    @cached_property
+    def _beams(self) -> list[tuple[int, complex, float]]:
+        """Body, start and drawn angle of each beam, in order."""
+        place = self.drawing.complex_point
+        return [
+            (
+                self.bodies.of_link(link.name),
+                place(beam.start),
+                float(np.angle(place(beam.end) - place(beam.start))),
+            )
+            for link in self.drawing.links
+            for beam in link.beams
+        ]
+
+    def _beam(
+        self, known: dict[int, BodyMotion], turned: FloatArray, beam: tuple[int, complex, float]
+    ) -> tuple[NDArray[np.number], ...]:
+        number, start, drawn_angle = beam
+        body = known[number]
+        return (
+            drawn_angle + (turned if number == CRANK else np.angle(body.turn)),
+            body.turn_1,
+            body.turn_2,
+            body.point(start),
+            body.point_1(start),
+            body.point_2(start),
+        )
+
+
+def _pairs(vector: NDArray[np.number]) -> FloatArray:
+    return np.stack([np.real(vector), np.imag(vector)], axis=-1)
+
+
+def _within_half_a_turn(angle: FloatArray) -> FloatArray:
+    return np.asarray(angle - 2 * np.pi * np.round(angle / (2 * np.pi)))

@@ -1,0 +1,294 @@
+"""A planar linkage as it is drawn once: points, chains of points, joints.
+
+Plain data and what can be said of it without moving it. Coordinates are those of the drawing,
+in ground axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from flexmech.errors import InputError, suggestion
+from flexmech.linkages.attachments import GROUND
+from flexmech.linkages.topology import LinkEnd
+from flexmech.numbers import check_angle, check_choice, check_pair
+
+__all__ = ["Beam", "Drawing", "JointKind", "PlanarJoint", "PlanarLink"]
+
+JointKind = Literal["pin", "clamp", "weld", "slider"]
+JOINT_KINDS: tuple[JointKind, ...] = ("pin", "clamp", "weld", "slider")
+# Of the size of the drawing: points that are nearer to each other are one point, drawn twice.
+APART = 1e-9
+
+
+@dataclass(frozen=True)
+class PlanarLink:
+    """A link of a drawing: a chain of straight beams from point to point.
+
+    Parameters
+    ----------
+    name : str
+    points : tuple of str
+        Two points, or a chain of more: beams that are welded to each other at the points
+        between.
+    rigid : bool
+        Whether it has mass and inertia but does not bend.
+    """
+
+    name: str
+    points: tuple[str, ...]
+    rigid: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", tuple(self.points))
+
+    @property
+    def beams(self) -> tuple[Beam, ...]:
+        """Its beams in order, named as the link or, in a chain, ``<link>-1``, ``<link>-2``."""
+        pairs = list(zip(self.points, self.points[1:], strict=False))
+        if len(pairs) == 1:
+            return (Beam(self.name, *pairs[0]),)
+        return tuple(Beam(f"{self.name}-{n}", *pair) for n, pair in enumerate(pairs, start=1))
+
+
+@dataclass(frozen=True)
+class Beam:
+    """A straight piece of a link, from one point to the next."""
+
+    name: str
+    start: str
+    end: str
+
+
+@dataclass(frozen=True)
+class PlanarJoint:
+    """What a point of a drawing does; points without one are pins.
+
+    Parameters
+    ----------
+    point : str
+    kind : {"pin", "clamp", "weld", "slider"}
+        ``clamp``: links are fixed to the driven shaft. ``weld``: links keep the angle between
+        them. ``slider``: the point stays on a straight line, on which the links that meet there
+        may turn.
+    links : tuple of str
+        Links that are clamped or welded; all that meet at the point if empty.
+    direction : float, optional
+        Of a slider: angle in rad of its line, which passes through the point in the drawing,
+        to the ground's x axis or to that of the guide's first beam.
+    guide : str
+        Of a slider: rigid link that carries the line; the ground if empty.
+
+    Raises
+    ------
+    InputError
+        If the kind is unknown, a slider has no direction, or another joint has one.
+    """
+
+    point: str
+    kind: JointKind = "pin"
+    links: tuple[str, ...] = ()
+    direction: float | None = None
+    guide: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "links", tuple(self.links))
+        what = f"joint {self.point}"
+        check_choice(self.kind, JOINT_KINDS, f"{what}: kind")
+        if self.kind == "slider":
+            if self.direction is None:
+                raise InputError(
+                    f"{what} is a slider without direction; give the angle of its line, such as "
+                    '"0 deg"'
+                )
+            check_angle(self.direction, f"{what}: direction")
+        elif self.direction is not None or self.guide:
+            raise InputError(f"{what} is a {self.kind}; direction and guide belong to a slider")
+        if self.links and self.kind not in ("clamp", "weld"):
+            raise InputError(f"{what} is a {self.kind}; links belong to a clamp or a weld")
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """Points, links and joints that fit together.
+
+    Parameters
+    ----------
+    points : mapping of str to tuple of float
+        Coordinates in m.
+    links : tuple of PlanarLink
+    joints : tuple of PlanarJoint
+    ground : tuple of str
+        Points that do not move.
+
+    Raises
+    ------
+    InputError
+        One message for what does not fit.
+    """
+
+    points: Mapping[str, tuple[float, float]]
+    links: tuple[PlanarLink, ...]
+    joints: tuple[PlanarJoint, ...]
+    ground: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        self._check_points()
+        self._check_links()
+        self._check_ground()
+        for joint in self.joints:
+            self._check_joint(joint)
+        self._check_drive()
+
+    @property
+    def size(self) -> float:
+        """Largest extent of the points along an axis in m."""
+        extents = (max(along) - min(along) for along in zip(*self.points.values(), strict=True))
+        return float(max(extents))
+
+    def joint(self, point: str) -> PlanarJoint:
+        """What a point does."""
+        return next((own for own in self.joints if own.point == point), PlanarJoint(point))
+
+    def links_at(self, point: str) -> tuple[str, ...]:
+        """Names of the links that pass through a point."""
+        return tuple(link.name for link in self.links if point in link.points)
+
+    def link(self, name: str) -> PlanarLink:
+        """The link of a name."""
+        return next(link for link in self.links if link.name == name)
+
+    def fixed_together(self, point: str) -> tuple[str, ...]:
+        """Links that are clamped or welded to each other at a point."""
+        joint = self.joint(point)
+        if joint.kind not in ("clamp", "weld"):
+            return ()
+        return joint.links or self.links_at(point)
+
+    def ends_at(self, point: str) -> dict[str, list[LinkEnd]]:
+        """Ends of beams at a point, by the link that they belong to."""
+        ends: dict[str, list[LinkEnd]] = {}
+        for link in self.links:
+            for beam in link.beams:
+                if beam.start == point:
+                    ends.setdefault(link.name, []).append(LinkEnd(beam.name, "start"))
+                if beam.end == point:
+                    ends.setdefault(link.name, []).append(LinkEnd(beam.name, "end"))
+        return ends
+
+    @property
+    def drive(self) -> PlanarJoint:
+        """The clamp on the driven shaft."""
+        return next(joint for joint in self.joints if joint.kind == "clamp")
+
+    @property
+    def crank(self) -> str:
+        """First of the links on the driven shaft."""
+        return self.fixed_together(self.drive.point)[0]
+
+    def complex_point(self, point: str) -> complex:
+        """Coordinates of a point as a complex number."""
+        return complex(*self.points[point])
+
+    def _check_points(self) -> None:
+        for name, place in self.points.items():
+            check_pair(place, f"point {name}", "m")
+        names = list(self.points)
+        for number, first in enumerate(names):
+            for second in names[number + 1 :]:
+                apart = abs(self.complex_point(first) - self.complex_point(second))
+                if apart <= APART * self.size:
+                    raise InputError(
+                        f"points {first} and {second} coincide; give one point one name, and let "
+                        "links meet there"
+                    )
+
+    def _check_links(self) -> None:
+        names = [link.name for link in self.links]
+        if not names:
+            raise InputError("the linkage has no links; give at least a crank")
+        for link in self.links:
+            if link.name == GROUND or names.count(link.name) > 1:
+                raise InputError(f"a link cannot be called {link.name!r} here; rename it")
+            if len(link.points) < 2:
+                raise InputError(f"link {link.name}: give the points at its two ends, or more")
+            for point in link.points:
+                self._check_known(f"link {link.name}", point)
+                if link.points.count(point) > 1:
+                    raise InputError(
+                        f"link {link.name} returns to point {point}; a link is a chain that "
+                        "does not, make another link of the rest and weld it on"
+                    )
+        for point in self.points:
+            if not self.links_at(point):
+                raise InputError(f"point {point} is used by no link; leave it out or join it")
+
+    def _check_known(self, what: str, point: str) -> None:
+        if point not in self.points:
+            raise InputError(
+                f"{what}: there is no point {point!r}; {suggestion(point, list(self.points))}"
+            )
+
+    def _check_ground(self) -> None:
+        for point in self.ground:
+            self._check_known("ground", point)
+
+    def _check_joint(self, joint: PlanarJoint) -> None:
+        what = f"joint {joint.point}"
+        self._check_known("joints", joint.point)
+        if [other.point for other in self.joints].count(joint.point) > 1:
+            raise InputError(f"{what} is given twice; keep one")
+        here = self.links_at(joint.point)
+        for link in joint.links:
+            if link not in here:
+                raise InputError(
+                    f"{what}: link {link!r} does not pass through it; {suggestion(link, here)}"
+                )
+        if joint.kind == "weld" and len(joint.links or here) < 2:
+            raise InputError(f"{what} welds one link; two or more are welded to each other")
+        if joint.kind == "slider":
+            self._check_slider(joint, here)
+
+    def _check_slider(self, joint: PlanarJoint, here: tuple[str, ...]) -> None:
+        what = f"slider {joint.point}"
+        if joint.point in self.ground:
+            raise InputError(f"{what} is a point of the ground, which does not slide; remove one")
+        if not joint.guide:
+            return
+        names = [link.name for link in self.links]
+        if joint.guide not in names:
+            raise InputError(
+                f"{what}: no link {joint.guide!r} can guide it; {suggestion(joint.guide, names)}"
+            )
+        if joint.guide in here:
+            raise InputError(
+                f"{what}: its guide {joint.guide} passes through the point itself; a link does "
+                "not slide along itself, guide it on another one"
+            )
+        if not self.link(joint.guide).rigid:
+            raise InputError(
+                f"{what}: its guide {joint.guide} is flexible; a line stays straight on a rigid "
+                "link alone, write rigid = true there, or guide it on the ground"
+            )
+
+    def _check_drive(self) -> None:
+        clamps = [joint for joint in self.joints if joint.kind == "clamp"]
+        if not clamps:
+            raise InputError(
+                "no joint is a clamp, so that nothing drives the linkage; give the ground point "
+                'of the crank kind = "clamp"'
+            )
+        if len(clamps) > 1:
+            named = " and ".join(joint.point for joint in clamps)
+            raise InputError(f"joints {named} are clamps: two drives; keep one, make others pins")
+        point = clamps[0].point
+        if point not in self.ground:
+            raise InputError(f"the clamp {point} is no point of the ground; name it in ground")
+        here = self.links_at(point)
+        if len(here) > 1 and not clamps[0].links:
+            raise InputError(
+                f"links {', '.join(here)} meet at the clamp {point}; say which are on the shaft, "
+                f'as links = ["{here[0]}"]'
+            )

@@ -1,0 +1,360 @@
+"""Motion of groups of one or two bodies in closed form, over a batch of crank angles.
+
+A point that stays at a distance from a known point is on a circle, one that slides is on a
+line. Two of these loci give the point (RRR: two circles, RRP and PRR: circle and line, PRP:
+two lines); the bodies follow from it. A body that turns about one known point while another
+slides along it (RPR) follows from the two. Norton, Design of Machinery, ch. 4; the loci's
+derivatives are written for lines that move.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from flexmech.linkages.planar.bodies import BodyMotion
+from flexmech.linkages.planar.constraints import dot
+from flexmech.linkages.planar.words import Refusal
+from flexmech.types import ComplexArray, FloatArray
+
+__all__ = ["Circle", "Dyad", "Line", "PointPath", "SlidingBody", "TwoLoci", "cross"]
+
+Known = Mapping[int, BodyMotion]
+# Below this sine between two loci velocities are set by round-off: the position is locked.
+LOCKING_SINE = 1e-6
+# Of the size: rounding may part loci that touch.
+TOUCH = 1e-12
+
+
+def cross(first: ComplexArray | complex, second: ComplexArray | complex) -> FloatArray:
+    """Product of two vectors, positive where the second is to the left of the first."""
+    return np.imag(np.conj(first) * second)
+
+
+@dataclass(frozen=True)
+class PointPath:
+    """Places of a point and their derivatives by the crank angle; each of shape (B,)."""
+
+    place: ComplexArray
+    first: ComplexArray
+    second: ComplexArray
+
+    @classmethod
+    def of(cls, body: BodyMotion, drawn: complex) -> PointPath:
+        """Path of a point of a body."""
+        return cls(body.point(drawn), body.point_1(drawn), body.point_2(drawn))
+
+
+class Locus(Protocol):
+    """A curve on which a point stays, moved by bodies that are known."""
+
+    def gradient(self, bodies: Known, place: ComplexArray) -> ComplexArray:
+        """Unit normal at a place."""
+        ...
+
+    def gap(self, bodies: Known, place: ComplexArray) -> FloatArray:
+        """Distance of a place from the curve, along the normal."""
+        ...
+
+    def speed(self, bodies: Known, place: ComplexArray) -> FloatArray:
+        """First derivative that a point of the curve needs along the normal."""
+        ...
+
+    def acceleration(self, bodies: Known, place: ComplexArray, first: ComplexArray) -> FloatArray:
+        """Second derivative along the normal of a point with a first derivative."""
+        ...
+
+
+@dataclass(frozen=True)
+class Circle:
+    """Places at a distance from a point of a known body."""
+
+    body: int
+    centre: complex
+    radius: float
+
+    def gradient(self, bodies: Known, place: ComplexArray) -> ComplexArray:
+        """Unit normal at a place."""
+        return (place - bodies[self.body].point(self.centre)) / self.radius
+
+    def gap(self, bodies: Known, place: ComplexArray) -> FloatArray:
+        """Distance of a place from the circle, along the normal."""
+        arm = place - bodies[self.body].point(self.centre)
+        return np.asarray((np.abs(arm) ** 2 - self.radius**2) / (2 * self.radius))
+
+    def speed(self, bodies: Known, place: ComplexArray) -> FloatArray:
+        """First derivative that a point of the circle needs along the normal."""
+        return dot(self.gradient(bodies, place), bodies[self.body].point_1(self.centre))
+
+    def acceleration(self, bodies: Known, place: ComplexArray, first: ComplexArray) -> FloatArray:
+        """Second derivative along the normal of a point with a first derivative."""
+        body = bodies[self.body]
+        relative = np.abs(first - body.point_1(self.centre)) ** 2 / self.radius
+        return dot(self.gradient(bodies, place), body.point_2(self.centre)) - relative
+
+
+@dataclass(frozen=True)
+class Line:
+    """Places on a straight line of a known body, by a point of it and its direction drawn."""
+
+    body: int
+    through: complex
+    along: complex
+
+    def gradient(self, bodies: Known, place: ComplexArray) -> ComplexArray:
+        """Unit normal at a place, to the left of the line."""
+        return 1j * bodies[self.body].turn * self.along
+
+    def gap(self, bodies: Known, place: ComplexArray) -> FloatArray:
+        """Distance of a place from the line, along the normal."""
+        body = bodies[self.body]
+        return dot(1j * body.turn * self.along, place - body.point(self.through))
+
+    def speed(self, bodies: Known, place: ComplexArray) -> FloatArray:
+        """First derivative that a point of the line needs along the normal."""
+        body = bodies[self.body]
+        along = body.turn * self.along
+        distance = dot(along, place - body.point(self.through))
+        return dot(1j * along, body.point_1(self.through)) + distance * body.turn_1
+
+    def acceleration(self, bodies: Known, place: ComplexArray, first: ComplexArray) -> FloatArray:
+        """Second derivative along the normal of a point with a first derivative."""
+        body = bodies[self.body]
+        along = body.turn * self.along
+        distance = dot(along, place - body.point(self.through))
+        sliding = dot(along, first - body.point_1(self.through))
+        own = dot(1j * along, body.point_2(self.through)) + distance * body.turn_2
+        return own + 2 * sliding * body.turn_1
+
+
+class Dyad(Protocol):
+    """Bodies whose motion follows from that of others."""
+
+    @property
+    def solves(self) -> tuple[int, ...]:
+        """Bodies that it solves."""
+        ...
+
+    def motion(self, bodies: Known, angle: FloatArray) -> dict[int, BodyMotion]:
+        """Motion of the bodies that it solves, from those that are known."""
+        ...
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A body that follows from the point that two loci give.
+
+    Parameters
+    ----------
+    body : int
+    point : complex
+        The point, in the drawing.
+    known : int
+        Body that carries the other point or, where the body does not turn against it, the
+        body that carries its line.
+    pivot : complex, optional
+        Point of the known body about which the body turns; None where it only slides.
+    """
+
+    body: int
+    point: complex
+    known: int
+    pivot: complex | None
+
+    def motion(self, bodies: Known, path: PointPath) -> BodyMotion:
+        known = bodies[self.known]
+        if self.pivot is None:
+            return BodyMotion(
+                self.point,
+                path.place,
+                known.turn,
+                path.first,
+                path.second,
+                known.turn_1,
+                known.turn_2,
+            )
+        drawn = self.point - self.pivot
+        centre = PointPath.of(known, self.pivot)
+        arm = path.place - centre.place
+        square = abs(drawn) ** 2
+        return BodyMotion(
+            self.pivot,
+            centre.place,
+            arm / drawn / (np.abs(arm) / abs(drawn)),
+            centre.first,
+            centre.second,
+            cross(arm, path.first - centre.first) / square,
+            cross(arm, path.second - centre.second) / square,
+        )
+
+
+@dataclass(frozen=True)
+class TwoLoci:
+    """A point on two loci, and the bodies that follow from it.
+
+    Parameters
+    ----------
+    refusal : Refusal
+    drawn : complex
+    first, second : Circle or Line
+        Not a line before a circle.
+    side : float
+        Sign of the product of the normals at the point, which tells its branch.
+    placed : tuple of Placed
+    size : float
+        Of the linkage.
+    """
+
+    refusal: Refusal
+    drawn: complex
+    first: Circle | Line
+    second: Circle | Line
+    side: float
+    placed: tuple[Placed, ...]
+    size: float
+
+    @property
+    def solves(self) -> tuple[int, ...]:
+        """Bodies that follow."""
+        return tuple(own.body for own in self.placed)
+
+    def motion(self, bodies: Known, angle: FloatArray) -> dict[int, BodyMotion]:
+        """Motion of the bodies that follow."""
+        path = self._path(bodies, angle)
+        return {own.body: own.motion(bodies, path) for own in self.placed}
+
+    def _path(self, bodies: Known, angle: FloatArray) -> PointPath:
+        first, second = self.first, self.second
+        place = self._place(bodies, angle)
+        normals = first.gradient(bodies, place), second.gradient(bodies, place)
+        sine = cross(*normals)
+        self.refusal.locked(np.abs(sine) < LOCKING_SINE, angle)
+        # One step of Newton's method takes off what rounding has left near locked positions.
+        place = place - _vector(*normals, sine, first.gap(bodies, place), second.gap(bodies, place))
+        normals = first.gradient(bodies, place), second.gradient(bodies, place)
+        sine = cross(*normals)
+        rate = _vector(*normals, sine, first.speed(bodies, place), second.speed(bodies, place))
+        rate_2 = _vector(
+            *normals,
+            sine,
+            first.acceleration(bodies, place, rate),
+            second.acceleration(bodies, place, rate),
+        )
+        return PointPath(place, rate, rate_2)
+
+    def _place(self, bodies: Known, angle: FloatArray) -> ComplexArray:
+        if isinstance(self.first, Circle):
+            centre = bodies[self.first.body].point(self.first.centre)
+            if isinstance(self.second, Circle):
+                return self._on_circles(bodies, angle, centre)
+            return self._on_circle_and_line(bodies, angle, centre)
+        # Two lines: the gaps of any place lead to where they meet.
+        start = bodies[self.first.body].point(self.first.through)
+        normals = (self.first.gradient(bodies, start), self.second.gradient(bodies, start))
+        sine = cross(*normals)
+        self.refusal.locked(np.abs(sine) < LOCKING_SINE, angle)
+        return start - _vector(
+            *normals, sine, self.first.gap(bodies, start), self.second.gap(bodies, start)
+        )
+
+    def _on_circles(self, bodies: Known, angle: FloatArray, centre: ComplexArray) -> ComplexArray:
+        assert isinstance(self.first, Circle)
+        assert isinstance(self.second, Circle)
+        line = bodies[self.second.body].point(self.second.centre) - centre
+        distance = np.abs(line)
+        self.refusal.apart(distance <= TOUCH * self.size, angle)
+        ahead = (self.first.radius**2 - self.second.radius**2 + distance**2) / (2 * distance)
+        aside = self._leg(self.first.radius, ahead, angle)
+        return np.asarray(centre + (ahead + 1j * self.side * aside) * line / distance)
+
+    def _on_circle_and_line(
+        self, bodies: Known, angle: FloatArray, centre: ComplexArray
+    ) -> ComplexArray:
+        assert isinstance(self.first, Circle)
+        assert isinstance(self.second, Line)
+        guide = bodies[self.second.body]
+        along, through = guide.turn * self.second.along, guide.point(self.second.through)
+        to_centre = centre - through
+        leg = self._leg(self.first.radius, np.abs(cross(along, to_centre)), angle)
+        return through + (dot(along, to_centre) + self.side * leg) * along
+
+    def _leg(self, radius: float, other: FloatArray, angle: FloatArray) -> FloatArray:
+        """Other leg of right triangles whose longest side is a radius."""
+        square = (radius - other) * (radius + other)
+        self.refusal.apart(square < -TOUCH * self.size * radius, angle)
+        return np.sqrt(np.maximum(square, 0.0))
+
+
+@dataclass(frozen=True)
+class SlidingBody:
+    """A body that turns about one known point while another slides along a line of it (RPR).
+
+    Parameters
+    ----------
+    refusal : Refusal
+    body : int
+    pivot_body, slider_body : int
+        Known bodies that carry the two points.
+    pivot, slider : complex
+        The points in the drawing.
+    along : complex
+        Unit vector of the line in the drawing.
+    size : float
+    """
+
+    refusal: Refusal
+    body: int
+    pivot_body: int
+    slider_body: int
+    pivot: complex
+    slider: complex
+    along: complex
+    size: float
+
+    @property
+    def solves(self) -> tuple[int, ...]:
+        """The body."""
+        return (self.body,)
+
+    def motion(self, bodies: Known, angle: FloatArray) -> dict[int, BodyMotion]:
+        """Motion of the body."""
+        centre = PointPath.of(bodies[self.pivot_body], self.pivot)
+        point = PointPath.of(bodies[self.slider_body], self.slider)
+        drawn = self.slider - self.pivot
+        beside = float(cross(self.along, drawn))
+        side = np.sign(float(dot(self.along, drawn)))
+        arm, first, second = (
+            getattr(point, name) - getattr(centre, name) for name in ("place", "first", "second")
+        )
+        distance = np.abs(arm)
+        square = (distance - abs(beside)) * (distance + abs(beside))
+        self.refusal.apart(square < -TOUCH * self.size**2, angle)
+        ahead = side * np.sqrt(np.maximum(square, 0.0))
+        self.refusal.locked(np.abs(ahead) < LOCKING_SINE * distance, angle)
+        # The line's direction now: arm = (ahead + i beside) times it.
+        along = arm / (ahead + 1j * beside)
+        along = along / np.abs(along)
+        turn_1 = dot(1j * along, first) / ahead
+        sliding = dot(along, first) + beside * turn_1
+        turn_2 = (dot(1j * along, second) - 2 * sliding * turn_1 + beside * turn_1**2) / ahead
+        return {
+            self.body: BodyMotion(
+                self.pivot,
+                centre.place,
+                along / self.along,
+                centre.first,
+                centre.second,
+                turn_1,
+                turn_2,
+            )
+        }
+
+
+def _vector(
+    first: ComplexArray, second: ComplexArray, sine: FloatArray, one: FloatArray, two: FloatArray
+) -> ComplexArray:
+    """Vector with given components along two unit normals."""
+    return np.asarray((-1j * second * one + 1j * first * two) / sine)

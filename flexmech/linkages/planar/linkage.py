@@ -1,0 +1,203 @@
+"""Any planar linkage of one degree of freedom, drawn once at one crank angle."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flexmech.linkages.motion import RigidMotion, checked_drive
+from flexmech.linkages.planar.assembly import Assembly
+from flexmech.linkages.planar.drawing import Drawing, PlanarJoint, PlanarLink
+from flexmech.linkages.planar.joints import derived_topology
+from flexmech.linkages.planar.resizing import resized_points
+from flexmech.linkages.topology import Topology
+from flexmech.model_text import TomlTable, quantity
+from flexmech.numbers import check_angle
+from flexmech.units import ANGLE, LENGTH
+
+__all__ = ["PlanarLinkage"]
+
+
+@dataclass(frozen=True)
+class PlanarLinkage:
+    """Links between points, drawn at one crank angle.
+
+    The linkage moves on the branch of the drawing: at no crank angle does a joint change the
+    side on which it is drawn.
+
+    Parameters
+    ----------
+    points : mapping of str to tuple of float
+        Coordinates in m in ground axes, at the crank angle ``drawn_at``.
+    links : tuple of PlanarLink
+    ground : tuple of str
+        Points that do not move. Links turn about them; the clamp is one of them.
+    joints : tuple of PlanarJoint
+        What points do that are not pins; the clamp is one.
+    drawn_at : float, optional
+        Crank angle of the drawing in rad; that of the crank's first beam if left out.
+    sprung : tuple of str
+        Joints of the topology, pins or pivots, that springs alone hold together when links
+        bend.
+
+    Raises
+    ------
+    InputError
+        One message for what is wrong: an unknown point, a chain that does not close or is held
+        twice, a drawing in a dead point.
+
+    Examples
+    --------
+    >>> slider_crank = flexmech.PlanarLinkage(
+    ...     points={"O2": (0, 0), "A": (0, 0.15), "B": (0.25, 0)},
+    ...     links=(
+    ...         flexmech.PlanarLink("crank", ("O2", "A")),
+    ...         flexmech.PlanarLink("rod", ("A", "B")),
+    ...     ),
+    ...     ground=("O2",),
+    ...     joints=(
+    ...         flexmech.PlanarJoint("O2", "clamp"),
+    ...         flexmech.PlanarJoint("B", "slider", direction=0.0),
+    ...     ),
+    ... )
+    >>> slider_crank.motion(crank_angle=0.0).position(1, slider_crank.topology.links[1].length)
+    array([0.44154759, 0.        ])
+    """
+
+    points: Mapping[str, tuple[float, float]]
+    links: tuple[PlanarLink, ...]
+    ground: tuple[str, ...]
+    joints: tuple[PlanarJoint, ...] = ()
+    drawn_at: float | None = None
+    sprung: tuple[str, ...] = ()
+
+    kind: ClassVar[str] = "planar"
+
+    def __post_init__(self) -> None:
+        places = {name: (float(x), float(y)) for name, (x, y) in self.points.items()}
+        object.__setattr__(self, "points", places)
+        for name in ("links", "ground", "joints", "sprung"):
+            object.__setattr__(self, name, tuple(getattr(self, name)))
+        # A pin needs no joint, so that none is kept for it.
+        joints = tuple(joint for joint in self.joints if joint != PlanarJoint(joint.point))
+        for joint in self.joints:
+            self.drawing.joint(joint.point)
+        object.__setattr__(self, "joints", joints)
+        if self.drawn_at is not None:
+            check_angle(self.drawn_at, "drawn_at")
+        _ = self.topology
+        self._assembly.check_as_drawn()
+
+    @cached_property
+    def drawing(self) -> Drawing:
+        """Points, links and joints as drawn."""
+        return Drawing(self.points, self.links, self.joints, self.ground)
+
+    @cached_property
+    def topology(self) -> Topology:
+        """Links and connections, see :func:`flexmech.linkages.planar.joints.derived_topology`."""
+        return derived_topology(self.drawing, self.sprung)
+
+    @cached_property
+    def _assembly(self) -> Assembly:
+        return Assembly(self.drawing, self.drawn_angle)
+
+    @property
+    def drawn_angle(self) -> float:
+        """Crank angle of the drawing in rad."""
+        if self.drawn_at is not None:
+            return self.drawn_at
+        first = self.drawing.link(self.drawing.crank).beams[0]
+        start, end = (self.drawing.complex_point(name) for name in (first.start, first.end))
+        return cmath.phase(end - start)
+
+    def motion(
+        self,
+        crank_angle: ArrayLike,
+        crank_speed: ArrayLike = 0.0,
+        crank_acceleration: ArrayLike = 0.0,
+    ) -> RigidMotion:
+        """Rigid motion of every beam.
+
+        Parameters
+        ----------
+        crank_angle, crank_speed, crank_acceleration : array_like
+            Angle in rad, speed in rad/s, acceleration in rad/s^2; broadcast together.
+
+        Returns
+        -------
+        RigidMotion
+            In the order of the topology's links.
+
+        Raises
+        ------
+        InputError
+            Where the linkage cannot be assembled or locks; names the crank angle and the joint.
+        """
+        theta, omega, alpha = checked_drive(crank_angle, crank_speed, crank_acceleration)
+        return self._assembly.motion(theta, omega, alpha)
+
+    def resized(self, lengths: Mapping[str, float], ground_growth: float) -> PlanarLinkage:
+        """Linkage whose beams have other lengths, on a larger ground.
+
+        The angles between the beams of a link and between welded links stay, and so do the
+        directions of lines.
+
+        Parameters
+        ----------
+        lengths : mapping of str to float
+            New length in m of each beam.
+        ground_growth : float
+            New over old distances of the ground's points and lines.
+
+        Returns
+        -------
+        PlanarLinkage
+            Drawn at the same crank angle.
+        """
+        own = {link.name: link.length for link in self.topology.links}
+        if ground_growth == 1 and all(lengths[name] == length for name, length in own.items()):
+            return self
+        points = resized_points(self.drawing, self._assembly.bodies, lengths, ground_growth)
+        return replace(self, points=points, drawn_at=self.drawn_angle)
+
+    def described(self) -> list[str]:
+        """Kind, lengths, joints and range of motion, a line each."""
+        lengths = ", ".join(
+            f"{link.name} {link.length * 1e3:.6g} mm{' (rigid)' if link.rigid else ''}"
+            for link in self.topology.links
+        )
+        joints = zip(self.topology.joint_names, self.topology.joint_kinds, strict=True)
+        return [
+            f"kind: planar, drawn at crank angle {math.degrees(self.drawn_angle):.6g} deg",
+            f"lengths: {lengths}",
+            f"joints: {', '.join(f'{name} {kind}' for name, kind in joints)}",
+            self._range(),
+        ]
+
+    def _range(self) -> str:
+        angles = np.radians(np.arange(0.0, 360.0))
+        return (
+            "the crank turns fully"
+            if self._assembly.stands(angles).all()
+            else ("the crank does not turn fully")
+        )
+
+    def to_table(self) -> TomlTable:
+        """Table ``[linkage]`` of a model file; links and joints have tables of their own."""
+        table: TomlTable = {"kind": self.kind}
+        if self.drawn_at is not None:
+            table["drawn_at"] = quantity(self.drawn_at, ANGLE)
+        table["ground"] = list(self.ground)
+        table["points"] = {
+            name: [quantity(along, LENGTH) for along in place]
+            for name, place in self.points.items()
+        }
+        return table

@@ -1,0 +1,348 @@
+"""Motion of bodies without a closed form: Newton's method, followed from the drawn posture.
+
+The posture is followed once around the turn in steps that adapt, and kept. Asked crank angles
+start from the kept postures beside them, all at once. The sign of the Jacobian's determinant
+tells one branch from another: it never changes along the way.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import ComputationError, InputError
+from flexmech.linkages.planar.bodies import Bodies, BodyMotion, Coincidence
+from flexmech.linkages.planar.constraints import Constraints
+from flexmech.linkages.planar.words import Refusal, degrees
+from flexmech.types import FloatArray
+
+__all__ = ["FollowedPath", "NewtonGroup"]
+
+Known = Callable[[FloatArray], Mapping[int, BodyMotion]]
+"""Motion of the bodies that are known before, at crank angles of shape (B,)."""
+
+FIRST_STEP, LARGEST_STEP, SMALLEST_STEP = 0.05, 0.15, 1e-7
+# What a prediction may miss along the way, in rad and in parts of the size.
+MOST_MISSED = 0.02
+ITERATIONS = 20
+# In rad and parts of the size: where corrections end, and what closes.
+SETTLED, CLOSED = 1e-12, 1e-12
+# Least singular value of the scaled Jacobian of a drawing that does not lock.
+LOCKING = 1e-6
+# Between the first and the last posture of a turn.
+SAME_POSTURE = 1e-8
+
+
+@dataclass(frozen=True)
+class FollowedPath:
+    """Postures of a group along the turn, from the drawn one.
+
+    Parameters
+    ----------
+    angle : ndarray, shape (N,)
+        Crank angle less that of the drawing in rad, ascending; less than half a turn both
+        ways where the linkage locks.
+    unknowns, slope : ndarray, shape (N, n)
+        Unknowns and their derivatives by the crank angle; lengths in parts of the size.
+    sign : float
+        Of the determinant.
+    locks : tuple of str
+        Joint that locks at each end of the range; empty where it is half a turn away.
+    """
+
+    angle: FloatArray
+    unknowns: FloatArray
+    slope: FloatArray
+    sign: float
+    locks: tuple[str, str]
+
+    def guess(self, angle: FloatArray) -> FloatArray:
+        """Unknowns between the postures, by cubic polynomials; shape (B, n)."""
+        right = np.clip(np.searchsorted(self.angle, angle), 1, len(self.angle) - 1)
+        left = right - 1
+        step = (self.angle[right] - self.angle[left])[:, None]
+        s = (angle[:, None] - self.angle[left][:, None]) / step
+        return np.asarray(
+            (1 + 2 * s) * (1 - s) ** 2 * self.unknowns[left]
+            + s * (1 - s) ** 2 * step * self.slope[left]
+            + s**2 * (3 - 2 * s) * self.unknowns[right]
+            + s**2 * (s - 1) * step * self.slope[right]
+        )
+
+
+class NewtonGroup:
+    """Bodies that have to be found together.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    constraints : Constraints
+        As many equations as unknowns.
+    drawn_at : float
+        Crank angle of the drawing in rad.
+    """
+
+    def __init__(self, bodies: Bodies, constraints: Constraints, drawn_at: float) -> None:
+        self.bodies = bodies
+        self.drawn_at = drawn_at
+        self.constraints = constraints
+        drawing = constraints.drawing
+        self.size = drawing.size
+        self._drawn = [
+            drawing.complex_point(drawing.link(bodies.links[body][0]).points[0])
+            for body in constraints.unknown
+        ]
+        self._scale = np.tile([self.size, self.size, 1.0], len(constraints.unknown))
+
+    @property
+    def names(self) -> str:
+        """Links that are found together, for messages."""
+        return ", ".join(self.bodies.name(body) for body in self.constraints.unknown)
+
+    def motion(
+        self, known: Mapping[int, BodyMotion], angle: FloatArray, path: FollowedPath
+    ) -> dict[int, BodyMotion]:
+        """Motion of the group's bodies.
+
+        Parameters
+        ----------
+        known : mapping of int to BodyMotion
+            At the crank angles.
+        angle : ndarray, shape (B,)
+            Crank angle less that of the drawing in rad.
+        path : FollowedPath
+
+        Returns
+        -------
+        dict of int to BodyMotion
+
+        Raises
+        ------
+        InputError
+            Beyond the crank angles at which the linkage locks.
+        ComputationError
+            If Newton's method does not end on the path.
+        """
+        self._refuse_beyond(angle, path)
+        guess = path.guess(angle)
+        found, ended = self._solved(known, guess)
+        matrix = self._scaled_jacobian(known, found)
+        sign = np.linalg.slogdet(matrix)[0]
+        missed = np.abs(found - guess).max(axis=-1)
+        lost = np.logical_not(ended) | (sign != path.sign) | (missed > MOST_MISSED)
+        if np.any(lost):
+            raise ComputationError(
+                f"no position of {self.names} is found at {degrees(angle[lost][0])} past the "
+                "drawing by Newton's method; draw the linkage at a crank angle nearer to it"
+            )
+        return self._with_rates(known, found, matrix)
+
+    def follow(self, known: Known) -> FollowedPath:
+        """Follow the drawn posture half a turn both ways.
+
+        Parameters
+        ----------
+        known : callable
+            Crank angles less that of the drawing, shape (B,), to motions of the bodies that
+            are known before.
+
+        Returns
+        -------
+        FollowedPath
+
+        Raises
+        ------
+        InputError
+            If the linkage does not come back to the drawn posture after a turn.
+        """
+        start = np.zeros((1, len(self._scale)))
+        matrix = self._scaled_jacobian(known(np.zeros(1)), start)
+        sign = float(np.linalg.slogdet(matrix)[0][0])
+        halves = [self._half(known, way, sign) for way in (-1.0, 1.0)]
+        angle = np.concatenate([halves[0][0][:0:-1], halves[1][0]])
+        unknowns = np.concatenate([halves[0][1][:0:-1], halves[1][1]])
+        slope = np.concatenate([halves[0][2][:0:-1], halves[1][2]])
+        locks = (halves[0][3], halves[1][3])
+        if not any(locks):
+            self._check_period(unknowns)
+        return FollowedPath(angle, unknowns, slope, sign, locks)
+
+    def refuse_locking(self, known: Mapping[int, BodyMotion]) -> None:
+        """Refuse a drawing in a dead point.
+
+        Raises
+        ------
+        InputError
+            Names the joint.
+        """
+        start = np.zeros(len(self._scale))
+        matrix = self._scaled_jacobian(known, start[None])[0]
+        if np.linalg.svd(matrix, compute_uv=False)[-1] < LOCKING:
+            self.refusal(self._loosest_joint(known, start)).locked(np.array([True]), np.zeros(1))
+
+    def as_drawn(self, known: Mapping[int, BodyMotion]) -> dict[int, BodyMotion]:
+        """Motion of the group's bodies in the drawn posture."""
+        start = np.zeros((1, len(self._scale)))
+        return self._with_rates(known, start, self._scaled_jacobian(known, start))
+
+    def _refuse_beyond(self, angle: FloatArray, path: FollowedPath) -> None:
+        ends = ((angle < path.angle[0], 0), (angle > path.angle[-1], -1))
+        for beyond, end in ends:
+            if np.any(beyond):
+                refusal = self.refusal(path.locks[end])
+                raise InputError(
+                    f"the linkage cannot be assembled at crank angle "
+                    f"{refusal.first(beyond, angle)}: from the drawing on it locks at crank angle "
+                    f"{degrees(refusal.drawn_at + path.angle[end])}, where {refusal.links} are in "
+                    f"a dead point at joint {refusal.joint}; choose crank angles inside its range "
+                    "of motion or other dimensions"
+                )
+
+    def refusal(self, joint: str) -> Refusal:
+        """Words for a joint of the group."""
+        return Refusal(joint, self.names, self.drawn_at)
+
+    def _check_period(self, unknowns: FloatArray) -> None:
+        apart = unknowns[-1] - unknowns[0]
+        apart[2::3] -= 2 * np.pi * np.round(apart[2::3] / (2 * np.pi))
+        if np.abs(apart).max() > SAME_POSTURE:
+            raise InputError(
+                f"after a turn of the crank {self.names} do not come back to where they are "
+                "drawn; a posture by the crank angle alone does not exist for this linkage"
+            )
+
+    def _half(
+        self, known: Known, way: float, sign: float
+    ) -> tuple[FloatArray, FloatArray, FloatArray, str]:
+        """Crank angles, unknowns and slopes over half a turn, and the joint that ends it."""
+        angle, step = 0.0, FIRST_STEP
+        now = np.zeros(len(self._scale))
+        slope, bend = self._slopes(known(np.zeros(1)), now)
+        kept = [(angle, now, slope)]
+        while angle < np.pi:
+            step = min(step, np.pi - angle)
+            ahead = way * step
+            there = angle + step if angle + step < np.pi - SMALLEST_STEP else np.pi
+            guess = now + ahead * slope + ahead**2 / 2 * bend
+            taken = self._step(known, way * there, guess, sign)
+            if taken is None:
+                step /= 2
+                if step < SMALLEST_STEP:
+                    joint = self._loosest_joint(known(np.array([way * angle])), now)
+                    return *self._stacked(kept), joint
+                continue
+            angle, (now, slope, bend, missed) = there, taken
+            kept.append((way * angle, now, slope))
+            # The prediction misses in proportion to the third power of the step.
+            wish = (MOST_MISSED / 4 / max(missed, 1e-12)) ** (1 / 3)
+            step = min(LARGEST_STEP, step * float(np.clip(wish, 0.5, 2.0)))
+        return *self._stacked(kept), ""
+
+    @staticmethod
+    def _stacked(
+        kept: list[tuple[float, FloatArray, FloatArray]],
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        angles, unknowns, slopes = zip(*kept, strict=True)
+        return np.array(angles), np.array(unknowns), np.array(slopes)
+
+    def _step(
+        self, known: Known, angle: float, guess: FloatArray, sign: float
+    ) -> tuple[FloatArray, FloatArray, FloatArray, float] | None:
+        """Unknowns, slope and bend at the next angle; None where the step was too long."""
+        try:
+            there = known(np.array([angle]))
+        except InputError:
+            # What drives the group locks first; the step ends before it.
+            return None
+        found, ended = self._solved(there, guess[None])
+        missed = float(np.abs(found[0] - guess).max())
+        if not ended[0] or not missed <= MOST_MISSED:
+            return None
+        matrix = self._scaled_jacobian(there, found)
+        if np.linalg.slogdet(matrix)[0][0] != sign:
+            return None
+        slope, bend = self._slopes(there, found[0])
+        return found[0], slope, bend, missed
+
+    def _solved(
+        self, known: Mapping[int, BodyMotion], guess: FloatArray
+    ) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """Unknowns at the root near a guess, and whether they have settled; (B, n), (B,)."""
+        found = guess.copy()
+        for _ in range(ITERATIONS):
+            bodies = self._with(known, found)
+            residual = self.constraints.residual(bodies) / self.size
+            matrix = self._scaled_jacobian(known, found)
+            try:
+                change = np.linalg.solve(matrix, -residual[..., None])[..., 0]
+            except np.linalg.LinAlgError:
+                break
+            found = found + change
+            if not np.all(np.isfinite(found)) or np.abs(change).max() < SETTLED:
+                break
+        residual = self.constraints.residual(self._with(known, found)) / self.size
+        settled = np.abs(residual).max(axis=-1) < CLOSED
+        return found, settled
+
+    def _with(self, known: Mapping[int, BodyMotion], unknowns: FloatArray) -> dict[int, BodyMotion]:
+        """All bodies, those of the group at rest in a posture."""
+        bodies = dict(known)
+        zero = np.zeros(unknowns.shape[:-1])
+        for number, (body, drawn) in enumerate(
+            zip(self.constraints.unknown, self._drawn, strict=True)
+        ):
+            x, y, phi = np.moveaxis(unknowns[..., 3 * number : 3 * number + 3], -1, 0)
+            place = drawn + self.size * (x + 1j * y)
+            bodies[body] = BodyMotion(
+                drawn, place, np.exp(1j * phi), zero + 0j, zero + 0j, zero, zero
+            )
+        return bodies
+
+    def _scaled_jacobian(self, known: Mapping[int, BodyMotion], unknowns: FloatArray) -> FloatArray:
+        matrix = self.constraints.jacobian(self._with(known, unknowns))
+        return np.asarray(matrix * self._scale / self.size)
+
+    def _slopes(
+        self, known: Mapping[int, BodyMotion], unknowns: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """First and second derivative of one posture's unknowns by the crank angle."""
+        matrix = self._scaled_jacobian(known, unknowns[None])
+        moved = self._with_rates(known, unknowns[None], matrix)
+        parts = [
+            [(b.place_1.real, b.place_1.imag, b.turn_1), (b.place_2.real, b.place_2.imag, b.turn_2)]
+            for b in (moved[body] for body in self.constraints.unknown)
+        ]
+        first, second = np.array(parts)[..., 0].transpose(1, 0, 2).reshape(2, -1) / self._scale
+        return first, second
+
+    def _with_rates(
+        self, known: Mapping[int, BodyMotion], unknowns: FloatArray, matrix: FloatArray
+    ) -> dict[int, BodyMotion]:
+        """The group's bodies with their rates; only they are returned."""
+        bodies = self._with(known, unknowns)
+        for derivative in (0, 1):
+            left = self.constraints.rates(bodies)[derivative] / self.size
+            rate = np.linalg.solve(matrix, -left[..., None])[..., 0] * self._scale
+            for number, body in enumerate(self.constraints.unknown):
+                x, y, phi = np.moveaxis(rate[..., 3 * number : 3 * number + 3], -1, 0)
+                bodies[body] = (
+                    replace(bodies[body], place_1=x + 1j * y, turn_1=phi)
+                    if derivative == 0
+                    else replace(bodies[body], place_2=x + 1j * y, turn_2=phi)
+                )
+        return {body: bodies[body] for body in self.constraints.unknown}
+
+    def _loosest_joint(self, known: Mapping[int, BodyMotion], unknowns: FloatArray) -> str:
+        """Joint that turns most in the motion that a locked posture leaves free."""
+        matrix = self._scaled_jacobian(known, unknowns[None])[0]
+        free = np.linalg.svd(matrix)[2][-1]
+        turning = dict(zip(self.constraints.unknown, free[2::3], strict=True))
+        joints = {
+            own.point: abs(turning.get(own.first, 0.0) - turning.get(own.second, 0.0))
+            for own in self.constraints.constraints
+            if isinstance(own, Coincidence)
+        }
+        return max(joints, key=lambda point: joints[point]) if joints else self.names

@@ -1,0 +1,248 @@
+"""In which order the bodies of a drawing follow from the crank: dyads, and what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from itertools import combinations
+
+import numpy as np
+
+from flexmech.errors import InputError
+from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, Bodies, Coincidence, OnLine
+from flexmech.linkages.planar.constraints import Constraints
+from flexmech.linkages.planar.drawing import Drawing
+from flexmech.linkages.planar.dyads import Circle, Line, Placed, SlidingBody, TwoLoci, cross
+from flexmech.linkages.planar.newton import NewtonGroup
+from flexmech.linkages.planar.words import Refusal, degrees
+
+__all__ = ["Step", "assembly_order"]
+
+Step = TwoLoci | SlidingBody | NewtonGroup
+# Between lines that count as parallel.
+PARALLEL_SINE = 1e-9
+
+
+def assembly_order(drawing: Drawing, bodies: Bodies, drawn_at: float) -> tuple[Step, ...]:
+    """Steps that give the motion of all bodies from that of the crank.
+
+    Parameters
+    ----------
+    drawing : Drawing
+    bodies : Bodies
+    drawn_at : float
+        Crank angle of the drawing in rad.
+
+    Returns
+    -------
+    tuple of TwoLoci, SlidingBody and NewtonGroup
+
+    Raises
+    ------
+    InputError
+        If a body is joined to nothing, can move freely, or is held twice.
+    """
+    _refuse_unjoined(bodies)
+    order = _Order(drawing, bodies, drawn_at)
+    order.refuse_redundant((CRANK,), 0)
+    steps = []
+    while order.unknown:
+        step = order.dyad() or order.group()
+        steps.append(step)
+        own = step.constraints.unknown if isinstance(step, NewtonGroup) else step.solves
+        order.refuse_redundant(own, 3 * len(own))
+        order.known.update(own)
+    return tuple(steps)
+
+
+def _refuse_unjoined(bodies: Bodies) -> None:
+    reached = {GROUND_BODY, CRANK}
+    pairs = [_pair(own) for own in bodies.constraints]
+    for _ in bodies.links:
+        for pair in pairs:
+            if reached & set(pair):
+                reached.update(pair)
+    for body in range(len(bodies.links)):
+        if body not in reached:
+            raise InputError(
+                f"link {bodies.name(body)} is joined to nothing that the crank drives; let it "
+                "share a point with another link, or leave it out"
+            )
+
+
+def _pair(own: Coincidence | OnLine) -> tuple[int, int]:
+    return (own.first, own.second) if isinstance(own, Coincidence) else (own.body, own.guide)
+
+
+class _Order:
+    """What is known so far, and what follows next."""
+
+    def __init__(self, drawing: Drawing, bodies: Bodies, drawn_at: float) -> None:
+        self.drawing = drawing
+        self.bodies = bodies
+        self.drawn_at = drawn_at
+        self.known = {GROUND_BODY, CRANK}
+
+    @property
+    def unknown(self) -> list[int]:
+        """Bodies whose motion is not known yet."""
+        return [body for body in range(len(self.bodies.links)) if body not in self.known]
+
+    def refuse_redundant(self, bodies: Iterable[int], equations: int) -> None:
+        """Refuse bodies that known ones hold by more equations than they have unknowns."""
+        group = tuple(bodies)
+        constraints = self._on(group)
+        if constraints.count > equations:
+            if group == (CRANK,):
+                drive = self.drawing.drive.point
+                held = [own for own in constraints.constraints if own.point != drive]
+                if not held:
+                    return
+                joint = held[0].point
+            else:
+                joint = constraints.constraints[-1].point
+            names = ", ".join(self.bodies.name(body) for body in group)
+            raise InputError(
+                f"{names}: the chain is redundant at joint {joint}, at crank angle "
+                f"{degrees(self.drawn_at)} as drawn: it is held by more joints than it needs and "
+                "locks; remove a link or a joint there"
+            )
+
+    def dyad(self) -> TwoLoci | SlidingBody | None:
+        """Next bodies that follow in closed form, if any."""
+        return next(self._single_bodies(), None) or next(self._pairs(), None)
+
+    def group(self) -> NewtonGroup:
+        """Fewest bodies that follow together."""
+        unknown = self.unknown
+        for size in range(1, len(unknown) + 1):
+            for chosen in combinations(unknown, size):
+                constraints = self._on(chosen)
+                if constraints.count >= 3 * size:
+                    self.refuse_redundant(chosen, 3 * size)
+                    return NewtonGroup(self.bodies, constraints, self.drawn_at)
+        free = self.bodies.name(self._freest(unknown))
+        raise InputError(
+            f"the chain does not close: link {free} can still move while the crank stands; join "
+            "its free end to another link, to the ground or to a slider"
+        )
+
+    def _freest(self, unknown: list[int]) -> int:
+        """Body of the unknown ones with the fewest conditions."""
+        conditions = dict.fromkeys(unknown, 0)
+        for own in self.bodies.constraints:
+            for body in set(_pair(own)) & set(unknown):
+                conditions[body] += 2 if isinstance(own, Coincidence) else 1
+        return min(unknown, key=lambda body: conditions[body])
+
+    def _on(self, group: tuple[int, ...]) -> Constraints:
+        """Constraints of some bodies, with each other and with known ones."""
+        inside = self.known | set(group)
+        own = tuple(
+            each
+            for each in self.bodies.constraints
+            if set(_pair(each)) <= inside and set(_pair(each)) & set(group)
+        )
+        return Constraints(self.drawing, own, group)
+
+    def _carriers(self, body: int) -> dict[str, int]:
+        """Known points of a body, each with a known body that carries it."""
+        return {
+            point: min(set(here) & self.known)
+            for point, here in self.bodies.at_point.items()
+            if body in here and set(here) & self.known
+        }
+
+    def _single_bodies(self) -> Iterator[TwoLoci | SlidingBody]:
+        """Bodies with one known point and one line, theirs or a known one's (RRP, RPR)."""
+        for body in self.unknown:
+            carriers = self._carriers(body)
+            if len(carriers) != 1:
+                continue
+            ((pivot, carrier),) = carriers.items()
+            for own in self.bodies.lines:
+                here = self.bodies.at_point[own.point]
+                if body in here and own.guide in self.known and own.point != pivot:
+                    circle, placed = self._circle(body, own.point, pivot, carrier)
+                    line = Line(own.guide, self._drawn(own.point), own.along)
+                    yield self._loci(own.point, circle, line, placed)
+                elif own.guide == body and set(here) & self.known:
+                    yield SlidingBody(
+                        self._refusal(own.point, (body, *here)),
+                        body,
+                        carrier,
+                        min(set(here) & self.known),
+                        self._drawn(pivot),
+                        self._drawn(own.point),
+                        own.along,
+                        self.drawing.size,
+                    )
+
+    def _pairs(self) -> Iterator[TwoLoci]:
+        """Pairs of bodies that share a point which each of them leads along a locus."""
+        unknown = set(self.unknown)
+        for point, here in self.bodies.at_point.items():
+            if set(here) & self.known:
+                continue
+            found = [self._locus(body, point) for body in here if body in unknown]
+            led = [own for own in found if own is not None]
+            for (first, one), (second, other) in combinations(led, 2):
+                if isinstance(first, Line):
+                    first, one, second, other = second, other, first, one
+                yield self._loci(point, first, second, one, other)
+
+    def _locus(self, body: int, point: str) -> tuple[Circle | Line, Placed] | None:
+        """Curve on which known bodies lead a point of a body."""
+        carriers = self._carriers(body)
+        if len(carriers) == 1:
+            ((pivot, carrier),) = carriers.items()
+            return self._circle(body, point, pivot, carrier)
+        if not carriers and (line := self._guide_of_translation(body)) is not None:
+            drawn = self._drawn(point)
+            return Line(line.guide, drawn, line.along), Placed(body, drawn, line.guide, None)
+        return None
+
+    def _guide_of_translation(self, body: int) -> OnLine | None:
+        """Line along which a body slides without turning: two of its points slide so."""
+        lines = [
+            own
+            for own in self.bodies.lines
+            if body in self.bodies.at_point[own.point] and own.guide in self.known
+        ]
+        for one, other in combinations(lines, 2):
+            parallel = abs(cross(one.along, other.along)) < PARALLEL_SINE
+            if one.guide == other.guide and parallel:
+                return one
+        return None
+
+    def _circle(self, body: int, point: str, pivot: str, carrier: int) -> tuple[Circle, Placed]:
+        drawn, centre = self._drawn(point), self._drawn(pivot)
+        circle = Circle(carrier, centre, abs(drawn - centre))
+        return circle, Placed(body, drawn, carrier, centre)
+
+    def _loci(
+        self, point: str, first: Circle | Line, second: Circle | Line, *placed: Placed
+    ) -> TwoLoci:
+        drawn = self._drawn(point)
+        normals = [
+            drawn - own.centre if isinstance(own, Circle) else 1j * own.along
+            for own in (first, second)
+        ]
+        here = self.bodies.at_point[point]
+        return TwoLoci(
+            self._refusal(point, here),
+            drawn,
+            first,
+            second,
+            float(np.sign(cross(normals[0], normals[1]))),
+            placed,
+            self.drawing.size,
+        )
+
+    def _refusal(self, point: str, bodies: Iterable[int]) -> Refusal:
+        names = [self.bodies.name(body) for body in dict.fromkeys(bodies)]
+        slides = any(own.point == point for own in self.bodies.lines)
+        links = " and ".join([*names, *(["its line"] if slides else [])])
+        return Refusal(point, links, self.drawn_at)
+
+    def _drawn(self, point: str) -> complex:
+        return self.drawing.complex_point(point)

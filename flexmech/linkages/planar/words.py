@@ -1,0 +1,70 @@
+"""How messages on planar linkages tell where they cannot stand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.errors import InputError
+from flexmech.types import FloatArray
+
+__all__ = ["Refusal", "degrees"]
+
+
+def degrees(angle: float) -> str:
+    """An angle in rad as text in degrees."""
+    return f"{float(np.round(np.degrees(angle), 9)):g} deg"
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Refuses crank angles at which a joint is apart or in a dead point.
+
+    Parameters
+    ----------
+    joint : str
+    links : str
+        Those that meet there.
+    drawn_at : float
+        Crank angle in rad from which angles are counted.
+    """
+
+    joint: str
+    links: str
+    drawn_at: float
+
+    def apart(self, where: NDArray[np.bool_], angle: FloatArray) -> None:
+        """Refuse crank angles where the joint cannot be put together.
+
+        Raises
+        ------
+        InputError
+            Names the first of them.
+        """
+        if np.any(where):
+            raise InputError(
+                f"the linkage cannot be assembled at crank angle {self.first(where, angle)}: "
+                f"{self.links} do not meet in joint {self.joint} there; choose crank angles "
+                "inside its range of motion or other dimensions"
+            )
+
+    def locked(self, where: NDArray[np.bool_], angle: FloatArray) -> None:
+        """Refuse crank angles where the joint is in a dead point.
+
+        Raises
+        ------
+        InputError
+            Names the first of them.
+        """
+        if np.any(where):
+            raise InputError(
+                f"the linkage locks at crank angle {self.first(where, angle)}: at joint "
+                f"{self.joint} {self.links} are in a dead point and the crank cannot drive them "
+                "through; leave that crank angle out or change the dimensions"
+            )
+
+    def first(self, where: NDArray[np.bool_], angle: FloatArray) -> str:
+        """First of the crank angles in a set, as text."""
+        return degrees(float(self.drawn_at + np.broadcast_to(angle, where.shape)[where].flat[0]))
