@@ -11,21 +11,27 @@ __all__ = [
     "ANGULAR_SPEED",
     "BENDING_STIFFNESS",
     "CURVATURE",
+    "DAMPING",
     "DENSITY",
     "DIFFUSIVITY",
     "EXPANSION",
     "FORCE",
     "FREQUENCY",
+    "INERTIA",
     "LENGTH",
     "MASS",
     "MASS_PER_LENGTH",
     "MOISTURE_EXPANSION",
     "RATIO",
     "ROTARY_INERTIA",
+    "SPRING_STIFFNESS",
     "STRESS",
     "TEMPERATURE",
     "TEMPERATURE_DIFFERENCE",
     "TIME",
+    "TORQUE",
+    "TORSIONAL_DAMPING",
+    "TORSIONAL_STIFFNESS",
     "Dimension",
 ]
 
@@ -76,4 +82,10 @@ EXPANSION = Dimension("a thermal expansion", "1/K", ("58.4e-6 1/K", "11.7e-6 1/d
 MOISTURE_EXPANSION = Dimension("a moisture expansion", "", ("3.02e-3 1/percent", "0.302"))
 DIFFUSIVITY = Dimension("a diffusivity", "m^2/s", ("1.2e-12 m^2/s", "1.2e-6 mm^2/s"))
 ACTIVATION_ENERGY = Dimension("an activation energy", "J/mol", ("45 kJ/mol", "45000 J/mol"))
+DAMPING = Dimension("a damping", "N s/m", ("2 N s/m", "0.002 N s/mm"))
+INERTIA = Dimension("a moment of inertia", "kg m^2", ("2e-4 kg m^2", "200 kg mm^2"))
+SPRING_STIFFNESS = Dimension("a spring stiffness", "N/m", ("500 N/m", "0.5 N/mm"))
+TORQUE = Dimension("a torque", "N m", ("1.5 N m", "200 N mm"))
+TORSIONAL_DAMPING = Dimension("a torsional damping", "N m s/rad", ("1e-3 N m s/rad",))
+TORSIONAL_STIFFNESS = Dimension("a torsional stiffness", "N m/rad", ("2 N m/rad", "0.03 N m/deg"))
 RATIO = Dimension("a ratio", "", ("0.01", "1 %"))

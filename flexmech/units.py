@@ -7,10 +7,8 @@ is done in decimal arithmetic: "279.4 mm" is the float 0.2794, correctly rounded
 
 from __future__ import annotations
 
-import difflib
 import math
 import re
-import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import Decimal
@@ -23,25 +21,32 @@ from flexmech.dimensions import (
     ANGULAR_SPEED,
     BENDING_STIFFNESS,
     CURVATURE,
+    DAMPING,
     DENSITY,
     DIFFUSIVITY,
     EXPANSION,
     FORCE,
     FREQUENCY,
+    INERTIA,
     LENGTH,
     MASS,
     MASS_PER_LENGTH,
     MOISTURE_EXPANSION,
     RATIO,
     ROTARY_INERTIA,
+    SPRING_STIFFNESS,
     STRESS,
     TEMPERATURE,
     TEMPERATURE_DIFFERENCE,
     TIME,
+    TORQUE,
+    TORSIONAL_DAMPING,
+    TORSIONAL_STIFFNESS,
     Dimension,
 )
 from flexmech.errors import InputError
 from flexmech.unit_registry import ZERO_CELSIUS, base_units, zero_of_scale
+from flexmech.unit_words import shown, unknown_unit, wrong_dimension
 
 __all__ = [
     "ACCELERATION",
@@ -50,11 +55,13 @@ __all__ = [
     "ANGULAR_SPEED",
     "BENDING_STIFFNESS",
     "CURVATURE",
+    "DAMPING",
     "DENSITY",
     "DIFFUSIVITY",
     "EXPANSION",
     "FORCE",
     "FREQUENCY",
+    "INERTIA",
     "LENGTH",
     "MASS",
     "MASS_PER_LENGTH",
@@ -62,10 +69,14 @@ __all__ = [
     "NUMBER",
     "RATIO",
     "ROTARY_INERTIA",
+    "SPRING_STIFFNESS",
     "STRESS",
     "TEMPERATURE",
     "TEMPERATURE_DIFFERENCE",
     "TIME",
+    "TORQUE",
+    "TORSIONAL_DAMPING",
+    "TORSIONAL_STIFFNESS",
     "ZERO_CELSIUS",
     "Dimension",
     "Quantities",
@@ -79,10 +90,6 @@ NUMBER = r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?"
 """Regular expression of a decimal number: no thousands separators, no NaN, no infinity."""
 
 _SPLIT = re.compile(rf"\s*(?P<number>{NUMBER})(?P<unit>.*)", re.DOTALL)
-
-# What files and options hold may be longer than anybody reads.
-_REPR = reprlib.Repr()
-_REPR.maxstring = _REPR.maxother = 100
 
 # A range hits its end when it comes this close, in steps: 0:1:0.333333 means thirds.
 _HIT = Decimal("1e-5")
@@ -125,17 +132,17 @@ def parse_number(text: str) -> Decimal:
     # Only what a keyboard's blanks are: strip() alone also takes off control characters.
     bare = text.strip(" \t\r\n")
     if not re.fullmatch(NUMBER, bare):
-        raise InputError(f"got {_shown(bare)}, which is not a plain number; {_decimal_hint(text)}")
+        raise InputError(f"got {shown(bare)}, which is not a plain number; {_decimal_hint(text)}")
     try:
         number = Decimal(bare)
         rounded = float(number)
     except ArithmeticError:
         rounded = math.inf
     if not math.isfinite(rounded):
-        raise InputError(f"got {_shown(text.strip())}, which is too large; write a smaller number")
+        raise InputError(f"got {shown(text.strip())}, which is too large; write a smaller number")
     if number and not rounded:
         raise InputError(
-            f"got {_shown(text.strip())}, which is too small; write 0, or a larger number"
+            f"got {shown(text.strip())}, which is too small; write 0, or a larger number"
         )
     return number
 
@@ -170,19 +177,19 @@ def parse_quantity(
         value = repr(value)
     if isinstance(value, int | float) and not isinstance(value, bool):
         raise InputError(
-            f"got the number {_shown(value)}, which has no unit; write {dimension.name} as text "
+            f"got the number {shown(value)}, which has no unit; write {dimension.name} as text "
             f"with its unit, for example {dimension.example}"
         )
     if not isinstance(value, str):
         raise InputError(
-            f"got {_shown(value)}, which is not {dimension.name}; write it as text with its unit, "
+            f"got {shown(value)}, which is not {dimension.name}; write it as text with its unit, "
             f"for example {dimension.example}"
         )
     number, unit = _split(value, dimension)
     if not unit and not unitless:
         if default_unit is None:
             raise InputError(
-                f"got {_shown(value)}, which has no unit; write {dimension.name} with its unit, "
+                f"got {shown(value)}, which has no unit; write {dimension.name} with its unit, "
                 f"for example {dimension.example}"
             )
         unit = default_unit
@@ -227,12 +234,12 @@ def parse_quantities(
     parts = text.split(separator)
     if separator == ":" and len(parts) != 3:
         raise InputError(
-            f"got {_shown(text)}, which has {len(parts)} parts; write START:STOP:STEP, for example "
+            f"got {shown(text)}, which has {len(parts)} parts; write START:STOP:STEP, for example "
             f'"0:300:50 {default_unit}"'
         )
     if not all(part.strip() for part in parts):
         raise InputError(
-            f"got {_shown(text)}, in which a value is missing; write START:STOP:STEP, for example "
+            f"got {shown(text)}, in which a value is missing; write START:STOP:STEP, for example "
             f'"0:300:50 {default_unit}", or a comma list such as "0,50,100 {default_unit}"'
         )
     entries = [_split(part.strip(), dimension) for part in parts]
@@ -258,7 +265,7 @@ def _unit_of_bare(text: str, separator: str, entries: Sequence[tuple[Decimal, st
         bare = separator.join(str(number) for number, _ in entries)
         remedy = f'write the unit once, at the end: "{bare} {written[-1]}"'
         raise InputError(
-            f"got {_shown(text)}, in which some values have a unit and others have none; "
+            f"got {shown(text)}, in which some values have a unit and others have none; "
             + (remedy if len(set(written)) == 1 else "give each value its unit")
         )
     return written[-1] if written else ""
@@ -269,14 +276,14 @@ def _counted(
 ) -> list[Decimal]:
     """Count the numbers of a range."""
     if step <= 0:
-        raise InputError(f"got {_shown(text)}; STEP must be positive, for example 0:360:5")
+        raise InputError(f"got {shown(text)}; STEP must be positive, for example 0:360:5")
     if stop < start:
         raise InputError(
-            f"got {_shown(text)}; STOP must not be less than START, for example -90:90:5"
+            f"got {shown(text)}; STOP must not be less than START, for example -90:90:5"
         )
     if (stop - start) >= most * step:
         raise InputError(
-            f"got {_shown(text)}, which is too long; choose a STEP that gives at most {most} values"
+            f"got {shown(text)}, which is too long; choose a STEP that gives at most {most} values"
         )
     steps = (stop - start) / step
     count = int(steps + _HIT)
@@ -316,20 +323,16 @@ def _split(text: str, dimension: Dimension) -> tuple[Decimal, str]:
     match = _SPLIT.fullmatch(text)
     if match is None:
         raise InputError(
-            f"got {_shown(text)}, which does not begin with a number; write {dimension.name} as a "
+            f"got {shown(text)}, which does not begin with a number; write {dimension.name} as a "
             f"number and a unit, for example {dimension.example}"
         )
     unit = match["unit"].strip()
     if match["unit"][:1] in (",", "_", "."):
         raise InputError(
-            f"got {_shown(text)}, in which {_shown(match['unit'])} follows the number; "
+            f"got {shown(text)}, in which {shown(match['unit'])} follows the number; "
             f"{_decimal_hint(text)}"
         )
     return parse_number(match["number"]), unit
-
-
-def _shown(text: object) -> str:
-    return _REPR.repr(text)
 
 
 def _decimal_hint(text: str) -> str:
@@ -345,10 +348,10 @@ def _factor(text: str, unit: str, dimension: Dimension) -> Decimal:
         return Decimal(1)
     found, wanted = base_units(unit), base_units(dimension.unit)
     if found is None:
-        raise InputError(_unknown_unit(text, unit, dimension))
+        raise InputError(unknown_unit(text, unit, dimension))
     assert wanted is not None
     if found.name != wanted.name:
-        raise InputError(_wrong_dimension(text, unit, found.name, dimension))
+        raise InputError(wrong_dimension(text, unit, found.name, dimension))
     return found.factor / wanted.factor
 
 
@@ -358,37 +361,5 @@ def _finite(number: Decimal, factor: Decimal, text: object) -> float:
     except ArithmeticError:
         result = math.inf
     if not math.isfinite(result):
-        raise InputError(f"got {_shown(text)}, which is too large; write a smaller number")
+        raise InputError(f"got {shown(text)}, which is too large; write a smaller number")
     return result
-
-
-def _unknown_unit(text: str, unit: str, dimension: Dimension) -> str:
-    known = {example.split(maxsplit=1)[-1]: example for example in dimension.examples}
-    by_lower_case = {name.lower(): name for name in known}
-    close = difflib.get_close_matches(unit.lower(), by_lower_case, n=1)
-    remedy = f"did you mean {by_lower_case[close[0]]!r}?" if close else "write"
-    example = known[by_lower_case[close[0]]] if close else dimension.examples[0]
-    joint = " For example" if close else f" {dimension.name}, for example"
-    return (
-        f"got {_shown(text)}, in which the unit {_shown(unit)} is unknown; "
-        f'{remedy}{joint} "{example}"'
-    )
-
-
-def _wrong_dimension(text: str, unit: str, base: str, dimension: Dimension) -> str:
-    if dimension is ANGULAR_SPEED and base == "1 / second":
-        number = text[: text.rfind(unit)].strip() or "5"
-        return (
-            f"got {_shown(text)}, which is a frequency and not an angular speed; write turns per "
-            f'second as "{number} rps", turns per minute as "300 rpm", or an angle per time '
-            'as "20 rad/s"'
-        )
-    if dimension is FREQUENCY and base == "radian / second":
-        return (
-            f"got {_shown(text)}, which is an angular speed and not a frequency; write cycles per "
-            f"second, for example {dimension.example}"
-        )
-    return (
-        f"got {_shown(text)}, whose unit {_shown(unit)} ({base}) is not that of {dimension.name}; "
-        f"write {dimension.name}, for example {dimension.example}"
-    )

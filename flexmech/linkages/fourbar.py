@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import ClassVar, Literal
 
@@ -41,6 +41,8 @@ class FourBar:
         Link lengths r1, r2, r3, r4 in m.
     branch : {"open", "crossed"}
         "open" has B to the left of the line from A to O4 (above it at crank angle zero).
+    sprung : tuple of str
+        Of the joints A, B and O4, those that springs alone hold together when links bend.
 
     Raises
     ------
@@ -62,6 +64,7 @@ class FourBar:
     coupler: float
     rocker: float
     branch: Branch = "open"
+    sprung: tuple[str, ...] = field(default=(), repr=False)
 
     kind: ClassVar[str] = "four-bar"
 
@@ -70,6 +73,9 @@ class FourBar:
             check_number(length, f"length of the {name}", "m", POSITIVE)
         if self.branch not in ("open", "crossed"):
             raise InputError(f"branch must be 'open' or 'crossed', got {self.branch!r}")
+        unknown = set(self.sprung) - {"A", "B", "O4"}
+        if unknown:
+            raise InputError(f"sprung joints of a four-bar are A, B or O4, got {sorted(unknown)}")
         longest = max(self.lengths, key=lambda name: self.lengths[name])
         others = sum(self.lengths.values()) - self.lengths[longest]
         if self.lengths[longest] >= others:
@@ -99,10 +105,10 @@ class FourBar:
                 Link("rocker", self.rocker),
             ),
             clamps=(Clamp("O2", LinkEnd("crank", "start")),),
-            pivots=(Pivot("O4", LinkEnd("rocker", "start")),),
+            pivots=(Pivot("O4", LinkEnd("rocker", "start"), "O4" in self.sprung),),
             pins=(
-                Pin("A", leader=LinkEnd("crank", "end"), follower=LinkEnd("coupler", "start")),
-                Pin("B", leader=LinkEnd("coupler", "end"), follower=LinkEnd("rocker", "end")),
+                Pin("A", LinkEnd("crank", "end"), LinkEnd("coupler", "start"), "A" in self.sprung),
+                Pin("B", LinkEnd("coupler", "end"), LinkEnd("rocker", "end"), "B" in self.sprung),
             ),
         )
 
@@ -259,7 +265,13 @@ class FourBar:
         FourBar
         """
         ground = self.ground * ground_growth
-        return FourBar(ground, lengths["crank"], lengths["coupler"], lengths["rocker"], self.branch)
+        return replace(
+            self,
+            ground=ground,
+            crank=lengths["crank"],
+            coupler=lengths["coupler"],
+            rocker=lengths["rocker"],
+        )
 
     def described(self) -> list[str]:
         """Kind, lengths, Grashof class and range of the transmission angle, a line each."""

@@ -27,6 +27,7 @@ from flexmech.linkages import (
     shown_crank_angle,
 )
 from flexmech.materials import REFERENCE_TEMPERATURE
+from flexmech.mechanism.attachment_tables import joints_table, loads_table, springs_table
 from flexmech.mechanism.checks import (
     check_bodies,
     check_loads,
@@ -36,9 +37,9 @@ from flexmech.mechanism.checks import (
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
 from flexmech.mechanism.tables import (
     environment_table,
-    joints_table,
-    link_table,
+    links_table,
     operation_table,
+    shaft_table,
 )
 from flexmech.model_text import SharedTables, TomlTable, quantity
 from flexmech.numbers import (
@@ -330,7 +331,9 @@ class Mechanism:
         import tomli_w
 
         shared = SharedTables()
-        links = {name: self._link_table(name, shared) for name in self.linkage.topology.link_names}
+        links = links_table(
+            self.linkage, self.sections, self.wetting, self.link_masses, self.bodies, shared
+        )
         linkage = self.linkage.to_table()
         if self.ground_thermal_expansion:
             expansion = quantity(self.ground_thermal_expansion, EXPANSION)
@@ -345,12 +348,11 @@ class Mechanism:
             "links": links,
         }
         optional = {
-            "joints": joints_table(self.joint_masses),
+            "joints": joints_table(self.linkage, self.joint_masses, self.joint_springs),
+            "shaft": shaft_table(self.shaft_inertia),
+            "loads": loads_table(self.loads),
+            "springs": springs_table(self.springs),
             "environment": environment_table(self.gravity, self.reference_temperature),
             "operation": operation_table(self.operating_speeds),
         }
         return tomli_w.dumps(document | {key: table for key, table in optional.items() if table})
-
-    def _link_table(self, name: str, shared: SharedTables) -> TomlTable:
-        points = [point for point in self.link_masses if point.link == name]
-        return link_table(self.sections[name], self.wetting_of(name), points, shared)

@@ -4,26 +4,35 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from flexmech.linkages import Linkage
 from flexmech.materials import REFERENCE_TEMPERATURE
-from flexmech.mechanism.parts import PointMass, Wetting
+from flexmech.mechanism.attachment_tables import body_table
+from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
 from flexmech.model_text import SharedTables, TomlTable, quantity
 from flexmech.sections import BeamSection
-from flexmech.units import ACCELERATION, ANGULAR_SPEED, MASS, TEMPERATURE
+from flexmech.units import ACCELERATION, ANGULAR_SPEED, INERTIA, TEMPERATURE
 
-__all__ = ["environment_table", "joints_table", "link_table", "operation_table"]
+__all__ = ["environment_table", "links_table", "operation_table", "shaft_table"]
 
 
-def link_table(
-    section: BeamSection, wetting: Wetting, points: Sequence[PointMass], shared: SharedTables
+def links_table(
+    linkage: Linkage,
+    sections: Mapping[str, BeamSection],
+    wetting: Mapping[str, Wetting],
+    points: Sequence[PointMass],
+    bodies: Sequence[AttachedBody],
+    shared: SharedTables,
 ) -> TomlTable:
-    """Table of one link under ``[links]``.
+    """Table ``[links]``.
 
     Parameters
     ----------
-    section : BeamSection
-    wetting : Wetting
+    linkage : Linkage
+    sections : mapping of str to BeamSection
+        By beam; rigid ones may have none.
+    wetting : mapping of str to Wetting
     points : sequence of PointMass
-        Those of the link.
+    bodies : sequence of AttachedBody
     shared : SharedTables
         Tables that several links name; completed here.
 
@@ -31,17 +40,46 @@ def link_table(
     -------
     dict
     """
-    masses = [point.to_table() for point in points]
+    drawn = {link.name: link for link in getattr(linkage, "links", ())}
+    beams_of = {name: [beam.name for beam in link.beams] for name, link in drawn.items()}
+    tables: TomlTable = {}
+    for name, beams in (beams_of or {own: [own] for own in linkage.topology.link_names}).items():
+        own = [_beam_table(sections.get(beam), wetting.get(beam), shared) for beam in beams]
+        masses = [
+            {**point.to_table(), **_beam_number(beams, point.link)}
+            for point in points
+            if point.link in beams
+        ]
+        attached = [
+            {**body_table(body), **_beam_number(beams, body.link)}
+            for body in bodies
+            if body.link in beams
+        ]
+        tables[name] = {
+            **({"points": list(drawn[name].points)} if drawn else {}),
+            **({"rigid": True} if drawn and drawn[name].rigid else {}),
+            **own[0],
+            **({"point_masses": masses} if masses else {}),
+            **({"bodies": attached} if attached else {}),
+        }
+        further = zip(beams[1:], own[1:], strict=True)
+        tables |= {beam: table for beam, table in further if table != own[0]}
+    return tables
+
+
+def _beam_table(
+    section: BeamSection | None, wetting: Wetting | None, shared: SharedTables
+) -> TomlTable:
+    """Keys of a beam's section and of where water enters it."""
     return {
-        **section.to_table(shared),
-        **wetting.to_table(),
-        **({"point_masses": masses} if masses else {}),
+        **({} if section is None else section.to_table(shared)),
+        **({} if wetting is None else wetting.to_table()),
     }
 
 
-def joints_table(joint_masses: Mapping[str, float]) -> TomlTable:
-    """Table ``[joints]``; empty where no joint has mass."""
-    return {joint: {"mass": quantity(mass, MASS)} for joint, mass in joint_masses.items()}
+def _beam_number(beams: Sequence[str], beam: str) -> TomlTable:
+    """Key that names a beam of a chain, from whose start places are counted."""
+    return {"beam": beams.index(beam) + 1} if len(beams) > 1 else {}
 
 
 def environment_table(gravity: Sequence[float], reference_temperature: float) -> TomlTable:
@@ -70,3 +108,8 @@ def operation_table(crank_speeds: Sequence[float]) -> TomlTable:
     """Table ``[operation]``; empty where no speed is stated."""
     speeds = [quantity(speed, ANGULAR_SPEED) for speed in crank_speeds]
     return {"crank_speeds": speeds} if speeds else {}
+
+
+def shaft_table(inertia: float) -> TomlTable:
+    """Table ``[shaft]``; empty where it has no inertia."""
+    return {"inertia": quantity(inertia, INERTIA)} if inertia else {}

@@ -4,27 +4,39 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 from flexmech.errors import InputError, suggestion
-from flexmech.linkages import Linkage
 from flexmech.materials import Laminate
-from flexmech.mechanism import Mechanism, PointMass, Provenance, Wetting
+from flexmech.mechanism import Mechanism, Provenance, Wetting
+from flexmech.modelfile.attachments import (
+    attached_bodies,
+    joint_springs,
+    loads,
+    point_masses,
+    springs,
+)
 from flexmech.modelfile.base_table import DampedTable
 from flexmech.modelfile.document import MaterialTable, ModelFile
 from flexmech.modelfile.laminates import build_laminates
+from flexmech.modelfile.link_places import LinkPlaces
 from flexmech.modelfile.link_tables import (
     GeneralLinkTable,
     LaminateLinkTable,
-    LinkTable,
     RectangleLinkTable,
+    RigidLinkTable,
 )
+from flexmech.modelfile.linkage_tables import PlanarTable
 from flexmech.modelfile.messages import Findings, known_name
+from flexmech.modelfile.planar import stated_linkage
 from flexmech.sections import BeamSection, DampingTimes, LaminateSection, SpecificDamping
 
 __all__ = ["build_mechanism"]
 
 
-def build_mechanism(tables: ModelFile, shown: str, file: str, sha256: str) -> Mechanism:
+def build_mechanism(
+    tables: ModelFile, shown: str, file: str, sha256: str, folder: Path = Path()
+) -> Mechanism:
     """Mechanism of a model file whose keys and units are right.
 
     Parameters
@@ -34,6 +46,8 @@ def build_mechanism(tables: ModelFile, shown: str, file: str, sha256: str) -> Me
         What messages call the file.
     file, sha256 : str
         Base name and hash for the provenance.
+    folder : Path
+        Where files that the model names are looked for.
 
     Returns
     -------
@@ -47,33 +61,42 @@ def build_mechanism(tables: ModelFile, shown: str, file: str, sha256: str) -> Me
     """
     findings = Findings(shown)
     laminates = build_laminates(tables, findings)
-    linkage = point = None
-    with findings.at("linkage"):
-        linkage = tables.linkage.linkage
+    point = None
+    linkage = stated_linkage(tables, findings)
     with findings.at("linkage.coupler_point"):
         point = tables.linkage.point
     if linkage is None:
         findings.refuse()
     assert linkage is not None
-    topology = linkage.topology
-    _check_names(findings, "links", list(tables.links), list(topology.link_names))
-    _check_names(findings, "joints", list(tables.joints), list(topology.joint_names))
+    topology, places = linkage.topology, LinkPlaces(linkage)
+    _check_names(findings, "links", list(tables.links), list(places.beams))
+    _check_names(findings, "joints", _joints_of_topology(tables), list(topology.joint_names))
     sections = {}
     for name in topology.link_names:
-        with findings.at(f"links.{name}"):
-            if name not in tables.links:
-                raise InputError(f"is missing; add a table [links.{name}] with its section")
-            table = tables.links[name]
+        own = places.table_of(name, tables.links)
+        with findings.at(f"links.{own}"):
+            if own not in tables.links:
+                raise InputError(f"is missing; add a table [links.{own}] with its section")
+            table = tables.links[own]
+            if isinstance(table, RigidLinkTable):
+                continue
             # What is wrong with its laminate is told there.
-            known = _known_material(findings, name, table, tables)
+            known = _known_material(findings, own, table, tables)
             if known and getattr(table, "laminate", None) in {None, *laminates}:
                 sections[name] = _section(table, tables.materials, laminates)
-    masses = _point_masses(tables, linkage, findings)
+    masses = point_masses(tables, places, findings)
+    bodies = attached_bodies(tables, places, findings)
+    stated_loads = loads(tables, places, folder, findings)
+    stated_springs = springs(tables, places, findings)
     findings.refuse()
     return Mechanism(
         linkage=linkage,
         sections=sections,
-        joint_masses={name: joint.mass for name, joint in tables.joints.items()},
+        joint_masses={
+            name: joint.mass
+            for name, joint in tables.joints.items()
+            if "mass" in joint.model_fields_set
+        },
         link_masses=masses,
         gravity=tables.environment.gravity,
         operating_speeds=tuple(tables.operation.crank_speeds),
@@ -83,9 +106,27 @@ def build_mechanism(tables: ModelFile, shown: str, file: str, sha256: str) -> Me
         ground_thermal_expansion=tables.linkage.ground_thermal_expansion,
         wetting={
             name: Wetting(table.exposed_faces, table.exposed_sides)
-            for name, table in tables.links.items()
+            for name in topology.link_names
+            for table in [tables.links[places.table_of(name, tables.links)]]
         },
+        bodies=bodies,
+        loads=stated_loads,
+        springs=stated_springs,
+        joint_springs=joint_springs(tables),
+        shaft_inertia=tables.shaft.inertia,
     )
+
+
+def _joints_of_topology(tables: ModelFile) -> list[str]:
+    """Joints of the file that must be of the topology: in a drawing, those with mass or spring."""
+    if not isinstance(tables.linkage, PlanarTable):
+        return list(tables.joints)
+    drawn = tables.linkage.points
+    return [
+        name
+        for name, joint in tables.joints.items()
+        if name not in drawn or "mass" in joint.model_fields_set or joint.spring
+    ]
 
 
 def _check_names(findings: Findings, table: str, given: list[str], known: list[str]) -> None:
@@ -97,7 +138,10 @@ def _check_names(findings: Findings, table: str, given: list[str], known: list[s
                 )
 
 
-def _known_material(findings: Findings, link: str, table: LinkTable, tables: ModelFile) -> bool:
+SectionTable = RectangleLinkTable | LaminateLinkTable | GeneralLinkTable
+
+
+def _known_material(findings: Findings, link: str, table: SectionTable, tables: ModelFile) -> bool:
     """Whether there are tables for what a link is made of."""
     if isinstance(table, RectangleLinkTable):
         key, plural, got, known = "material", "materials", table.material, list(tables.materials)
@@ -109,7 +153,7 @@ def _known_material(findings: Findings, link: str, table: LinkTable, tables: Mod
 
 
 def _section(
-    table: LinkTable, materials: Mapping[str, MaterialTable], laminates: Mapping[str, Laminate]
+    table: SectionTable, materials: Mapping[str, MaterialTable], laminates: Mapping[str, Laminate]
 ) -> BeamSection:
     if isinstance(table, GeneralLinkTable):
         return _general(table, laminates)
@@ -160,18 +204,3 @@ def _with_damping(section: BeamSection, table: DampedTable) -> BeamSection:
     if table.damping_ratio is None:
         return section.with_damping_frequency(table.damping_frequency)
     return section.with_damping_ratio(table.damping_ratio, table.damping_frequency)
-
-
-def _point_masses(tables: ModelFile, linkage: Linkage, findings: Findings) -> tuple[PointMass, ...]:
-    masses = []
-    for link in linkage.topology.links:
-        points = tables.links[link.name].point_masses if link.name in tables.links else []
-        for number, point in enumerate(points):
-            if point.position > link.length:
-                findings.found.append(
-                    f"links.{link.name}.point_masses[{number}].position: got "
-                    f"{point.position:g} m, which is beyond the end of the {link.name}; choose "
-                    f"0 to {link.length:g} m from its first joint"
-                )
-            masses.append(PointMass(link.name, point.position, point.mass))
-    return tuple(masses)

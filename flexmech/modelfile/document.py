@@ -7,12 +7,12 @@ from typing import Annotated
 from pydantic import Field, StringConstraints
 
 from flexmech.materials import REFERENCE_TEMPERATURE, Material
+from flexmech.modelfile.attachment_tables import JointTable, LoadTable, ShaftTable, SpringTable
 from flexmech.modelfile.base_table import DampedTable, Table
 from flexmech.modelfile.fields import (
     Acceleration,
     AngularSpeed,
     Density,
-    Mass,
     PoissonRatio,
     Stress,
     Temperature,
@@ -36,12 +36,6 @@ class MaterialTable(DampedTable, HygrothermalTable):
     def material(self) -> Material:
         """The material that is stated."""
         return Material(self.youngs_modulus, self.density, self.poisson_ratio, self.hygrothermal)
-
-
-class JointTable(Table):
-    """A joint: O2, A, B and O4 of a four-bar; O2 of a rotating arm."""
-
-    mass: Mass = Field(description="Point mass at the joint")
 
 
 class EnvironmentTable(Table):
@@ -83,5 +77,8 @@ class ModelFile(Table):
     laminates: dict[str, LaminateTable] = Field(default_factory=dict)
     links: dict[str, LinkTable] = Field(description="One table for each moving link")
     joints: dict[str, JointTable] = Field(default_factory=dict)
+    shaft: ShaftTable = Field(default_factory=ShaftTable)
+    loads: dict[str, LoadTable] = Field(default_factory=dict)
+    springs: dict[str, SpringTable] = Field(default_factory=dict)
     environment: EnvironmentTable = Field(default_factory=EnvironmentTable)
     operation: OperationTable = Field(default_factory=OperationTable)

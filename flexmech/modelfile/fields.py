@@ -26,8 +26,10 @@ __all__ = [
     "ActivationEnergy",
     "Angle",
     "AngularSpeed",
+    "AnyForce",
     "BendingStiffness",
     "Curvature",
+    "Damping",
     "DampingRatio",
     "Density",
     "DiffusivityValue",
@@ -35,6 +37,7 @@ __all__ = [
     "Expansion",
     "Force",
     "Frequency",
+    "Inertia",
     "Length",
     "LengthOrZero",
     "Mass",
@@ -45,13 +48,18 @@ __all__ = [
     "PoissonRatio",
     "PositiveRatio",
     "QuantityField",
+    "RadialStiffness",
     "Ratio",
     "RotaryInertia",
     "SpecificDamping",
+    "SpringStiffness",
     "Stress",
     "Temperature",
     "Thickness",
     "TimeOrZero",
+    "Torque",
+    "TorsionalDamping",
+    "TorsionalStiffness",
     "Width",
 ]
 
@@ -131,6 +139,14 @@ Acceleration = Annotated[float, QuantityField(units.ACCELERATION)]
 Stress = Annotated[float, QuantityField(units.STRESS, POSITIVE)]
 Density = Annotated[float, QuantityField(units.DENSITY, POSITIVE)]
 Force = Annotated[float, QuantityField(units.FORCE, POSITIVE)]
+AnyForce = Annotated[float, QuantityField(units.FORCE)]
+Torque = Annotated[float, QuantityField(units.TORQUE)]
+Inertia = Annotated[float, QuantityField(units.INERTIA, NOT_NEGATIVE)]
+SpringStiffness = Annotated[float, QuantityField(units.SPRING_STIFFNESS, NOT_NEGATIVE)]
+RadialStiffness = Annotated[float, QuantityField(units.SPRING_STIFFNESS, POSITIVE)]
+Damping = Annotated[float, QuantityField(units.DAMPING, NOT_NEGATIVE)]
+TorsionalStiffness = Annotated[float, QuantityField(units.TORSIONAL_STIFFNESS, NOT_NEGATIVE)]
+TorsionalDamping = Annotated[float, QuantityField(units.TORSIONAL_DAMPING, NOT_NEGATIVE)]
 BendingStiffness = Annotated[float, QuantityField(units.BENDING_STIFFNESS, POSITIVE)]
 MassPerLength = Annotated[float, QuantityField(units.MASS_PER_LENGTH, POSITIVE)]
 RotaryInertia = Annotated[float, QuantityField(units.ROTARY_INERTIA, POSITIVE)]

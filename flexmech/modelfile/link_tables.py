@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from flexmech.errors import InputError
 from flexmech.modelfile.base_table import DampedTable, Table, Text
@@ -13,6 +14,7 @@ from flexmech.modelfile.fields import (
     Curvature,
     Distance,
     Force,
+    Inertia,
     LengthOrZero,
     Mass,
     MassPerLength,
@@ -25,7 +27,22 @@ from flexmech.modelfile.fields import (
 )
 from flexmech.modelfile.hygrothermal_tables import WettedTable
 
-__all__ = ["GeneralLinkTable", "LaminateLinkTable", "LinkTable", "RectangleLinkTable"]
+__all__ = [
+    "AnyLinkTable",
+    "GeneralLinkTable",
+    "LaminateLinkTable",
+    "LinkTable",
+    "RectangleLinkTable",
+    "RigidLinkTable",
+]
+
+
+Beam = Annotated[int, Field(ge=1, strict=True)]
+OF_BEAM = (
+    "Of a chain of beams: number of the one from whose start the position counts, 1 is the first; "
+    "from the chain's first joint along all of them if left out"
+)
+SECTIONLESS = "none"
 
 
 class PointMassTable(Table):
@@ -33,12 +50,45 @@ class PointMassTable(Table):
 
     position: LengthOrZero = Field(description="Distance from the link's first joint")
     mass: Mass = Field(description="Mass of the point")
+    beam: Beam | None = Field(default=None, description=OF_BEAM)
+
+
+class BodyTable(Table):
+    """A rigid body that is fixed to a link: a hub, a piston, a counterweight."""
+
+    position: LengthOrZero = Field(
+        description="Distance from the link's first joint of the section that it is fixed to"
+    )
+    mass: Mass = Field(
+        default=0.0, description="0 if left out", json_schema_extra={"default": "0 kg"}
+    )
+    inertia: Inertia = Field(
+        default=0.0,
+        description="About its own centre of mass",
+        json_schema_extra={"default": "0 kg m^2"},
+    )
+    offset: tuple[Distance, Distance] = Field(
+        default=(0.0, 0.0),
+        description="Of its centre of mass, along and across the link, to the left positive",
+        json_schema_extra={"default": ["0 m", "0 m"]},
+    )
+    beam: Beam | None = Field(default=None, description=OF_BEAM)
 
 
 class AnyLinkTable(DampedTable, WettedTable):
     """What all links have in common."""
 
+    points: list[Text] | None = Field(
+        default=None,
+        description="Of kind planar: points at its two ends, or a chain of more that beams join",
+    )
+    rigid: bool = Field(
+        default=False, description="Of kind planar: whether it has mass but does not bend"
+    )
     point_masses: list[PointMassTable] = Field(default_factory=list)
+    bodies: list[BodyTable] = Field(
+        default_factory=list, description="Rigid bodies that are fixed to it"
+    )
 
 
 class RectangleLinkTable(AnyLinkTable):
@@ -156,6 +206,41 @@ class GeneralLinkTable(AnyLinkTable):
             super()._check_frequency_alone()
 
 
+class RigidLinkTable(AnyLinkTable):
+    """A rigid link without a section: its mass is stated, or that of its bodies."""
+
+    section: Literal["none"] = Field(default="none", description="Left out")
+    mass: Mass = Field(
+        default=0.0, description="Of the link; 0 if left out", json_schema_extra={"default": "0 kg"}
+    )
+    inertia: Inertia = Field(
+        default=0.0,
+        description="About its centre of mass",
+        json_schema_extra={"default": "0 kg m^2"},
+    )
+    centre: LengthOrZero | None = Field(
+        default=None,
+        description="Distance of its centre of mass from its first joint; its middle if left out",
+    )
+
+    @model_validator(mode="after")
+    def _is_rigid(self) -> RigidLinkTable:
+        if not self.rigid:
+            raise InputError("a link without a section is rigid; write rigid = true or a section")
+        return self
+
+
+def _without_section(table: Any) -> Any:
+    """Name what a rigid link without a section is, by which tables of links are told apart."""
+    if isinstance(table, Mapping) and table.get("rigid") is True and "section" not in table:
+        return {**table, "section": SECTIONLESS}
+    return table
+
+
 LinkTable = Annotated[
-    RectangleLinkTable | LaminateLinkTable | GeneralLinkTable, Field(discriminator="section")
+    Annotated[
+        RectangleLinkTable | LaminateLinkTable | GeneralLinkTable | RigidLinkTable,
+        Field(discriminator="section"),
+    ],
+    BeforeValidator(_without_section),
 ]

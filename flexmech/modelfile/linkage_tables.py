@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from flexmech.linkages import CouplerPoint, FourBar, RotatingArm
-from flexmech.modelfile.base_table import Table
-from flexmech.modelfile.fields import Angle, Expansion, Length, LengthOrZero
+from flexmech.modelfile.base_table import Table, Text
+from flexmech.modelfile.fields import Angle, Distance, Expansion, Length, LengthOrZero
 
-__all__ = ["FourBarTable", "LinkageTable", "RotatingArmTable"]
+__all__ = ["FourBarTable", "LinkageTable", "PlanarTable", "RotatingArmTable"]
 
 
 class CouplerPointTable(Table):
@@ -81,4 +81,18 @@ class RotatingArmTable(MountedTable):
         return RotatingArm(self.length, self.hub_radius)
 
 
-LinkageTable = Annotated[FourBarTable | RotatingArmTable, Field(discriminator="kind")]
+class PlanarTable(MountedTable):
+    """Any planar linkage, drawn once; its links name their points, joints say what points do."""
+
+    kind: Literal["planar"]
+    drawn_at: Angle | None = Field(
+        default=None,
+        description="Crank angle of the drawing; the angle of the crank's first beam if left out",
+    )
+    ground: list[Text] = Field(description="Names of the points that do not move")
+    points: dict[str, tuple[Distance, Distance]] = Field(
+        description="Coordinates x and y of each point, by its name, at the crank angle drawn_at"
+    )
+
+
+LinkageTable = Annotated[FourBarTable | RotatingArmTable | PlanarTable, Field(discriminator="kind")]

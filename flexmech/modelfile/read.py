@@ -6,6 +6,7 @@ import hashlib
 import os
 import tomllib
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
@@ -72,7 +73,7 @@ def load_mechanism(path: str | os.PathLike[str]) -> Mechanism:
         ) from error
     # A name that is no text in the file system's encoding keeps what can be read of it.
     name = os.fsencode(file.name).decode(errors="replace")
-    return _mechanism(text, shown, name, hashlib.sha256(content).hexdigest())
+    return _mechanism(text, shown, name, hashlib.sha256(content).hexdigest(), file.parent)
 
 
 def mechanism_from_toml(text: str, name: str = "model.toml") -> Mechanism:
@@ -113,14 +114,17 @@ def json_schema() -> dict[str, Any]:
     }
 
 
-def _mechanism(text: str, shown: str, file: str, sha256: str) -> Mechanism:
+def _mechanism(text: str, shown: str, file: str, sha256: str, folder: Path = Path()) -> Mechanism:
     data = _parse(text, shown)
     refuse_unseen_characters(data, shown)
     try:
         tables = ModelFile.model_validate(data)
     except ValidationError as error:
         raise input_error(error, data, shown) from error
-    mechanism = build_mechanism(tables, shown, file, sha256)
+    mechanism = build_mechanism(tables, shown, file, sha256, folder)
+    if any(load.file is not None for load in tables.loads.values()):
+        # The text alone has to say it all: the files beside it may be gone when it is read again.
+        text = mechanism.to_toml()
     return replace(mechanism, provenance=replace(mechanism.provenance, text=text))
 
 

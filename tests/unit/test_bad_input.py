@@ -63,7 +63,7 @@ WRONG_FOUR_BARS = [
         "links.rocker.shear_stiffness",
         'missing.*"4900 N"',
     ),
-    ("[operation]", "[joints.A]\n[operation]", "joints.A.mass", "missing"),
+    ("[operation]", "[joints.A]\n[operation]", "joints.A", "mass is missing"),
     # Names that are not there.
     ('kind = "four-bar"', 'kind = "fourbar"', "linkage.kind", "'fourbar'; did you mean 'four-bar'"),
     ('branch = "open"', 'branch = "opened"', "linkage.branch", "'opened'; did you mean 'open'"),
@@ -372,7 +372,7 @@ def test_wrong_command_lines_are_refused(
         (["check", "nothing.toml"], r"nothing\.toml: there is no such file"),
         (["new"], "Missing argument"),
         (["new", "four-bar"], "Missing argument"),
-        (["new", "six-bar", "x.toml"], "no example 'six-bar'; use one of four-bar"),
+        (["new", "eight-legs", "x.toml"], "no example 'eight-legs'; use one of four-bar"),
         (["new", "four-bar", "no/such/folder/x.toml"], "there is no folder"),
         (["new", "four-bar", "."], "is a folder; name a file"),
         (["schema", "--out", "no/such/folder/x.json"], "there is no folder"),

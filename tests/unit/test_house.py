@@ -31,6 +31,7 @@ ORDER = [
     "threads",
     "files",
     "dimensions",
+    "unit_words",
     "units",
     "plausible",
     "numbers",

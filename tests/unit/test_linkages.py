@@ -288,7 +288,7 @@ def test_topology_refuses_wrong_connections() -> None:
     with pytest.raises(InputError, match="held or led twice"):
         Topology((BAR,), clamps=(Clamp("O", START),), pivots=(Pivot("P", START),))
     circle = Topology((BAR,), pins=(Pin("A", START, END), Pin("B", END, START)))
-    with pytest.raises(InputError, match="pins lead in a circle"):
+    with pytest.raises(InputError, match="pins and welds lead in a circle"):
         circle.leader_of(START)
 
 

@@ -35,6 +35,11 @@ class PlanarLink:
         between.
     rigid : bool
         Whether it has mass and inertia but does not bend.
+
+    Examples
+    --------
+    >>> [beam.name for beam in flexmech.PlanarLink("coupler", ("A", "B", "C")).beams]
+    ['coupler-1', 'coupler-2']
     """
 
     name: str
@@ -85,6 +90,11 @@ class PlanarJoint:
     ------
     InputError
         If the kind is unknown, a slider has no direction, or another joint has one.
+
+    Examples
+    --------
+    >>> flexmech.PlanarJoint("B", "slider", direction=0.0).guide  # empty: on the ground
+    ''
     """
 
     point: str

@@ -67,8 +67,9 @@ class PlanarLinkage:
     ...         flexmech.PlanarJoint("B", "slider", direction=0.0),
     ...     ),
     ... )
-    >>> slider_crank.motion(crank_angle=0.0).position(1, slider_crank.topology.links[1].length)
-    array([0.44154759, 0.        ])
+    >>> rod = slider_crank.topology.links[1]
+    >>> slider_crank.motion(crank_angle=0.0).position(1, rod.length).round(6) + 0.0
+    array([0.441548, 0.      ])
     """
 
     points: Mapping[str, tuple[float, float]]

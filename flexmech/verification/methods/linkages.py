@@ -112,8 +112,8 @@ def swollen(
     FourBar, CouplerPoint
     """
     links = {name: (1 + link_strain) * length for name, length in linkage.lengths.items()}
-    lengths = {**links, "ground": (1 + frame_strain) * linkage.ground}
-    return FourBar(**lengths, branch=linkage.branch), point.scaled(1 + link_strain)
+    swollen = linkage.resized(links, 1 + frame_strain)
+    return swollen, point.scaled(1 + link_strain)
 
 
 def cusp_moistures(*, models: Sequence[str], **state: float) -> FloatArray:

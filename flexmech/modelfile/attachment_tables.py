@@ -1,0 +1,197 @@
+"""Tables of a model file for joints, loads, springs and the shaft."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from flexmech.errors import InputError
+from flexmech.modelfile.base_table import Table, Text
+from flexmech.modelfile.fields import (
+    Angle,
+    AnyForce,
+    Damping,
+    Distance,
+    Inertia,
+    LengthOrZero,
+    Mass,
+    RadialStiffness,
+    SpringStiffness,
+    Torque,
+    TorsionalDamping,
+    TorsionalStiffness,
+)
+
+__all__ = ["JointTable", "LoadTable", "PlaceTable", "ShaftTable", "SpringTable"]
+
+
+class JointTable(Table):
+    """A joint: O2, A, B and O4 of a four-bar; O2 of a rotating arm; a point of a drawing."""
+
+    kind: Literal["pin", "clamp", "weld", "slider"] | None = Field(
+        default=None,
+        description="Of kind planar: pin if left out; clamp is the drive; weld keeps the angle "
+        "between links; slider keeps the point on a line",
+    )
+    links: list[Text] = Field(
+        default_factory=list,
+        description="Of a weld or clamp where only some of the links that meet there are fixed",
+    )
+    direction: Angle | None = Field(
+        default=None,
+        description="Of a slider: of its line, to the ground's x axis or to that of the guide",
+    )
+    guide: Text | None = Field(
+        default=None,
+        description="Of a slider: rigid link that carries its line; the ground if left out",
+    )
+    mass: Mass = Field(
+        default=0.0,
+        description="Point mass at the joint; of a slider",
+        json_schema_extra={"default": "0 kg"},
+    )
+    inertia: Inertia = Field(
+        default=0.0,
+        description="Of a slider, about its centre of mass: it turns with its guide",
+        json_schema_extra={"default": "0 kg m^2"},
+    )
+    torsional_stiffness: TorsionalStiffness | None = Field(
+        default=None, description="Of a spring in a pin"
+    )
+    torsional_damping: TorsionalDamping | None = Field(
+        default=None, description="Of a damper in a pin"
+    )
+    free_angle: Angle | None = Field(
+        default=None,
+        description="Of the following link less that of the leading one, without torque; 0 if "
+        "left out",
+    )
+    radial_stiffness: RadialStiffness | None = Field(
+        default=None, description="Of the bearing; without it the pin does not give way"
+    )
+    radial_damping: Damping | None = Field(default=None, description="With radial_stiffness")
+
+    @model_validator(mode="after")
+    def _states_something(self) -> JointTable:
+        if not self.model_fields_set:
+            raise InputError("mass is missing; add it, or whatever the joint has, or leave it out")
+        return self
+
+    @property
+    def spring(self) -> dict[str, float]:
+        """What is stated of springs and dampers in it."""
+        names = (
+            "torsional_stiffness",
+            "torsional_damping",
+            "free_angle",
+            "radial_stiffness",
+            "radial_damping",
+        )
+        stated = {name: getattr(self, name) for name in names}
+        return {name: value for name, value in stated.items() if value is not None}
+
+
+class ShaftTable(Table):
+    """The shaft that drives the crank."""
+
+    inertia: Inertia = Field(
+        default=0.0,
+        description="About its axis; it matters where the shaft is free",
+        json_schema_extra={"default": "0 kg m^2"},
+    )
+
+
+class PlaceTable(Table):
+    """A place on a link."""
+
+    link: Text = Field(description="Name of the link, or of a beam of it")
+    position: LengthOrZero = Field(description="Distance from its first joint")
+
+
+class LoadTable(Table):
+    """A force and a torque on a point of a link."""
+
+    point: Text | None = Field(default=None, description="A point of the linkage or a joint")
+    link: Text | None = Field(
+        default=None, description="With position; or with point, where several links meet"
+    )
+    position: LengthOrZero | None = Field(
+        default=None, description="Distance from the link's first joint; with link, for point"
+    )
+    force: tuple[AnyForce, AnyForce] | None = Field(
+        default=None, description="Along x and y of the axes"
+    )
+    torque: Torque | None = Field(default=None, description="Positive to the left")
+    axes: Literal["ground", "link"] = Field(
+        default="ground", description="Whether the force turns with the link"
+    )
+    over: Literal["crank_angle", "time"] | None = Field(
+        default=None, description="What a table or file is over; a constant load if left out"
+    )
+    table: list[list[str | float]] | None = Field(
+        default=None,
+        description="Rows of crank angle or time, force along x and y and, if there is one, "
+        "torque; linear between them",
+    )
+    file: Text | None = Field(
+        default=None,
+        description="CSV file of such rows beside the model file, with the columns "
+        "crank_angle_deg or time_s, force_x_N, force_y_N and torque_Nm",
+    )
+
+    @model_validator(mode="after")
+    def _one_way_of_saying_it(self) -> LoadTable:
+        if (self.point is None) == (self.position is None):
+            raise InputError("give either point, or link and position, where the load acts")
+        if self.position is not None and self.link is None:
+            raise InputError("position is given without link; name the link")
+        rows = [name for name in ("table", "file") if getattr(self, name) is not None]
+        constant = self.force is not None or self.torque is not None
+        if len(rows) + constant != 1:
+            raise InputError("give either force and torque, or a table, or a file")
+        if bool(rows) != (self.over is not None):
+            raise InputError(
+                'over belongs to a table or file; give over = "crank_angle" or "time" with one'
+            )
+        return self
+
+
+def _kind_of_place(value: Any) -> str | None:
+    if isinstance(value, str):
+        return "name"
+    if isinstance(value, Mapping | PlaceTable):
+        return "place"
+    return "ground" if isinstance(value, list | tuple) else None
+
+
+SpringEnd = Annotated[
+    Annotated[Text, Tag("name")]
+    | Annotated[tuple[Distance, Distance], Tag("ground")]
+    | Annotated[PlaceTable, Tag("place")],
+    Discriminator(
+        _kind_of_place,
+        custom_error_type="no_place",
+        custom_error_message=(
+            "write the name of a point, coordinates of the ground as in ['10 mm', '0 mm'], or "
+            "{{ link = 'coupler', position = '50 mm' }}"
+        ),
+    ),
+]
+
+
+class SpringTable(Table):
+    """A straight spring between two points, with a damper beside it."""
+
+    points: tuple[SpringEnd, SpringEnd] = Field(
+        description="Its ends: names of points or joints, coordinates of the ground, or "
+        "{ link, position }"
+    )
+    stiffness: SpringStiffness = Field(description="Force per elongation")
+    free_length: LengthOrZero = Field(description="Without force")
+    damping: Damping = Field(
+        default=0.0,
+        description="Of the damper; 0 if left out",
+        json_schema_extra={"default": "0 N s/m"},
+    )

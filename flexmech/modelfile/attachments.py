@@ -1,0 +1,216 @@
+"""From the tables of a model file to bodies, loads and springs."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+from flexmech.errors import InputError
+from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring
+from flexmech.linkages.topology import LinkEnd
+from flexmech.mechanism import AttachedBody, PointMass
+from flexmech.modelfile.attachment_tables import LoadTable, PlaceTable
+from flexmech.modelfile.document import ModelFile
+from flexmech.modelfile.link_places import LinkPlaces
+from flexmech.modelfile.link_tables import RigidLinkTable
+from flexmech.modelfile.messages import Findings
+from flexmech.units import ANGLE, FORCE, TIME, TORQUE, parse_quantity
+
+__all__ = ["attached_bodies", "joint_springs", "loads", "point_masses", "springs"]
+
+COLUMNS = {"crank_angle": ("crank_angle_deg", "deg"), "time": ("time_s", "s")}
+FORCE_COLUMNS = ("force_x_N", "force_y_N")
+TORQUE_COLUMN = "torque_Nm"
+MOST_BYTES = 10_000_000
+
+
+def point_masses(
+    tables: ModelFile, places: LinkPlaces, findings: Findings
+) -> tuple[PointMass, ...]:
+    """Point masses along links."""
+    masses = []
+    for link in places.names:
+        for number, point in enumerate(
+            tables.links[link].point_masses if link in tables.links else []
+        ):
+            with findings.at(f"links.{link}.point_masses[{number}].position"):
+                place = places.place(link, point.position, point.beam)
+                masses.append(PointMass(place.link, place.x, point.mass))
+    return tuple(masses)
+
+
+def attached_bodies(
+    tables: ModelFile, places: LinkPlaces, findings: Findings
+) -> tuple[AttachedBody, ...]:
+    """Rigid bodies: masses of rigid links, bodies on links, inertias of sliders."""
+    bodies = []
+    for link in places.names:
+        table = tables.links.get(link)
+        if isinstance(table, RigidLinkTable) and (table.mass or table.inertia):
+            with findings.at(f"links.{link}.centre"):
+                middle = places.length(link) / 2
+                place = places.place(link, middle if table.centre is None else table.centre)
+                bodies.append(AttachedBody(place.link, place.x, table.mass, table.inertia))
+        for number, body in enumerate(table.bodies if table is not None else []):
+            with findings.at(f"links.{link}.bodies[{number}].position"):
+                place = places.place(link, body.position, body.beam)
+                bodies.append(
+                    AttachedBody(place.link, place.x, body.mass, body.inertia, body.offset)
+                )
+    for joint in tables.joints.values():
+        if joint.inertia and joint.guide in places.beams:
+            guide = places.beams[joint.guide][0]
+            bodies.append(AttachedBody(guide.name, 0.0, inertia=joint.inertia))
+    return tuple(bodies)
+
+
+def joint_springs(tables: ModelFile) -> tuple[JointSpring, ...]:
+    """Springs and dampers in joints."""
+    return tuple(
+        JointSpring(name, **joint.spring) for name, joint in tables.joints.items() if joint.spring
+    )
+
+
+def springs(tables: ModelFile, places: LinkPlaces, findings: Findings) -> tuple[Spring, ...]:
+    """Springs between points."""
+    found = []
+    for name, table in tables.springs.items():
+        with findings.at(f"springs.{name}"):
+            first, second = (_spring_end(end, tables, places) for end in table.points)
+            found.append(
+                Spring(name, first, second, table.stiffness, table.free_length, table.damping)
+            )
+    return tuple(found)
+
+
+def _spring_end(
+    end: str | tuple[float, float] | PlaceTable, tables: ModelFile, places: LinkPlaces
+) -> LinkPoint:
+    if isinstance(end, PlaceTable):
+        return places.place(end.link, end.position)
+    if not isinstance(end, str):
+        return LinkPoint(GROUND, *end)
+    drawn = getattr(tables.linkage, "points", {})
+    if end in getattr(tables.linkage, "ground", ()) and end in drawn:
+        return LinkPoint(GROUND, *drawn[end])
+    first = places.ends(end)[0]
+    pivots = {pivot.joint: pivot.held for pivot in places.linkage.topology.pivots}
+    if end in pivots:
+        return _of_ground(pivots[end], places)
+    return places.at_end(first)
+
+
+def _of_ground(held: LinkEnd, places: LinkPlaces) -> LinkPoint:
+    """Where an end that does not move is on the ground."""
+    from flexmech.linkages import shown_crank_angle
+
+    linkage, place = places.linkage, places.at_end(held)
+    motion = linkage.motion(shown_crank_angle(linkage))
+    x, y = motion.position(linkage.topology.index(place.link), place.x)
+    return LinkPoint(GROUND, float(x), float(y))
+
+
+def loads(
+    tables: ModelFile, places: LinkPlaces, folder: Path, findings: Findings
+) -> tuple[Load, ...]:
+    """Forces and torques on links; load files are read from a folder."""
+    found = []
+    for name, table in tables.loads.items():
+        with findings.at(f"loads.{name}"):
+            point = _load_point(table, places)
+            at, rows = _rows(table, folder)
+            found.append(
+                Load(
+                    name,
+                    point,
+                    tuple((x, y) for x, y, _ in rows),
+                    tuple(torque for _, _, torque in rows),
+                    table.axes,
+                    table.over or "constant",
+                    at,
+                )
+            )
+    return tuple(found)
+
+
+def _load_point(table: LoadTable, places: LinkPlaces) -> LinkPoint:
+    if table.point is None:
+        assert table.link is not None
+        assert table.position is not None
+        return places.place(table.link, table.position)
+    ends = places.ends(table.point)
+    links = list(dict.fromkeys(places.parent(end.link) for end in ends))
+    if table.link is not None:
+        if table.link not in places.beams:
+            places.place(table.link, 0.0)
+        names = {beam.name for beam in places.beams[table.link]}
+        ends = [end for end in ends if end.link in names]
+        if not ends:
+            raise InputError(
+                f"link {table.link} does not pass through {table.point}; there are "
+                f"{', '.join(links)}"
+            )
+    turns = table.axes == "link" or table.torque is not None or table.over is not None
+    if len(links) > 1 and turns and table.link is None:
+        raise InputError(
+            f"{', '.join(links)} meet at {table.point}; say on which the load acts, as link = "
+            f'"{links[0]}"'
+        )
+    return places.at_end(ends[0])
+
+
+Rows = list[tuple[float, float, float]]
+
+
+def _rows(table: LoadTable, folder: Path) -> tuple[tuple[float, ...], Rows]:
+    """Places, and force and torque of each."""
+    if table.over is None:
+        return (), [(*(table.force or (0.0, 0.0)), table.torque or 0.0)]
+    if table.file is not None:
+        return _read(folder / table.file, table.file, table.over)
+    assert table.table is not None
+    at, rows = [], []
+    for number, row in enumerate(table.table):
+        if len(row) not in (3, 4):
+            raise InputError(
+                f"table[{number}]: got {len(row)} values; give {table.over}, force along x and y, "
+                "and a torque if there is one"
+            )
+        dimensions = (ANGLE if table.over == "crank_angle" else TIME, FORCE, FORCE, TORQUE)
+        try:
+            place, x, y, *torque = (
+                parse_quantity(value, dimension)
+                for value, dimension in zip(row, dimensions, strict=False)
+            )
+        except InputError as error:
+            raise error.within(f"table[{number}]") from error
+        at.append(place)
+        rows.append((x, y, *(torque or [0.0])))
+    return tuple(at), [(x, y, torque) for x, y, torque in rows]
+
+
+def _read(path: Path, shown: str, over: str) -> tuple[tuple[float, ...], Rows]:
+    """Rows of a load's CSV file."""
+    column, unit = COLUMNS[over]
+    head = [column, *FORCE_COLUMNS, TORQUE_COLUMN]
+    try:
+        if path.stat().st_size > MOST_BYTES:
+            raise InputError(f"file {shown}: is larger than any load; give fewer rows")
+        lines = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines(), strict=True))
+    except (OSError, ValueError, csv.Error) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"file {shown}: cannot be read: {reason}") from error
+    titles = [title.strip() for title in lines[0]] if lines else []
+    if titles not in (head, head[:3]):
+        raise InputError(f"file {shown}: its first line must be {','.join(head)}")
+    at, rows = [], []
+    for number, line in enumerate(lines[1:], start=2):
+        try:
+            place, x, y, *torque = (float(cell) for cell in line)
+            rows.append((x, y, *(torque or [0.0])))
+        except ValueError as error:
+            raise InputError(f"file {shown}: line {number} is no row of numbers") from error
+        if len(line) != len(titles):
+            raise InputError(f"file {shown}: line {number} has {len(line)} fields")
+        at.append(parse_quantity(f"{place!r} {unit}", ANGLE if over == "crank_angle" else TIME))
+    return tuple(at), [(x, y, torque) for x, y, torque in rows]
