@@ -20,7 +20,21 @@ def shown(text: object) -> str:
 
 
 def unknown_unit(text: str, unit: str, dimension: Dimension) -> str:
-    """Message on a unit that there is not."""
+    """Message on a unit that there is not.
+
+    Parameters
+    ----------
+    text : str
+        As it was given.
+    unit : str
+        In it.
+    dimension : Dimension
+        What it must be.
+
+    Returns
+    -------
+    str
+    """
     known = {example.split(maxsplit=1)[-1]: example for example in dimension.examples}
     by_lower_case = {name.lower(): name for name in known}
     close = difflib.get_close_matches(unit.lower(), by_lower_case, n=1)
@@ -34,7 +48,21 @@ def unknown_unit(text: str, unit: str, dimension: Dimension) -> str:
 
 
 def wrong_dimension(text: str, unit: str, base: str, dimension: Dimension) -> str:
-    """Message on a unit of another dimension."""
+    """Message on a unit of another dimension.
+
+    Parameters
+    ----------
+    text : str
+        As it was given.
+    unit, base : str
+        Unit in it, and the same in base units.
+    dimension : Dimension
+        What it must be.
+
+    Returns
+    -------
+    str
+    """
     if dimension is ANGULAR_SPEED and base == "1 / second":
         number = text[: text.rfind(unit)].strip() or "5"
         return (

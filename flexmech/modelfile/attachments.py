@@ -27,7 +27,19 @@ MOST_BYTES = 10_000_000
 def point_masses(
     tables: ModelFile, places: LinkPlaces, findings: Findings
 ) -> tuple[PointMass, ...]:
-    """Point masses along links."""
+    """Point masses along links.
+
+    Parameters
+    ----------
+    tables : ModelFile
+    places : LinkPlaces
+    findings : Findings
+        What is wrong; completed here.
+
+    Returns
+    -------
+    tuple of PointMass
+    """
     masses = []
     for link in places.names:
         for number, point in enumerate(
@@ -42,7 +54,19 @@ def point_masses(
 def attached_bodies(
     tables: ModelFile, places: LinkPlaces, findings: Findings
 ) -> tuple[AttachedBody, ...]:
-    """Rigid bodies: masses of rigid links, bodies on links, inertias of sliders."""
+    """Rigid bodies: masses of rigid links, bodies on links, inertias of sliders.
+
+    Parameters
+    ----------
+    tables : ModelFile
+    places : LinkPlaces
+    findings : Findings
+        What is wrong; completed here.
+
+    Returns
+    -------
+    tuple of AttachedBody
+    """
     bodies = []
     for link in places.names:
         table = tables.links.get(link)
@@ -72,7 +96,19 @@ def joint_springs(tables: ModelFile) -> tuple[JointSpring, ...]:
 
 
 def springs(tables: ModelFile, places: LinkPlaces, findings: Findings) -> tuple[Spring, ...]:
-    """Springs between points."""
+    """Springs between points.
+
+    Parameters
+    ----------
+    tables : ModelFile
+    places : LinkPlaces
+    findings : Findings
+        What is wrong; completed here.
+
+    Returns
+    -------
+    tuple of Spring
+    """
     found = []
     for name, table in tables.springs.items():
         with findings.at(f"springs.{name}"):
@@ -113,7 +149,21 @@ def _of_ground(held: LinkEnd, places: LinkPlaces) -> LinkPoint:
 def loads(
     tables: ModelFile, places: LinkPlaces, folder: Path, findings: Findings
 ) -> tuple[Load, ...]:
-    """Forces and torques on links; load files are read from a folder."""
+    """Forces and torques on links.
+
+    Parameters
+    ----------
+    tables : ModelFile
+    places : LinkPlaces
+    folder : Path
+        Where files that loads name are looked for.
+    findings : Findings
+        What is wrong; completed here.
+
+    Returns
+    -------
+    tuple of Load
+    """
     found = []
     for name, table in tables.loads.items():
         with findings.at(f"loads.{name}"):

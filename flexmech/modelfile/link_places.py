@@ -90,6 +90,14 @@ class LinkPlaces:
     def ends(self, name: str) -> list[LinkEnd]:
         """Ends of beams at a point of the linkage or at a joint, the leading one first.
 
+        Parameters
+        ----------
+        name : str
+
+        Returns
+        -------
+        list of LinkEnd
+
         Raises
         ------
         InputError

@@ -46,7 +46,17 @@ class Assembly:
                 known |= step.motion(known, np.zeros(1))
 
     def motion(self, theta: FloatArray, omega: FloatArray, alpha: FloatArray) -> RigidMotion:
-        """Rigid motion of every beam at crank angles, speeds and accelerations of one shape."""
+        """Rigid motion of every beam.
+
+        Parameters
+        ----------
+        theta, omega, alpha : ndarray, shape (...)
+            Crank angle in rad, its speed in rad/s and acceleration in rad/s^2.
+
+        Returns
+        -------
+        RigidMotion
+        """
         turned = np.ravel(theta) - self.drawn_at
         known = self.body_motion(turned)
         columns = [self._beam(known, turned, beam) for beam in self._beams]

@@ -69,7 +69,7 @@ class Locus(Protocol):
 
 
 @dataclass(frozen=True)
-class Circle:
+class Circle(Locus):
     """Places at a distance from a point of a known body."""
 
     body: int
@@ -97,7 +97,7 @@ class Circle:
 
 
 @dataclass(frozen=True)
-class Line:
+class Line(Locus):
     """Places on a straight line of a known body, by a point of it and its direction drawn."""
 
     body: int

@@ -173,6 +173,11 @@ class NewtonGroup:
     def refuse_locking(self, known: Mapping[int, BodyMotion]) -> None:
         """Refuse a drawing in a dead point.
 
+        Parameters
+        ----------
+        known : mapping of int to BodyMotion
+            In the drawing; shape (1,).
+
         Raises
         ------
         InputError

@@ -38,6 +38,13 @@ class Refusal:
     def apart(self, where: NDArray[np.bool_], angle: FloatArray) -> None:
         """Refuse crank angles where the joint cannot be put together.
 
+        Parameters
+        ----------
+        where : ndarray of bool, shape (B,)
+            Where that is so.
+        angle : ndarray, shape (B,)
+            Crank angle less that of the drawing in rad.
+
         Raises
         ------
         InputError
@@ -52,6 +59,13 @@ class Refusal:
 
     def locked(self, where: NDArray[np.bool_], angle: FloatArray) -> None:
         """Refuse crank angles where the joint is in a dead point.
+
+        Parameters
+        ----------
+        where : ndarray of bool, shape (B,)
+            Where that is so.
+        angle : ndarray, shape (B,)
+            Crank angle less that of the drawing in rad.
 
         Raises
         ------
