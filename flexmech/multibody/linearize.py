@@ -21,7 +21,7 @@ from flexmech.linkages import RigidMotion
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import BeamPart, RigidPart, turn_vectors
-from flexmech.multibody.rigid_tangents import rigid_virial, turning_stiffness
+from flexmech.multibody.rigid_tangents import line_forces, rigid_virial, turning_stiffness
 from flexmech.multibody.static_model import StaticModel
 from flexmech.types import FloatArray, IntArray
 
@@ -88,11 +88,14 @@ class StaticEquilibrium:
     ----------
     displacement : list of ndarray, shape (B, n_link)
     tangent, damping : list of ndarray, shape (B, n_link, n_link)
+    line_force : ndarray, shape (B, n_sliders)
+        Force of each line on the end that slides on it, along the line's normal, in N.
     """
 
     displacement: list[FloatArray]
     tangent: list[FloatArray]
     damping: list[FloatArray]
+    line_force: FloatArray
 
 
 def static_equilibrium(
@@ -124,6 +127,7 @@ def static_equilibrium(
     round_off = ROUND_OFF * assembly.nodal_force_scale
     deformation = np.zeros(assembly.size)
     displacement = np.empty((batch, assembly.size))
+    line_force = np.zeros((batch, len(model.sliders)))
     for number in range(batch):
         pose = model.move_to(motion, number)
         forces, couples = applied.forces[number], applied.couples[number]
@@ -135,6 +139,7 @@ def static_equilibrium(
             _solve_afresh(model, settings, pose, applied, motion, number)
         state = assembly.arms.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
         turning = turning_stiffness(model, state, couples)
+        line_force[number] = line_forces(model)
         moved = assembly.deformation(state, pose)
         deformation = displacement[number] = assembly.turned(moved, -relative[number])
         tangents.take(number, settings, state, forces, turning)
@@ -143,6 +148,7 @@ def static_equilibrium(
         displacement=[displacement[:, part.coordinates] for part in assembly.parts],
         tangent=stiffness,
         damping=damping,
+        line_force=line_force,
     )
 
 

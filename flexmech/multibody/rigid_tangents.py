@@ -20,7 +20,7 @@ from flexmech.multibody.link_parts import RigidPart
 from flexmech.multibody.static_model import StaticModel
 from flexmech.types import FloatArray
 
-__all__ = ["JointForce", "joint_forces", "rigid_virial", "turning_stiffness"]
+__all__ = ["JointForce", "joint_forces", "line_forces", "rigid_virial", "turning_stiffness"]
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def joint_forces(model: StaticModel, state: FloatArray) -> Iterator[JointForce]:
     """
     assembly = model.assembly
     data = assembly.mbs.systemData
-    multipliers = np.array(data.GetAECoordinates())
+    multipliers = _multipliers(model)
 
     def own(constraint: int) -> FloatArray:
         return multipliers[list(data.GetObjectLTGAE(int(constraint)))]
@@ -88,6 +88,9 @@ def joint_forces(model: StaticModel, state: FloatArray) -> Iterator[JointForce]:
 def rigid_virial(mechanism: Mechanism, motion: RigidMotion, link: int) -> FloatArray:
     """Virial of inertia forces and weight of a rigid link about its start.
 
+    Without that of the centrifugal forces of its own turning, which act along with the link
+    however it is turned, and which ``translational_mass`` of the link leaves out as well.
+
     Parameters
     ----------
     mechanism : Mechanism
@@ -101,10 +104,10 @@ def rigid_virial(mechanism: Mechanism, motion: RigidMotion, link: int) -> FloatA
         Integral of force times place in N m.
     """
     mass = mechanism.link_mass(mechanism.linkage.topology.link_names[link])
-    angle, turning = motion.angle[:, link], motion.angular_velocity[:, link] ** 2
+    angle = motion.angle[:, link]
     pull = motion.origin_acceleration[:, link] - np.asarray(mechanism.gravity)
     centre = mass.moment(1) * direction(angle) + mass.moment_across * normal(angle)
-    return np.asarray(turning * mass.moment(2) - np.sum(centre * pull, axis=1))
+    return np.asarray(-np.sum(centre * pull, axis=1))
 
 
 def turning_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray) -> FloatArray:
@@ -136,3 +139,26 @@ def turning_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray
             start = state[parts[acting.link].coordinates][:2]
             stiffness[acting.link] += acting.force @ (acting.place - start)
     return stiffness
+
+
+def line_forces(model: StaticModel) -> FloatArray:
+    """Force of each line on the end that slides on it, along the line's normal.
+
+    Parameters
+    ----------
+    model : StaticModel
+        After a static solution.
+
+    Returns
+    -------
+    ndarray, shape (n_sliders,)
+        In N.
+    """
+    data, multipliers = model.assembly.mbs.systemData, _multipliers(model)
+    rows = [data.GetObjectLTGAE(int(line.constraint))[0] for line in model.sliders]
+    return np.array([multipliers[row] for row in rows])
+
+
+def _multipliers(model: StaticModel) -> FloatArray:
+    """Multipliers as those of a running system: Exudyn's static solver gives their opposite."""
+    return -np.array(model.assembly.mbs.systemData.GetAECoordinates())

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.errors import InputError
-from flexmech.linear_system import LinkModel, LinkReadings
+from flexmech.linear_system import LinkModel, LinkReadings, rigid_link
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.linearize import linearized, simulation_settings
 from flexmech.multibody.link_parts import RigidPart
@@ -32,7 +31,8 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
     kind, models = assembly.kind, []
     for part in assembly.parts:
         if isinstance(part, RigidPart):
-            raise InputError(f"the {part.name} is rigid, which linear systems do not know yet")
+            models.append(rigid_link(part.name, assembly.mechanism.link_mass(part.name)))
+            continue
         name = part.name
         count, size = len(part.nodes), part.coordinates.stop - part.coordinates.start
         own = [matrix[part.coordinates, part.coordinates] for matrix in (mass, stiffness, damping)]
