@@ -17,6 +17,8 @@ from .analyses import Formulation as Formulation
 from .analyses import FrequencyRequest as FrequencyRequest
 from .analyses import HammerRequest as HammerRequest
 from .analyses import HammerTest as HammerTest
+from .analyses import Kinematics as Kinematics
+from .analyses import KinematicsRequest as KinematicsRequest
 from .analyses import ModelCheck as ModelCheck
 from .analyses import MoistureUptake as MoistureUptake
 from .analyses import MovingFrequencies as MovingFrequencies
@@ -40,6 +42,7 @@ from .analyses import section_profiles as section_profiles
 from .analyses import strain_energy_damping as strain_energy_damping
 from .analyses.campbell import campbell as campbell
 from .analyses.hammer import hammer_test as hammer_test
+from .analyses.kinematics import kinematics as kinematics
 from .analyses.response import exudyn_system as exudyn_system
 from .analyses.response import response as response
 from .analyses.speed_sweep import speed_sweep as speed_sweep

@@ -21,6 +21,8 @@ from .frequencies import solve_modes as solve_modes
 from .frequencies import strain_energy_damping as strain_energy_damping
 from .hammer import HammerRequest as HammerRequest
 from .hammer import HammerTest as HammerTest
+from .kinematics import Kinematics as Kinematics
+from .kinematics import KinematicsRequest as KinematicsRequest
 from .moisture import MoistureUptake as MoistureUptake
 from .moisture import moisture_uptake as moisture_uptake
 from .response import Response as Response

@@ -21,6 +21,7 @@ from flexmech.cli.export import export
 from flexmech.cli.failures import reports_failures
 from flexmech.cli.frequencies import frequencies
 from flexmech.cli.hammer import hammer
+from flexmech.cli.kinematics import kinematics
 from flexmech.cli.moisture import moisture
 from flexmech.cli.new import new
 from flexmech.cli.printing import prints_as_asked
@@ -45,6 +46,7 @@ DELIVERING: tuple[Callable[..., None], ...] = (
     response,
     compare,
     export,
+    kinematics,
     coupler_curve,
     moisture,
     section,

@@ -210,13 +210,63 @@ def parse_speed(text: str, option: str = "--speed") -> tuple[float, str]:
     InputError
         If it is no angular speed, or zero.
     """
-    speed = parse_option(option, text, units.ANGULAR_SPEED, "rad/s")
+    speed, unit = parse_crank_speed(text, option)
     if speed == 0:
         raise InputError(
             f"{option}: got {text!r}, at which nothing turns; give a crank speed other than zero, "
             f"for example {units.ANGULAR_SPEED.example} (a negative one turns backwards)"
         )
+    return speed, unit
+
+
+def parse_crank_speed(text: str, option: str = "--speed") -> tuple[float, str]:
+    """Crank speed of an option in rad/s, which may be zero, and the unit that it was typed in.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``"20"`` or ``"190 rpm"``; rad/s unless a unit is given.
+    option : str
+
+    Returns
+    -------
+    float
+        In rad/s; negative turns backwards.
+    str
+
+    Raises
+    ------
+    InputError
+        If it is no angular speed.
+    """
+    speed = parse_option(option, text, units.ANGULAR_SPEED, "rad/s")
     return speed, units.parse_quantities(text, units.ANGULAR_SPEED, "rad/s").unit
+
+
+def parse_lumped(text: str) -> tuple[int, ...]:
+    """Elements of each link of ``--lumped``.
+
+    Parameters
+    ----------
+    text : str
+        Such as ``"1,4,4"``.
+
+    Returns
+    -------
+    tuple of int
+
+    Raises
+    ------
+    InputError
+        If one is no whole number of one or more.
+    """
+    counts = [part.strip() for part in text.split(",")]
+    if not all(re.fullmatch(r"0*[1-9][0-9]{0,3}", count, re.ASCII) for count in counts):
+        raise InputError(
+            f"--lumped: got {text!r}; give the elements of each link, whole numbers of one or "
+            "more with commas between them, for example 1,4,4"
+        )
+    return tuple(map(int, counts))
 
 
 def parse_revolutions(text: str) -> float:

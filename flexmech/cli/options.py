@@ -119,6 +119,22 @@ Speed = Annotated[
         help='Crank speed: rad/s unless a unit is given, as in "300 rpm". Negative turns backwards.'
     ),
 ]
+OptionalSpeed = Annotated[
+    str | None,
+    Option(
+        "--speed",
+        help='Crank speed: rad/s unless a unit is given, as in "190 rpm". Left out: the first '
+        "speed at which the model operates; 0 if it names none.",
+    ),
+]
+Lumped = Annotated[
+    str | None,
+    Option(
+        help="Also with lumped masses: elements of each link, whose mass is halved onto their "
+        "ends, in the order of the links, as in 1,4,4; or one number for all.",
+        metavar="LIST",
+    ),
+]
 Link = Annotated[str | None, Option(help="This link alone, such as coupler.", metavar="NAME")]
 Point = Annotated[
     str | None,

@@ -168,6 +168,31 @@ class FourBar:
         angle: FloatArray = np.arccos(np.clip(cosine, -1.0, 1.0))
         return angle
 
+    def reversed_transmission_angle(self, crank_angle: ArrayLike) -> FloatArray:
+        """Angle between coupler and crank at A in rad, between 0 and pi.
+
+        It is the transmission angle while the rocker drives the crank, which Elamy et al. 2023,
+        section 2.1, want to be looked at where a cycle drives both ways.
+
+        Parameters
+        ----------
+        crank_angle : array_like, shape (...)
+            In rad.
+
+        Returns
+        -------
+        ndarray, shape (...)
+
+        Raises
+        ------
+        InputError
+            Where the linkage cannot be assembled or locks.
+        """
+        theta2 = checked_array(crank_angle, "crank_angle", "rad")
+        theta3, _ = self._follower_angles(theta2)
+        turned = theta3 - theta2
+        return np.asarray(np.arctan2(np.abs(np.sin(turned)), -np.cos(turned)))
+
     def transmission_angle_limits(self) -> tuple[float, float]:
         """Least and greatest transmission angle in rad over the crank's range of motion.
 

@@ -167,8 +167,25 @@ class LinkMass:
         along, across = self.centre
         return self.moment(2) - self.moment(0) * (along**2 + across**2)
 
+    def lumps(self, elements: int) -> list[tuple[float, float]]:
+        """Places and sizes of the distributed mass in equal segments, halved onto their ends.
+
+        Parameters
+        ----------
+        elements : int
+            Number of segments, at least one.
+
+        Returns
+        -------
+        list of (float, float)
+            Distance from the link's start in m and mass in kg of each, one more than segments.
+        """
+        share = self.mass_per_length * self.length / elements
+        halves = [share / 2, *[share] * (elements - 1), share / 2]
+        return [(self.length * n / elements, mass) for n, mass in enumerate(halves)]
+
     def lumped(self, elements: int) -> LinkMass:
-        """The same link with its distributed mass in equal segments, halved onto their ends.
+        """The same link with its distributed mass lumped in points.
 
         Kumar & Chandrakar, Figure 1.5: one element of the crank and four of the coupler and of
         the rocker give twelve lumped masses. Mass and first moments stay; the second moment
@@ -177,24 +194,22 @@ class LinkMass:
         Parameters
         ----------
         elements : int
-            Number of segments, at least one.
+            As in :meth:`lumps`.
+
+        Returns
+        -------
+        LinkMass
         """
-        if not elements or not self.mass_per_length:
-            return self
-        share = self.mass_per_length * self.length / elements
-        halves = [share / 2, *[share] * (elements - 1), share / 2]
-        places = [self.length * number / elements for number in range(elements + 1)]
+        lumps = self.lumps(elements)
         if self.offset:
-            lumps = [
-                LinkBody(x, mass, offset=(0.0, self.offset))
-                for x, mass in zip(places, halves, strict=True)
-            ]
-            return replace(self, mass_per_length=0.0, offset=0.0, bodies=(*lumps, *self.bodies))
+            bodies = [LinkBody(x, mass, offset=(0.0, self.offset)) for x, mass in lumps]
+            return replace(self, mass_per_length=0.0, offset=0.0, bodies=(*bodies, *self.bodies))
+        places, masses = zip(*lumps, strict=True)
         return replace(
             self,
             mass_per_length=0.0,
             point_positions=(*places, *self.point_positions),
-            point_masses=(*halves, *self.point_masses),
+            point_masses=(*masses, *self.point_masses),
         )
 
 

@@ -1,27 +1,29 @@
-"""Angles of links that are counted on as the crank turns, for springs in joints."""
+"""Angles of links that are counted on as the crank turns, for springs in joints and tables."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from flexmech.errors import InputError
 from flexmech.linkages.linkage import Linkage
 from flexmech.linkages.motion import RigidMotion
-from flexmech.linkages.positions import shown_crank_angle, standing
+from flexmech.linkages.positions import standing
 from flexmech.types import FloatArray
 
 __all__ = ["continuous_angles"]
 
-# Of crank angles between which angles are followed; no link may turn by half a turn there.
+# Of a turn, at which angles are followed; no link may turn by half a turn from one to the next.
 STEPS = 720
+TURN = 2 * np.pi
 
 
 def continuous_angles(linkage: Linkage, motion: RigidMotion) -> FloatArray:
     """Angles of the links without jumps of whole turns.
 
     A linkage gives each angle within one turn. Here every angle is followed from crank angle
-    zero (or from the crank angle at which pictures show a linkage that cannot stand there),
-    where it keeps its value, and it counts on with every further turn of the crank.
+    zero, where it keeps its value, and it counts on with every further turn of the crank. Of a
+    crank that does not turn fully, each range of crank angles is followed on its own, the one
+    around zero from there and any other from its start; a whole turn more is the same posture.
 
     Parameters
     ----------
@@ -33,38 +35,40 @@ def continuous_angles(linkage: Linkage, motion: RigidMotion) -> FloatArray:
     -------
     ndarray, shape (..., n_links)
         In rad; ``motion.angle`` but for whole turns.
-
-    Raises
-    ------
-    InputError
-        If a crank angle cannot be reached from there.
     """
-    turn = 2 * np.pi
-    crank = motion.crank_angle
-    from_zero = bool(standing(linkage, np.zeros(1))[0])
-    first = 0.0 if from_zero else shown_crank_angle(linkage)
-    stands = standing(linkage, first + np.linspace(0.0, turn, STEPS + 1))
+    step = TURN / STEPS
+    around = np.asarray(step * np.arange(STEPS + 1), dtype=float)
+    stands = standing(linkage, around)
+    turns, places = np.divmod(np.rint(motion.crank_angle / step).astype(int), STEPS)
     if np.all(stands):
-        steps, base = np.arange(STEPS + 1), 0
-        turns = np.floor((crank - first) / turn)
+        followed = np.unwrap(linkage.motion(around).angle, axis=0)
+        gained = TURN * np.round((followed[-1] - followed[0]) / TURN)
+        near = followed[places] + turns[..., None] * gained
     else:
-        # Both ways as far as the linkage stands; a further turn is the same posture again.
-        ahead, base = int(np.argmin(stands)), int(np.argmin(stands[::-1])) - 1
-        steps = np.arange(-base, ahead)
-        turns = np.round((crank - first - turn * steps.mean() / STEPS) / turn)
-    around = first + steps * turn / STEPS
-    followed = np.unwrap(linkage.motion(around).angle, axis=0)
-    followed = followed + turn * np.round((linkage.motion(first).angle - followed[base]) / turn)
-    wanted = crank - turn * turns
-    step = turn / STEPS
-    if np.any((wanted < around[0] - step) | (wanted > around[-1] + step)):
-        raise InputError(
-            "springs in joints need crank angles that the linkage reaches without leaving its "
-            f"range of motion about {np.degrees(first):.6g} deg; choose crank angles inside it"
-        )
-    near = np.stack([np.interp(wanted, around, column) for column in followed.T], axis=-1)
-    if np.all(stands):
-        gained = turn * np.round((followed[-1] - followed[0]) / turn)
-        near = near + turns[..., None] * gained
-    counted: FloatArray = motion.angle + turn * np.round((near - motion.angle) / turn)
+        near = _in_ranges(linkage, around[:-1], stands[:-1], motion.angle.shape[-1])[places]
+        # A range too narrow to be met by a step is its own.
+        near = np.where(np.isnan(near), motion.angle, near)
+    counted: FloatArray = motion.angle + TURN * np.round((near - motion.angle) / TURN)
     return counted
+
+
+def _in_ranges(
+    linkage: Linkage, around: FloatArray, stands: NDArray[np.bool_], links: int
+) -> FloatArray:
+    """Angles over a turn, followed in each range that stands; not a number elsewhere."""
+    followed = np.full((len(around), links), np.nan)
+    # Begun where the linkage does not stand, no range runs over the end.
+    order = np.roll(np.arange(len(around)), -int(np.argmin(stands)))
+    edges = np.flatnonzero(np.diff(stands[order].astype(int))) + 1
+    for part in np.split(order, edges):
+        if stands[part[0]]:
+            angles = np.unwrap(linkage.motion(around[part]).angle, axis=0)
+            if 0 in part:
+                kept = linkage.motion(0.0).angle
+                angles = angles + TURN * np.round((kept - angles[part == 0][0]) / TURN)
+            followed[part] = angles
+    # Between the last step of a range and its end.
+    for shift in (1, -1):
+        beside = np.roll(followed, shift, axis=0)
+        followed = np.where(np.isnan(followed) & ~np.isnan(beside), beside, followed)
+    return followed

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 
@@ -244,7 +244,9 @@ class Mechanism:
         line, axis = (section.mass_per_length, section.mass_axis) if section else (0.0, 0.0)
         return LinkMass.of_points(length, line, points, axis, bodies)
 
-    def inverse_dynamics(self, motion: RigidMotion, time: ArrayLike = 0.0) -> InverseDynamics:
+    def inverse_dynamics(
+        self, motion: RigidMotion, time: ArrayLike = 0.0, lumped: Sequence[int] | None = None
+    ) -> InverseDynamics:
         """Forces in the rigid linkage under everything that acts on it.
 
         Parameters
@@ -253,6 +255,8 @@ class Mechanism:
             Of the linkage.
         time : array_like, shape (...)
             Of each position in s, for loads over time.
+        lumped : sequence of int, optional
+            Number of elements of each link whose distributed mass is lumped at their ends.
 
         Returns
         -------
@@ -263,11 +267,14 @@ class Mechanism:
         InputError
             If the connections do not determine the forces, or a spring has no direction.
         """
+        masses = self.link_masses_in_order
+        if lumped is not None:
+            masses = tuple(mass.lumped(n) for mass, n in zip(masses, lumped, strict=True))
         turning = any(spring.torsional_stiffness for spring in self.joint_springs)
         return inverse_dynamics(
             self.linkage.topology,
             motion,
-            self.link_masses_in_order,
+            masses,
             self.gravity,
             loads=self.loads,
             springs=self.springs,

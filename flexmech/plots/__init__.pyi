@@ -18,6 +18,9 @@ from .hammer import plot_hammer as plot_hammer
 from .harmonic_frf import plot_harmonic_frf as plot_harmonic_frf
 from .hygrothermal_effect import plot_hygrothermal_effect as plot_hygrothermal_effect
 from .impact_shapes import plot_impact_shapes as plot_impact_shapes
+from .kinematics import plot_drive as plot_drive
+from .kinematics import plot_joint_forces as plot_joint_forces
+from .kinematics import plot_kinematics as plot_kinematics
 from .labels import mode_label as mode_label
 from .labels import speed_label as speed_label
 from .layout import AxesLike as AxesLike

@@ -31,6 +31,7 @@ NAMES = [
     "hammer_twelve_positions",
     "hygrothermal_frequencies",
     "instability_confirmed",
+    "lumped_masses",
     "mode_shapes",
     "moisture_and_stability",
     "running_fourbars",
@@ -288,6 +289,16 @@ def test_critical_speeds(scenario, held_number, tmp_path, capsys):
     assert float(low) == held_number("critical_speeds")
     assert "rings most at" in capsys.readouterr().out
     assert_pictures(tmp_path, *(f"{m}_critical_speeds.png" for m in answers))
+
+
+def test_lumped_masses(scenario, held_number, tmp_path, capsys):
+    answer = scenario("lumped_masses").main(tmp_path)
+    assert 100 * answer.force_excess[1] == held_number("lumped_masses")
+    for excess in (answer.force_excess, answer.torque_excess):
+        assert excess[1] / excess[2] == pytest.approx(4, rel=0.05)
+        assert excess[2] / excess[4] == pytest.approx(4, rel=0.05)
+    assert "12 lumped masses: greatest force of pin B +2.57 %" in capsys.readouterr().out
+    assert_pictures(tmp_path, "joint_forces.png", "drive.png")
 
 
 def test_hammer_twelve_positions(scenario, held_number, tmp_path, capsys):

@@ -138,6 +138,7 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
         (
             *("frequencies", "frequencies", "response", "check", "section", "coupler-curve"),
             *("moisture", "campbell", "export", "report", "stability", "hammer", "compare"),
+            "kinematics",
         )
     )
     environment = [
@@ -247,6 +248,12 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
             *("--point", pick("33 mm,320 deg", "0.1 m,45 deg")),
             *some("--angles", pick("0:360:10", "0:90:5")),
             *environment,
+        ]
+    elif name == "kinematics":
+        chosen = [
+            *some("--speed", pick("10", "100 rpm", "-5", "0")),
+            *some("--angles", pick("0:360:10", "0,90", "-30")),
+            *some("--lumped", pick("1,4,4", "2", "1,0,4", "4,4")),
         ]
     elif name == "moisture":
         chosen = [

@@ -26,6 +26,7 @@ from tests.unit.figure_checks import (
     shown_texts,
 )
 from tests.unit.hammer_data import hammer_dataset
+from tests.unit.kinematics_data import kinematics_dataset
 from tests.unit.plot_data import (
     campbell_dataset,
     coupler_dataset,
@@ -112,6 +113,7 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_campbell: (campbell_dataset, 2),
     plots.plot_coupler_angles: (coupler_dataset, 2),
     plots.plot_coupler_curve: (coupler_dataset, 3),
+    plots.plot_drive: (kinematics_dataset, 3),
     plots.plot_floquet_frequencies: (stability_dataset, 1),
     plots.plot_floquet_harmonics: (stability_dataset, 4),
     plots.plot_forces: (response_dataset, 5),
@@ -122,6 +124,8 @@ FIGURES: dict[Plot, tuple[Callable[[], xr.Dataset], int]] = {
     plots.plot_harmonic_frf: (running_hammer_dataset, 6),
     plots.plot_hygrothermal_effect: (in_two_states, 4),
     plots.plot_impact_shapes: (roved_dataset, 3),
+    plots.plot_joint_forces: (kinematics_dataset, 4),
+    plots.plot_kinematics: (kinematics_dataset, 3),
     plots.plot_laminate_factors: (composite_study, 1),
     plots.plot_linkage: (linkage_dataset, 1),
     plots.plot_mechanism: (mechanism_dataset, 3),

@@ -10,6 +10,7 @@ from flexmech.report.panels.comparison import comparison_panel
 from flexmech.report.panels.coupler_curve import coupler_panel
 from flexmech.report.panels.frequencies import damping_panel, frequency_panel
 from flexmech.report.panels.hammer import hammer_panel
+from flexmech.report.panels.kinematics import kinematics_panel
 from flexmech.report.panels.mechanism import mechanism_panel
 from flexmech.report.panels.moisture import moisture_panel
 from flexmech.report.panels.other import other_panel
@@ -31,6 +32,7 @@ PANELS: tuple[Callable[[Results], Panel | None], ...] = (
     spectrum_panel,
     hammer_panel,
     comparison_panel,
+    kinematics_panel,
     coupler_panel,
     section_panel,
     moisture_panel,

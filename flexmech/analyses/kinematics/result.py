@@ -1,0 +1,233 @@
+"""The result of kinematics: its tables, pictures and words."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from flexmech import plots
+from flexmech.analyses.result import Result
+from flexmech.analyses.summary import Summary, Table
+from flexmech.analyses.tables import DEGREES, table_over
+from flexmech.units import from_si
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+__all__ = ["Kinematics"]
+
+# Relative difference up to which two values are the same.
+SAME = 1e-12
+
+
+class Kinematics(Result):
+    """Motion of the rigid linkage over the crank angle, and the forces that it takes.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Over (crank_angle, link): ``angle`` without jumps, ``angular_velocity``,
+        ``angular_acceleration``, and of the centres of mass ``centre_position``,
+        ``centre_acceleration``, ``inertia_force`` (all with component) and ``inertia_moment``.
+        Over (crank_angle, joint): ``joint_force`` (component) and ``joint_moment`` on the held
+        or following link. Over crank_angle: ``driving_torque``, ``driving_power``, and of
+        four-bars ``transmission_angle`` and ``reversed_transmission_angle``. With lumped masses
+        the forces by these, with names that begin with ``lumped_``, and every mass with its
+        acceleration and inertia force over ``lump``.
+    stored_as : mapping of str to str, optional
+        Of the file that it was loaded from.
+    """
+
+    stem = "kinematics"
+    subject = "kinematics and joint forces"
+    hallmark = "angular_acceleration"
+    files = (
+        "kinematics.csv",
+        "forces.csv",
+        "drive.csv",
+        "forces_lumped.csv",
+        "drive_lumped.csv",
+        "lumped_masses.csv",
+        "kinematics.nc",
+        "kinematics.png",
+        "joint_forces.png",
+        "drive.png",
+    )
+
+    def tables(self) -> dict[str, pd.DataFrame]:
+        """Motion of links, joint forces, and what drives; by lumped masses too if asked for."""
+        data = self.dataset
+        tables = {
+            "kinematics": _motion_table(data),
+            "forces": _force_table(data),
+            "drive": _drive_table(data),
+        }
+        if "lumped_joint_force" in data:
+            tables["forces_lumped"] = _force_table(data, "lumped_")
+            tables["drive_lumped"] = _drive_table(data, "lumped_")
+            tables["lumped_masses"] = _lump_table(data)
+        return tables
+
+    def figures(self) -> dict[str, Figure]:
+        """Motion of the links, joint forces, and torque and power of the drive."""
+        return {
+            "kinematics": self.plot(),
+            "joint_forces": plots.plot_joint_forces(self.dataset),
+            "drive": plots.plot_drive(self.dataset),
+        }
+
+    def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:
+        """Draw angles, angular velocities and accelerations of the links.
+
+        Parameters
+        ----------
+        ax : sequence of matplotlib.axes.Axes, optional
+            Three of the user's.
+        """
+        return plots.plot_kinematics(self.dataset, ax=ax)
+
+    def summary(self) -> Summary:
+        """Greatest values and where they are."""
+        data = self.dataset
+        name, unit = data.attrs["mechanism"], data.attrs["speed_unit"]
+        speed = from_si(float(data.attrs["crank_speed"]), unit)
+        motion = Table(
+            f"greatest values over the crank angles, {name} at {speed:.6g} {unit}",
+            ("link", "rad/s", "at deg", "rad/s²", "at deg", "centre m/s²", "at deg"),
+            (tuple(_link_row(data.sel(link=link)) for link in data["link"].values),),
+        )
+        lumped = "lumped_joint_force" in data
+        joints = Table(
+            "greatest joint forces",
+            ("joint", "kind", "N", "at deg", *(("lumped N", "at deg") if lumped else ())),
+            (tuple(_joint_row(data.sel(joint=joint), lumped) for joint in data["joint"].values),),
+            text_columns=2,
+        )
+        lines = [_extremes("driving torque", data["driving_torque"], "N m")]
+        if lumped:
+            what = f"driving torque by {data.sizes['lump']} lumped masses"
+            lines.append(_extremes(what, data["lumped_driving_torque"], "N m"))
+        lines.append(_extremes("driving power", data["driving_power"], "W"))
+        mean = _mean(data["driving_power"])
+        if mean is not None:
+            lines.append(f"mean driving power over the turn: {mean:.5g} W")
+        for angle, words in (
+            ("transmission_angle", "transmission angle"),
+            ("reversed_transmission_angle", "transmission angle with the rocker driving"),
+        ):
+            if angle in data:
+                lines.append(_extremes(words, DEGREES * data[angle], "deg"))
+        return Summary((motion, joints, *lines))
+
+
+def _degrees(data: xr.Dataset) -> xr.DataArray:
+    return (DEGREES * data["crank_angle"]).round(9)
+
+
+def _motion_table(data: xr.Dataset) -> pd.DataFrame:
+    def along(name: str, axis: str) -> xr.DataArray:
+        return data[name].sel(component=axis)
+
+    return table_over(
+        *("crank_angle", "link"),
+        crank_angle_deg=_degrees(data),
+        link=data["link"],
+        angle_deg=DEGREES * data["angle"],
+        angular_velocity_rad_s=data["angular_velocity"],
+        angular_acceleration_rad_s2=data["angular_acceleration"],
+        centre_x_m=along("centre_position", "x"),
+        centre_y_m=along("centre_position", "y"),
+        centre_ax_m_s2=along("centre_acceleration", "x"),
+        centre_ay_m_s2=along("centre_acceleration", "y"),
+        inertia_force_x_N=along("inertia_force", "x"),
+        inertia_force_y_N=along("inertia_force", "y"),
+        inertia_moment_Nm=data["inertia_moment"],
+    )
+
+
+def _force_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
+    force = data[f"{of}joint_force"]
+    return table_over(
+        *("crank_angle", "joint"),
+        crank_angle_deg=_degrees(data),
+        joint=data["joint"],
+        x_N=force.sel(component="x"),
+        y_N=force.sel(component="y"),
+        moment_Nm=data[f"{of}joint_moment"],
+    )
+
+
+def _drive_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
+    angles = {
+        f"{name}_deg": DEGREES * data[name]
+        for name in ("transmission_angle", "reversed_transmission_angle")
+        if name in data and not of
+    }
+    return table_over(
+        "crank_angle",
+        crank_angle_deg=_degrees(data),
+        torque_Nm=data[f"{of}driving_torque"],
+        power_W=data[f"{of}driving_power"],
+        **angles,
+    )
+
+
+def _lump_table(data: xr.Dataset) -> pd.DataFrame:
+    acceleration, force = data["lump_acceleration"], data["lump_inertia_force"]
+    return table_over(
+        *("crank_angle", "lump"),
+        crank_angle_deg=_degrees(data),
+        link=data["lump_link"],
+        position_m=data["lump_position"],
+        mass_kg=data["lump_mass"],
+        **{f"a{axis}_m_s2": acceleration.sel(component=axis) for axis in "xy"},
+        **{f"inertia_force_{axis}_N": force.sel(component=axis) for axis in "xy"},
+    )
+
+
+def _link_row(link: xr.Dataset) -> tuple[str, ...]:
+    sizes = [abs(link[name]) for name in ("angular_velocity", "angular_acceleration")]
+    sizes.append(_size(link["centre_acceleration"]))
+    return (link["link"].item(), *(text for size in sizes for text in _greatest(size)))
+
+
+def _joint_row(joint: xr.Dataset, lumped: bool) -> tuple[str, ...]:
+    names = ["joint_force", *(["lumped_joint_force"] if lumped else [])]
+    texts = (text for name in names for text in _greatest(_size(joint[name])))
+    return (joint["joint"].item(), joint["joint_kind"].item(), *texts)
+
+
+def _size(vector: xr.DataArray) -> xr.DataArray:
+    return vector.sel(component="x").copy(
+        data=np.linalg.norm(vector.transpose("crank_angle", "component").values, axis=-1)
+    )
+
+
+def _greatest(size: xr.DataArray) -> tuple[str, str]:
+    """Greatest value, and the first crank angle where it is but for round-off."""
+    values = size.values
+    place = int(np.argmax(values >= values.max() * (1 - SAME)))
+    return f"{values[place]:.5g}", f"{DEGREES * float(size['crank_angle'][place]):.6g}"
+
+
+def _extremes(what: str, quantity: xr.DataArray, unit: str) -> str:
+    values = quantity.values
+    ends = (
+        f"{values[place]:.5g} {unit} (at {DEGREES * float(quantity['crank_angle'][place]):.6g} deg)"
+        for place in (int(values.argmin()), int(values.argmax()))
+    )
+    return f"{what}: " + " to ".join(ends)
+
+
+def _mean(values: xr.DataArray) -> float | None:
+    """Over a whole turn, by the trapezoidal rule; None where the angles are no whole turns."""
+    angles = values["crank_angle"].values
+    turns = (angles[-1] - angles[0]) / (2 * np.pi)
+    if turns < 0.5 or abs(turns - round(turns)) > 1e-9:
+        return None
+    mean = float(np.trapezoid(values.values, angles) / (angles[-1] - angles[0]))
+    return 0.0 if abs(mean) <= SAME * float(np.abs(values).max()) else mean

@@ -1,0 +1,239 @@
+"""Kinematics and joint forces, as a result and from ``flexmech kinematics``."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from flexmech import (
+    InputError,
+    Kinematics,
+    KinematicsRequest,
+    PointMass,
+    kinematics,
+    load_mechanism,
+    plots,
+)
+from flexmech.cli import app
+from flexmech.linkages import LinkPoint, Load
+from flexmech.mechanism import AttachedBody
+from tests.strategies import ALUMINIUM_LINKAGE, arm, fourbar
+from tests.unit.kinematics_data import kinematics_dataset
+
+pytestmark = pytest.mark.usefixtures("rough_pictures")
+
+MODELS = Path(__file__).parents[2] / "models"
+ALUMINIUM = MODELS / "aluminium_fourbar.toml"
+TURN = np.radians(np.arange(0, 361, 30))
+
+
+def run(*arguments: str | Path) -> tuple[int, str, str]:
+    result = CliRunner().invoke(app, [str(a) for a in arguments])
+    return result.exit_code, result.stdout, result.stderr
+
+
+def test_the_command_writes_the_tables_of_the_result(tmp_path: Path) -> None:
+    options = ("--speed", "190 rpm", "--angles", "0:360:30", "--lumped", "1,4,4")
+    code, printed, errors = run("kinematics", ALUMINIUM, *options, "--out", tmp_path)
+    assert (code, errors) == (0, "")
+    assert sorted(file.name for file in tmp_path.iterdir()) == sorted(Kinematics.files)
+    assert "at 190 rpm" in printed
+    assert "driving torque by 12 lumped masses" in printed
+    columns = {
+        "kinematics": "crank_angle_deg link angle_deg angular_velocity_rad_s "
+        "angular_acceleration_rad_s2 centre_x_m centre_y_m centre_ax_m_s2 centre_ay_m_s2 "
+        "inertia_force_x_N inertia_force_y_N inertia_moment_Nm",
+        "forces": "crank_angle_deg joint x_N y_N moment_Nm",
+        "drive": "crank_angle_deg torque_Nm power_W transmission_angle_deg "
+        "reversed_transmission_angle_deg",
+        "forces_lumped": "crank_angle_deg joint x_N y_N moment_Nm",
+        "drive_lumped": "crank_angle_deg torque_Nm power_W",
+        "lumped_masses": "crank_angle_deg link position_m mass_kg ax_m_s2 ay_m_s2 "
+        "inertia_force_x_N inertia_force_y_N",
+    }
+    tables = {name: pd.read_csv(tmp_path / f"{name}.csv") for name in columns}
+    assert {name: " ".join(table.columns) for name, table in tables.items()} == columns
+    assert [len(table) for table in tables.values()] == [39, 52, 13, 52, 13, 156]
+    request = KinematicsRequest(TURN, 190 * np.pi / 30, (1, 4, 4))
+    data = kinematics(load_mechanism(ALUMINIUM), request).dataset
+    forces = tables["forces"].set_index(["joint", "crank_angle_deg"])
+    for joint in ("O2", "A", "B", "O4"):
+        expected = data["joint_force"].sel(joint=joint).values
+        assert forces.loc[joint][["x_N", "y_N"]].to_numpy() == pytest.approx(expected, rel=1e-9)
+    assert tables["drive"]["torque_Nm"].to_numpy() == pytest.approx(
+        data["driving_torque"].values, rel=1e-9
+    )
+    coupler = tables["kinematics"].query("link == 'coupler'")
+    assert coupler["angle_deg"].to_numpy() == pytest.approx(
+        np.degrees(data["angle"].sel(link="coupler").values), rel=1e-9
+    )
+    loaded = Kinematics.load(tmp_path / "kinematics.nc").dataset
+    assert loaded.identical(data.assign_attrs(speed_unit="rpm"))
+
+
+def test_without_lumped_masses_their_files_are_not_written(tmp_path: Path) -> None:
+    code, printed, _ = run("kinematics", ALUMINIUM, "--no-plots", "--out", tmp_path)
+    assert code == 0
+    names = {file.name for file in tmp_path.iterdir()}
+    assert names == {"kinematics.csv", "forces.csv", "drive.csv", "kinematics.nc"}
+    assert len(pd.read_csv(tmp_path / "drive.csv")) == 361
+    assert "at 10 rad/s" in printed  # the first speed of the model
+
+
+def test_an_arm_has_no_transmission_angle(tmp_path: Path) -> None:
+    model = tmp_path / "arm.toml"
+    model.write_text(arm(hub_radius=0.2).to_toml())
+    options = ("--angles", "0:90:30", "--no-plots", "--out", tmp_path)
+    code, printed, _ = run("kinematics", model, *options)
+    assert code == 0
+    assert list(pd.read_csv(tmp_path / "drive.csv")) == ["crank_angle_deg", "torque_Nm", "power_W"]
+    assert "at 0 rad/s" in printed
+    assert "transmission" not in printed
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (("--lumped", "1,4"), "lumped: 2 numbers of elements for 3 links"),
+        (("--lumped", "1,x,4"), "--lumped: got '1,x,4'; give the elements of each link"),
+        (("--lumped", "0,4,4"), "--lumped: got '0,4,4'"),
+        (("--lumped", "1,4,2000"), "lumped: 2000 elements of a link are beyond 1000"),
+        (("--speed", "5 mm"), "--speed: "),
+        (("--angles", "90,0"), "--angles: "),
+    ],
+)
+def test_what_makes_no_sense_is_refused(options, message, tmp_path: Path) -> None:
+    code, _, errors = run("kinematics", ALUMINIUM, *options, "--out", tmp_path / "none")
+    assert code == InputError.exit_code
+    assert message in errors
+    assert errors.count("\n") == 1
+    assert not (tmp_path / "none").exists()
+
+
+def test_angles_must_increase() -> None:
+    with pytest.raises(InputError, match="crank_angles must be one or more in increasing order"):
+        KinematicsRequest(np.array([0.2, 0.1]))
+
+
+def test_the_inertia_force_is_that_of_the_centre_of_mass() -> None:
+    """Against differences of the centre's path, with a body off the link."""
+    body = AttachedBody("coupler", 0.1, 0.05, 2e-5, (0.02, 0.03))
+    mechanism = replace(fourbar(), bodies=(body,))
+    step, speed = 1e-4, 20.0
+    angles = 0.7 + step * np.arange(-2, 3)
+    data = kinematics(mechanism, KinematicsRequest(angles, speed)).dataset.sel(link="coupler")
+    weights = np.array([-1, 16, -30, 16, -1]) / 12 * speed**2 / step**2
+    acceleration = weights @ data["centre_position"].transpose("crank_angle", ...).values
+    assert data["centre_acceleration"].values[2] == pytest.approx(acceleration, rel=1e-5)
+    mass = mechanism.link_mass("coupler")
+    assert data["inertia_force"].values[2] == pytest.approx(
+        -mass.moment(0) * acceleration, rel=1e-5
+    )
+    own = fourbar().link_mass("coupler")
+    centre, total = own.length / 2, own.moment(0) + 0.05
+    x = (own.moment(0) * centre + 0.05 * 0.12) / total
+    y = 0.05 * 0.03 / total
+    inertia = own.moment(0) * (own.length**2 / 12 + (x - centre) ** 2 + y**2)
+    inertia += 2e-5 + 0.05 * ((0.12 - x) ** 2 + (0.03 - y) ** 2)
+    alpha = data["angular_acceleration"].values
+    assert data["inertia_moment"].values == pytest.approx(-inertia * alpha, rel=1e-12)
+
+
+def test_the_reversed_transmission_angle_is_that_at_a() -> None:
+    data = kinematics(fourbar(), KinematicsRequest(TURN, 20.0)).dataset
+    for angle, found in zip(TURN, data["reversed_transmission_angle"].values, strict=True):
+        motion = ALUMINIUM_LINKAGE.motion(angle)
+        a, b = motion.position(0, ALUMINIUM_LINKAGE.crank), motion.position(2, 0.2667)
+        cosine = -a @ (b - a) / np.linalg.norm(a) / np.linalg.norm(b - a)
+        assert found == pytest.approx(np.arccos(cosine), abs=1e-12)
+
+
+def test_reversed_dead_points_are_where_crank_and_coupler_are_in_line() -> None:
+    """There the rocker turns around and cannot drive the crank."""
+    angles = np.radians(np.arange(0, 360.0, 0.01))
+    reverse = ALUMINIUM_LINKAGE.reversed_transmission_angle(angles)
+    rocker = ALUMINIUM_LINKAGE.motion(angles, 1.0).angular_velocity[:, 2]
+    turning = np.flatnonzero(np.diff(np.sign(rocker)))
+    assert len(turning) == 2
+    assert np.sin(reverse[turning]).max() < 3e-4
+
+
+def test_weight_is_no_inertia_force() -> None:
+    still = replace(fourbar(), gravity=(0.0, -9.81))
+    data = kinematics(still, KinematicsRequest(TURN, 0.0)).dataset
+    assert not data["inertia_force"].any()
+    assert abs(data["joint_force"]).max() > 0.1
+    assert not data["driving_power"].any()
+
+
+def test_a_load_over_time_begins_at_crank_angle_zero() -> None:
+    tip = LinkPoint("arm", 1.0)
+    load = Load("ramp", tip, ((0.0, 0.0), (0.0, 10.0)), (0.0, 0.0), "link", "time", (0.0, 1.0))
+    mechanism = replace(arm(), loads=(load,))
+    data = kinematics(mechanism, KinematicsRequest([0.0, 1.0, 4.0], 2.0)).dataset
+    assert data["driving_torque"].values == pytest.approx([0.0, -5.0, -10.0], abs=1e-9)
+
+
+def test_joint_masses_and_point_masses_stay_where_they_are_when_mass_is_lumped() -> None:
+    mechanism = fourbar(joint_masses={"B": 0.3}, link_masses=(PointMass("rocker", 0.1, 0.2),))
+    data = kinematics(mechanism, KinematicsRequest(TURN, 20.0, (200,))).dataset
+    for name in ("joint_force", "driving_torque", "driving_power"):
+        exact = data[name].values
+        assert data[f"lumped_{name}"].values == pytest.approx(exact, abs=1e-4 * np.abs(exact).max())
+
+
+def test_lumps_of_a_link_that_lies_beside_its_pins() -> None:
+    """Acceleration of a lump off the axis, against differences of its place."""
+    from flexmech.analyses.kinematics.dataset import _acceleration
+
+    linkage, step, speed = ALUMINIUM_LINKAGE, 1e-4, 20.0
+    motion = linkage.motion(0.7 + step * np.arange(-2, 3), speed)
+    angle = motion.angle[:, 1]
+    normal = np.stack([-np.sin(angle), np.cos(angle)], axis=-1)
+    places = motion.position(1, 0.1) + 0.02 * normal
+    weights = np.array([-1, 16, -30, 16, -1]) / 12 * speed**2 / step**2
+    found = _acceleration(motion, 1, 0.1, 0.02)[2]
+    assert found == pytest.approx(weights @ places, rel=1e-5)
+
+
+def test_the_mean_power_of_a_turn_is_told_of_whole_turns_alone() -> None:
+    whole = kinematics(fourbar(), KinematicsRequest(crank_speed=20.0))
+    assert "mean driving power over the turn: 0 W" in whole.summary().lines
+    half = kinematics(fourbar(), KinematicsRequest(TURN[:7], 20.0))
+    assert not any("mean" in line for line in half.summary().lines)
+
+
+def test_pictures_show_the_dataset() -> None:
+    data = kinematics_dataset()
+    motion = plots.plot_kinematics(data).axes
+    lines = motion[2].get_lines()[1:]
+    assert lines[1].get_ydata() == pytest.approx(
+        data["angular_acceleration"].sel(link="coupler").values
+    )
+    forces = plots.plot_joint_forces(data).axes
+    drawn = [line.get_ydata() for line in forces[1].get_lines()[1:]]
+    at_a = data.sel(joint="A")
+    assert drawn[0] == pytest.approx(at_a["joint_force"].sel(component="x").values)
+    assert drawn[3] == pytest.approx(at_a["lumped_joint_force"].sel(component="y").values)
+    drive = plots.plot_drive(data).axes
+    assert drive[1].get_lines()[1].get_ydata() == pytest.approx(data["driving_power"].values)
+    assert drive[2].get_lines()[2].get_ydata() == pytest.approx(
+        np.degrees(data["reversed_transmission_angle"].values)
+    )
+
+
+def test_more_links_than_styles_are_told_by_their_width() -> None:
+    data = kinematics_dataset().isel(link=[0, 1, 2, 0, 1, 2, 0])
+    lines = plots.plot_kinematics(data).axes[0].get_lines()[1:]
+    looks = {(line.get_color(), line.get_linewidth()) for line in lines}
+    assert len(looks) == 7
+
+
+def test_an_arm_is_drawn_without_transmission_angles() -> None:
+    found = kinematics(arm(), KinematicsRequest(TURN, 5.0))
+    assert len(plots.plot_drive(found.dataset).axes) == 2
