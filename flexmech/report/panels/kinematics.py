@@ -38,7 +38,15 @@ def kinematics_panel(results: Results) -> Panel | None:
                 "Crank angle (deg)",
                 (YAxis("velocity (rad/s)"), YAxis("acceleration (rad/s²)")),
                 tuple(
-                    Trace(link, angle, data[name].sel(link=link).values, number, axis=axis)
+                    Trace(
+                        link,
+                        angle,
+                        data[name].sel(link=link).values,
+                        number,
+                        followed={},
+                        axis=axis,
+                        legend=axis == 0,
+                    )
                     for axis, name in enumerate(("angular_velocity", "angular_acceleration"))
                     for number, link in enumerate(links)
                 ),
@@ -84,6 +92,7 @@ def _forces(data: xr.Dataset, angle: FloatArray, joints: list[str]) -> list[Trac
                 "dot" if number else "solid",
                 followed=followed,
                 axis=axis,
+                legend=axis == 0,
             )
             for axis, line in enumerate(lines)
         ]
