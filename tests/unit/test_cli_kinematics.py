@@ -237,3 +237,26 @@ def test_more_links_than_styles_are_told_by_their_width() -> None:
 def test_an_arm_is_drawn_without_transmission_angles() -> None:
     found = kinematics(arm(), KinematicsRequest(TURN, 5.0))
     assert len(plots.plot_drive(found.dataset).axes) == 2
+
+
+def test_round_off_is_told_as_zero() -> None:
+    """An L-beam at constant speed without gravity needs no torque."""
+    beam = load_mechanism(MODELS / "rotating_l_beam.toml")
+    lines = kinematics(beam, KinematicsRequest(TURN)).summary().lines
+    assert [line.count(" 0 ") for line in lines[:2]] == [2, 2]
+
+
+@pytest.mark.parametrize("name", ["slider_crank", "watt_six_bar", "carton_pusher"])
+def test_planar_linkages(name: str, tmp_path: Path) -> None:
+    """The tables have every link and joint; a slider's force is across its line."""
+    model = MODELS / f"{name}.toml"
+    code, _, errors = run("kinematics", model, "--angles", "0:360:15", "--out", tmp_path)
+    assert (code, errors) == (0, "")
+    topology = load_mechanism(model).linkage.topology
+    motion, forces = (pd.read_csv(tmp_path / f"{table}.csv") for table in ("kinematics", "forces"))
+    assert set(motion["link"]) == set(topology.link_names)
+    assert set(forces["joint"]) == set(topology.joint_names)
+    for slider in topology.sliders:
+        of_line = forces[forces["joint"] == slider.joint]
+        assert of_line["y_N"].abs().max() > 1
+        assert of_line["x_N"].abs().max() <= 1e-12 * of_line["y_N"].abs().max()

@@ -107,14 +107,16 @@ class Kinematics(Result):
             (tuple(_joint_row(data.sel(joint=joint), lumped) for joint in data["joint"].values),),
             text_columns=2,
         )
-        lines = [_extremes("driving torque", data["driving_torque"], "N m")]
+        torque = float(_size(data["joint_force"]).max() * abs(data["centre_position"]).max())
+        power = torque * abs(float(data.attrs["crank_speed"]))
+        lines = [_extremes("driving torque", data["driving_torque"], "N m", torque)]
         if lumped:
             what = f"driving torque by {data.sizes['lump']} lumped masses"
-            lines.append(_extremes(what, data["lumped_driving_torque"], "N m"))
-        lines.append(_extremes("driving power", data["driving_power"], "W"))
+            lines.append(_extremes(what, data["lumped_driving_torque"], "N m", torque))
+        lines.append(_extremes("driving power", data["driving_power"], "W", power))
         mean = _mean(data["driving_power"])
         if mean is not None:
-            lines.append(f"mean driving power over the turn: {mean:.5g} W")
+            lines.append(f"mean driving power over the turn: {_number(mean, power)} W")
         for angle, words in (
             ("transmission_angle", "transmission angle"),
             ("reversed_transmission_angle", "transmission angle with the rocker driving"),
@@ -202,9 +204,9 @@ def _joint_row(joint: xr.Dataset, lumped: bool) -> tuple[str, ...]:
 
 
 def _size(vector: xr.DataArray) -> xr.DataArray:
-    return vector.sel(component="x").copy(
-        data=np.linalg.norm(vector.transpose("crank_angle", "component").values, axis=-1)
-    )
+    """Length of a vector in the plane."""
+    whole = vector.transpose(..., "component")
+    return whole.isel(component=0, drop=True).copy(data=np.linalg.norm(whole.values, axis=-1))
 
 
 def _greatest(size: xr.DataArray) -> tuple[str, str]:
@@ -214,13 +216,19 @@ def _greatest(size: xr.DataArray) -> tuple[str, str]:
     return f"{values[place]:.5g}", f"{DEGREES * float(size['crank_angle'][place]):.6g}"
 
 
-def _extremes(what: str, quantity: xr.DataArray, unit: str) -> str:
+def _extremes(what: str, quantity: xr.DataArray, unit: str, scale: float = 0.0) -> str:
+    """Least and greatest value, and where; below round-off of the scale it is zero."""
     values = quantity.values
     ends = (
-        f"{values[place]:.5g} {unit} (at {DEGREES * float(quantity['crank_angle'][place]):.6g} deg)"
+        f"{_number(values[place], scale)} {unit} "
+        f"(at {DEGREES * float(quantity['crank_angle'][place]):.6g} deg)"
         for place in (int(values.argmin()), int(values.argmax()))
     )
     return f"{what}: " + " to ".join(ends)
+
+
+def _number(value: float, scale: float) -> str:
+    return f"{0.0 if abs(value) <= SAME * scale else value:.5g}"
 
 
 def _mean(values: xr.DataArray) -> float | None:
@@ -229,5 +237,4 @@ def _mean(values: xr.DataArray) -> float | None:
     turns = (angles[-1] - angles[0]) / (2 * np.pi)
     if turns < 0.5 or abs(turns - round(turns)) > 1e-9:
         return None
-    mean = float(np.trapezoid(values.values, angles) / (angles[-1] - angles[0]))
-    return 0.0 if abs(mean) <= SAME * float(np.abs(values).max()) else mean
+    return float(np.trapezoid(values.values, angles) / (angles[-1] - angles[0]))
