@@ -9,6 +9,7 @@ from flexmech.linear_system.component_modes import (
 )
 from flexmech.linear_system.engine import Engine
 from flexmech.linear_system.following_rows import FollowingRows
+from flexmech.linear_system.link_bodies import BodyMatrices, body_nodes, with_bodies
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
 from flexmech.linear_system.link_points import LinkPoint, displacement_row, point_rows
@@ -42,6 +43,7 @@ __all__ = [
     "PRESTRESS_LEVELS",
     "RELATIVE_RESIDUAL",
     "ROUND_OFF",
+    "BodyMatrices",
     "ComponentModes",
     "Engine",
     "FollowingRows",
@@ -60,6 +62,7 @@ __all__ = [
     "SystemMatrices",
     "TheoryComparison",
     "TheoryDifference",
+    "body_nodes",
     "checked_mechanism",
     "component_modes",
     "condense",
@@ -71,4 +74,5 @@ __all__ = [
     "refuse_large_displacements",
     "refuse_positions",
     "rigid_link",
+    "with_bodies",
 ]

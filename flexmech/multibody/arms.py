@@ -156,10 +156,23 @@ class LinkArms:
         None for a link whose coordinates are those of its nodes.
     coordinates : sequence of slice
         Where each link's coordinates are.
+    size : int, optional
+        Number of coordinates of all links; where bodies follow them.
+    followers : sequence of int
+        Coordinates of links that those of attached bodies are, in order: they come after those
+        of all links among Exudyn's.
     """
 
-    def __init__(self, maps: Sequence[NodeMap | None], coordinates: Sequence[slice]) -> None:
+    def __init__(
+        self,
+        maps: Sequence[NodeMap | None],
+        coordinates: Sequence[slice],
+        size: int | None = None,
+        followers: Sequence[int] = (),
+    ) -> None:
         self._links = [(m, own) for m, own in zip(maps, coordinates, strict=True) if m is not None]
+        self._size = size
+        self._followers = list(followers)
 
     def to_nodes(self, axis: FloatArray) -> FloatArray:
         """Exudyn's coordinates, less the reference ones, of points on the pins' axis.
@@ -173,11 +186,11 @@ class LinkArms:
         ndarray, shape (..., size)
         """
         if not self._links:
-            return axis
+            return self._followed(axis, axis)
         nodes = axis.copy()
         for arms, own in self._links:
             nodes[..., own] = arms.moved(axis[..., own])
-        return nodes
+        return self._followed(nodes, axis)
 
     def to_axis(self, nodes: FloatArray) -> FloatArray:
         """Undo :meth:`to_nodes`.
@@ -190,7 +203,8 @@ class LinkArms:
         -------
         ndarray, shape (..., size)
         """
-        return LinkArms._of([(arms.back, own) for arms, own in self._links]).to_nodes(nodes)
+        back = LinkArms._of([(arms.back, own) for arms, own in self._links])
+        return back.to_nodes(nodes[..., : self._size])
 
     def rate_to_nodes(self, axis: FloatArray, rate: FloatArray) -> FloatArray:
         """Exudyn's velocities of points on the pins' axis.
@@ -204,11 +218,11 @@ class LinkArms:
         ndarray, shape (..., size)
         """
         if not self._links:
-            return rate
+            return self._followed(rate, rate)
         nodes = rate.copy()
         for arms, own in self._links:
             nodes[..., own] = arms.moved_rate(axis[..., own], rate[..., own])
-        return nodes
+        return self._followed(nodes, rate)
 
     def rate_to_axis(self, nodes: FloatArray, rate: FloatArray) -> FloatArray:
         """Undo :meth:`rate_to_nodes`.
@@ -223,6 +237,12 @@ class LinkArms:
         """
         back = LinkArms._of([(arms.back, own) for arms, own in self._links])
         return back.rate_to_nodes(nodes, rate)
+
+    def _followed(self, nodes: FloatArray, axis: FloatArray) -> FloatArray:
+        """With the coordinates of bodies that follow the links."""
+        if not self._followers:
+            return nodes
+        return np.concatenate([nodes, axis[..., self._followers]], axis=-1)
 
     @classmethod
     def _of(cls, links: Sequence[tuple[NodeMap, slice]]) -> LinkArms:

@@ -13,8 +13,9 @@ import numpy as np
 
 from flexmech.linkages import LinkEnd
 from flexmech.mechanism import Mechanism
-from flexmech.mesh import node_positions
-from flexmech.multibody.arms import Arms, LinkArms
+from flexmech.multibody.added_links import add_links
+from flexmech.multibody.arms import LinkArms
+from flexmech.multibody.attached_bodies import add_attached_bodies
 from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.beams import BEAM_KINDS
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
@@ -25,8 +26,7 @@ from flexmech.multibody.link_parts import (
     RigidPart,
     turn_vectors,
 )
-from flexmech.multibody.node_bodies import NodeBodies, point_masses_at
-from flexmech.multibody.polar_slopes import PolarSlopes
+from flexmech.multibody.node_bodies import point_masses_at
 from flexmech.multibody.user_functions import turned_frame
 from flexmech.types import FloatArray
 
@@ -46,6 +46,8 @@ class LinkAssembly:
         Elements a link.
     kind : str
         Key of :data:`flexmech.multibody.beams.BEAM_KINDS`.
+    bodies_have_mass : bool
+        Whether attached bodies have; their matrices are added to the links' at standstill.
 
     Attributes
     ----------
@@ -54,25 +56,47 @@ class LinkAssembly:
         Its system.
     parts : list of LinkPart
         In the topology's order.
+    attached : list of AttachedPart
+        Bodies on elastic links.
     size : int
         Number of coordinates of all links.
+    system_size : int
+        Number of Exudyn's coordinates of links and attached bodies.
     arms : LinkArms
     base : int
         The clamped link.
     """
 
-    def __init__(self, mechanism: Mechanism, elements: int, kind: str) -> None:
+    def __init__(
+        self, mechanism: Mechanism, elements: int, kind: str, bodies_have_mass: bool
+    ) -> None:
         self.mechanism = mechanism
         self.topology = mechanism.linkage.topology
         self.kind: BeamKind = BEAM_KINDS[kind]
         self.items = SystemItems()
         self.mbs = self.items.mbs
         self.base = self.topology.index(self.topology.clamps[0].held.link)
-        self.parts = self._add_links(elements)
+        self.parts = add_links(self.items, mechanism, self.kind, elements)
         self.size = self.parts[-1].coordinates.stop
+        self.attached = [
+            attached
+            for link, part in self.beams
+            for attached in add_attached_bodies(
+                self.items, link, part, mechanism.link_mass(part.name), bodies_have_mass
+            )
+        ]
+        followers = [
+            coordinate
+            for body in self.attached
+            for coordinate in (body.place, body.place + 1, body.angle)
+            if body.own_node
+        ]
+        self.system_size = self.size + len(followers)
         self.arms = LinkArms(
             [part.node_map for _, part in self.beams],
             [part.coordinates for _, part in self.beams],
+            self.size,
+            followers,
         )
 
     @property
@@ -312,80 +336,3 @@ class LinkAssembly:
             bodyNumber=part.bodies.numbers[number],
             localPosition=[0.0, -part.arms.length, 0.0],
         )
-
-    def _add_links(self, elements: int) -> list[LinkPart]:
-        parts: list[LinkPart] = []
-        start = 0
-        for link in self.topology.links:
-            part = (
-                self._add_rigid(link.name, start)
-                if link.rigid
-                else self._add_beam(link.name, elements, start)
-            )
-            parts.append(part)
-            start = part.coordinates.stop
-        return parts
-
-    def _add_beam(self, name: str, elements: int, start: int) -> BeamPart:
-        section, mass = self.mechanism.sections[name], self.mechanism.link_mass(name)
-        positions = node_positions(mass.length, elements, mass.point_positions)
-        self.items.begin(f"{name}: nodes, in the undeformed link along the x axis")
-        nodes = [
-            self.kind.add_node(self.items, f"{name}_node_{i}", float(x), section.neutral_axis)
-            for i, x in enumerate(positions)
-        ]
-        self.items.begin(f"{name}: beam elements")
-        beams = [
-            self.kind.add_element(
-                self.items, f"{name}_element_{i}", nodes[i : i + 2], float(h), section
-            )
-            for i, h in enumerate(np.diff(positions))
-        ]
-        stop = start + self.kind.per_node * len(nodes)
-        bodies = None
-        if not self.kind.carries_mass:
-            points = point_masses_at(self.mechanism, name, positions)
-            bodies = NodeBodies.added(self.items, name, nodes, positions, section, points)
-        return BeamPart(
-            name=name,
-            section=section,
-            kind=self.kind,
-            positions=positions,
-            nodes=nodes,
-            elements=beams,
-            coordinates=slice(start, stop),
-            arms=Arms(section.neutral_axis) if section.is_eccentric else None,
-            bodies=bodies,
-            polar=self._polar_slopes(name, len(nodes)),
-        )
-
-    def _add_rigid(self, name: str, start: int) -> RigidPart:
-        mass = self.mechanism.link_mass(name)
-        moments = (mass.moment(0), mass.moment(1), mass.moment_across, mass.moment(2))
-        self.items.begin(f"{name}: a rigid body, its node at the start of the link")
-        node = self.items.add(
-            "NodeRigidBody2D", f"{name}_node", referenceCoordinates=[0.0, 0.0, 0.0]
-        )
-        total, along, across, second = moments
-        body = self.items.add(
-            "ObjectRigidBody2D",
-            f"{name}_body",
-            nodeNumber=node,
-            mass=total,
-            inertia=second,
-            centerOfMass=[along / total, across / total] if total else [0.0, 0.0],
-        )
-        own = slice(start, start + RIGID_SIZE)
-        return RigidPart(name, mass.length, [node], body, moments, own)
-
-    def _polar_slopes(self, name: str, count: int) -> PolarSlopes | None:
-        """Ends of a link of cables at which a joint holds the direction of the slope."""
-        topology = self.topology
-        held = [end for weld in topology.welds for end in (weld.leader, weld.follower)]
-        held += [clamp.held for clamp in topology.clamps[1:]]
-        ends = {end.end for end in held if end.link == name}
-        if self.kind.turns_arms or not ends:
-            return None
-        last = self.kind.per_node * (count - 1)
-        slopes = sorted({"start": 0, "end": last}[end] + 2 for end in ends)
-        return PolarSlopes(np.array(slopes, dtype=np.intp))

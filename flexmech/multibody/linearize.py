@@ -19,6 +19,7 @@ from flexmech.linear_system import (
 )
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.assembly import LinkAssembly
+from flexmech.multibody.attached_bodies import body_couple
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import BeamPart, RigidPart, turn_vectors
 from flexmech.multibody.rigid_tangents import line_forces, rigid_virial, turning_stiffness
@@ -165,7 +166,14 @@ class _Applied:
         assembly = model.assembly
         relative = motion.angle - motion.angle[:, assembly.base, None]
         forces = np.concatenate(loads, axis=1)
-        couples = np.zeros((len(forces), len(assembly.parts), 2))
+        couples = np.zeros((len(forces), len(assembly.parts) + len(assembly.attached), 2))
+        for number, attached in enumerate(assembly.attached, len(assembly.parts)):
+            couple, body = couples[:, number], assembly.parts[attached.link]
+            couple[:] = body_couple(assembly.mechanism, attached, motion)
+            # What turns with the body is not on the node as well.
+            forces[:, attached.angle] -= couple[:, 1]
+            couple /= body.length
+            turn_vectors(couple, (np.array([0]), np.array([1])), relative[:, attached.link])
         for link, part in enumerate(assembly.parts):
             own, angle = forces[:, part.coordinates], relative[:, link]
             if isinstance(part, RigidPart):
@@ -243,6 +251,7 @@ class _Tangents:
         )
         self._state: FloatArray = np.empty((batch, assembly.size))
         self._outer: FloatArray = np.zeros((batch, assembly.size))
+        self._turning: FloatArray = np.zeros((batch, assembly.size))
 
     def take(
         self,
@@ -262,20 +271,20 @@ class _Tangents:
         state : ndarray, shape (size,)
         outer : ndarray, shape (size,), optional
             Forces on Exudyn's coordinates that keep their direction.
-        turning : ndarray, shape (n_links,), optional
-            Stiffness of rigid links against turning.
+        turning : ndarray, shape (size,), optional
+            Stiffness of rigid links and attached bodies against turning.
         """
         assembly = self._assembly
         _, stiffness, damping = linearized(assembly, settings, assembly.arms.to_nodes(state))
         self._state[number] = state
         if outer is not None:
             self._outer[number] = outer
+        if turning is not None:
+            self._turning[number] = turning
         for link, part in enumerate(assembly.parts):
             own = (part.coordinates, part.coordinates)
             self._stiffness[link][number] = stiffness[own]
             self._damping[link][number] = damping[own]
-            if isinstance(part, RigidPart) and turning is not None:
-                self._stiffness[link][number, -1, -1] = turning[link]
 
     def in_link_frames(self, angle: FloatArray) -> tuple[list[FloatArray], list[FloatArray]]:
         """Both in frames turned by ``angle`` (B, n_links) against the model's."""
@@ -296,6 +305,9 @@ class _Tangents:
             ]
             for matrices in (self._stiffness, self._damping)
         )
+        for matrix, each in zip(stiffness, assembly.parts, strict=True):
+            every = np.arange(matrix.shape[1])
+            matrix[:, every, every] += self._turning[:, each.coordinates]
         return stiffness, damping
 
 

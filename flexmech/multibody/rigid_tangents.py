@@ -111,33 +111,37 @@ def rigid_virial(mechanism: Mechanism, motion: RigidMotion, link: int) -> FloatA
 
 
 def turning_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray) -> FloatArray:
-    """Stiffness against turning of each rigid link after a static solution.
+    """Stiffness against turning of rigid links and attached bodies after a static solution.
 
     Parameters
     ----------
     model : StaticModel
     state : ndarray, shape (size,)
         Coordinates of all links.
-    couples : ndarray, shape (n_links, 2)
+    couples : ndarray, shape (n_links + n_attached, 2)
         As :meth:`flexmech.multibody.static_loads.StaticLoads.set` took them.
 
     Returns
     -------
-    ndarray, shape (n_links,)
-        In N m/rad; zero of elastic links.
+    ndarray, shape (size,)
+        By the angles among the coordinates of all links, in N m/rad.
     """
     parts = model.assembly.parts
-    stiffness = np.zeros(len(parts))
+    stiffness = np.zeros(model.assembly.size)
+    for attached, couple in zip(model.assembly.attached, couples[len(parts) :], strict=True):
+        arm = parts[attached.link].length * direction(state[attached.angle])
+        stiffness[attached.angle] += couple @ arm
     rigid = [link for link, part in enumerate(parts) if isinstance(part, RigidPart)]
     if not rigid:
         return stiffness
     for link in rigid:
         end = parts[link].end_place("end", state)
-        stiffness[link] = couples[link] @ (end - state[parts[link].coordinates][:2])
+        own = parts[link].coordinates
+        stiffness[own.stop - 1] = couples[link] @ (end - state[own][:2])
     for acting in joint_forces(model, state):
         if acting.link in rigid:
-            start = state[parts[acting.link].coordinates][:2]
-            stiffness[acting.link] += acting.force @ (acting.place - start)
+            own = parts[acting.link].coordinates
+            stiffness[own.stop - 1] += acting.force @ (acting.place - state[own][:2])
     return stiffness
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from itertools import chain
 
 import numpy as np
@@ -112,7 +113,8 @@ def drifting_joints(
     """
     topology = assembly.topology
     rigid = any(isinstance(part, RigidPart) for part in assembly.parts)
-    if rigid or topology.welds or topology.sliders or topology.clamps[1:]:
+    own_nodes = any(body.own_node for body in assembly.attached)
+    if rigid or own_nodes or topology.welds or topology.sliders or topology.clamps[1:]:
         return _closed_joints(assembly, shaft, start)
     eccentric = {part.name for _, part in assembly.beams if part.arms is not None}
     pins = [(topology.leader_of(pin.leader), pin.follower) for pin in topology.pins]
@@ -155,6 +157,8 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
         PlaceGap(joined(tie.follower), joined(topology.leader_of(tie.leader)), (0.0, 0.0), False)
         for tie in topology.ties
     ]
+    fixed = list(_attached_nodes(assembly))
+    places += [PlaceGap(body, node, (0.0, 0.0), False) for body, node in fixed]
     shaft_angle = float(start.angle[assembly.base])
     angles = [
         AngleGap(joined(clamp.held), None, angle(clamp.held) - shaft_angle)
@@ -166,6 +170,7 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
         )
         for weld in topology.welds
     ]
+    angles += [AngleGap(body, node, 0.0) for body, node in fixed]
     lines = []
     for slider in topology.sliders:
         x = -slider.offset * math.sin(slider.direction)
@@ -176,6 +181,19 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
         lines.append(LineGap(joined(slider.held), guide, place, slider.direction))
     rows = 2 * len(places) + len(angles) + len(lines)
     return ClosedJoints(shaft, list(chain(places, angles, lines)), rows)
+
+
+def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedEnd]]:
+    """Nodes of attached bodies that have one of their own, and the nodes that they are fixed to."""
+    first = assembly.size
+    for body in assembly.attached:
+        if body.own_node:
+            part = assembly.parts[body.link]
+            assert not isinstance(part, RigidPart)
+            node = (float(part.positions[body.node]), 0.0)
+            own = JoinedEnd(first, node, (0.0, 0.0), has_slope=False)
+            yield own, JoinedEnd(body.place, node, (0.0, 0.0), has_slope=True)
+            first += 3
 
 
 def _joined_end(assembly: LinkAssembly, end: LinkEnd) -> JoinedEnd:

@@ -25,6 +25,10 @@ def add_running_loads(assembly: LinkAssembly, energies: LinkEnergies) -> None:
     energies : LinkEnergies
         Of its links, for their weight.
     """
+    for count, body in enumerate(assembly.attached):
+        if body.body.mass and any(assembly.mechanism.gravity):
+            name = f"{assembly.parts[body.link].name}_attached_weight_{count}"
+            _add_weight(assembly, name, body.number, body.body.mass, body.centre)
     for link, part in enumerate(assembly.parts):
         if isinstance(part, RigidPart):
             _add_body_weight(assembly, part)

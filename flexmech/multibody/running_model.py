@@ -67,7 +67,7 @@ class RunningModel:
     joints : Joints or ClosedJoints
         What the integration rule leaves to drift.
     total_size : int
-        Coordinates of the links and the hub, which come last.
+        Coordinates of the links, of attached bodies and of the hub, which come last.
     """
 
     def __init__(
@@ -79,11 +79,11 @@ class RunningModel:
         links: Sequence[LinkModel],
         impacts: Sequence[Impact] = (),
     ) -> None:
-        self.assembly = assembly = LinkAssembly(mechanism, elements, kind)
+        self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=True)
         self.drive = drive
         self.links = links
         self.energies = LinkEnergies(assembly, links)
-        self.total_size = assembly.size + 3
+        self.total_size = assembly.system_size + 3
         self._start = mechanism.linkage.motion(drive.crank_angle(0.0))
         self.shaft = Shaft(
             float(self._start.angle[assembly.base]), float(drive.speed), float(drive.run_up_time)

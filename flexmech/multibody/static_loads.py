@@ -31,11 +31,15 @@ class StaticLoads:
     def __init__(self, assembly: LinkAssembly) -> None:
         self._assembly = assembly
         self._at_points: list[tuple[ItemNumber, int]] = []
-        self._couples: list[tuple[ItemNumber, ItemNumber, int]] = []
+        self._couples: dict[int, tuple[ItemNumber, ItemNumber]] = {}
         self._nodal = self._add_nodal_forces()
         for link, part in enumerate(assembly.parts):
             if isinstance(part, RigidPart):
-                self._add_couple(link, part)
+                self._couples[link] = self._add_couple(f"load_{link}", part.body, part.length)
+        for count, attached in enumerate(assembly.attached):
+            name, length = f"attached_load_{count}", assembly.parts[attached.link].length
+            couple = self._add_couple(name, attached.number, length)
+            self._couples[len(assembly.parts) + count] = couple
 
     def set(self, forces: FloatArray, couples: FloatArray) -> None:
         """Give the forces.
@@ -45,19 +49,22 @@ class StaticLoads:
         forces : ndarray, shape (size,)
             Generalized forces on the coordinates of all links, in the crank's frame. The moment
             on a rigid link is not read.
-        couples : ndarray, shape (n_links, 2)
+        couples : ndarray, shape (n_links + n_attached, 2)
             Force at the end of each rigid link, with its opposite at the start, in the crank's
-            frame.
+            frame; and those of each attached body, as far apart as the ends of its link.
         """
         mbs, at_nodes = self._assembly.mbs, forces.copy()
         for load, first in self._at_points:
             _set_load(mbs, load, at_nodes[first : first + 2])
             at_nodes[first : first + 2] = 0.0
-        for at_start, at_end, link in self._couples:
-            own = self._assembly.parts[link].coordinates
-            _set_load(mbs, at_start, forces[own][:2] - couples[link])
-            _set_load(mbs, at_end, couples[link])
-            at_nodes[own] = 0.0
+        for number, (at_start, at_end) in self._couples.items():
+            couple, carried = couples[number], np.zeros(2)
+            if number < len(self._assembly.parts):
+                own = self._assembly.parts[number].coordinates
+                carried = forces[own][:2]
+                at_nodes[own] = 0.0
+            _set_load(mbs, at_start, carried - couple)
+            _set_load(mbs, at_end, couple)
         if self._nodal is not None:
             mbs.SetObjectParameter(self._nodal, "forceVector", at_nodes[self._elastic])
 
@@ -92,15 +99,17 @@ class StaticLoads:
             marker = self._assembly.add_axis_point(part, number, f"{name}_point")
             self._at_points.append((self._add_load(name, marker), coordinate))
 
-    def _add_couple(self, link: int, part: RigidPart) -> None:
-        name, places = f"load_{link}", (0.0, part.length)
+    def _add_couple(
+        self, name: str, body: ItemNumber, length: float
+    ) -> tuple[ItemNumber, ItemNumber]:
+        """Forces at the node of a body and at a length from it along its link."""
         start, end = (
             self._add_load(
-                f"{name}_at_{x:g}", self._assembly.add_body_frame(part.body, f"{name}_{i}", x)
+                f"{name}_{i}", self._assembly.add_body_frame(body, f"{name}_point_{i}", x)
             )
-            for i, x in enumerate(places)
+            for i, x in enumerate((0.0, length))
         )
-        self._couples.append((start, end, link))
+        return start, end
 
     def _add_load(self, name: str, marker: ItemNumber) -> ItemNumber:
         return self._assembly.items.add(

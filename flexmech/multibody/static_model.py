@@ -46,7 +46,7 @@ class StaticModel:
     """
 
     def __init__(self, mechanism: Mechanism, elements: int, kind: str) -> None:
-        self.assembly = assembly = LinkAssembly(mechanism, elements, kind)
+        self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=False)
         self.grounds: list[tuple[LinkEnd, ItemNumber, ItemNumber]] = []
         self.loads = StaticLoads(assembly)
         self._offsets = self._add_supports()

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.linear_system import LinkModel, LinkReadings, rigid_link
+from flexmech.linear_system import LinkModel, LinkReadings, rigid_link, with_bodies
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.linearize import linearized, simulation_settings
 from flexmech.multibody.link_parts import RigidPart
@@ -24,7 +24,7 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
     had no free curvature yet: held straight against it, it would be under stress.
     """
     assembly = model.assembly
-    straight = np.zeros(assembly.size)
+    straight = np.zeros(assembly.system_size)
     model.swell(0.0)
     mass, stiffness, damping = linearized(assembly, simulation_settings(), straight)
     model.swell(1.0)
@@ -45,31 +45,30 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
             turns = np.arange(2, size, kind.per_node)
             inertia.translational_mass[turns, turns] += part.bodies.segment
         last = size - kind.per_node
-        models.append(
-            LinkModel(
-                name=name,
-                mass=own[0],
-                gyroscopic=inertia.gyroscopic,
-                translational_mass=inertia.translational_mass,
-                first_moment=inertia.first_moment,
-                stiffness=own[1],
-                damping=own[2],
-                is_axial=kind.is_axial(count),
-                start=np.array([0, 1]),
-                end=np.array([last, last + 1]),
-                start_rotation=np.array([kind.clamped]),
-                end_rotation=np.array([last + kind.clamped]),
-                readings=LinkReadings(
-                    part.positions,
-                    kind.per_node,
-                    kind.shape_functions,
-                    slope=kind.clamped,
-                    deflection=kind.deflection,
-                ),
-                fields=kind.rigid_fields(part.positions),
-                vectors=np.stack([x, y]),
-            )
+        link = LinkModel(
+            name=name,
+            mass=own[0],
+            gyroscopic=inertia.gyroscopic,
+            translational_mass=inertia.translational_mass,
+            first_moment=inertia.first_moment,
+            stiffness=own[1],
+            damping=own[2],
+            is_axial=kind.is_axial(count),
+            start=np.array([0, 1]),
+            end=np.array([last, last + 1]),
+            start_rotation=np.array([kind.clamped]),
+            end_rotation=np.array([last + kind.clamped]),
+            readings=LinkReadings(
+                part.positions,
+                kind.per_node,
+                kind.shape_functions,
+                slope=kind.clamped,
+                deflection=kind.deflection,
+            ),
+            fields=kind.rigid_fields(part.positions),
+            vectors=np.stack([x, y]),
         )
+        models.append(with_bodies(link, assembly.mechanism.link_mass(name).bodies))
     return tuple(models)
 
 
@@ -88,7 +87,7 @@ def unit_tension_stiffness(assembly: LinkAssembly) -> list[FloatArray]:
     -------
     list of ndarray, shape (e, n_link, n_link)
     """
-    straight = np.zeros(assembly.size)
+    straight = np.zeros(assembly.system_size)
     settings = simulation_settings()
     relaxed = linearized(assembly, settings, straight)[1]
     parts = []

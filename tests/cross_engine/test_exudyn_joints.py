@@ -10,9 +10,18 @@ import pytest
 import scipy.linalg
 from numpy.typing import NDArray
 
-from flexmech import BeamSection, CrankDrive, ExudynEngine, FourBar, Material, Mechanism
+from flexmech import (
+    BeamSection,
+    CrankDrive,
+    ExudynEngine,
+    FourBar,
+    Material,
+    Mechanism,
+)
 from flexmech.linear_system import inertia_loads
 from flexmech.linkages import Linkage, RigidMotion
+from flexmech.linkages.motion import direction, normal
+from flexmech.mechanism import AttachedBody
 from flexmech.multibody.linearize import internal_forces, running_tangents, static_equilibrium
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models
@@ -41,11 +50,33 @@ LINKAGES = ELASTIC | RIGID
 KINDS = ("ancf", "geometrically-exact")
 
 
-def strips(linkage: Linkage, thickness: float = 2e-3, **options: Any) -> Mechanism:
+BODIES: dict[str, tuple[AttachedBody, ...]] = {
+    "L-arm": (
+        AttachedBody("leg", 0.2, 0.02, 3e-6, (0.01, 0.015)),
+        AttachedBody("arm", 0.1, 0.03, 5e-6, (-0.02, 0.01)),
+    ),
+    "slider-crank": (
+        AttachedBody("coupler", 0.3, 0.05, 2e-5, (0.01, -0.004)),
+        AttachedBody("crank", 0.0, 0.2, 1e-5, (-0.03, 0.0)),
+        AttachedBody("coupler", 0.11, 0.01, 0.0, (0.0, 0.02)),
+    ),
+    "rigid crank": (AttachedBody("crank", 0.0, 0.2, 1e-5, (-0.03, 0.0)),),
+    "rigid connecting rod": (AttachedBody("coupler", 0.3, 0.05, 2e-5, (0.01, -0.004)),),
+}
+
+
+def strips(name: str, thickness: float = 2e-3, bodies: bool = False) -> Mechanism:
     """Aluminium strips under their weight."""
+    linkage = LINKAGES[name]
     section = BeamSection.rectangle(Material(68.9e9, 2923.0), thickness, 25.4e-3)
     sections = dict.fromkeys(linkage.topology.link_names, section)
-    return Mechanism(linkage, sections, gravity=(0.0, -9.81), **options)
+    attached = BODIES[name] if bodies else ()
+    return Mechanism(linkage, sections, gravity=(0.0, -9.81), bodies=attached)
+
+
+CASES = pytest.mark.parametrize(
+    ("name", "bodies"), [*((name, False) for name in LINKAGES), *((name, True) for name in BODIES)]
+)
 
 
 class Static:
@@ -68,11 +99,11 @@ class Static:
         return np.concatenate([q[0] for q in self.equilibrium(further).displacement])
 
 
-@pytest.mark.parametrize("name", LINKAGES)
+@CASES
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_tangent_tells_how_the_equilibrium_moves(name: str, kind: str) -> None:
+def test_the_tangent_tells_how_the_equilibrium_moves(name: str, bodies: bool, kind: str) -> None:
     """Small forces on nodes move it by the inverse tangent, whatever forces the joints carry."""
-    case = Static(strips(LINKAGES[name]), kind, np.radians(40.0), 20.0)
+    case = Static(strips(name, bodies=bodies), kind, np.radians(40.0), 20.0)
     found = case.equilibrium()
     ties = Ties(case.topology, case.motion, case.links, found.displacement)
     stiffness = scipy.linalg.block_diag(*(k[0] for k in found.tangent))
@@ -97,7 +128,7 @@ def test_the_tangent_tells_how_the_equilibrium_moves(name: str, kind: str) -> No
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_tangents_of_running_states_are_derivatives_of_internal_forces(kind: str) -> None:
-    case = Static(strips(LArm()), kind, 0.3, 20.0)
+    case = Static(strips("L-arm"), kind, 0.3, 20.0)
     state = [q.copy() for q in case.equilibrium().displacement]
     tangent, _ = running_tangents(case.model, case.motion, state)
     step = 1e-7
@@ -114,11 +145,13 @@ def test_tangents_of_running_states_are_derivatives_of_internal_forces(kind: str
         np.testing.assert_allclose(tangent[link][0], derivative, rtol=0, atol=1e-7 * size)
 
 
-@pytest.mark.parametrize("name", LINKAGES)
+@CASES
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("integrator", ["trapezoidal", "generalized-alpha"])
-def test_a_run_keeps_its_energy_and_its_joints(name: str, kind: str, integrator: Any) -> None:
-    mechanism = strips(LINKAGES[name], 4e-3)
+def test_a_run_keeps_its_energy_and_its_joints(
+    name: str, bodies: bool, kind: str, integrator: Any
+) -> None:
+    mechanism = strips(name, 4e-3, bodies)
     engine, drive = ExudynEngine(mechanism, 3, kind), CrankDrive(20.0)
     time = np.linspace(0.0, 0.02, 21)
     run = engine.simulate(drive, LinkState.rigid(engine.links), time, 2e-5, integrator=integrator)
@@ -153,3 +186,26 @@ def test_forces_of_joints_balance_inertia(kind: str) -> None:
     np.testing.assert_allclose((pin + line)[2:], (mass * centre)[2:], rtol=0, atol=1e-5 * size)
     assert np.abs(line[:, 0]).max() < 1e-9 * size
     assert np.abs(line[:, 1]).max() > 0.05 * size
+
+
+@pytest.mark.parametrize("name", BODIES)
+@pytest.mark.parametrize("kind", KINDS)
+def test_loads_of_bodies_are_those_of_the_rigid_linkage(name: str, kind: str) -> None:
+    """Force and moment of each link's inertia and weight, bodies included."""
+    mechanism = strips(name, bodies=True)
+    case = Static(mechanism, kind, 0.7, 20.0)
+    rigid = mechanism.inverse_dynamics(case.motion)
+    for number, (link, load) in enumerate(zip(case.links, case.loads, strict=True)):
+        fields, angle = link.fields, case.motion.angle[0, number]
+        along, across = load[0] @ fields.along, load[0] @ fields.across
+        force = along * direction(angle) + across * normal(angle)
+        wanted = rigid.inertia_force[0, number]
+        np.testing.assert_allclose(force, wanted, rtol=0, atol=1e-12 * np.abs(wanted).max())
+        moment = load[0] @ fields.tangential
+        wanted = rigid.inertia_moment[0, number]
+        if kind == "geometrically-exact" and not link.rigid:
+            # The rigid linkage's strips are lines.
+            section, length = mechanism.sections[link.name], mechanism.link_mass(link.name).length
+            turning = case.motion.angular_acceleration[0, number]
+            wanted -= section.rotary_inertia * length * turning
+        assert moment == pytest.approx(wanted, rel=1e-11, abs=1e-13)

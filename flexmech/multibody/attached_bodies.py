@@ -1,0 +1,153 @@
+"""Rigid bodies that are fixed to links of beams: hubs, counterweights, pistons.
+
+On an exact beam such a body shares the node, which turns. A cable's node has a slope and no angle:
+the body has a node of its own, pinned to the cable's and kept from turning against its slope.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.linear_system import body_nodes
+from flexmech.linkages import LinkBody, LinkMass, RigidMotion
+from flexmech.linkages.motion import direction, normal
+from flexmech.mechanism import Mechanism
+from flexmech.multibody.items import ItemNumber, SystemItems
+from flexmech.multibody.link_parts import BeamPart
+from flexmech.types import FloatArray
+
+__all__ = ["AttachedPart", "add_attached_bodies", "body_couple"]
+
+
+@dataclass(frozen=True)
+class AttachedPart:
+    """A body on a link of beams.
+
+    Parameters
+    ----------
+    link : int
+    body : LinkBody
+    node : int
+        Of the link, at which it is fixed.
+    place, angle : int
+        First coordinate of that node, and its angle, among those of all links.
+    number : ItemNumber
+        Of the body in the system.
+    own_node : bool
+        Whether it has a node of its own.
+    centre : tuple of float
+        Its centre of mass in the body's axes in m.
+    """
+
+    link: int
+    body: LinkBody
+    node: int
+    place: int
+    angle: int
+    number: ItemNumber
+    own_node: bool
+    centre: tuple[float, float]
+
+    @property
+    def moments(self) -> tuple[float, float, float, float]:
+        """Mass, its first moments along and across and its polar second moment about the axis."""
+        mass, (a, c) = self.body.mass, self.body.offset
+        return mass, mass * a, mass * c, self.body.inertia + mass * (a**2 + c**2)
+
+
+def add_attached_bodies(
+    items: SystemItems, link: int, part: BeamPart, mass: LinkMass, has_mass: bool
+) -> list[AttachedPart]:
+    """Add the bodies of a link to a system.
+
+    Parameters
+    ----------
+    items : SystemItems
+    link : int
+    part : BeamPart
+    mass : LinkMass
+        Of the link.
+    has_mass : bool
+        Whether the system moves; at standstill a body is where forces act.
+
+    Returns
+    -------
+    list of AttachedPart
+    """
+    if mass.bodies:
+        items.begin(f"{part.name}: attached bodies")
+    attached = []
+    for count, (body, node) in enumerate(
+        zip(mass.bodies, body_nodes(part.positions, mass.bodies).tolist(), strict=True)
+    ):
+        name, own_node = f"{part.name}_attached_{count}", part.bodies is None
+        number = part.nodes[node]
+        # The node of an eccentric link is off the axis from which the offset counts.
+        below = 0.0 if part.arms is None else part.arms.length
+        if own_node:
+            place = [float(part.positions[node]), 0.0, 0.0]
+            number = items.add("NodeRigidBody2D", f"{name}_node", referenceCoordinates=place)
+        x, y = body.offset[0], body.offset[1] - below
+        total, inertia = (body.mass, body.inertia) if has_mass else (0.0, 0.0)
+        made = items.add(
+            "ObjectRigidBody2D",
+            name,
+            nodeNumber=number,
+            mass=total,
+            inertia=inertia + total * (x**2 + y**2),
+            centerOfMass=[x, y],
+        )
+        first = part.coordinates.start + part.kind.per_node * node
+        angle = first + part.kind.clamped
+        attached.append(AttachedPart(link, body, node, first, angle, made, own_node, (x, y)))
+        if own_node:
+            _fix(items, part, attached[-1], name)
+    return attached
+
+
+def _fix(items: SystemItems, part: BeamPart, attached: AttachedPart, name: str) -> None:
+    """Pin a body to a cable's node and keep it from turning against the slope there."""
+    node = part.nodes[attached.node]
+    places = [
+        items.add("MarkerNodePosition", f"{name}_place", nodeNumber=node),
+        items.add("MarkerBodyRigid", f"{name}_on_body", bodyNumber=attached.number),
+    ]
+    items.add("RevoluteJoint2D", f"{name}_pin", markerNumbers=places)
+    element = max(attached.node - 1, 0)
+    x = float(part.positions[attached.node] - part.positions[element])
+    axis = part.kind.add_axis_marker(items, f"{name}_axis", node, part.elements[element], x)
+    items.add(
+        "GenericJoint",
+        f"{name}_rotation",
+        markerNumbers=[axis, places[1]],
+        constrainedAxes=[0, 0, 0, 0, 0, 1],
+    )
+
+
+def body_couple(mechanism: Mechanism, attached: AttachedPart, motion: RigidMotion) -> FloatArray:
+    """Virial and moment about its node of inertia forces and weight of a body.
+
+    The virial leaves out the centrifugal forces of the body's own turning about the node, which
+    act along with it however it is turned.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    attached : AttachedPart
+    motion : RigidMotion
+        Batch of shape (B,).
+
+    Returns
+    -------
+    ndarray, shape (B, 2)
+        In N m.
+    """
+    link, (_, along, across, second) = attached.link, attached.moments
+    angle, change = motion.angle[:, link], motion.angular_acceleration[:, link]
+    pull = motion.acceleration(link, attached.body.position) - np.asarray(mechanism.gravity)
+    x = np.sum(pull * direction(angle), axis=1)
+    y = np.sum(pull * normal(angle), axis=1)
+    virial = -(along * x + across * y)
+    return np.stack([virial, across * x - along * y - second * change], axis=1)
