@@ -217,6 +217,20 @@ class EngineLinks(ElementKinds):
             f"the {self.name} engine does not linearize about states of the running linkage"
         )
 
+    def require_prescribed_shaft(self) -> None:
+        """Refuse a free shaft where the crank's motion is prescribed.
+
+        Raises
+        ------
+        InputError
+            If the shaft is free.
+        """
+        if self._free_shaft is not None:
+            raise InputError(
+                "a run in time turns the shaft as prescribed, and that of this engine is free; "
+                "use shaft 'prescribed'"
+            )
+
     @property
     def turns_freely_as_one_body(self) -> bool:
         """Whether the shaft is free and nothing moves against what it turns.

@@ -197,6 +197,7 @@ class ExudynEngine(Engine):
         ComputationError
             If a step does not converge; names its time and the crank angle.
         """
+        self.require_prescribed_shaft()
         check_number(step, "step", "s", POSITIVE)
         sample_time = checked_array(sample_time, "sample_time", "s")
         check_choice(integrator, INTEGRATORS, "integrator")
@@ -252,6 +253,7 @@ class ExudynEngine(Engine):
         ComputationError
             If a step does not converge; names its time and the crank angle.
         """
+        self.require_prescribed_shaft()
         check_number(step, "step", "s", POSITIVE)
         model = RunningModel(
             self.mechanism, self.elements, self.element, drive, self.held_links, impacts
@@ -293,6 +295,7 @@ class ExudynEngine(Engine):
         InputError
             If the step or the integrator cannot be, or the start tears a joint.
         """
+        self.require_prescribed_shaft()
         check_number(step, "step", "s", POSITIVE)
         check_choice(integrator, INTEGRATORS, "integrator")
         model = RunningModel(self.mechanism, self.elements, self.element, drive, self.held_links)

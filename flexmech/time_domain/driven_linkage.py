@@ -90,6 +90,7 @@ class DrivenLinkage:
         with_energy: bool = True,
         stretches: bool = False,
     ) -> None:
+        engine.require_prescribed_shaft()
         self.engine = engine
         self.drive = drive
         self.prestress = prestress

@@ -105,6 +105,7 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
     ----------
     turn : SampledTurn
     modes : int
+        Without rigid ones.
     wanted : int
         How many numbers to look for.
 
@@ -115,6 +116,7 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
         if nothing turns or there are no more than are asked for.
     """
     squares, largest = turn.frozen_squares, turn.frames.size
+    modes += turn.rigid_modes
     if not turn.turns_pins:
         return [largest]
     counts: list[int] = []
@@ -201,7 +203,11 @@ def _scale_and_fixed_basis(
     squares = turn.frozen_squares[:, :count]
     average = np.einsum("aij,ai,aik->jk", own.alignment, squares, own.alignment)
     mean_squares, turned = np.linalg.eigh(average / len(squares))
-    return np.sqrt(np.abs(mean_squares)), own.fixed @ turned, own.alignment @ turned
+    scale = np.sqrt(np.abs(mean_squares))
+    # Any scale makes canonical states; that of a rigid mode would be zero.
+    rigid = slice(turn.rigid_modes)
+    scale[rigid] = np.maximum(scale[rigid], abs(turn.crank_speed))
+    return scale, own.fixed @ turned, own.alignment @ turned
 
 
 def _projected(

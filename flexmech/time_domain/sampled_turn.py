@@ -66,6 +66,8 @@ class SampledTurn:
         Of the reduced links.
     crank_speed : float
         In rad/s.
+    rigid_modes : int
+        How many of the natural modes, the first ones, deform nothing: that of a free shaft.
     """
 
     motion: RigidMotion
@@ -76,6 +78,7 @@ class SampledTurn:
     damping: list[FloatArray]
     frames: LinkFrames
     crank_speed: float
+    rigid_modes: int = 0
 
     @classmethod
     def of(
@@ -111,7 +114,13 @@ class SampledTurn:
         speed = float(motion.crank_speed[0])
         turns_pins = bool(engine.topology.pins)
         reduced = (
-            prestressed_links(engine, CrankDrive(fastest or speed), prestress, modes, DETAIL)
+            prestressed_links(
+                engine,
+                CrankDrive(fastest or speed),
+                prestress,
+                modes + engine.rigid_modes,
+                DETAIL,
+            )
             if turns_pins
             else ReducedLinks.all_of(engine)
         )
@@ -129,6 +138,7 @@ class SampledTurn:
             damping=[basis.T @ d @ basis for (basis, _), d in zip(pairs, damping, strict=True)],
             frames=LinkFrames(engine.topology, reduced.models),
             crank_speed=speed,
+            rigid_modes=engine.rigid_modes,
         )
 
     @property

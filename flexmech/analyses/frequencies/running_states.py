@@ -58,6 +58,7 @@ class RunningStates:
         ComputationError
             If no periodic motion is found.
         """
+        engine = engine.with_(shaft="prescribed")
         simulating, drive = simulator(engine), CrankDrive(crank_speed)
         turn = drive.revolution_time
         time = turn / SAMPLES_PER_TURN * np.arange(SAMPLES_PER_TURN + 1, dtype=float)

@@ -113,6 +113,8 @@ def dataset_of(maps: Sequence[EngineStability], request: StabilityRequest) -> xr
         variables[name] = (OVER_SPEEDS, table)
     for name, values in OF_MULTIPLIERS.items():
         variables[name] = (OVER_MULTIPLIERS, _padded(followed, len(speeds), kept, values))
+    if all(each.engine.rigid_modes for each in maps):
+        variables["shaft_growth_rate"] = (OVER_SPEEDS, _shaft(followed, len(speeds)))
     variables["harmonic_share"] = (
         (*OVER_MULTIPLIERS, "harmonic"),
         _shares(followed, len(speeds), kept, harmonics),
@@ -203,6 +205,15 @@ def _padded(
         for place, each in own.items():
             found = values(each)
             table[engine, place, : len(found)] = found
+    return table
+
+
+def _shaft(followed: Sequence[dict[int, FollowedSpeed]], speeds: int) -> FloatArray:
+    """Growth rate of the free shaft's own motion over (engine, crank_speed)."""
+    table = np.full((len(followed), speeds), np.nan)
+    for engine, own in enumerate(followed):
+        for place, each in own.items():
+            table[engine, place] = each.shaft_growth_rate
     return table
 
 

@@ -375,4 +375,5 @@ def _followed(solved: SolvedSpeed, modes: KeptModes, alike: FloatArray) -> Follo
         buckled_angle=solved.buckled_angle,
         orbit_distance=solved.orbit_distance,
         orbit_residual=solved.orbit_residual,
+        rigid=modes.rigid,
     )

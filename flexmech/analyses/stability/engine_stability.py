@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.analyses.stability.band import Band
-from flexmech.analyses.stability.exponents import FloquetExponents
+from flexmech.analyses.stability.exponents import GROWS, FloquetExponents
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray, IntArray
 
@@ -44,6 +45,8 @@ class FollowedSpeed(FloquetExponents):
         displacement; with prestress ``trajectory`` alone.
     orbit_residual : float or None
         Of the periodic motion, relative to the inertia forces.
+    rigid : ndarray of complex, shape (2 r,)
+        Exponents in 1/s of the free shaft's own motion, which is none of the modes.
     """
 
     step_error: FloatArray
@@ -55,6 +58,12 @@ class FollowedSpeed(FloquetExponents):
     buckled_angle: float | None = None
     orbit_distance: float | None = None
     orbit_residual: float | None = None
+    rigid: NDArray[np.complex128] = field(default_factory=lambda: np.zeros(0, dtype=complex))
+
+    @property
+    def shaft_growth_rate(self) -> float | None:
+        """Growth rate of the free shaft's own motion in 1/s; None where the shaft is not free."""
+        return float(self.rigid.real.max()) if len(self.rigid) else None
 
     @property
     def branch(self) -> IntArray:
@@ -85,7 +94,8 @@ class FollowedSpeed(FloquetExponents):
     @property
     def is_unstable(self) -> bool:
         """Whether a modulus exceeds one by more than its error."""
-        return self.grows_beyond(self.step_error)
+        # Both multipliers of a steady shaft meet at one, and round-off about them is greater.
+        return self.grows_beyond(np.maximum(self.step_error, GROWS if len(self.rigid) else 0.0))
 
 
 @dataclass(frozen=True)

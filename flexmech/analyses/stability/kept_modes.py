@@ -41,6 +41,9 @@ class KeptModes(FloquetExponents):
         they mean nothing.
     liouville_defect : float
     steps : int
+    rigid : ndarray of complex, shape (2 r,)
+        Exponents in 1/s of the modes of r rigid motions, which are none of the k modes; their
+        imaginary parts are known up to multiples of the crank's speed.
     """
 
     shape: NDArray[np.complex128]
@@ -48,6 +51,7 @@ class KeptModes(FloquetExponents):
     signature: FloatArray
     liouville_defect: float
     steps: int
+    rigid: NDArray[np.complex128]
 
     def taken(self, order: IntArray) -> KeptModes:
         """The modes in another order."""
@@ -59,6 +63,7 @@ class KeptModes(FloquetExponents):
             self.signature[order],
             self.liouville_defect,
             self.steps,
+            self.rigid,
         )
 
 
@@ -96,7 +101,8 @@ def kept_modes(linkage: VibratingLinkage, damping: float, steps: int) -> KeptMod
     states = found.shapes()
     largest, shares = _largest_harmonic(states)
     sampled = _about_harmonic(states[:: steps // SHAPE_ANGLES], largest, linkage)
-    kept = _within_lowest(linkage, sampled)
+    kept = _within(linkage.lowest, sampled)
+    rigid = _within(linkage.rigid, sampled)
     weighted = linkage.weighted @ sampled[..., kept]
     return KeptModes(
         linkage.crank_speed,
@@ -106,6 +112,7 @@ def kept_modes(linkage: VibratingLinkage, damping: float, steps: int) -> KeptMod
         krein_signature(states[0][:, kept]),
         found.liouville_defect,
         steps,
+        found.exponent[rigid],
     )
 
 
@@ -176,10 +183,10 @@ def _displacements(
     return np.asarray(states[:, : linkage.size] / np.sqrt(linkage.scale)[:, None])
 
 
-def _within_lowest(linkage: VibratingLinkage, shapes: NDArray[np.complex128]) -> IntArray:
-    """The 2 m modes whose displacement (angles, m, n) lies most in the lowest m natural modes."""
-    inside = (np.abs(linkage.lowest @ shapes) ** 2).sum(axis=(0, 1))
+def _within(natural: FloatArray, shapes: NDArray[np.complex128]) -> IntArray:
+    """The 2 m modes whose displacement (angles, n, k) lies most in m natural modes."""
+    inside = (np.abs(natural @ shapes) ** 2).sum(axis=(0, 1))
     of_all = (np.abs(shapes) ** 2).sum(axis=(0, 1))
     # Of two conjugate modes round-off must not part one from the other.
     order = np.argsort(-np.round(inside / of_all, 9), kind="stable")
-    return np.sort(order[: 2 * linkage.lowest.shape[1]])
+    return np.sort(order[: 2 * natural.shape[1]])

@@ -74,5 +74,6 @@ def _frequencies(engine: Engine, speed: float, prestress: Prestress, modes: int)
     angle = 2 * np.pi / ANGLES * np.arange(ANGLES)
     motion = engine.mechanism.linkage.motion(angle, speed)
     stressed = engine.stressed_links(motion, prestress)
-    squares = SampledTurn.of(engine, motion, stressed, prestress, modes).frozen_squares
-    return np.asarray(np.sqrt(np.maximum(squares[:, :modes], 0.0)) / (2 * np.pi))
+    turn = SampledTurn.of(engine, motion, stressed, prestress, modes)
+    squares = turn.frozen_squares[:, turn.rigid_modes :][:, :modes]
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi))

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 __all__ = ["StabilityMap"]
 
+SHAFT = "shaft_growth_rate"
+
 
 class StabilityMap(Result):
     """Floquet multipliers over crank speed, and the bands of speeds at which a vibration grows.
@@ -80,6 +82,7 @@ class StabilityMap(Result):
             unstable=data["unstable"],
             kind=kind,
             branches=branches,
+            **({"shaft_growth_rate_1_s": data[SHAFT]} if SHAFT in data else {}),
         )
         return table[table["unstable"] != NOT_COMPUTED].reset_index(drop=True)
 
@@ -212,6 +215,7 @@ class StabilityMap(Result):
             *words.gap_lines(data),
             *words.error_lines(data),
             *words.motion_lines(data),
+            *words.shaft_lines(data),
         )
         warned = (*words.interrupted_warnings(data), *theory_warnings(data.attrs))
         return Summary(parts, words.verdict(data), warned)

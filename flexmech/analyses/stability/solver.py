@@ -37,6 +37,8 @@ SAMPLES = (96, 144, 224, 336, 512, 768)
 SERIES_TOLERANCE = 1e-6
 # Steps are this part of a period of the fastest moving mode over 2 pi, or shorter.
 RADIANS_A_STEP = 1.5
+# A free shaft moves far more slowly, and what the steps leave of the fastest modes shows there.
+RADIANS_BESIDE_A_FREE_SHAFT = 0.5
 LEAST_STEPS = 128
 # Part of their size by which the multipliers' logarithms may miss the integral of the trace.
 LIOUVILLE = 1e-6
@@ -370,14 +372,16 @@ class LinkageSolver:
 
     @property
     def _moving_engine(self) -> Engine:
-        """With the damping that holds the periodic motion."""
-        return self.engine if self.orbit_engine is None else self.orbit_engine
+        """With the damping that holds the periodic motion, and the shaft that is prescribed."""
+        engine = self.engine if self.orbit_engine is None else self.orbit_engine
+        return engine.with_(shaft="prescribed") if engine.shaft == "free" else engine
 
     def steps_for(self, moving: VibratingLinkage) -> int:
         """Steps of the propagator a turn."""
         if self.steps is not None:
             return self.steps
-        wanted = max(LEAST_STEPS, moving.fastest * moving.period / RADIANS_A_STEP)
+        radians = RADIANS_BESIDE_A_FREE_SHAFT if self.engine.rigid_modes else RADIANS_A_STEP
+        wanted = max(LEAST_STEPS, moving.fastest * moving.period / radians)
         return 2 * SHAPE_ANGLES * int(np.ceil(wanted / (2 * SHAPE_ANGLES)))
 
 

@@ -30,7 +30,10 @@ class VibratingLinkage:
     weighted : ndarray, shape (SHAPE_ANGLES, N, m)
         From y to the coordinates of all unreduced links, weighted by their mass.
     lowest : ndarray, shape (SHAPE_ANGLES, modes, m)
-        From y to the amplitudes of the lowest natural modes at the same crank angles.
+        From y to the amplitudes of the lowest natural modes at the same crank angles, without
+        rigid ones.
+    rigid : ndarray, shape (SHAPE_ANGLES, r, m)
+        From y to the amplitudes of rigid modes: that of a free shaft.
     fastest : float
         Greatest natural frequency in rad/s that the steps must resolve.
     least_square, least_angle : float
@@ -47,6 +50,7 @@ class VibratingLinkage:
     dissipative: FourierSeries
     weighted: FloatArray
     lowest: FloatArray
+    rigid: FloatArray
     fastest: float
     least_square: float
     least_angle: float
@@ -76,19 +80,22 @@ class VibratingLinkage:
             np.linalg.cholesky(link.mass).T @ reduction @ q
             for link, reduction, q in zip(turn.unreduced, turn.bases, coordinates, strict=True)
         ]
-        lowest = np.swapaxes(turn.frozen_modes[some, :, :modes], 1, 2)
-        least = int(squares[:, 0].argmin())
+        first = turn.rigid_modes
+        natural = np.swapaxes(turn.frozen_modes[some, :, : first + modes], 1, 2)
+        amplitude = natural @ turn.mass[some] @ basis
+        least = int(squares[:, first].argmin())
         # A constant system is solved exactly, whatever else moves in it.
-        counted = moving.size if turn.turns_pins else min(modes, moving.size)
+        counted = moving.size if turn.turns_pins else min(first + modes, moving.size)
         return cls(
             crank_speed=turn.crank_speed,
             scale=moving.scale,
             conservative=moving.conservative,
             dissipative=moving.dissipative,
             weighted=np.concatenate(weighted, axis=1),
-            lowest=lowest @ turn.mass[some] @ basis,
+            lowest=amplitude[:, first:],
+            rigid=amplitude[:, :first],
             fastest=float(np.sqrt(squares[:, counted - 1].max())),
-            least_square=float(squares[least, 0]),
+            least_square=float(squares[least, first]),
             least_angle=float(turn.motion.crank_angle[least]),
             is_definite=moving.is_definite,
         )

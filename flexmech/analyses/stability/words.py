@@ -22,16 +22,41 @@ __all__ = [
     "gap_lines",
     "interrupted_warnings",
     "motion_lines",
+    "shaft_lines",
     "verdict",
 ]
 
 MOST_LINES, MOST_ROWS = 6, 24
 """Bands of an engine that are told in a sentence and in a row; of more, the fastest growing."""
+STILL = 1e-3
+"""Growth rate in 1/s of a free shaft's motion that is none but round-off: of steady motion both its
+exponents are zero, and two that meet there are known to the root of round-off."""
 PARTS = ("step", "reduction", "mesh")
 FRAME_LINE = (
     "Floquet multipliers are the same in every frame; damping ratios of frozen positions with "
     "rotation terms are not"
 )
+
+
+def shaft_lines(dataset: xr.Dataset) -> list[str]:
+    """What becomes of the free shaft's own motion, of each engine; none where it is not free."""
+    if "shaft_growth_rate" not in dataset:
+        return []
+    unit, lines = _unit(dataset), []
+    for name in dataset["engine"].values:
+        rate = dataset["shaft_growth_rate"].sel(engine=name).dropna("crank_speed")
+        if not rate.size:
+            continue
+        fastest = rate.isel(crank_speed=int(rate.values.argmax()))
+        where = f"{from_si(float(fastest['crank_speed']), unit):.6g} {unit}"
+        said = f"grows with at most {float(fastest):.3g} 1/s, at {where}"
+        if float(fastest) < STILL:
+            said = f"does not grow (at most {STILL:g} 1/s)"
+        lines.append(
+            f"shaft: free, {name}: its own motion against the mean one {said}; it is not counted "
+            "among the modes"
+        )
+    return lines
 
 
 def avoid_lines(dataset: xr.Dataset) -> list[str]:
