@@ -131,7 +131,7 @@ def kept_growth(linkage: VibratingLinkage, damping: float, steps: int) -> KeptGr
     """
     found = floquet_modes(linkage.system(damping), steps)
     states = found.shapes(steps // SHAPE_ANGLES)
-    kept = _within_lowest(linkage, _displacements(states, linkage))
+    kept = _within(linkage.lowest, _displacements(states, linkage))
     return KeptGrowth(float(found.exponent.real[kept].max()), found.liouville_defect)
 
 
