@@ -129,9 +129,6 @@ def _fix(items: SystemItems, part: BeamPart, attached: AttachedPart, name: str) 
 def body_couple(mechanism: Mechanism, attached: AttachedPart, motion: RigidMotion) -> FloatArray:
     """Virial and moment about its node of inertia forces and weight of a body.
 
-    The virial leaves out the centrifugal forces of the body's own turning about the node, which
-    act along with it however it is turned.
-
     Parameters
     ----------
     mechanism : Mechanism
@@ -149,5 +146,5 @@ def body_couple(mechanism: Mechanism, attached: AttachedPart, motion: RigidMotio
     pull = motion.acceleration(link, attached.body.position) - np.asarray(mechanism.gravity)
     x = np.sum(pull * direction(angle), axis=1)
     y = np.sum(pull * normal(angle), axis=1)
-    virial = -(along * x + across * y)
+    virial = second * motion.angular_velocity[:, link] ** 2 - along * x - across * y
     return np.stack([virial, across * x - along * y - second * change], axis=1)

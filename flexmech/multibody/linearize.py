@@ -139,7 +139,7 @@ def static_equilibrium(
         if not _solve_static(assembly, settings, assembly.arms.to_nodes(start)):
             _solve_afresh(model, settings, pose, applied, motion, number)
         state = assembly.arms.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
-        turning = turning_stiffness(model, state, couples)
+        turning = turning_stiffness(model, state, couples, motion.angular_velocity[number])
         line_force[number] = line_forces(model)
         moved = assembly.deformation(state, pose)
         deformation = displacement[number] = assembly.turned(moved, -relative[number])

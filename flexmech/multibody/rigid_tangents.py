@@ -88,9 +88,6 @@ def joint_forces(model: StaticModel, state: FloatArray) -> Iterator[JointForce]:
 def rigid_virial(mechanism: Mechanism, motion: RigidMotion, link: int) -> FloatArray:
     """Virial of inertia forces and weight of a rigid link about its start.
 
-    Without that of the centrifugal forces of its own turning, which act along with the link
-    however it is turned, and which ``translational_mass`` of the link leaves out as well.
-
     Parameters
     ----------
     mechanism : Mechanism
@@ -104,14 +101,19 @@ def rigid_virial(mechanism: Mechanism, motion: RigidMotion, link: int) -> FloatA
         Integral of force times place in N m.
     """
     mass = mechanism.link_mass(mechanism.linkage.topology.link_names[link])
-    angle = motion.angle[:, link]
+    angle, turning = motion.angle[:, link], motion.angular_velocity[:, link] ** 2
     pull = motion.origin_acceleration[:, link] - np.asarray(mechanism.gravity)
     centre = mass.moment(1) * direction(angle) + mass.moment_across * normal(angle)
-    return np.asarray(-np.sum(centre * pull, axis=1))
+    return np.asarray(turning * mass.moment(2) - np.sum(centre * pull, axis=1))
 
 
-def turning_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray) -> FloatArray:
+def turning_stiffness(
+    model: StaticModel, state: FloatArray, couples: FloatArray, speed: FloatArray
+) -> FloatArray:
     """Stiffness against turning of rigid links and attached bodies after a static solution.
+
+    Without that of the centrifugal forces of their own turning: a rotation keeps their potential,
+    and ``translational_mass`` leaves them out as well.
 
     Parameters
     ----------
@@ -120,6 +122,8 @@ def turning_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray
         Coordinates of all links.
     couples : ndarray, shape (n_links + n_attached, 2)
         As :meth:`flexmech.multibody.static_loads.StaticLoads.set` took them.
+    speed : ndarray, shape (n_links,)
+        Angular velocities of the links in rad/s.
 
     Returns
     -------
@@ -131,13 +135,15 @@ def turning_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray
     for attached, couple in zip(model.assembly.attached, couples[len(parts) :], strict=True):
         arm = parts[attached.link].length * direction(state[attached.angle])
         stiffness[attached.angle] += couple @ arm
-    rigid = [link for link, part in enumerate(parts) if isinstance(part, RigidPart)]
+        stiffness[attached.angle] -= speed[attached.link] ** 2 * attached.moments[3]
+    rigid = {link: part for link, part in enumerate(parts) if isinstance(part, RigidPart)}
     if not rigid:
         return stiffness
     for link in rigid:
         end = parts[link].end_place("end", state)
         own = parts[link].coordinates
         stiffness[own.stop - 1] = couples[link] @ (end - state[own][:2])
+        stiffness[own.stop - 1] -= speed[link] ** 2 * rigid[link].moments[3]
     for acting in joint_forces(model, state):
         if acting.link in rigid:
             own = parts[acting.link].coordinates
