@@ -32,7 +32,7 @@ class JoinedEnd:
     lever : tuple of float
         The point's place from the node, along and across the link, in m.
     has_slope : bool
-        Whether the node has a slope vector as its third and fourth coordinate, or an angle.
+        Whether its coordinates from the third are a slope vector, not an angle.
     """
 
     first: int
@@ -104,7 +104,7 @@ class JoinedEnd:
 
 @dataclass(frozen=True)
 class PlaceGap:
-    """Two points that are one; without a leader, a point at a place of the ground or the hub.
+    """Two points that are one; without a leader, a point and a place of ground or hub.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ class PlaceGap:
     on_hub: bool
 
     def rows(self, position: Any, turn: float, gap: Any, rows: Any) -> int:
-        """Write how far they are apart and its derivatives; returns the number of rows.
+        """Write how far they are apart and its derivatives; returns how many rows.
 
         Parameters
         ----------
@@ -159,7 +159,7 @@ class AngleGap:
     between: float
 
     def rows(self, position: Any, turn: float, gap: Any, rows: Any) -> int:
-        """Write how much it has changed and its derivatives; returns the number of rows.
+        """Write how much it has changed and its derivatives; returns how many rows.
 
         Parameters
         ----------
@@ -174,7 +174,8 @@ class AngleGap:
         if self.leader is not None:
             before = self.leader.angle(position)
             self.leader.angle_row(position, rows[0], -1.0)
-        gap[0] = math.remainder(self.follower.angle(position) - before - self.between, 2 * math.pi)
+        turned = self.follower.angle(position) - before - self.between
+        gap[0] = math.remainder(turned, 2 * math.pi)
         self.follower.angle_row(position, rows[0], 1.0)
         return 1
 
@@ -200,7 +201,7 @@ class LineGap:
     direction: float
 
     def rows(self, position: Any, turn: float, gap: Any, rows: Any) -> int:
-        """Write how far it is off and its derivatives; returns the number of rows.
+        """Write how far it is off and its derivatives; returns how many rows.
 
         Parameters
         ----------

@@ -12,7 +12,7 @@ from flexmech.multibody.items import Choice, ItemNumber, SystemItems
 from flexmech.multibody.joints import SliderJoint
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.running_model import RunningModel
-from flexmech.multibody.user_functions import constraint_force, line_force, middle_deflection
+from flexmech.multibody.user_functions import constraint_force, guide_line_force, middle_deflection
 
 __all__ = ["add_sensors"]
 
@@ -160,6 +160,6 @@ def _add_line_force(assembly: LinkAssembly, name: str, line: SliderJoint) -> Non
         name,
         sensorNumbers=turning,
         factors=[line.constraint, line.slider.direction + math.pi / 2],
-        sensorUserFunction=line_force,
+        sensorUserFunction=guide_line_force,
         **_KEPT,
     )

@@ -10,7 +10,7 @@ from flexmech.multibody.user_functions import (
     Shaft,
     constraint_force,
     difference_mass,
-    line_force,
+    guide_line_force,
     middle_deflection,
     turned_frame,
 )
@@ -32,5 +32,5 @@ SHARED = (
     turned_frame,
     middle_deflection,
     constraint_force,
-    line_force,
+    guide_line_force,
 )

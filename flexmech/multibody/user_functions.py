@@ -20,7 +20,7 @@ __all__ = [
     "Shaft",
     "constraint_force",
     "difference_mass",
-    "line_force",
+    "guide_line_force",
     "middle_deflection",
     "turned_frame",
 ]
@@ -227,11 +227,13 @@ def constraint_force(
     return [-float(multipliers[row]) for row in rows]
 
 
-def line_force(mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any) -> list[float]:
+def guide_line_force(
+    mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any
+) -> list[float]:
     """Sensor: force of a line on the end that slides on it, in ground axes.
 
-    The first factor is the number of the constraint, the second the angle of the line's normal
-    in rad; a sensor, if any, is that of the rotation of the link that guides it.
+    The first factor is the number of the constraint, the second the angle of the line's
+    normal in rad; a sensor, if any, is that of the rotation of the link that guides it.
 
     Parameters
     ----------
@@ -263,6 +265,7 @@ def turned_frame(x: float, y: float, angle: float) -> Any:
         In rad.
     """
     frame = np.eye(4)
-    frame[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
+    cosine, sine = math.cos(angle), math.sin(angle)
+    frame[:2, :2] = [[cosine, -sine], [sine, cosine]]
     frame[:2, 3] = x, y
     return frame
