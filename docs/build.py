@@ -9,6 +9,7 @@ change; ``--fresh`` runs everything again. Any warning or error of code ends the
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -24,7 +25,9 @@ def build(*, fresh: bool) -> int:
         for made in ("_build", "made"):
             shutil.rmtree(HERE / made, ignore_errors=True)
     pages = HERE / "_build" / "html"
-    return sphinx_build(["-W", "--keep-going", "-q", "-b", "html", str(HERE), str(pages)])
+    # Pages whose code runs are read in as many processes as there are cores.
+    jobs = ["-j", str(os.cpu_count() or 1)]
+    return sphinx_build(["-W", "--keep-going", "-q", *jobs, "-b", "html", str(HERE), str(pages)])
 
 
 if __name__ == "__main__":

@@ -15,8 +15,16 @@ from making.verification import verification_page, verification_results
 
 __all__ = ["write_pages"]
 
-# Scenarios that take a minute start first, so that no core waits for them in the end.
-LONG = ("critical_speeds", "running_fourbars")
+# Scenarios that take half a minute start first, so that no core waits for them in the end.
+LONG = (
+    "running_hammer_test",
+    "hammer_noise",
+    "instability_confirmed",
+    "running_fourbars",
+    "critical_speeds",
+    "stability_maps",
+    "moisture_and_stability",
+)
 
 
 def write_pages(folder: Path) -> None:
@@ -42,8 +50,8 @@ def _run_what_takes_long() -> None:
 
     Each runs in a process of its own, for which a thread waits.
     """
-    names = sorted(scenario_names(), key=lambda name: name not in LONG)
-    runs = [verification_results, *(partial(scenario_results, name) for name in names)]
+    names = [*LONG, *(name for name in scenario_names() if name not in LONG)]
+    runs = [*(partial(scenario_results, name) for name in names), verification_results]
     with ThreadPoolExecutor(os.cpu_count()) as waiting:
         for run in [waiting.submit(run) for run in runs]:
             run.result()

@@ -72,6 +72,7 @@ class _Projection:
         self._s, self._size = s, size
         self._values = np.concatenate([receptance.real, receptance.imag], axis=1).T
         self._scale = float(np.linalg.norm(self._values))
+        self._last: tuple[FloatArray, tuple[FloatArray, ComplexArray]] | None = None
 
     def parameters(self, pole: ComplexArray) -> FloatArray:
         return np.concatenate([pole.real / self._size, pole.imag / self._size])
@@ -81,13 +82,13 @@ class _Projection:
         return np.asarray(self._size * (real + 1j * imaginary))
 
     def residual(self, x: FloatArray) -> FloatArray:
-        basis, _ = self._basis(self.poles(x))
+        basis, _ = self._basis(x)
         left = self._values - basis @ (basis.T @ self._values)
         return np.asarray(left.T.ravel() / self._scale)
 
     def derivative(self, x: FloatArray) -> FloatArray:
         pole = self.poles(x)
-        basis, residue = self._basis(pole)
+        basis, residue = self._basis(x)
         direct = 1.0 / (self._s[:, None] - pole) ** 2
         mirrored = 1.0 / (self._s[:, None] - pole.conj()) ** 2
         columns = []
@@ -100,8 +101,14 @@ class _Projection:
                 columns.append(-slope.T.ravel() / self._scale)
         return np.stack(columns, axis=1)
 
-    def _basis(self, pole: ComplexArray) -> tuple[FloatArray, ComplexArray]:
+    def _basis(self, x: FloatArray) -> tuple[FloatArray, ComplexArray]:
         """Orthonormal columns that the poles span, and their residues, shape (points, k)."""
+        # The derivative is asked for where the residual has just been.
+        if self._last is None or not np.array_equal(self._last[0], x):
+            self._last = x.copy(), self._spanned(self.poles(x))
+        return self._last[1]
+
+    def _spanned(self, pole: ComplexArray) -> tuple[FloatArray, ComplexArray]:
         matrix = residue_columns(self._s, pole)
         size = np.linalg.norm(matrix, axis=0)
         basis, triangle = np.linalg.qr(matrix / size)

@@ -335,7 +335,7 @@ def test_hammer_noise_over_a_hundred_draws(scenario, method, tmp_path):
     page = (SCENARIOS.parent / "docs" / "theory" / "identification.md").read_text()
     lines = [line.strip("|").split("|") for line in page.splitlines() if line.startswith("| ")]
     rows = [[cell.strip() for cell in line] for line in lines if line[0].strip() == method]
-    found = scenario("hammer_noise").main(tmp_path, methods=(method,)).table()
+    found = scenario("hammer_noise").main(tmp_path, draws=100, methods=(method,)).table()
     assert len(rows) == len(found) == 6
     for row, (_, computed) in zip(rows, found.iterrows(), strict=True):
         assert row[1:4] == [computed["noise"], str(computed["mode"]), computed["identified"]]

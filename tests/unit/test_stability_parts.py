@@ -7,15 +7,18 @@ import numpy as np
 import pytest
 
 from flexmech.analyses.damping_ratios import with_damping_ratio
-from flexmech.analyses.stability import edges
+from flexmech.analyses.stability import against, edges, window_range
 from flexmech.analyses.stability.collisions import Meeting
+from flexmech.analyses.stability.following import usual_frequencies
 from flexmech.analyses.stability.naming import BandName, band_name, signatures_of
 from flexmech.analyses.stability.parallel import FEW, in_order
+from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth, speeds_between
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.errors import ComputationError
 from flexmech.reference import ReferenceEngine
-from tests.unit.stability_data import followed
+from flexmech.threads import one_thread
+from tests.unit.stability_data import FREQUENCIES, followed
 
 USUAL = np.array([44.0, 49.0, 180.0])
 
@@ -91,16 +94,44 @@ def test_signatures_are_those_beside_the_band_where_both_are_clear():
     found[2] = replace(found[2], krein_signature=signature * np.repeat([0, 1, 1, 1], 2))
     ends = (88.0, 90.0)
 
+    def named(kind, branches):
+        # Beside the band frequencies are a little different.
+        return BandName(kind, branches, 7, 0.0, tuple(1.01 * FREQUENCIES[b - 1] for b in branches))
+
     def signatures(kind, branches):
-        return signatures_of(BandName(kind, branches, 7, 0.0), ends, found)
+        return signatures_of(named(kind, branches), ends, found)
 
     assert signatures("sum", (1, 2)) == (0.45, -0.4)
     assert signatures("principal", (2, 2)) == (0.4, -0.4)
     assert signatures("sum", (2, 3)) == (0.4, 0.35)
     assert signatures("difference", (2, 3)) == (0.4, -0.35)
-    assert signatures_of(BandName("sum", (2, 4), 7, 0.0), (84.0, 88.0), found) == (0.8, -0.6)
+    assert signatures_of(named("sum", (2, 4)), (84.0, 88.0), found) == (0.8, -0.6)
     assert np.isnan(signatures("unnamed", ())).all()
-    assert np.isnan(signatures_of(BandName("sum", (1, 2), 7, 0.0), (80.0, 99.0), found)).all()
+    assert np.isnan(signatures_of(named("sum", (1, 2)), (80.0, 99.0), found)).all()
+    # A mixture was taken for another branch: a mode is known by its frequency.
+    places = np.array([0, 1, 6, 7, 4, 5, 2, 3])
+    swapped = [
+        replace(each, exponent=each.exponent[places], krein_signature=each.krein_signature[places])
+        for each in found
+    ]
+    assert signatures_of(named("sum", (1, 2)), ends, swapped) == (0.45, -0.4)
+
+
+def test_usual_frequencies_are_free_of_what_mixtures_were_taken_for():
+    # Slow speeds show another member of a family; later two branches change places.
+    found = usual_frequencies(
+        np.array(
+            [
+                [44.0, 49.0, 160.0],
+                [44.0, 49.0, 161.0],
+                [44.0, 49.0, 162.0],
+                [44.0, 180.0, 49.0],
+                [44.2, 180.5, 49.5],
+                [44.1, 49.2, 181.0],
+            ]
+        )
+    )
+    assert found.tolist() == [44.1, 49.2, 180.5]
 
 
 def test_runs_lie_between_speeds_at_which_nothing_grows():
@@ -132,6 +163,40 @@ def test_a_window_gives_what_is_built_at_each_speed(solver):
     direct, between = (s.solve(s.moving(speed)) for s in (solver, windowed))
     for exponent in direct.exponent:
         assert np.abs(between.exponent - exponent).min() < 1e-6 * abs(exponent)
+
+
+def test_a_second_parameter_is_mapped_by_windows_where_these_are_cheaper(aluminium, monkeypatch):
+    engine = ReferenceEngine(aluminium, elements=4)
+    request = StabilityRequest(np.linspace(84.0, 88.0, 9), modes=2, damping_ratio=0.001)
+    parameter = against.Against.of(aluminium, ("damping-ratio", [0.0, 0.01]))
+    built = []
+    own = against.LinkageSolver.moving
+
+    def counting(self, crank_speed):
+        built.append(any(window.holds(crank_speed) for window in self.windows))
+        return own(self, crank_speed)
+
+    monkeypatch.setattr(against, "in_order", lambda task, items: map(task, items))
+    monkeypatch.setattr(against.LinkageSolver, "moving", counting)
+
+    def mapped():
+        with one_thread():
+            return against.map_against([engine], request, parameter, lambda *_: None)
+
+    by_windows = mapped()
+    assert built == [True] * 9
+    monkeypatch.setattr(against, "windows_are_cheaper", lambda *_: False)
+    one_by_one = mapped()
+    assert built[9:] == [False] * 9
+    assert (by_windows["against_unstable"] == one_by_one["against_unstable"]).all()
+    assert set(by_windows["against_unstable"].values.ravel()) == {"yes", "no"}
+    rates = by_windows["against_growth_rate"].values
+    assert rates == pytest.approx(one_by_one["against_growth_rate"].values, abs=1e-5)
+
+
+def test_few_speeds_need_no_windows():
+    assert window_range.windows_are_cheaper(np.arange(60.0, 100.0, 0.5).tolist(), 270.0)
+    assert not window_range.windows_are_cheaper(np.arange(60.0, 100.0, 2.0).tolist(), 270.0)
 
 
 def test_growth_alone_is_that_of_the_kept_modes(solver):

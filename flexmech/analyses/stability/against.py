@@ -4,19 +4,31 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from flexmech.analyses.damping_ratios import DAMPING_RATIO, with_damping_ratio
+from flexmech.analyses.damping_ratios import (
+    DAMPING_RATIO,
+    lowest_frequency,
+    with_damping_ratio,
+    with_damping_time,
+)
 from flexmech.analyses.stability.dataset import NO, NO_EQUILIBRIUM, NOT_COMPUTED, YES
 from flexmech.analyses.stability.parallel import in_order
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.solver import LinkageSolver, step_error
+from flexmech.analyses.stability.speed_window import NODES
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
+from flexmech.analyses.stability.window_range import (
+    joined_windows,
+    narrow_windows,
+    window_ends,
+    windows_are_cheaper,
+)
 from flexmech.errors import ComputationError, InputError, suggestion
 from flexmech.hygrothermal import HygrothermalState, mechanism_in_state
 from flexmech.linear_system import Engine
@@ -226,7 +238,7 @@ def _fill(
             for row, value in enumerate(against.values.tolist())
         ]
     for rows, solver, factors in solvers:
-        task = partial(_at_dampings, solver, factors)
+        task = partial(_at_dampings, _with_windows(solver, speeds), factors)
         for place, grown in enumerate(in_order(task, speeds)):
             rate[rows, place] = [each for each, _ in grown]
             state[rows, place] = [each for _, each in grown]
@@ -247,6 +259,18 @@ def _solver(engine: Engine, request: StabilityRequest) -> LinkageSolver:
     )
 
 
+def _with_windows(solver: LinkageSolver, speeds: Sequence[float]) -> LinkageSolver:
+    """The same with windows of speeds, where these take less than the speeds by themselves."""
+    if len(speeds) <= NODES:
+        return solver
+    # However strong the damping is by whose factors the map goes.
+    lowest = lowest_frequency(with_damping_time(solver.engine, 0.0))
+    if not windows_are_cheaper(speeds, lowest):
+        return solver
+    opened = list(in_order(partial(narrow_windows, solver), window_ends(speeds, lowest)))
+    return replace(solver, windows=joined_windows(opened))
+
+
 def _at_dampings(solver: LinkageSolver, factors: FloatArray, speed: float) -> list[Grown]:
     """Growth at one crank speed with the damping times factors."""
     try:
@@ -260,8 +284,9 @@ def _at_dampings(solver: LinkageSolver, factors: FloatArray, speed: float) -> li
 
 def _grown(solver: LinkageSolver, moving: VibratingLinkage, factor: float) -> Grown:
     """Growth rate, and whether it exceeds the error of the steps."""
+    growth = solver.growth_at(moving, factor)
+    if growth <= 0:
+        return growth, NO
     modes = solver.solve(moving, factor)
-    if not (modes.log_modulus > 0).any():
-        return modes.growth_rate, NO
     exceeds = modes.grows_beyond(step_error(moving, modes, factor))
     return modes.growth_rate, YES if exceeds else NO

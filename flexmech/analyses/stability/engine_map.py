@@ -38,7 +38,11 @@ from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth, speeds_between
 from flexmech.analyses.stability.signed_growth import SignedGrowth
 from flexmech.analyses.stability.solver import LinkageSolver, SolvedSpeed
-from flexmech.analyses.stability.speed_window import SpeedWindow
+from flexmech.analyses.stability.window_range import (
+    joined_windows,
+    narrow_windows,
+    window_ends,
+)
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray, LabelledProgress
@@ -55,11 +59,6 @@ CHECKED_SPEEDS = 3
 # Between growing speeds farther apart than this part of the lowest frequency, a band may end and
 # another begin.
 BETWEEN = 1 / 300
-# Width of windows over the lowest natural frequency, least relative width, and the relative error
-# of the system's matrix by interpolation.
-WINDOW = 1 / 40
-NARROWEST = 0.02
-WINDOW_TOLERANCE = 1e-6
 
 Item = TypeVar("Item")
 Answer = TypeVar("Answer")
@@ -174,23 +173,12 @@ class _EngineMap:
 
     def _open_windows(self, speeds: Sequence[float]) -> None:
         """Build the linkage at the nodes of windows over the whole range of speeds."""
-        low, high = min(speeds), max(speeds)
-        count = int(np.ceil((high - low) / (WINDOW * self._lowest)))
-        ends = list(pairwise(np.linspace(low, high, count + 1).tolist()))
-        windows = self._windows("stress", self._by_ratio, ends)
-        self._by_ratio = replace(self._by_ratio, windows=windows)
+        ends = window_ends(speeds, self._lowest)
+        opened = self._each("stress", partial(narrow_windows, self._by_ratio), ends)
+        self._by_ratio = replace(self._by_ratio, windows=joined_windows(opened))
         if self._solver.engine is not self._by_ratio.engine:
-            windows = self._windows("damping", self._solver, ends)
-        self._solver = replace(self._solver, windows=windows)
-
-    def _windows(
-        self, label: str, solver: LinkageSolver, ends: Sequence[tuple[float, float]]
-    ) -> tuple[SpeedWindow, ...]:
-        # The fastest take longest and come first.
-        fastest_first = sorted(ends, key=lambda pair: -abs(sum(pair)))
-        opened = self._each(label, partial(_windows, solver), fastest_first)
-        windows = [window for some in opened for window in some]
-        return tuple(sorted(windows, key=lambda window: window.low))
+            opened = self._each("damping", partial(narrow_windows, self._solver), ends)
+        self._solver = replace(self._solver, windows=joined_windows(opened))
 
     def _solutions(self, asked: Sequence[float]) -> tuple[list[_Solution], bool]:
         """Solutions at the speeds asked for and those between, by which modes are followed."""
@@ -315,26 +303,6 @@ class _EngineMap:
 
     def _progress(self, label: str, done: int, total: int) -> None:
         self._report(f"{self._solver.engine.name}: {label}", done, total)
-
-
-def _windows(solver: LinkageSolver, ends: tuple[float, float]) -> list[SpeedWindow]:
-    """Windows between two speeds, as narrow as interpolation needs them.
-
-    None is left where there is no equilibrium, or where it changes too fast: there each speed is
-    solved for by itself.
-    """
-    low, high = ends
-    try:
-        window = solver.window(low, high)
-    except ComputationError as refusal:
-        logger.info("no window from %g to %g rad/s: %s", low, high, refusal)
-    else:
-        if window.error <= WINDOW_TOLERANCE:
-            return [window]
-    if high - low < NARROWEST * abs(high):
-        return []
-    middle = (low + high) / 2
-    return [*_windows(solver, (low, middle)), *_windows(solver, (middle, high))]
 
 
 def _answer(job: Callable[[], Answer]) -> Answer:

@@ -70,10 +70,14 @@ class FollowedSpeed(FloquetExponents):
         """Number of each mode's branch, from 1, (k,)."""
         return np.arange(len(self.exponent)) // 2 + 1
 
-    def signature_of(self, branch: int, sense: int) -> float:
-        """Krein signature of the mode of a branch, from 1, that turns forward (1) or back (-1)."""
-        own = slice(2 * branch - 2, 2 * branch)
-        place = 2 * branch - 2 + int((sense * self.exponent.imag[own]).argmax())
+    def signature_of(self, frequency: float, sense: int) -> float:
+        """Krein signature of the mode of a frequency in Hz that turns forward (1) or back (-1).
+
+        Of the nearest one: branches change places where their modes are mixtures.
+        """
+        nearest = int(np.abs(np.log(self.frequency[::2] / frequency)).argmin())
+        own = slice(2 * nearest, 2 * nearest + 2)
+        place = 2 * nearest + int((sense * self.exponent.imag[own]).argmax())
         return float(self.krein_signature[place])
 
     @property

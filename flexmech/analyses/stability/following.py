@@ -19,7 +19,7 @@ from flexmech.analyses.stability.exponents import GROWS
 from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["BranchShapes", "FollowedModes", "follow", "likeness"]
+__all__ = ["BranchShapes", "FollowedModes", "follow", "likeness", "usual_frequencies"]
 
 # Modes that turn the other way round are taken for a branch only where no other is left.
 OTHER_SENSE = 0.3
@@ -84,7 +84,7 @@ class FollowedModes:
     shapes : list of BranchShapes
         Last clear ones up to each speed.
     usual_frequency : ndarray, shape (k / 2,)
-        Median over the speeds of each branch's frequency in Hz; increases.
+        In Hz; see :func:`usual_frequencies`.
     """
 
     modes: list[KeptModes]
@@ -122,15 +122,34 @@ def follow(solved: Sequence[KeptModes]) -> FollowedModes:
         shapes.append(shapes[-1].with_clear(every[-1], same))
     # Modes that are mixtures at the first speed may stand in each other's place there.
     frequency = np.abs([modes.exponent.imag[::2] for modes in every]) / (2 * np.pi)
-    usual = np.median(frequency, axis=0)
-    pairs = np.argsort(usual)
+    pairs = np.argsort(np.median(frequency, axis=0))
     order = (2 * pairs[:, None] + np.arange(2)).ravel()
     return FollowedModes(
         [modes.taken(order) for modes in every],
         [same[order] for same in alike],
         [each.taken(order) for each in shapes],
-        usual[pairs],
+        usual_frequencies(frequency),
     )
+
+
+def usual_frequencies(frequency: FloatArray) -> FloatArray:
+    """Usual frequencies (m,) of m branches, by which modes are numbered.
+
+    The median of the lowest frequency at a speed, of the next one, and so on: free of what branch
+    a mixture was taken for. The faster half of the speeds counts. At slow ones the families
+    ``f + n f_crank`` are dense, and which member carries the largest harmonic changes often.
+
+    Parameters
+    ----------
+    frequency : ndarray, shape (speeds, m)
+        In Hz, by increasing size of the speed.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+    """
+    fast = np.sort(frequency[len(frequency) // 2 :], axis=1)
+    return np.asarray(np.median(fast, axis=0))
 
 
 def likeness(first: NDArray[np.complex64], second: NDArray[np.complex128]) -> FloatArray:

@@ -39,12 +39,15 @@ class BandName:
         0 without a name.
     mismatch : float
         How far ``(f_a + f_b) / f_crank`` or ``(f_a - f_b) / f_crank`` is from the order.
+    frequencies : tuple of float
+        ``f_a`` and ``f_b`` in Hz beside the band; empty without a name.
     """
 
     kind: Kind
     branches: tuple[int, ...]
     order: int
     mismatch: float
+    frequencies: tuple[float, ...] = ()
 
 
 def band_name(
@@ -99,8 +102,9 @@ def band_name(
                 order = round(ratio)
                 if order == 0 or abs(ratio - order) > FARTHEST:
                     continue
-                branches = tuple(sorted((int(label[a]), int(label[b]))))
-                name = BandName(kind, branches, order, abs(ratio - order))
+                both = sorted((int(label[each]), float(frequency[each])) for each in (a, b))
+                branches, frequencies = zip(*both, strict=True)
+                name = BandName(kind, branches, order, abs(ratio - order), frequencies)
                 if is_refused(name):
                     continue
                 pulled = max(PULLED, order * width / 2)
@@ -131,7 +135,7 @@ def signatures_of(
     """
     if not name.branches:
         return float("nan"), float("nan")
-    first, last = name.branches
+    first, last = name.frequencies
     sense = 1 if name.kind == "difference" else -1
     low, high = sorted(ends)
     beside = [f for f in followed if not low <= f.crank_speed <= high]

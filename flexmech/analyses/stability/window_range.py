@@ -1,0 +1,84 @@
+"""Windows over a whole range of crank speeds, as narrow as interpolation needs them."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.analyses.stability.speed_window import NODES, SpeedWindow
+from flexmech.errors import ComputationError
+
+__all__ = ["joined_windows", "narrow_windows", "window_ends", "windows_are_cheaper"]
+
+logger = logging.getLogger(__name__)
+
+# Width of windows over the lowest natural frequency, least relative width, and the relative error
+# of the system's matrix by interpolation.
+WINDOW = 1 / 40
+NARROWEST = 0.02
+WINDOW_TOLERANCE = 1e-6
+
+
+def window_ends(speeds: Sequence[float], lowest: float) -> list[tuple[float, float]]:
+    """Ends of the windows to try first; the fastest, which take longest, come first.
+
+    Parameters
+    ----------
+    speeds : sequence of float
+        rad/s, of one sign.
+    lowest : float
+        Lowest natural frequency in rad/s.
+
+    Returns
+    -------
+    list of tuple of float
+    """
+    low, high = min(speeds), max(speeds)
+    count = int(np.ceil((high - low) / (WINDOW * lowest)))
+    ends = list(pairwise(np.linspace(low, high, count + 1).tolist()))
+    return sorted(ends, key=lambda pair: -abs(sum(pair)))
+
+
+def windows_are_cheaper(speeds: Sequence[float], lowest: float) -> bool:
+    """Whether windows have fewer nodes than there are speeds."""
+    return NODES * len(window_ends(speeds, lowest)) < len(speeds)
+
+
+def narrow_windows(solver: LinkageSolver, ends: tuple[float, float]) -> list[SpeedWindow]:
+    """Windows between two speeds, as narrow as interpolation needs them.
+
+    None is left where there is no equilibrium, or where it changes too fast: there each speed is
+    solved for by itself.
+
+    Parameters
+    ----------
+    solver : LinkageSolver
+    ends : tuple of float
+        rad/s.
+
+    Returns
+    -------
+    list of SpeedWindow
+    """
+    low, high = ends
+    try:
+        window = solver.window(low, high)
+    except ComputationError as refusal:
+        logger.info("no window from %g to %g rad/s: %s", low, high, refusal)
+    else:
+        if window.error <= WINDOW_TOLERANCE:
+            return [window]
+    if high - low < NARROWEST * abs(high):
+        return []
+    middle = (low + high) / 2
+    return [*narrow_windows(solver, (low, middle)), *narrow_windows(solver, (middle, high))]
+
+
+def joined_windows(opened: Sequence[Sequence[SpeedWindow]]) -> tuple[SpeedWindow, ...]:
+    """All windows of :func:`narrow_windows`, by increasing speed."""
+    windows = [window for some in opened for window in some]
+    return tuple(sorted(windows, key=lambda window: window.low))
