@@ -14,6 +14,7 @@ __all__ = [
     "KEPT_MODES",
     "LINK_DIRECTIONS",
     "MAP_PRESTRESS_LEVELS",
+    "MASSES",
     "MODES",
     "MOST_ELEMENTS",
     "MOST_MODES",
@@ -32,6 +33,7 @@ __all__ = [
     "Integrator",
     "LinkDirection",
     "MapPrestress",
+    "MassChoice",
     "MovingFrame",
     "PageWidth",
     "PictureFormat",
@@ -76,6 +78,10 @@ LINK_DIRECTIONS: tuple[LinkDirection, ...] = get_args(LinkDirection)
 ShaftChoice = Literal["prescribed", "free"]
 """Whether the shaft turns as prescribed, or as its torque and its inertia let it."""
 SHAFTS: tuple[ShaftChoice, ...] = get_args(ShaftChoice)
+
+MassChoice = Literal["distributed", "lumped"]
+"""Whether links have their mass along them, or in points as Kumar & Chandrakar have it."""
+MASSES: tuple[MassChoice, ...] = get_args(MassChoice)
 
 Store = Literal["needed", "all"]
 """What a stored response holds: what pictures and comparisons need, or all there is."""

@@ -93,6 +93,11 @@ def build_chain(
             ]
         )
     )
+    first_moment = _summed(beams.first_moment, per_node)
+    if not mass.mass_per_length:
+        # All of it stands in points.
+        for matrix in (inertia, translational, gyroscopic, first_moment):
+            matrix[:] = 0.0
     for position, value in zip(mass.point_positions, mass.point_masses, strict=True):
         u = per_node * int(np.argmin(np.abs(nodes - position)))
         for matrix in (inertia, translational):
@@ -106,7 +111,7 @@ def build_chain(
         mass=inertia,
         gyroscopic=gyroscopic,
         translational_mass=translational,
-        first_moment=_summed(beams.first_moment, per_node),
+        first_moment=first_moment,
         stiffness=stiffness,
         damping=damping,
         is_axial=np.arange(size) % per_node == 0,

@@ -9,6 +9,7 @@ from flexmech.choices import (
     ElementName,
     EngineChoice,
     EngineName,
+    MassChoice,
     ShaftChoice,
     engine_of,
 )
@@ -25,6 +26,7 @@ def make_engines(
     element: ElementName | None,
     elements: int,
     shaft: ShaftChoice = "prescribed",
+    mass: MassChoice = "distributed",
 ) -> list[Engine]:
     """Make the engines chosen, the reference first.
 
@@ -38,6 +40,8 @@ def make_engines(
     elements : int
         On each link.
     shaft : {"prescribed", "free"}
+    mass : {"distributed", "lumped"}
+        Of the reference engine; beside it Exudyn keeps distributed mass.
 
     Returns
     -------
@@ -46,7 +50,7 @@ def make_engines(
     Raises
     ------
     InputError
-        If none of the engines chosen has the element.
+        If none of the engines chosen has the element, or lumped masses.
     """
     chosen: list[EngineName] = list(ELEMENTS) if engine == "both" else [engine]
     if element is not None and engine_of(element) not in chosen:
@@ -55,11 +59,17 @@ def make_engines(
             f"--element {element} is not an element of the {engine} engine, which has {own}; "
             f"choose --engine {engine_of(element)} or --engine both, or leave --element out"
         )
+    if mass == "lumped" and "reference" not in chosen:
+        raise InputError(
+            "--mass lumped is a choice of the reference engine; choose --engine reference, or "
+            "--engine both to see distributed mass beside it"
+        )
     engines: list[Engine] = []
     for name in chosen:
         kind = _engine_kind(name)
         its_element = None if element is None else kind.element_like(element)
-        engines.append(kind(mechanism, elements, its_element, shaft=shaft))
+        its_mass = mass if name == "reference" else "distributed"
+        engines.append(kind(mechanism, elements, its_element, shaft=shaft, mass=its_mass))
     return engines
 
 

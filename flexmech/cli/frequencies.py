@@ -25,6 +25,7 @@ def frequencies(
     rotation_terms: options.RotationTerms = True,
     elements: options.PinnedElements = None,
     shaft: options.Shaft = "prescribed",
+    mass: options.Mass = "distributed",
     tolerance: options.Tolerance = TOLERANCE,
     temperature_rise: options.TemperatureRise = None,
     moisture: options.Moisture = None,
@@ -55,7 +56,7 @@ def frequencies(
     deliver(
         MovingFrequencies,
         lambda progress: moving_frequencies(
-            make_engines(mechanism, engine, element, elements or ELEMENTS_A_LINK, shaft),
+            make_engines(mechanism, engine, element, elements or ELEMENTS_A_LINK, shaft, mass),
             np.radians(crank_angles),
             None if given is None else given.values,
             modes=modes,

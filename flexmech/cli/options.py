@@ -269,6 +269,13 @@ Shaft = Annotated[
         "the torque that the constant speed takes, and its rotation is one more coordinate."
     ),
 ]
+Mass = Annotated[
+    choices.MassChoice,
+    Option(
+        help="distributed: along the links; lumped: in points as Kumar & Chandrakar have it, "
+        "twelve of a four-bar. Of the reference engine; Exudyn keeps distributed mass."
+    ),
+]
 RunPrestress = Annotated[
     choices.Prestress,
     Option(

@@ -9,7 +9,14 @@ from typing import ClassVar, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.choices import MODES, PRESTRESS_LEVELS, SHAFTS, Prestress, ShaftChoice
+from flexmech.choices import (
+    MODES,
+    PRESTRESS_LEVELS,
+    SHAFTS,
+    MassChoice,
+    Prestress,
+    ShaftChoice,
+)
 from flexmech.errors import InputError
 from flexmech.linear_system.checks import checked_elements, checked_mechanism
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
@@ -18,6 +25,7 @@ from flexmech.linear_system.free_shaft import FreeShaft
 from flexmech.linear_system.reduced_system import reduced_system, unreduced_system
 from flexmech.linear_system.rotation_terms import RotationTerms
 from flexmech.linear_system.system import LinearSystem
+from flexmech.linkages import lumped_elements
 from flexmech.linkages.motion import checked_drive
 from flexmech.mechanism import Mechanism
 from flexmech.numbers import POSITIVE, check_choice, check_count, check_number
@@ -54,11 +62,17 @@ class Engine(EngineLinks):
         Whether the shaft turns as prescribed; or its rotation against that is one more
         coordinate, with the mechanism's ``shaft_inertia`` and with the torque that the mean
         motion takes.
+    mass : {"distributed", "lumped"}
+        Whether links have their mass along them, or in points at the ends of as many elements
+        as :func:`flexmech.linkages.lumped_elements` says: what has no mass follows statically.
+        Lumped masses know no component modes and no runs in time.
 
     Attributes
     ----------
     name : str
     element_kinds : tuple of str
+    masses : tuple of str
+        Which of the mass models it has.
     simulates : bool
         Whether the engine runs the linkage with large displacements; see
         :func:`flexmech.time_domain.simulator`.
@@ -71,6 +85,7 @@ class Engine(EngineLinks):
 
     name: ClassVar[str]
     simulates: ClassVar[bool] = False
+    masses: ClassVar[tuple[MassChoice, ...]] = ("distributed",)
 
     def __init__(
         self,
@@ -80,6 +95,7 @@ class Engine(EngineLinks):
         component_modes: bool = True,
         modes: int = MODES,
         shaft: ShaftChoice = "prescribed",
+        mass: MassChoice = "distributed",
     ) -> None:
         self.mechanism = checked_mechanism(mechanism)
         self.elements = checked_elements(elements)
@@ -91,7 +107,10 @@ class Engine(EngineLinks):
                 f"the {self.name} engine has no element {element!r}; "
                 f"it has {', '.join(self.element_kinds)}"
             )
-        self.component_modes = component_modes
+        check_choice(mass, self.masses, f"mass of the {self.name} engine")
+        self.mass = mass
+        self.component_modes = component_modes and mass == "distributed"
+        self._component_modes_asked = component_modes
         check_choice(shaft, SHAFTS, "shaft")
         self.shaft = shaft
         self._free_shaft = FreeShaft.of(mechanism) if shaft == "free" else None
@@ -107,6 +126,7 @@ class Engine(EngineLinks):
         component_modes: bool | None = None,
         modes: int | None = None,
         shaft: ShaftChoice | None = None,
+        mass: MassChoice | None = None,
     ) -> Self:
         """Make the same engine with something changed.
 
@@ -120,6 +140,7 @@ class Engine(EngineLinks):
         modes : int, optional
             An element that was not asked for is chosen anew for them.
         shaft : {"prescribed", "free"}, optional
+        mass : {"distributed", "lumped"}, optional
 
         Returns
         -------
@@ -134,9 +155,10 @@ class Engine(EngineLinks):
             self.mechanism if mechanism is None else mechanism,
             self.elements if elements is None else elements,
             self._element_asked if element is None else element,
-            self.component_modes if component_modes is None else component_modes,
+            self._component_modes_asked if component_modes is None else component_modes,
             self.modes if modes is None else modes,
             self.shaft if shaft is None else shaft,
+            self.mass if mass is None else mass,
         )
 
     def unreduced(self) -> Self:
@@ -147,6 +169,8 @@ class Engine(EngineLinks):
         modes = "" if self.component_modes else ", without component modes"
         if self.shaft == "free":
             modes += ", shaft free"
+        if self.mass == "lumped":
+            modes = modes.replace("without component modes", "lumped masses")
         name, plural = self.mechanism.provenance.name, "s" if self.elements > 1 else ""
         beams = f"{self.elements} {self.element} element{plural} a link"
         return f"{type(self).__name__}({name}, {beams}{modes})"
@@ -167,9 +191,30 @@ class Engine(EngineLinks):
         super().__setattr__(name, value)
 
     @property
-    def _computes(self) -> tuple[int, str, bool, str]:
+    def _computes(self) -> tuple[int, str, bool, str, str]:
         """What decides over the results, besides the mechanism."""
-        return self.elements, self.element, self.component_modes, self.shaft
+        return self.elements, self.element, self.component_modes, self.shaft, self.mass
+
+    @property
+    def lumped_mass_count(self) -> int:
+        """Number of lumped masses; zero where mass is distributed."""
+        if self.mass == "distributed":
+            return 0
+        return sum(elements + 1 for elements in lumped_elements(self.topology))
+
+    def check_runs(self) -> None:
+        """Refuse what is for natural frequencies alone.
+
+        Raises
+        ------
+        InputError
+            If masses are lumped: between them nothing would move in time.
+        """
+        if self.mass == "lumped":
+            raise InputError(
+                "lumped masses are for natural frequencies; for motion in time make the engine "
+                'with mass="distributed"'
+            )
 
     def fit_for(self, modes: int) -> Self:
         """The engine with an element fit for so many natural frequencies, if none was asked for."""
@@ -255,9 +300,13 @@ class Engine(EngineLinks):
             else self.running_links(motion, running)
         )
         if not self.component_modes or self.turns_freely_as_one_body:
-            return self._marked(
-                unreduced_system(self.topology, self.links, motion, stressed, terms)
-            )
+            system = unreduced_system(self.topology, self.links, motion, stressed, terms)
+            if system.size < modes:
+                raise InputError(
+                    f"{self!r} has {system.size} natural frequencies and {modes} are asked for; "
+                    "ask for fewer modes"
+                )
+            return self._marked(system)
         greatest = float(np.max(np.abs(motion.angular_velocity), initial=0.0))
         if not terms.any:
             greatest = 0.0

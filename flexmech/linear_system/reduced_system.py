@@ -29,7 +29,9 @@ def unreduced_system(
     stressed: StressedLinks,
     terms: RotationTerms,
 ) -> LinearSystem:
-    """Linear system in all coordinates of the links.
+    """Linear system in all coordinates of the links that have mass.
+
+    Rotations, and nodes between lumped masses, may have none: they follow statically.
 
     Parameters
     ----------
@@ -49,7 +51,22 @@ def unreduced_system(
     if stressed.damping is not None:
         damping = [LinkDamping(matrix, matrix) for matrix in stressed.damping]
     matrices = frames.assemble(motion, stressed.tangent, terms, damping)
-    return LinearSystem(motion, matrices.mass, matrices.damping, matrices.stiffness, terms, frames)
+    massless = np.zeros(frames.size, dtype=bool)
+    for number, (target, link) in enumerate(zip(frames.targets, links, strict=True)):
+        own = frames.own(number)
+        massless[target[own][np.diagonal(link.mass)[own] == 0]] = True
+    expansion = None
+    if massless.any():
+        matrices, expansion = condense(matrices, massless)
+    return LinearSystem(
+        motion,
+        matrices.mass,
+        matrices.damping,
+        matrices.stiffness,
+        terms,
+        frames,
+        expansion,
+    )
 
 
 def reduced_system(

@@ -85,8 +85,12 @@ class LinearSystem:
         ndarray, shape (B, N, m)
             ``y`` with ``y^H y`` equal to ``z^H M z`` of the same position.
         """
-        coordinates = zip(self.frames.links, self.link_coordinates(vectors), strict=True)
-        parts = [np.linalg.cholesky(link.mass).T @ q for link, q in coordinates]
+        parts = []
+        for link, q in zip(self.frames.links, self.link_coordinates(vectors), strict=True):
+            mass, moved = link.mass, q
+            if not (heavy := np.diagonal(mass) != 0).all():
+                mass, moved = mass[np.ix_(heavy, heavy)], q[:, heavy]
+            parts.append(np.linalg.cholesky(mass).T @ moved)
         return np.concatenate(parts, axis=1)
 
     def unreduced_vectors(self, vectors: NDArray[Any], frames: LinkFrames) -> NDArray[Any]:

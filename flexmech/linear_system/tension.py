@@ -14,7 +14,10 @@ __all__ = ["element_tensions"]
 
 
 def element_tensions(
-    mechanism: Mechanism, nodes: Sequence[FloatArray], motion: RigidMotion
+    mechanism: Mechanism,
+    nodes: Sequence[FloatArray],
+    motion: RigidMotion,
+    lumped: Sequence[int] | None = None,
 ) -> list[FloatArray]:
     """Axial force in each element under the motion's inertia forces, in N.
 
@@ -29,13 +32,15 @@ def element_tensions(
         Node positions along each link in m.
     motion : RigidMotion
         Batch of shape (B,).
+    lumped : sequence of int, optional
+        Number of elements of each link whose mass is lumped at their ends.
 
     Returns
     -------
     list of ndarray, shape (B, e, 3)
         Legendre coefficients along each element: mean, linear, quadratic.
     """
-    forces = mechanism.inverse_dynamics(motion)
+    forces = mechanism.inverse_dynamics(motion, lumped=lumped)
     tensions = []
     for link, places in enumerate(nodes):
         length = np.diff(places)

@@ -9,7 +9,7 @@ from flexmech.linkages.double_points import DoublePoint, double_points
 from flexmech.linkages.drive import CrankDrive, LockedCrank
 from flexmech.linkages.fourbar import Branch, FourBar, GrashofClass
 from flexmech.linkages.inverse_dynamics import InverseDynamics, inverse_dynamics
-from flexmech.linkages.link_mass import LinkBody, LinkMass
+from flexmech.linkages.link_mass import LinkBody, LinkMass, lumped_elements
 from flexmech.linkages.linkage import Linkage
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
@@ -67,6 +67,7 @@ __all__ = [
     "double_points",
     "inverse_dynamics",
     "linkage_positions",
+    "lumped_elements",
     "rocker_swing",
     "shown_crank_angle",
     "standing",

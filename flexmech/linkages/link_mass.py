@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from flexmech.linkages.topology import Topology
 from flexmech.numbers import NOT_NEGATIVE, check_number
 
-__all__ = ["LinkBody", "LinkMass"]
+__all__ = ["LinkBody", "LinkMass", "lumped_elements"]
 
 # Of point masses and bodies, in lengths of their link.
 LEAST_DISTANCE = 1 / 500
@@ -200,6 +201,8 @@ class LinkMass:
         -------
         LinkMass
         """
+        if not self.mass_per_length:
+            return self
         lumps = self.lumps(elements)
         if self.offset:
             bodies = [LinkBody(x, mass, offset=(0.0, self.offset)) for x, mass in lumps]
@@ -211,6 +214,25 @@ class LinkMass:
             point_positions=(*places, *self.point_positions),
             point_masses=(*masses, *self.point_masses),
         )
+
+
+def lumped_elements(topology: Topology) -> tuple[int, ...]:
+    """Elements of each link whose mass is lumped as Kumar & Chandrakar have it.
+
+    Their crank has one element, coupler and rocker have four (Figure 1.5). Of any linkage a
+    clamped link that leads another has one and every other link four.
+
+    Parameters
+    ----------
+    topology : Topology
+
+    Returns
+    -------
+    tuple of int
+    """
+    clamped = {clamp.held.link for clamp in topology.clamps}
+    leading = {tie.leader.link for tie in topology.ties}
+    return tuple(1 if name in clamped & leading else 4 for name in topology.link_names)
 
 
 def _away_from_ends(

@@ -16,6 +16,7 @@ from flexmech.choices import (
     MODES,
     Integrator,
     LinkDirection,
+    MassChoice,
     ShaftChoice,
 )
 from flexmech.errors import InputError
@@ -87,8 +88,9 @@ class ExudynEngine(Engine):
         component_modes: bool = True,
         modes: int = MODES,
         shaft: ShaftChoice = "prescribed",
+        mass: MassChoice = "distributed",
     ) -> None:
-        super().__init__(mechanism, elements, element, component_modes, modes, shaft)
+        super().__init__(mechanism, elements, element, component_modes, modes, shaft, mass)
         refuse_sections(mechanism, self.element)
 
     @classmethod

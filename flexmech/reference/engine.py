@@ -10,7 +10,7 @@ from typing import ClassVar
 from flexmech.beams.comparison import compare_theories
 from flexmech.beams.link_matrices import Chain, assemble_chain, build_chain
 from flexmech.beams.theories import BEAM_SHAPES
-from flexmech.choices import ELEMENTS
+from flexmech.choices import ELEMENTS, MASSES, MassChoice
 from flexmech.linear_system import (
     Engine,
     LinkFrames,
@@ -23,7 +23,7 @@ from flexmech.linear_system import (
     inertia_loads,
     refuse_large_displacements,
 )
-from flexmech.linkages import RigidMotion
+from flexmech.linkages import LinkMass, RigidMotion, lumped_elements
 from flexmech.mechanism import Mechanism
 from flexmech.reference.equilibrium import Equilibrium
 from flexmech.reference.stretch import chain_stretch
@@ -41,7 +41,8 @@ class ReferenceEngine(Engine):
 
     Prestress levels: ``none``; ``axial`` (Turcic & Midha 1984: tension of each element
     from the linear static solution, geometric stiffness of Kumar & Chandrakar, eq. 1.58);
-    ``equilibrium`` (corotational beams and Newton's method). Parameters as for
+    ``equilibrium`` (corotational beams and Newton's method). Mass: distributed, or ``lumped``
+    as Kumar & Chandrakar's twelve masses (their Figure 1.5). Parameters as for
     :class:`flexmech.linear_system.Engine`.
 
     Examples
@@ -58,6 +59,7 @@ class ReferenceEngine(Engine):
         "ancf": "euler",
         "geometrically-exact": "timoshenko",
     }
+    masses: ClassVar[tuple[MassChoice, ...]] = MASSES
     theories: ClassVar[dict[str, str]] = {theory: theory for theory in BEAM_SHAPES}
 
     @classmethod
@@ -72,12 +74,28 @@ class ReferenceEngine(Engine):
             build_chain(
                 name,
                 self.mechanism.sections[name],
-                self.mechanism.link_mass(name),
+                mass,
                 self.elements,
                 BEAM_SHAPES[self.element],
             )
-            for name in self.mechanism.linkage.topology.link_names
+            for name, mass in zip(
+                self.mechanism.linkage.topology.link_names, self._masses, strict=True
+            )
         )
+
+    @cached_property
+    def _lumped(self) -> tuple[int, ...] | None:
+        """Elements whose mass is lumped, by link; None where mass is distributed."""
+        if self.mass == "distributed":
+            return None
+        return lumped_elements(self.mechanism.linkage.topology)
+
+    @property
+    def _masses(self) -> tuple[LinkMass, ...]:
+        masses = self.mechanism.link_masses_in_order
+        if self._lumped is None:
+            return masses
+        return tuple(mass.lumped(n) for mass, n in zip(masses, self._lumped, strict=True))
 
     @cached_property
     def held_links(self) -> tuple[LinkModel, ...]:
@@ -163,7 +181,9 @@ class ReferenceEngine(Engine):
         """
         matrices = []
         for chain, tension in zip(
-            self.chains, element_tensions(self.mechanism, self.nodes, motion), strict=True
+            self.chains,
+            element_tensions(self.mechanism, self.nodes, motion, self._lumped),
+            strict=True,
         ):
             if varying_part_only:
                 tension[..., 0] = 0.0

@@ -27,6 +27,7 @@ def lowest_axial_frequency(engine: Engine, crank_angle: FloatArray) -> float:
     -------
     float
     """
+    engine.check_runs()
     linkage = engine.mechanism.linkage
     links = [_straight(link) for link in engine.links]
     frames = LinkFrames(linkage.topology, links)

@@ -50,7 +50,8 @@ class ReducedLinks:
 
     @classmethod
     def all_of(cls, engine: Engine) -> ReducedLinks:
-        """The engine's links as they are."""
+        """The engine's links as they are; without mass in places they cannot run in time."""
+        engine.check_runs()
         return cls(
             engine.links,
             tuple(np.eye(link.size) for link in engine.links),

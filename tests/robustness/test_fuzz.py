@@ -156,6 +156,7 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
             *some("--prestress", pick("none", "axial", "equilibrium")),
             *some("--element", pick("euler", "timoshenko", "reddy", "ancf")),
             *some("--no-rotation-terms"),
+            *some("--mass", pick("lumped", "distributed")),
             *environment,
         ]
     elif name == "campbell":

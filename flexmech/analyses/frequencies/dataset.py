@@ -55,7 +55,7 @@ def joined(
         unknown = ", ".join(links_without_loss(first.mechanism))
         dataset["strain_energy_damping"].attrs["links_without_data"] = unknown
     dataset = dataset.assign_coords(
-        element=("engine", [engine.element for engine in engines]),
+        element=("engine", [_element(engine) for engine in engines]),
         elements=("engine", [engine.elements for engine in engines]),
         crank_angle=request.crank_angles,
         mode=np.arange(1, formulation.modes + 1),
@@ -65,6 +65,7 @@ def joined(
         station=np.linspace(0.0, 1.0, positions.shape[2]),
         component=["x", "y"],
     )
+    lumps = max(engine.lumped_mass_count for engine in engines)
     for part in pictured:
         dataset = dataset.merge(part)
     return with_units(dataset, "frequencies").assign_attrs(
@@ -72,7 +73,13 @@ def joined(
         prestress=formulation.prestress,
         rotation_terms="on" if formulation.rotation_terms else "off",
         speed_unit=request.speed_unit,
+        **({"lumped_masses": lumps} if lumps else {}),
     )
+
+
+def _element(engine: Engine) -> str:
+    """Kind of element, and that masses are lumped where they are."""
+    return engine.element if engine.mass == "distributed" else f"{engine.element}, lumped masses"
 
 
 def with_states(states: dict[str, xr.Dataset], environment_lines: Sequence[str]) -> xr.Dataset:

@@ -17,6 +17,7 @@ __all__ = [
     "damping_ratio_lines",
     "error_lines",
     "extremes_table",
+    "mass_lines",
     "tracking_lines",
     "vibration_lines",
 ]
@@ -95,6 +96,16 @@ def _known_digits(value: float, error: float) -> str:
     """A positive value to the last decimal place that is no smaller than its relative error."""
     place = np.floor(-np.log10(max(value * error, 10.0**-MOST_DECIMALS)))
     return f"{value:.{max(int(place), 0)}f}"
+
+
+def mass_lines(dataset: xr.Dataset) -> list[str]:
+    """How many lumped masses stand in the place of the distributed one, if they do."""
+    lumps = int(dataset.attrs.get("lumped_masses", 0))
+    if not lumps:
+        return []
+    return [
+        f"mass: {lumps} lumped masses in the reference engine, in the place of distributed mass"
+    ]
 
 
 def error_lines(dataset: xr.Dataset) -> list[str]:
