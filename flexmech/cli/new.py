@@ -7,13 +7,15 @@ from typing import get_args
 import typer
 
 from flexmech.choices import TemplateKind
-from flexmech.cli import options
+from flexmech.cli import file_options
 from flexmech.errors import InputError, one_line, suggestion
 from flexmech.example_models import example_model, example_names
 from flexmech.files import given_path, write_whole
 
 
-def new(start: options.KindOrExample, file: options.NewFile, force: options.Force = False) -> None:
+def new(
+    start: file_options.KindOrExample, file: file_options.NewFile, force: file_options.Force = False
+) -> None:
     """Write a commented model file to start from: of a kind of linkage, or an example."""
     text = _text(start)
     file = given_path(file)

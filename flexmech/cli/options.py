@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, get_args
+from typing import Annotated
 
 from typer import Argument, Option
 
 from flexmech import choices
-from flexmech.example_models import example_names
 
 # The model and the files.
 Model = Annotated[Path, Argument(help="Model file.", metavar="MODEL")]
@@ -380,22 +379,3 @@ Ground = Annotated[
 
 # The verification.
 Thorough = Annotated[bool, Option("--thorough", help="With the cases that take longer.")]
-
-# Model files and their schema.
-_KINDS_AND_EXAMPLES = (*get_args(choices.TemplateKind), *example_names())
-KindOrExample = Annotated[
-    str,
-    Argument(
-        help=f"Kind of linkage: {', '.join(get_args(choices.TemplateKind))}; or an example: "
-        f"{', '.join(example_names())}.",
-        metavar="KIND|EXAMPLE",
-        autocompletion=lambda incomplete: [
-            name for name in _KINDS_AND_EXAMPLES if name.startswith(incomplete)
-        ],
-    ),
-]
-NewFile = Annotated[Path, Argument(help="Model file to write.", metavar="FILE")]
-Force = Annotated[bool, Option("--force", help="Replace a file that exists.")]
-SchemaFile = Annotated[
-    Path | None, Option("--out", help="Write it to this file instead.", metavar="FILE")
-]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import typer
 
-from flexmech.cli import options
+from flexmech.cli import file_options
 
 
-def schema(out: options.SchemaFile = None) -> None:
+def schema(out: file_options.SchemaFile = None) -> None:
     """Print the JSON schema of model files.
 
     For editors that complete and check TOML.
