@@ -200,7 +200,9 @@ class Engine(EngineLinks):
         """Number of lumped masses; zero where mass is distributed."""
         if self.mass == "distributed":
             return 0
-        return sum(elements + 1 for elements in lumped_elements(self.topology))
+        topology = self.mechanism.linkage.topology
+        elements = zip(self.mechanism.link_masses_in_order, lumped_elements(topology), strict=True)
+        return sum(len(mass.lumps(count)) for mass, count in elements)
 
     def check_runs(self) -> None:
         """Refuse what is for natural frequencies alone.

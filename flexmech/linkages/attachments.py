@@ -192,7 +192,9 @@ class JointSpring:
         In N m s/rad.
     free_angle : float
         Angle of the following link less that of the leading one, or of a pivoted link, in rad,
-        at which the spring has no torque; counted on continuously as the linkage turns.
+        at which the spring has no torque; counted on continuously as the linkage turns, from the
+        angles at crank angle zero (:func:`flexmech.linkages.continuous_angles`, which
+        ``flexmech kinematics`` writes too).
     radial_stiffness : float, optional
         In N/m, the same in all directions; None where the pin is rigid.
     radial_damping : float

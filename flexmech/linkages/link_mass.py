@@ -179,8 +179,11 @@ class LinkMass:
         Returns
         -------
         list of (float, float)
-            Distance from the link's start in m and mass in kg of each, one more than segments.
+            Distance from the link's start in m and mass in kg of each, one more than segments;
+            none where no mass is distributed.
         """
+        if not self.mass_per_length:
+            return []
         share = self.mass_per_length * self.length / elements
         halves = [share / 2, *[share] * (elements - 1), share / 2]
         return [(self.length * n / elements, mass) for n, mass in enumerate(halves)]
@@ -201,9 +204,9 @@ class LinkMass:
         -------
         LinkMass
         """
-        if not self.mass_per_length:
-            return self
         lumps = self.lumps(elements)
+        if not lumps:
+            return self
         if self.offset:
             bodies = [LinkBody(x, mass, offset=(0.0, self.offset)) for x, mass in lumps]
             return replace(self, mass_per_length=0.0, offset=0.0, bodies=(*bodies, *self.bodies))

@@ -260,3 +260,11 @@ def test_planar_linkages(name: str, tmp_path: Path) -> None:
         of_line = forces[forces["joint"] == slider.joint]
         assert of_line["y_N"].abs().max() > 1
         assert of_line["x_N"].abs().max() <= 1e-12 * of_line["y_N"].abs().max()
+
+
+def test_a_rigid_link_without_a_section_has_no_lumps() -> None:
+    pusher = load_mechanism(MODELS / "carton_pusher.toml")
+    data = kinematics(pusher, KinematicsRequest([0.0, 1.0], lumped=(4,))).dataset
+    assert data.sizes["lump"] == 4 * 5
+    assert "crank" not in data["lump_link"].values
+    assert data["lump_mass"].min() > 0

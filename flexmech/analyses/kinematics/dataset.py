@@ -9,6 +9,7 @@ import xarray as xr
 
 from flexmech.analyses.kinematics.request import KinematicsRequest
 from flexmech.analyses.provenance import origin, with_units
+from flexmech.errors import InputError
 from flexmech.linkages import (
     FourBar,
     InverseDynamics,
@@ -76,7 +77,8 @@ def kinematics_dataset(
         of_lumps = _of_forces(topology, lumped)
         dataset = dataset.assign({f"lumped_{name}": of for name, of in of_lumps.items()})
         dataset = dataset.assign(_of_lumps(forces.masses, elements, motion))
-        names = np.repeat(topology.link_names, [count + 1 for count in elements])
+        lumps = (mass.lumps(count) for mass, count in zip(forces.masses, elements, strict=True))
+        names = np.repeat(topology.link_names, [len(of_link) for of_link in lumps])
         dataset = dataset.assign_coords(lump_link=("lump", names))
     speed = request.speed_of(mechanism)
     attributes = {**origin(mechanism), "crank_speed": speed, "speed_unit": request.speed_unit}
@@ -132,6 +134,8 @@ def _of_lumps(
             places.append(x)
             sizes.append(lump)
             accelerations.append(_acceleration(motion, link, x, mass.offset))
+    if not sizes:
+        raise InputError("lumped: no link has distributed mass that could be lumped; leave it out")
     acceleration = np.stack(accelerations, axis=1)
     plane = (ANGLE, "lump", "component")
     return {
