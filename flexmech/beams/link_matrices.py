@@ -8,7 +8,7 @@ import numpy as np
 
 from flexmech.beams.beam_shapes import BeamShapes
 from flexmech.beams.elements import BeamElements
-from flexmech.linear_system import LinkModel, LinkReadings, RigidFields
+from flexmech.linear_system import LinkModel, LinkReadings, RigidFields, with_bodies
 from flexmech.linkages import LinkMass
 from flexmech.mesh import node_positions
 from flexmech.sections import BeamSection
@@ -69,7 +69,7 @@ def build_chain(
     name : str
     section : BeamSection
     mass : LinkMass
-        Distributed and point masses of the link.
+        Distributed and point masses of the link, and bodies fixed to it.
     elements : int
     shapes : BeamShapes
         Kind of element.
@@ -78,7 +78,8 @@ def build_chain(
     -------
     Chain
     """
-    nodes = node_positions(mass.length, elements, mass.point_positions)
+    fixed = [*mass.point_positions, *(body.position for body in mass.bodies)]
+    nodes = node_positions(mass.length, elements, fixed)
     beams = BeamElements(shapes, section, np.diff(nodes))
     per_node = shapes.per_node
     size = per_node * len(nodes)
@@ -131,7 +132,7 @@ def build_chain(
         end_warping=last + warping,
         vectors=per_node * np.arange(len(nodes)) + np.array([[0], [1]]),
     )
-    return Chain(model, nodes, beams)
+    return Chain(with_bodies(model, mass.bodies), nodes, beams)
 
 
 def _summed(vectors: FloatArray, per_node: int) -> FloatArray:

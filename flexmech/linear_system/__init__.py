@@ -15,6 +15,7 @@ from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_lo
 from flexmech.linear_system.link_points import LinkPoint, displacement_row, point_rows
 from flexmech.linear_system.link_readings import LinkReadings
 from flexmech.linear_system.link_stretch import LinkStretch
+from flexmech.linear_system.posed_ties import PosedTies
 from flexmech.linear_system.position_errors import RefusedPositionsError, refuse_positions
 from flexmech.linear_system.quasi_static import (
     LOAD_STEPS,
@@ -24,11 +25,27 @@ from flexmech.linear_system.quasi_static import (
     free_load,
     refuse_large_displacements,
 )
-from flexmech.linear_system.rigid_link import rigid_link
+from flexmech.linear_system.rigid_link import (
+    dead_virial,
+    off_axis_inertia,
+    rigid_link,
+    rigid_tangent,
+)
+from flexmech.linear_system.rigid_pose import PoseStiffness
 from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
+from flexmech.linear_system.straight_links import (
+    StraightForces,
+    straight_forces,
+    ties_beyond_pins,
+    with_rigid_links,
+)
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem, condense
-from flexmech.linear_system.tension import element_tensions
+from flexmech.linear_system.tension import (
+    element_tensions,
+    forces_of_links,
+    static_displacement,
+)
 from flexmech.linear_system.theory_comparison import (
     NEGLIGIBLE,
     TheoryComparison,
@@ -54,10 +71,13 @@ __all__ = [
     "LinkPoint",
     "LinkReadings",
     "LinkStretch",
+    "PoseStiffness",
+    "PosedTies",
     "Prestress",
     "RefusedPositionsError",
     "RigidFields",
     "RotationTerms",
+    "StraightForces",
     "StressedLinks",
     "SystemMatrices",
     "TheoryComparison",
@@ -66,13 +86,21 @@ __all__ = [
     "checked_mechanism",
     "component_modes",
     "condense",
+    "dead_virial",
     "displacement_row",
     "element_tensions",
+    "forces_of_links",
     "free_load",
     "inertia_loads",
+    "off_axis_inertia",
     "point_rows",
     "refuse_large_displacements",
     "refuse_positions",
     "rigid_link",
+    "rigid_tangent",
+    "static_displacement",
+    "straight_forces",
+    "ties_beyond_pins",
     "with_bodies",
+    "with_rigid_links",
 ]

@@ -1,6 +1,7 @@
 """Component-mode reduction of each link (Craig & Bampton 1968, with inertia relief).
 
-A link keeps the displacement of its joined ends, with the static shapes that they impose;
+A link keeps the displacement of its joined ends, and the rotation of welded ones, with the
+static shapes that they impose;
 the static answer to the inertia of those shapes, which stands for the modes left out
 (quasi-static compensation, MacNeal 1971; Rubin 1975); and its lowest vibration modes with
 the joined ends held. Bending and stretching are reduced apart; where the neutral axis is
@@ -32,6 +33,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from flexmech.linear_system.link_boundary import LinkBoundary, link_boundary
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import Topology
 from flexmech.types import FloatArray, IntArray
@@ -96,12 +98,12 @@ class _HeldLink:
 
     ``modes`` are normalized by the mass; ``relief`` is the static answer to the inertia of
     the static shapes, ``floating_relief`` that to a motion along the link as a whole; ``layers``
-    are the static shapes of ends that follow a pin, without the ends. They vanish at the joined
+    are the static shapes of ends that follow, without the ends. They vanish at the joined
     ends. ``flexibility`` is that of the ``inner`` coordinates.
     """
 
     link: LinkModel
-    ends: dict[str, IntArray]
+    boundary: LinkBoundary
     static: FloatArray
     bending: FloatArray
     bending_frequency: FloatArray
@@ -157,7 +159,7 @@ def component_modes(
     -------
     ComponentModes
     """
-    held = [_hold_ends(topology, link) for link in links]
+    held = [_hold_ends(topology, link) for link in links if not link.rigid]
     every = np.sort(np.concatenate([h.bending_frequency for h in held]))
     usual_cutoff = BENDING_CUTOFF * every[min(modes, len(every)) - 1]
     bending_cutoff = detail * usual_cutoff
@@ -168,22 +170,26 @@ def component_modes(
     condensed = axial_modes if couples_axially else 0
     answers = [answers_damping and bool(h.link.damping.any()) for h in held]
     turning = fastest != 0
-    return ComponentModes(
-        tuple(
-            _reduce(
-                h,
-                bending_cutoff,
-                axial_cutoff,
-                condensed,
-                stretches=bool(np.any(h.axial_frequency <= STRETCHING_BY_INERTIA * usual_cutoff)),
-                damped=damped,
-                turning=turning,
-                great_detail=detail >= GREAT_DETAIL,
-                turning_sections=turning_sections,
-            )
-            for h, damped in zip(held, answers, strict=True)
+    reduced = (
+        _reduce(
+            h,
+            bending_cutoff,
+            axial_cutoff,
+            condensed,
+            stretches=bool(np.any(h.axial_frequency <= STRETCHING_BY_INERTIA * usual_cutoff)),
+            damped=damped,
+            turning=turning,
+            great_detail=detail >= GREAT_DETAIL,
+            turning_sections=turning_sections,
         )
+        for h, damped in zip(held, answers, strict=True)
     )
+    return ComponentModes(tuple(_as_it_is(x) if x.rigid else next(reduced) for x in links))
+
+
+def _as_it_is(link: LinkModel) -> ReducedLink:
+    """A rigid link: nothing of it is reduced."""
+    return ReducedLink(link, np.eye(link.size), np.zeros(link.size, dtype=bool))
 
 
 def _reduce(
@@ -220,9 +226,9 @@ def _reduce(
     condensed = _complement(candidates, dynamic, mass)
     basis = np.concatenate([held.static, dynamic, condensed], axis=1)
     follows = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
-    # The rotation of a free shaft is the last of the coordinates that have a static shape.
-    shaft = held.static.shape[1] - len(held.link.shaft) + np.arange(len(held.link.shaft))
-    return ReducedLink(held.link.projected(basis, held.ends, shaft), basis, follows)
+    return ReducedLink(
+        held.link.projected(basis, held.boundary.kept, held.boundary.shaft), basis, follows
+    )
 
 
 def _turning_sections(held: _HeldLink) -> FloatArray:
@@ -245,6 +251,8 @@ def _answers_to_damping(held: _HeldLink, shapes: FloatArray) -> FloatArray:
     Of one damping time the forces on a static shape vanish, and those on a mode leave it a mode.
     """
     link, inner = held.link, held.inner
+    if not len(inner):
+        return shapes[:, :0]
     time = float(np.sum(held.flexibility * link.damping[np.ix_(inner, inner)])) / len(inner)
     answers = np.zeros_like(shapes)
     answers[inner] = held.flexibility @ ((link.damping / time - link.stiffness) @ shapes)[inner]
@@ -266,24 +274,18 @@ def _complement(vectors: FloatArray, others: FloatArray, mass: FloatArray) -> Fl
 
 
 def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
-    fixed, ends = _boundary(topology, link)
-    joined = [link.end_displacement(e) for e in ("start", "end") if len(ends[e])]
-    boundary = np.concatenate([*joined, link.shaft])
-    free = ~fixed
-    free[boundary] = False
-    inner = np.flatnonzero(free)
+    boundary = link_boundary(topology, link)
+    inner = np.flatnonzero(~(boundary.fixed | boundary.joined))
     flexibility = np.asarray(np.linalg.inv(link.stiffness[inner[:, None], inner]), dtype=float)
-    static = np.zeros((link.size, len(boundary)))
-    static[boundary, np.arange(len(boundary))] = 1.0
-    static[inner] = -flexibility @ link.stiffness[inner[:, None], boundary]
-    layers = static[:, _following(topology, link, ends)]
-    layers[boundary] = 0.0
+    static = boundary.unit.copy()
+    static[inner] = -flexibility @ (link.stiffness[inner] @ boundary.unit)
+    layers = (static - boundary.unit)[:, boundary.following]
     relief = np.zeros_like(static)
     relief[inner] = flexibility @ (link.mass @ static)[inner]
-    axial_boundary = link.is_axial[boundary]
+    axial_boundary = boundary.unit[link.is_axial].any(axis=0)
     # A link that no end ties to the ground moves along itself as a whole: one axial shape.
     # A held one only stretches: of a slender one far too little for inertia to matter.
-    floats = bool(axial_boundary.any()) and not fixed.any()
+    floats = bool(axial_boundary.any()) and not boundary.fixed.any()
     axial_relief = relief[:, axial_boundary]
     floating_relief = axial_relief.sum(axis=1, keepdims=True)
     stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
@@ -292,7 +294,7 @@ def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
     couples = _turning_of_arms(link, inner, flexibility)
     return _HeldLink(
         link=link,
-        ends=ends,
+        boundary=boundary,
         static=static,
         bending=bending,
         bending_frequency=bending_frequency,
@@ -321,36 +323,6 @@ def _turning_of_arms(link: LinkModel, inner: IntArray, flexibility: FloatArray) 
     shapes = np.zeros((link.size, len(turned)))
     shapes[inner] = flexibility[:, np.searchsorted(inner, turned)]
     return shapes
-
-
-def _boundary(topology: Topology, link: LinkModel) -> tuple[NDArray[np.bool_], dict[str, IntArray]]:
-    """Coordinates that the ground or the shaft holds, and new numbers of the joined ends."""
-    fixed = np.zeros(link.size, dtype=bool)
-    for clamp in topology.clamps:
-        if clamp.held.link == link.name:
-            fixed[link.end_displacement(clamp.held.end)] = True
-            fixed[link.end_rotation_of(clamp.held.end)] = True
-    for pivot in topology.pivots:
-        if pivot.held.link == link.name:
-            fixed[link.end_displacement(pivot.held.end)] = True
-    for place in topology.joined_ends:
-        if place.link == link.name:
-            fixed[link.end_warping_of(place.end)] = True
-    places = {place for pin in topology.pins for place in (pin.leader, pin.follower)}
-    joined = {place.end for place in places if place.link == link.name}
-    ends, count = {}, 0
-    for end in ("start", "end"):
-        held = bool(fixed[link.end_displacement(end)].any())
-        size = 2 if end in joined and not held else 0
-        ends[end] = np.arange(count, count + size)
-        count += size
-    return fixed, ends
-
-
-def _following(topology: Topology, link: LinkModel, ends: dict[str, IntArray]) -> IntArray:
-    """New numbers of the ends that follow another link's."""
-    led = [ends[pin.follower.end] for pin in topology.pins if pin.follower.link == link.name]
-    return np.concatenate([np.zeros(0, dtype=np.intp), *led])
 
 
 def _unit_shapes(link: LinkModel, which: IntArray) -> FloatArray:

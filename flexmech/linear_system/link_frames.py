@@ -28,6 +28,9 @@ from flexmech.linear_system.link_map import LinkMap
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.link_place import LinkPlace
 from flexmech.linear_system.link_ties import LinkTies
+from flexmech.linear_system.posed_ties import PosedTies
+from flexmech.linear_system.rigid_coordinates import RigidCoordinates
+from flexmech.linear_system.rigid_pose import RigidPose
 from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.types import FloatArray, IntArray
@@ -77,6 +80,10 @@ class LinkFrames:
         rows = [rows for rows, _ in self._ties.following(link)]
         return np.concatenate([np.zeros(0, dtype=np.intp), *rows])
 
+    def followed(self, link: int) -> list[tuple[IntArray, IntArray]]:
+        """Coordinates of a link that follow, and those of z that they follow, tie by tie."""
+        return self._ties.following(link)
+
     def own(self, link: int) -> IntArray:
         """Coordinates of a link that are independent ones of the linkage, and lead themselves."""
         return self._ties.own(link)
@@ -96,12 +103,50 @@ class LinkFrames:
         """
         return self._ties.following_rows(motion)
 
+    @property
+    def rigid(self) -> RigidCoordinates:
+        """Coordinates of rigid links and sliders."""
+        return self._ties.rigid
+
+    def posed(self, motion: RigidMotion, w: FloatArray) -> PosedTies:
+        """Ties where the rigid links are displaced by finite amounts.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        w : ndarray, shape (B, n)
+            Independent coordinates of rigid links and sliders, the first ones of z, as they are
+            in the frames of the rigid motion.
+
+        Returns
+        -------
+        PosedTies
+        """
+        return self._ties.posed(motion, RigidPose.settled(self.rigid, motion, w))
+
+    def posed_by(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> PosedTies:
+        """Ties where the links have displacements (B, n_link) in the rigid motion's frames."""
+        return self._ties.posed(motion, self._ties.pose_of(motion, displacement))
+
+    def displaced(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None
+    ) -> RigidMotion:
+        """The motion whose rigid links are where displacements (B, n_link) have turned them.
+
+        Coordinates of rigid links are then those in their displaced frames.
+        """
+        if displacement is None or not self.rigid.size:
+            return motion
+        return self._ties.pose_of(motion, displacement).displaced
+
     def assemble(
         self,
         motion: RigidMotion,
         stiffness: Sequence[FloatArray],
         terms: RotationTerms,
         damping: Sequence[LinkDamping] | None = None,
+        guiding: FloatArray | None = None,
     ) -> SystemMatrices:
         """Matrices of the whole linkage in the independent coordinates.
 
@@ -114,6 +159,8 @@ class LinkFrames:
         terms : RotationTerms
         damping : sequence of LinkDamping, optional
             At the prestress wanted; that of the straight links where it is left out.
+        guiding : ndarray, shape (B, n_sliders), optional
+            Stiffness between the rotation of a slider's guide and its slide in N/rad.
 
         Returns
         -------
@@ -161,6 +208,9 @@ class LinkFrames:
                 place.add_following(total, link.ends.gyroscopic, pairs, coriolis)
             if terms.tangential:
                 place.add_following(total, link.ends.mass, pairs, [p.tangential for p in pairs])
+        if guiding is not None and guiding.any():
+            first = len(self.rigid.independent)
+            total[:, :first, :first] += self._ties.guided(motion, guiding)
         return SystemMatrices(mass, rates, total)
 
     def _sum_steady(
@@ -233,6 +283,28 @@ class LinkFrames:
                 q[:, led.rows] = led.turn @ vectors[:, led.columns]
             result.append(q)
         return result
+
+    def independent(
+        self, motion: RigidMotion, displacement: Sequence[NDArray[Any]]
+    ) -> NDArray[Any]:
+        """Independent coordinates of displacements of all links, (B, size, m).
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link, m)
+            An end that follows is taken to be where that is which it follows.
+        """
+        shape = (len(displacement[0]), self.size, displacement[0].shape[2])
+        z = np.zeros(shape, dtype=displacement[0].dtype)
+        for number, q in enumerate(displacement):
+            own = self.own(number)
+            z[:, self.targets[number][own]] = q[:, own]
+        if self.topology.sliders:
+            first = len(self.rigid.independent)
+            z[:, :first] += self._ties.slides(motion, displacement)
+        return z
 
     def link_motion(
         self,

@@ -148,6 +148,14 @@ class LinkModel:
         """Number of coordinates n."""
         return len(self.mass)
 
+    @property
+    def mass_root(self) -> FloatArray:
+        """``L`` with ``L L^T`` the mass matrix, (n, n); of a rigid link that may be singular."""
+        if not self.rigid:
+            return np.asarray(np.linalg.cholesky(self.mass), dtype=float)
+        values, vectors = np.linalg.eigh(self.mass)
+        return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)), dtype=float)
+
     def end_displacement(self, end: str) -> IntArray:
         """Coordinates of the displacement at ``"start"`` or ``"end"``."""
         return self.start if end == "start" else self.end
@@ -167,7 +175,8 @@ class LinkModel:
         ----------
         size : int
         kept : dict
-            Which of them move ``start`` and ``end``.
+            Which of them move ``start`` and ``end``, and may turn ``start_rotation`` and
+            ``end_rotation``.
 
         Returns
         -------
@@ -176,7 +185,7 @@ class LinkModel:
         unit = np.zeros((self.size, size))
         for end, place in kept.items():
             if len(place):
-                unit[self.end_displacement(end), place] = 1.0
+                unit[getattr(self, end), place] = 1.0
         return unit
 
     def projected(
@@ -188,7 +197,8 @@ class LinkModel:
         ----------
         basis : ndarray, shape (n, m)
         kept : dict
-            New positions of ``start`` and ``end``.
+            New positions of ``start`` and ``end``, and of ``start_rotation`` and
+            ``end_rotation`` where they are kept.
         shaft : ndarray of int, shape (1,) or (0,)
             New position of the shaft's rotation.
         """
@@ -214,8 +224,8 @@ class LinkModel:
             is_axial=axial,
             start=kept["start"],
             end=kept["end"],
-            start_rotation=NONE,
-            end_rotation=NONE,
+            start_rotation=kept.get("start_rotation", NONE),
+            end_rotation=kept.get("end_rotation", NONE),
             start_warping=NONE,
             end_warping=NONE,
             vectors=NO_VECTORS,

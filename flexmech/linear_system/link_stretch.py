@@ -44,6 +44,11 @@ class LinkStretch:
     weights: FloatArray
     damping_time: float
 
+    @classmethod
+    def none(cls, size: int) -> LinkStretch:
+        """Of a link of ``size`` coordinates that does not stretch."""
+        return cls(np.zeros((0, size)), np.zeros((0, size)), np.zeros((0, 0)), 0.0)
+
     def projected(self, basis: FloatArray) -> LinkStretch:
         """The same with ``q = basis @ p``.
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +19,12 @@ from flexmech.linear_system.joint_points import (
 )
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.moving_matrix import MovingMatrix
+from flexmech.linear_system.posed_ties import CoordinateRows, PointRows, PosedRows, PosedTies
 from flexmech.linear_system.rigid_coordinates import RigidCoordinates
+from flexmech.linear_system.rigid_pose import RigidPose
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
-from flexmech.types import IntArray
+from flexmech.linkages.motion import direction, normal
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["LinkTies"]
 
@@ -125,6 +129,96 @@ class LinkTies:
         return [
             [self._led(moving, link, tie) for tie in ties] for link, ties in enumerate(self._ties)
         ]
+
+    def posed(self, motion: RigidMotion, pose: RigidPose) -> PosedTies:
+        """Ties where the rigid links are displaced.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,), not displaced.
+        pose : RigidPose
+
+        Returns
+        -------
+        PosedTies
+        """
+        moving = _Moving(self.rigid, motion)
+        rows: list[list[PosedRows]] = []
+        at_points, at_coordinates = [], []
+        for link, ties in enumerate(self._ties):
+            rows.append([])
+            for tie in ties:
+                place = None
+                if isinstance(tie, _LedEnd):
+                    back = moving.to_frame(link).value
+                    turn = (back @ pose.rows(tie.point) @ pose.coordinates)[:, :, tie.columns]
+                    place = (back @ pose.point(tie.point)[..., None])[..., 0]
+                    at_points.append(PointRows(link, tie.rows, tie.point))
+                elif isinstance(tie, _RigidRows):
+                    turn = pose.coordinates[:, tie.among][:, :, tie.columns]
+                    place = pose.y[:, tie.among]
+                    if link not in self.rigid.links:
+                        at_coordinates.append(CoordinateRows(link, tie.rows, tie.among))
+                else:
+                    turn = self._led(moving, link, tie).turn
+                rows[-1].append(PosedRows(tie.rows, tie.columns, turn, place))
+            if link in self.rigid.links:
+                among = self.rigid.of_link(link)
+                at_coordinates.append(CoordinateRows(link, np.arange(3), among))
+                continue
+            free = self.own(link)
+            led = free[self.targets[link][free] < len(self.rigid.independent)]
+            among = self.rigid.independent[self.targets[link][led]]
+            at_coordinates.append(CoordinateRows(link, led, among))
+        return PosedTies(pose, rows, at_points, at_coordinates)
+
+    def guided(self, motion: RigidMotion, guiding: FloatArray) -> FloatArray:
+        """Stiffness between guides' rotations and slides, by the independent coordinates."""
+        rigid = self.rigid
+        matrix = np.zeros((len(guiding), rigid.size, rigid.size))
+        for number, slider in enumerate(self.topology.sliders):
+            if slider.guide:
+                turn = rigid.of_link(self.topology.index(slider.guide))[2]
+                slide = 3 * len(rigid.links) + number
+                matrix[:, turn, slide] = matrix[:, slide, turn] = guiding[:, number]
+        moved = rigid.moving(motion).value
+        return np.asarray(np.swapaxes(moved, 1, 2) @ matrix @ moved)
+
+    def slides(self, motion: RigidMotion, displacement: Sequence[NDArray[Any]]) -> NDArray[Any]:
+        """Slides by the displacements (B, n_link, m) of all links, at their places among w."""
+        rigid = self.rigid
+        shape = (len(displacement[0]), rigid.size, displacement[0].shape[2])
+        y = np.zeros(shape, dtype=displacement[0].dtype)
+        for link in rigid.links:
+            y[:, rigid.of_link(link)] = displacement[link]
+        found = np.zeros_like(y)
+        for point in self._points:
+            if point.slider is None:
+                continue
+            line = rigid.point(motion, point)
+            assert line is not None
+            slide = 3 * len(rigid.links) + point.slider
+            link = self.topology.index(point.ends[0].link)
+            if rigid.is_rigid(point.ends[0]):
+                moved = rigid.end_rows(motion, point.ends[0]).value @ y
+            else:
+                to_ground = np.swapaxes(_Moving(rigid, motion).to_frame(link).value, 1, 2)
+                moved = to_ground @ displacement[link][:, self._rows(point.ends[0])]
+            along = line.value[:, :, slide]
+            found[:, slide] = np.einsum("bc,bcm->bm", along, moved - line.value @ y)
+        return found[:, rigid.independent]
+
+    def pose_of(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> RigidPose:
+        """Where rigid links and sliders are, by the displacements (B, n_link) of all links."""
+        held = {}
+        for number, slider in enumerate(self.topology.sliders):
+            if not self.rigid.is_rigid(slider.held):
+                link = self.topology.index(slider.held.link)
+                q = displacement[link][:, self._rows(slider.held)]
+                angle = motion.angle[:, link]
+                held[number] = q[:, :1] * direction(angle) + q[:, 1:] * normal(angle)
+        return RigidPose.displaced_by(self.rigid, motion, displacement, held)
 
     def _led(self, moving: _Moving, link: int, tie: _Tie) -> FollowingRows:
         motion = moving.motion

@@ -50,10 +50,13 @@ def unreduced_system(
     damping = None
     if stressed.damping is not None:
         damping = [LinkDamping(matrix, matrix) for matrix in stressed.damping]
-    matrices = frames.assemble(motion, stressed.tangent, terms, damping)
+    motion = frames.displaced(motion, stressed.displacement)
+    matrices = frames.assemble(motion, stressed.tangent, terms, damping, stressed.guiding)
     massless = np.zeros(frames.size, dtype=bool)
     for number, (target, link) in enumerate(zip(frames.targets, links, strict=True)):
         own = frames.own(number)
+        if link.rigid:
+            continue
         massless[target[own][np.diagonal(link.mass)[own] == 0]] = True
     expansion = None
     if massless.any():
@@ -100,6 +103,8 @@ def reduced_system(
     for target, link in zip(frames.targets, reduction.links, strict=True):
         condensed[target[link.condensed]] = True
     damping = _damping(links, reduction, stressed)
+    if frames.rigid.size:
+        motion = LinkFrames(topology, links).displaced(motion, stressed.displacement)
     at_once = max(1, MATRIX_BYTES // (8 * frames.size**2))
     parts = []
     for first in range(0, len(motion.crank_angle), at_once):
@@ -109,7 +114,8 @@ def reduced_system(
             for link, tangent in zip(reduction.links, stressed.tangent, strict=True)
         ]
         own = damping and [LinkDamping(_of(d.matrix, some), _of(d.ends, some)) for d in damping]
-        matrices = frames.assemble(motion.at(some), projected, terms, own)
+        guiding = None if stressed.guiding is None else stressed.guiding[some]
+        matrices = frames.assemble(motion.at(some), projected, terms, own, guiding)
         parts.append(condense(matrices, condensed) if condensed.any() else (matrices, None))
     matrices = SystemMatrices(
         *(_joined([getattr(m, field.name) for m, _ in parts]) for field in fields(SystemMatrices))
@@ -146,7 +152,9 @@ def _damping(
         return None
     damping = []
     for full, link, matrix in zip(links, reduction.links, stressed.damping, strict=True):
-        ends = full.end_basis(link.model.size, {"start": link.model.start, "end": link.model.end})
+        names = ("start", "end", "start_rotation", "end_rotation")
+        kept = {name: getattr(link.model, name) for name in names}
+        ends = full.end_basis(link.model.size, kept) if not full.rigid else link.basis
         forces = link.basis.T @ matrix
         damping.append(LinkDamping(forces @ link.basis, forces @ ends))
     return damping

@@ -9,65 +9,29 @@ rigid ones never follow them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.linear_system.displaced_motion import (
+    frame_rotation,
+    general_position,
+    slider_lever,
+)
 from flexmech.linear_system.joint_points import JointPoint, joint_points, turning_joints
 from flexmech.linear_system.moving_matrix import MovingMatrix
 from flexmech.linear_system.position_errors import refuse_positions
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["DisplacedMotion", "RigidCoordinates"]
+__all__ = ["RigidCoordinates"]
 
 # Singular values of the conditions, relative to the greatest, that count as none.
 DEPENDENT = 1e-9
 # Part of a column that is none of those before it, below which it adds nothing to the rank.
 ADDS = 1e-7
-
-
-@dataclass(frozen=True)
-class DisplacedMotion(RigidMotion):
-    """Motion whose rigid links are displaced, as in an equilibrium: their frames turn with them.
-
-    Parameters
-    ----------
-    crank_angle, crank_speed, angle, angular_velocity, angular_acceleration : ndarray
-        See :class:`RigidMotion`; batch of shape (B,).
-    origin, origin_velocity, origin_acceleration : ndarray
-        Likewise.
-    turn : ndarray, shape (B, n_links)
-        By how much each angle is that of the displaced rigid link rather than that of the rigid
-        motion, in rad; zero of flexible links.
-    slide : ndarray, shape (B, n_sliders)
-        Displacement of each slider along its line in m.
-    """
-
-    turn: FloatArray
-    slide: FloatArray
-
-    @classmethod
-    def of(cls, motion: RigidMotion, turn: FloatArray, slide: FloatArray) -> Self:
-        """A rigid motion with its rigid links displaced.
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        turn : ndarray, shape (B, n_links)
-        slide : ndarray, shape (B, n_sliders)
-        """
-        own = {field.name: getattr(motion, field.name) for field in fields(RigidMotion)}
-        own["angle"] = motion.angle + turn
-        return cls(**own, turn=turn, slide=slide)
-
-    def at(self, which: NDArray[np.bool_] | slice) -> DisplacedMotion:
-        """See :meth:`RigidMotion.at`."""
-        return type(self)(*(getattr(self, field.name)[which] for field in fields(self)))
 
 
 class RigidCoordinates:
@@ -83,8 +47,8 @@ class RigidCoordinates:
         Numbers of the rigid links; link ``links[k]`` has the coordinates ``3 k`` to ``3 k + 2``.
     size : int
         Number of all coordinates y: those of the links, then one a slider.
-    independent : ndarray of int, shape (n,)
-        Which of them are w.
+    independent, dependent : ndarray of int, shape (n,), (size - n,)
+        Which of them are w, and which follow.
     """
 
     def __init__(self, topology: Topology) -> None:
@@ -95,7 +59,7 @@ class RigidCoordinates:
         self._turns = [
             turn for turn in turning_joints(topology) if any(map(self.is_rigid, turn.ends))
         ]
-        self.independent, self._dependent, self._rows = self._choose()
+        self.independent, self.dependent, self._rows = self._choose()
 
     def is_rigid(self, end: LinkEnd) -> bool:
         """Whether an end is that of a rigid link."""
@@ -125,18 +89,18 @@ class RigidCoordinates:
         batch, count = len(motion.crank_angle), len(self.independent)
         chosen = np.zeros((self.size, count))
         chosen[self.independent, np.arange(count)] = 1.0
-        if not len(self._dependent):
+        if not len(self.dependent):
             return MovingMatrix.constant(chosen, batch)
-        conditions = self._conditions(motion)
-        across = conditions.columns(self._dependent)
-        self._refuse_locked(motion, across.value)
+        conditions = self.conditions(motion)
+        across = conditions.columns(self.dependent)
+        self.refuse_locked(motion, across.value)
         led = across.solve(-conditions.columns(self.independent))
         value, rate, centripetal, tangential = np.zeros((4, batch, self.size, count))
         value += chosen
-        value[:, self._dependent] = led.value
-        rate[:, self._dependent] = led.rate
-        centripetal[:, self._dependent] = led.centripetal
-        tangential[:, self._dependent] = led.tangential
+        value[:, self.dependent] = led.value
+        rate[:, self.dependent] = led.rate
+        centripetal[:, self.dependent] = led.centripetal
+        tangential[:, self.dependent] = led.tangential
         return MovingMatrix(value, rate, centripetal, tangential)
 
     def point(self, motion: RigidMotion, point: JointPoint) -> MovingMatrix | None:
@@ -156,7 +120,11 @@ class RigidCoordinates:
         if point.slider is not None:
             return self._on_line(motion, point.slider)
         leads = [end for end in point.ends if self.is_rigid(end)]
-        return None if point.held or not leads else self._end(motion, leads[0])
+        return None if point.held or not leads else self.end_rows(motion, leads[0])
+
+    def lever(self, motion: RigidMotion, slider: int) -> FloatArray:
+        """Where the point of a slider is in the frame of its guide, (B, 2) in m."""
+        return slider_lever(motion, self.topology, slider).value[..., 0]
 
     def moves(self, rows: MovingMatrix) -> NDArray[np.bool_]:
         """Which of w a matrix (1, r, n) in a general position depends on."""
@@ -166,18 +134,25 @@ class RigidCoordinates:
     @cached_property
     def general_position(self) -> RigidMotion:
         """A motion of one position in which no links are in line, and which need not close."""
-        return _general_position(self.topology)
+        return general_position(self.topology)
 
     def _is_tied(self, point: JointPoint) -> bool:
         return any(map(self.is_rigid, point.ends))
 
-    def _end(self, motion: RigidMotion, end: LinkEnd) -> MovingMatrix:
-        """Displacement of a rigid link's end in ground axes by y."""
+    def end_rows(self, motion: RigidMotion, end: LinkEnd) -> MovingMatrix:
+        """Displacement of a rigid link's end in ground axes by y, (B, 2, size).
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        end : LinkEnd
+        """
         link = self.topology.index(end.link)
         x = 0.0 if end.end == "start" else self.topology.links[link].length
         local = np.zeros((2, self.size))
         local[:, self.of_link(link)] = [[1.0, 0.0, 0.0], [0.0, 1.0, x]]
-        return _rotation(motion, link) @ MovingMatrix.constant(local, len(motion.crank_angle))
+        return frame_rotation(motion, link) @ MovingMatrix.constant(local, len(motion.crank_angle))
 
     def _on_line(self, motion: RigidMotion, number: int) -> MovingMatrix:
         """Displacement of the point that slides on a line, in ground axes by y."""
@@ -192,7 +167,7 @@ class RigidCoordinates:
         own = self.of_link(guide)
         local[:, own[:2]] = np.eye(2)
         moving = MovingMatrix.constant(local, batch)
-        lever = _lever(motion, self.topology, number)
+        lever = slider_lever(motion, self.topology, number)
         quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
         parts = {"value": lever.value, "rate": lever.rate, "tangential": lever.tangential}
         turned = {name: part[..., 0] @ quarter.T for name, part in parts.items()}
@@ -200,9 +175,21 @@ class RigidCoordinates:
             _with_column(getattr(moving, name), own[2], turned.get(name))
             for name in ("value", "rate", "centripetal", "tangential")
         ]
-        return _rotation(motion, guide) @ MovingMatrix(*local_parts)
+        return frame_rotation(motion, guide) @ MovingMatrix(*local_parts)
 
-    def _conditions(self, motion: RigidMotion) -> MovingMatrix:
+    def conditions(self, motion: RigidMotion) -> MovingMatrix:
+        """``G``: ties that settle the dependent coordinates, (B, size - n, size).
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+
+        Returns
+        -------
+        MovingMatrix
+            Displacements in ground axes in m, rotations in rad.
+        """
         every = self._every_condition(motion)
         assert every is not None
         return MovingMatrix(
@@ -213,23 +200,97 @@ class RigidCoordinates:
         )
 
     def _every_condition(self, motion: RigidMotion) -> MovingMatrix | None:
-        """``G``, (B, conditions, size); displacements in m, rotations times one metre."""
+        """All ties, (B, conditions, size), also those that others imply."""
         batch, parts = len(motion.crank_angle), []
+        for end, point in self._tied_ends:
+            own, leader = self.end_rows(motion, end), self.point(motion, point)
+            parts.append(own if leader is None else own - leader)
+        for one, other in self._tied_turns:
+            row = self._turn_row(one)
+            row = row if other is None else row - self._turn_row(other)
+            parts.append(MovingMatrix.constant(row, batch))
+        return MovingMatrix.stacked(parts) if parts else None
+
+    def gaps(
+        self, displacement: Callable[[JointPoint | LinkEnd], FloatArray], y: FloatArray
+    ) -> FloatArray:
+        """By how much :meth:`conditions` are not satisfied, (B, size - n).
+
+        Parameters
+        ----------
+        displacement : callable
+            Of a rigid link's end and of what leads a point, in ground axes, (B, 2).
+        y : ndarray, shape (B, size)
+
+        Returns
+        -------
+        ndarray
+        """
+        parts = []
+        for end, point in self._tied_ends:
+            own = displacement(end)
+            parts.append(own if self._is_held(point) else own - displacement(point))
+        for one, other in self._tied_turns:
+            row = self._turn_row(one)
+            row = row if other is None else row - self._turn_row(other)
+            parts.append(y @ row.T)
+        return np.concatenate(parts, axis=1)[:, self._rows]
+
+    def tie_forces(
+        self, forces: FloatArray, at_points: Mapping[JointPoint, FloatArray]
+    ) -> Iterator[tuple[LinkEnd | int, FloatArray]]:
+        """Forces on ends of rigid links and on lines, in ground axes.
+
+        Parameters
+        ----------
+        forces : ndarray, shape (B, size - n)
+            Of :meth:`conditions`.
+        at_points : mapping of JointPoint to ndarray, shape (B, 2)
+            Forces of flexible links on points that lead them.
+
+        Yields
+        ------
+        tuple of LinkEnd or int and ndarray, shape (B, 2)
+            An end, or the number of a slider, and the force on it.
+        """
+        every = np.zeros((len(forces), 2 * len(self._tied_ends) + len(self._tied_turns)))
+        every[:, self._rows] = forces
+        leading = {point: force.copy() for point, force in at_points.items()}
+        for number, (end, point) in enumerate(self._tied_ends):
+            force = every[:, 2 * number : 2 * number + 2]
+            yield end, force
+            if not self._is_held(point):
+                leading[point] = leading.get(point, 0.0) - force
+        for point, force in leading.items():
+            if point.slider is not None:
+                yield point.slider, force
+            else:
+                yield next(end for end in point.ends if self.is_rigid(end)), force
+
+    def _is_held(self, point: JointPoint) -> bool:
+        return point.held and point.slider is None
+
+    @cached_property
+    def _tied_ends(self) -> list[tuple[LinkEnd, JointPoint]]:
+        """Ends of rigid links, and the points that they are tied to and do not lead."""
+        tied = []
         for point in self._points:
-            leader = self.point(motion, point)
             rigid = [end for end in point.ends if self.is_rigid(end)]
-            if leader is not None and point.slider is None:
-                rigid = rigid[1:]
-            for end in rigid:
-                own = self._end(motion, end)
-                parts.append(own if leader is None else own - leader)
+            leads = not point.held and point.slider is None
+            tied += [(end, point) for end in rigid[1 if leads else 0 :]]
+        return tied
+
+    @cached_property
+    def _tied_turns(self) -> list[tuple[LinkEnd, LinkEnd | None]]:
+        """Ends of rigid links that turn with others; None with the shaft."""
+        tied: list[tuple[LinkEnd, LinkEnd | None]] = []
         for turn in self._turns:
             rigid = [end for end in turn.ends if self.is_rigid(end)]
-            rows = [self._turn_row(end) for end in rigid]
-            if not turn.held:
-                rows = [row - rows[0] for row in rows[1:]]
-            parts += [MovingMatrix.constant(row, batch) for row in rows]
-        return MovingMatrix.stacked(parts) if parts else None
+            if turn.held:
+                tied += [(end, None) for end in rigid]
+            else:
+                tied += [(end, rigid[0]) for end in rigid[1:]]
+        return tied
 
     def _turn_row(self, end: LinkEnd) -> FloatArray:
         row = np.zeros((1, self.size))
@@ -241,7 +302,7 @@ class RigidCoordinates:
 
         Chosen once, in a general position: who comes first and adds to the rank depends.
         """
-        every = self._every_condition(_general_position(self.topology))
+        every = self._every_condition(general_position(self.topology))
         if every is None:
             none = np.zeros(0, dtype=np.intp)
             return np.arange(self.size), none, none
@@ -264,7 +325,21 @@ class RigidCoordinates:
         rotations = every[: 3 * count][every[: 3 * count] % 3 == 2]
         return np.concatenate([displacements, every[3 * count :], rotations[::-1]])
 
-    def _refuse_locked(self, motion: RigidMotion, across: FloatArray) -> None:
+    def refuse_locked(self, motion: RigidMotion, across: FloatArray) -> None:
+        """Refuse positions where the ties do not settle the dependent coordinates.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        across : ndarray, shape (B, n, n)
+            Derivative of the ties by these.
+
+        Raises
+        ------
+        ComputationError
+            Names the crank angle.
+        """
         size = np.linalg.svd(across, compute_uv=False)
         names = ", ".join(self.topology.links[n].name for n in self.links)
         refuse_positions(
@@ -291,60 +366,9 @@ def _adding_to_the_rank(matrix: FloatArray) -> IntArray:
     return np.array(chosen, dtype=np.intp)
 
 
-def _rotation(motion: RigidMotion, link: int) -> MovingMatrix:
-    """From a link's frame to ground axes, (B, 2, 2)."""
-    return MovingMatrix.rotation(
-        motion.angle[:, link],
-        motion.angular_velocity[:, link],
-        motion.angular_acceleration[:, link],
-    )
-
-
-def _lever(motion: RigidMotion, topology: Topology, number: int) -> MovingMatrix:
-    """Where the point of a slider is in the frame of its guide, (B, 2, 1)."""
-    slider = topology.sliders[number]
-    guide, held = topology.index(slider.guide), topology.index(slider.held.link)
-    x = 0.0 if slider.held.end == "start" else topology.links[held].length
-    angle, moved = motion.angle, np.zeros(len(motion.crank_angle))
-    if isinstance(motion, DisplacedMotion):
-        angle, moved = motion.angle - motion.turn, motion.slide[:, number]
-        motion = DisplacedMotion.of(motion, -motion.turn, motion.slide)
-    back = MovingMatrix.rotation(
-        -angle[:, guide],
-        -motion.angular_velocity[:, guide],
-        -motion.angular_acceleration[:, guide],
-    )
-    distance = MovingMatrix(
-        (motion.position(held, x) - motion.origin[:, guide])[..., None],
-        (motion.velocity(held, x) - motion.origin_velocity[:, guide])[..., None],
-        np.zeros((len(angle), 2, 1)),
-        (motion.acceleration(held, x) - motion.origin_acceleration[:, guide])[..., None],
-    )
-    lever = back @ distance
-    along = np.array([np.cos(slider.direction), np.sin(slider.direction)])
-    # The point stays on its line: what round-off leaves across it is not motion. The lever's
-    # second derivative is an acceleration of the rigid motion along the line.
-    sliding = [
-        (part[..., 0] @ along)[:, None, None] * along[:, None] for part in (lever.rate, lever.twice)
-    ]
-    displaced = lever.value + moved[:, None, None] * along[:, None]
-    return MovingMatrix(displaced, sliding[0], np.zeros_like(displaced), sliding[1])
-
-
 def _with_column(matrix: FloatArray, column: int, values: FloatArray | None) -> FloatArray:
     if values is None:
         return matrix
     changed = matrix.copy()
     changed[:, :, column] = values
     return changed
-
-
-def _general_position(topology: Topology) -> RigidMotion:
-    """One position with the links at angles that have nothing to do with each other."""
-    random = np.random.default_rng(0)
-    count = len(topology.links)
-    angle, still = random.uniform(-np.pi, np.pi, (1, count)), np.zeros((1, count))
-    length = max(link.length for link in topology.links)
-    origin = length * random.uniform(-1.0, 1.0, (1, count, 2))
-    nowhere = np.zeros((1, count, 2))
-    return RigidMotion(still[:, 0], still[:, 0], angle, still, still, origin, nowhere, nowhere)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from flexmech.linear_system.link_model import NONE, LinkModel, RigidFields
 from flexmech.linear_system.link_readings import LinkReadings
-from flexmech.linkages import LinkMass
+from flexmech.linkages import LinkMass, RigidMotion
+from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray
 
-__all__ = ["rigid_link"]
+__all__ = ["dead_virial", "off_axis_inertia", "rigid_link", "rigid_tangent"]
 
 
 def rigid_link(name: str, mass: LinkMass) -> LinkModel:
@@ -43,8 +46,10 @@ def rigid_link(name: str, mass: LinkMass) -> LinkModel:
             [along, across, 0.0],
         ]
     )
+    # As in flexible links, matter off the axis that turns about it keeps its centrifugal potential.
+    on_axis = mass.moment(2) - off_axis_inertia(mass)
     translational = inertia.copy()
-    translational[2, 2] = 0.0
+    translational[2, 2] = on_axis
     nothing = np.zeros((3, 3))
     ends = np.array([0.0, mass.length])
     # Both ends of a rigid bar with the rotation of each.
@@ -58,7 +63,7 @@ def rigid_link(name: str, mass: LinkMass) -> LinkModel:
         mass=inertia,
         gyroscopic=gyroscopic,
         translational_mass=translational,
-        first_moment=np.array([[across, -along, 0.0], [along, across, 0.0]]),
+        first_moment=np.array([[across, -along, -on_axis], [along, across, 0.0]]),
         stiffness=nothing,
         damping=nothing,
         is_axial=np.zeros(3, dtype=bool),
@@ -73,6 +78,22 @@ def rigid_link(name: str, mass: LinkMass) -> LinkModel:
     )
 
 
+def off_axis_inertia(mass: LinkMass) -> float:
+    """Polar second moment in kg m^2 of matter about its own place on the axis of the link.
+
+    Parameters
+    ----------
+    mass : LinkMass
+
+    Returns
+    -------
+    float
+    """
+    distributed = mass.mass_per_length * mass.length * mass.offset**2
+    bodies = (b.inertia + b.mass * (b.offset[0] ** 2 + b.offset[1] ** 2) for b in mass.bodies)
+    return distributed + sum(bodies)
+
+
 def _straight(fraction: FloatArray, length: FloatArray) -> FloatArray:
     """Displacement of a bar whose ends are (u, v, phi) each, (s, 2, 6)."""
     shapes = np.zeros((len(fraction), 2, 6))
@@ -80,3 +101,61 @@ def _straight(fraction: FloatArray, length: FloatArray) -> FloatArray:
         shapes[:, component, component] = 1 - fraction
         shapes[:, component, 3 + component] = fraction
     return shapes
+
+
+def dead_virial(
+    links: Sequence[LinkModel], motion: RigidMotion, gravity: tuple[float, float]
+) -> FloatArray:
+    """Products of inertia force and weight with their places, from the start of rigid links.
+
+    Parameters
+    ----------
+    links : sequence of LinkModel
+    motion : RigidMotion
+        Batch of shape (B,).
+    gravity : tuple of float
+        In ground axes, m/s^2.
+
+    Returns
+    -------
+    ndarray, shape (B, n_links)
+        In N m; zero of flexible links.
+    """
+    virial = np.zeros(motion.angle.shape)
+    for number, link in enumerate(links):
+        if link.rigid:
+            pull = motion.origin_acceleration[:, number] - np.asarray(gravity)
+            angle = motion.angle[:, number]
+            along, across = link.first_moment[1, :2]
+            centre = along * direction(angle) + across * normal(angle)
+            speed = motion.angular_velocity[:, number]
+            virial[:, number] = speed**2 * link.mass[2, 2] - np.sum(centre * pull, axis=1)
+    return virial
+
+
+def rigid_tangent(
+    link: LinkModel, motion: RigidMotion, number: int, turning: FloatArray
+) -> FloatArray:
+    """Tangent stiffness of a rigid link under forces that keep their direction.
+
+    Matter off the axis that turns about it keeps its centrifugal potential: that is left out
+    here, as in the mass of displacements.
+
+    Parameters
+    ----------
+    link : LinkModel
+    motion : RigidMotion
+        Batch of shape (B,).
+    number : int
+        Of the link.
+    turning : ndarray, shape (B,)
+        Stiffness against rotation by all these forces in N m/rad.
+
+    Returns
+    -------
+    ndarray, shape (B, 3, 3)
+    """
+    tangent = np.zeros((len(turning), 3, 3))
+    kept = link.mass[2, 2] - link.translational_mass[2, 2]
+    tangent[:, 2, 2] = turning - motion.angular_velocity[:, number] ** 2 * kept
+    return tangent

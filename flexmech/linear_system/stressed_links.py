@@ -33,6 +33,8 @@ class StressedLinks:
     loads : list of ndarray, shape (B, n), or None
         Forces on the links that the state is under; None where there are none, or an engine
         does not tell.
+    guiding : ndarray, shape (B, n_sliders), or None
+        Stiffness between the rotation of a slider's guide and its slide in N/rad.
     """
 
     tangent: list[FloatArray]
@@ -40,6 +42,7 @@ class StressedLinks:
     internal_force: list[FloatArray] | None = None
     damping: list[FloatArray] | None = None
     loads: list[FloatArray] | None = None
+    guiding: FloatArray | None = None
 
     @classmethod
     def unloaded(cls, links: Sequence[LinkModel]) -> Self:

@@ -87,6 +87,9 @@ class LinearSystem:
         """
         parts = []
         for link, q in zip(self.frames.links, self.link_coordinates(vectors), strict=True):
+            if link.rigid:
+                parts.append(link.mass_root.T @ q)
+                continue
             mass, moved = link.mass, q
             if not (heavy := np.diagonal(mass) != 0).all():
                 mass, moved = mass[np.ix_(heavy, heavy)], q[:, heavy]
@@ -108,12 +111,8 @@ class LinearSystem:
         """
         if self.bases is None:
             return vectors
-        full = np.zeros((len(vectors), frames.size, vectors.shape[2]), dtype=vectors.dtype)
-        for number, reduced in enumerate(self.link_coordinates(vectors)):
-            q = self.bases[number] @ reduced
-            own = frames.own(number)
-            full[:, frames.targets[number][own]] = q[:, own]
-        return full
+        pairs = zip(self.bases, self.link_coordinates(vectors), strict=True)
+        return frames.independent(self.motion, [basis @ reduced for basis, reduced in pairs])
 
     def displacements(self, vectors: NDArray[Any]) -> NDArray[Any]:
         """Displacement at the stations of every link, in ground axes.

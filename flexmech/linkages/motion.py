@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flexmech.numbers import checked_array
 from flexmech.short_repr import shapes, short_repr
-from flexmech.types import FloatArray
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["RigidMotion", "checked_drive", "direction", "normal"]
 
@@ -79,12 +79,12 @@ class RigidMotion:
     def __repr__(self) -> str:
         return short_repr(self, *shapes(self))
 
-    def at(self, which: NDArray[np.bool_] | slice) -> RigidMotion:
+    def at(self, which: NDArray[np.bool_] | IntArray | slice) -> RigidMotion:
         """Motion in some of the positions.
 
         Parameters
         ----------
-        which : ndarray of bool, shape (...), or slice
+        which : ndarray of bool, shape (...), or of int, or slice
 
         Returns
         -------

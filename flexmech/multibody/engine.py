@@ -22,6 +22,7 @@ from flexmech.choices import (
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     Engine,
+    LinkFrames,
     LinkModel,
     LinkPoint,
     Prestress,
@@ -30,6 +31,8 @@ from flexmech.linear_system import (
     element_tensions,
     inertia_loads,
     refuse_large_displacements,
+    straight_forces,
+    with_rigid_links,
 )
 from flexmech.linkages import CrankDrive, LockedCrank, RigidMotion
 from flexmech.mechanism import Mechanism
@@ -137,8 +140,7 @@ class ExudynEngine(Engine):
         if straight:
             return StressedLinks.unloaded(self.held_links)
         if prestress == "axial":
-            loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
-            return StressedLinks(self._axial_tangents(motion), loads=loads)
+            return self._axial(motion)
 
         def displaced(loads: list[FloatArray]) -> list[FloatArray]:
             return static_equilibrium(self.model, motion, loads).displacement
@@ -152,6 +154,7 @@ class ExudynEngine(Engine):
             equilibrium.displacement,
             damping=equilibrium.damping,
             loads=loads,
+            guiding=equilibrium.line_force * [bool(s.guide) for s in topology.sliders],
         )
 
     def simulate(
@@ -312,12 +315,18 @@ class ExudynEngine(Engine):
         force = internal_forces(self.model, displacement)
         return StressedLinks(tangent, list(displacement), force, damping)
 
-    def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
-        nodes = [part.positions for _, part in self.model.assembly.beams]
-        tensions = element_tensions(self.mechanism, nodes, motion)
-        return [
-            link.stiffness + np.tensordot(tension[..., 0], unit, axes=1)
-            for link, tension, unit in zip(
-                self.held_links, tensions, self._unit_tension, strict=True
+    def _axial(self, motion: RigidMotion) -> StressedLinks:
+        """Straight links in tension."""
+        frames = LinkFrames(self.mechanism.linkage.topology, self.held_links)
+        loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+        straight = straight_forces(self.mechanism, frames, motion, loads)
+        nodes = [link.readings.nodes for link in self.held_links]
+        tensions = element_tensions(self.mechanism, nodes, motion, straight.links)
+        tangent = {
+            number: link.stiffness + np.tensordot(tensions[number][..., 0], unit, axes=1)
+            for number, (link, unit) in enumerate(
+                zip(self.held_links, self._unit_tension, strict=True)
             )
-        ]
+            if not link.rigid
+        }
+        return with_rigid_links(frames, motion, tangent, straight.stiffness, loads)

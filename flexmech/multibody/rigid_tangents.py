@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.linear_system import off_axis_inertia
 from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
@@ -112,8 +113,8 @@ def turning_stiffness(
 ) -> FloatArray:
     """Stiffness against turning of rigid links and attached bodies after a static solution.
 
-    Without that of the centrifugal forces of their own turning: a rotation keeps their potential,
-    and ``translational_mass`` leaves them out as well.
+    Without that of the centrifugal forces of matter that turns about its place on the axis: a
+    rotation keeps their potential, and ``translational_mass`` leaves them out as well.
 
     Parameters
     ----------
@@ -143,7 +144,8 @@ def turning_stiffness(
         end = parts[link].end_place("end", state)
         own = parts[link].coordinates
         stiffness[own.stop - 1] = couples[link] @ (end - state[own][:2])
-        stiffness[own.stop - 1] -= speed[link] ** 2 * rigid[link].moments[3]
+        mass = model.assembly.mechanism.link_mass(rigid[link].name)
+        stiffness[own.stop - 1] -= speed[link] ** 2 * off_axis_inertia(mass)
     for acting in joint_forces(model, state):
         if acting.link in rigid:
             own = parts[acting.link].coordinates

@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
+import numpy as np
+
 from flexmech.beams.comparison import compare_theories
 from flexmech.beams.link_matrices import Chain, assemble_chain, build_chain
 from flexmech.beams.theories import BEAM_SHAPES
@@ -19,11 +21,17 @@ from flexmech.linear_system import (
     Prestress,
     StressedLinks,
     TheoryComparison,
+    dead_virial,
     element_tensions,
     inertia_loads,
     refuse_large_displacements,
+    rigid_link,
+    straight_forces,
+    ties_beyond_pins,
+    with_rigid_links,
 )
 from flexmech.linkages import LinkMass, RigidMotion, lumped_elements
+from flexmech.linkages.internal_forces import LinkForces
 from flexmech.mechanism import Mechanism
 from flexmech.reference.equilibrium import Equilibrium
 from flexmech.reference.stretch import chain_stretch
@@ -68,20 +76,19 @@ class ReferenceEngine(Engine):
         return compare_theories(mechanism, modes)
 
     @cached_property
-    def chains(self) -> tuple[Chain, ...]:
-        """Links of beam elements, in the topology's order."""
-        return tuple(
-            build_chain(
-                name,
-                self.mechanism.sections[name],
-                mass,
+    def chains(self) -> dict[int, Chain]:
+        """Links of beam elements by their number in the topology: all but rigid ones."""
+        return {
+            number: build_chain(
+                link.name,
+                self.mechanism.sections[link.name],
+                self._masses[number],
                 self.elements,
                 BEAM_SHAPES[self.element],
             )
-            for name, mass in zip(
-                self.mechanism.linkage.topology.link_names, self._masses, strict=True
-            )
-        )
+            for number, link in enumerate(self.mechanism.linkage.topology.links)
+            if not link.rigid
+        }
 
     @cached_property
     def _lumped(self) -> tuple[int, ...] | None:
@@ -100,25 +107,33 @@ class ReferenceEngine(Engine):
     @cached_property
     def held_links(self) -> tuple[LinkModel, ...]:
         """Unreduced link models, coordinates (u, v, phi, ...) node by node."""
-        return tuple(chain.model for chain in self.chains)
+        return tuple(
+            rigid_link(link.name, self._masses[number]) if link.rigid else self.chains[number].model
+            for number, link in enumerate(self.mechanism.linkage.topology.links)
+        )
 
     @cached_property
     def held_stretches(self) -> tuple[LinkStretch, ...] | None:
         """Second-order stretch of each link; see :attr:`Engine.stretches`."""
         if self.mechanism.is_free_strained:
             return None
-        return tuple(chain_stretch(chain) for chain in self.chains)
+        return tuple(
+            chain_stretch(self.chains[number])
+            if number in self.chains
+            else LinkStretch.none(link.size)
+            for number, link in enumerate(self.held_links)
+        )
 
     @property
     def nodes(self) -> list[FloatArray]:
-        """Node positions of each link in m."""
-        return [chain.nodes for chain in self.chains]
+        """Node positions of each link in m; the ends of a rigid one."""
+        return [link.readings.nodes for link in self.held_links]
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
         """Solver for the quasi-static equilibrium on this mesh."""
         frames = LinkFrames(self.mechanism.linkage.topology, self.held_links)
-        return Equilibrium(frames, [chain.elements for chain in self.chains])
+        return Equilibrium(frames, {n: chain.elements for n, chain in self.chains.items()})
 
     def stressed_held_links(
         self,
@@ -130,21 +145,21 @@ class ReferenceEngine(Engine):
         if self._is_straight(motion, prestress):
             return StressedLinks.unloaded(self.held_links)
         if prestress == "axial":
-            loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
-            return StressedLinks(self._axial_tangents(motion), loads=loads)
+            return self._axial(motion)
         return self._equilibrium(motion, near)
 
     def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
-        varying = self._geometric(motion, varying_part_only=True)
+        varying = self._varying(motion)
+        virial = dead_virial(self.held_links, motion, self.mechanism.gravity)
 
         def displaced(loads: list[FloatArray]) -> list[FloatArray]:
-            return self.equilibrium.solve(motion, loads, varying, near)
+            return self.equilibrium.solve(motion, loads, varying, near, virial)
 
         loads = self._quasi_static_loads(motion, displaced)
         displacement = displaced(loads)
         topology = self.mechanism.linkage.topology
         refuse_large_displacements(topology, self.held_links, motion, displacement)
-        return replace(self._displaced(displacement, varying), loads=loads)
+        return replace(self._displaced(motion, displacement, varying, loads), loads=loads)
 
     def running_held_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
@@ -155,37 +170,73 @@ class ReferenceEngine(Engine):
         what those of the elastic motion add inside it is left out, and falls with the square
         of the element length. Their mean is that of the state.
         """
-        return self._displaced(displacement, self._geometric(motion, varying_part_only=True))
+        varying = self._varying(motion)
+        loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+        return self._displaced(motion, displacement, varying, loads)
 
     def _displaced(
-        self, displacement: Sequence[FloatArray], varying: Sequence[FloatArray]
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        varying: Sequence[FloatArray],
+        loads: list[FloatArray],
     ) -> StressedLinks:
-        force, tangent = self.equilibrium.response(displacement, varying)
+        force, of_chains = self.equilibrium.response(displacement, varying)
+        frames, links = self.equilibrium.frames, self.held_links
+        found = None
+        if frames.rigid.size:
+            virial = dead_virial(links, motion, self.mechanism.gravity)
+            found = self.equilibrium.stiffness_of_rigid(motion, displacement, force, loads, virial)
+        stressed = with_rigid_links(frames, motion, of_chains, found)
         damping = None
         if any(section.damping.any for section in self.mechanism.sections.values()):
-            damping = [assemble_chain(d) for d in self.equilibrium.damping(displacement)]
-        return StressedLinks(tangent, list(displacement), force, damping)
+            damping = self._damping(displacement)
+        # A rigid link that turns meets its tangent as it is, against the forces that cause it.
+        for number, link in enumerate(links):
+            if link.rigid:
+                turned = stressed.tangent[number] @ displacement[number][..., None]
+                force[number] = turned[..., 0]
+        return replace(
+            stressed, displacement=list(displacement), internal_force=force, damping=damping
+        )
 
-    def _axial_tangents(self, motion: RigidMotion) -> list[FloatArray]:
-        geometric = self._geometric(motion, varying_part_only=False)
+    def _damping(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+        """Damping matrices (B, n, n) of bent links; none of rigid ones."""
+        bent = self.equilibrium.damping(displacement)
         return [
-            link.stiffness + assemble_chain(extra)
-            for link, extra in zip(self.held_links, geometric, strict=True)
+            np.zeros((len(q), 3, 3)) if link.rigid else assemble_chain(bent[number])
+            for number, (link, q) in enumerate(zip(self.held_links, displacement, strict=True))
         ]
 
-    def _geometric(self, motion: RigidMotion, *, varying_part_only: bool) -> list[FloatArray]:
-        """Geometric stiffness of each element, (B, e, 6, 6), by link.
+    def _axial(self, motion: RigidMotion) -> StressedLinks:
+        """Straight links in tension."""
+        frames = self.equilibrium.frames
+        loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+        straight = straight_forces(self.mechanism, frames, motion, loads, self._lumped)
+        tensions = element_tensions(self.mechanism, self.nodes, motion, straight.links)
+        tangent = {
+            number: chain.model.stiffness
+            + assemble_chain(chain.elements.geometric_stiffness(tensions[number]))
+            for number, chain in self.chains.items()
+        }
+        return with_rigid_links(frames, motion, tangent, straight.stiffness, loads)
+
+    def _varying(self, motion: RigidMotion) -> list[FloatArray]:
+        """Geometric stiffness of each element, (B, e, 6, 6), by flexible link: its varying part.
 
         A corotational element knows its mean tension by itself; what inertia forces add
         inside it is the varying part.
         """
+        if ties_beyond_pins(self.equilibrium.frames):
+            # What the joints carry changes the mean alone.
+            nothing, gravity = np.zeros((*motion.angle.shape, 2)), self.mechanism.gravity
+            forces = LinkForces(motion, self._masses, gravity, nothing, nothing[..., 0], (), ())
+        else:
+            forces = self.mechanism.inverse_dynamics(motion, lumped=self._lumped)
+        tensions = element_tensions(self.mechanism, self.nodes, motion, forces)
         matrices = []
-        for chain, tension in zip(
-            self.chains,
-            element_tensions(self.mechanism, self.nodes, motion, self._lumped),
-            strict=True,
-        ):
-            if varying_part_only:
-                tension[..., 0] = 0.0
+        for number, chain in self.chains.items():
+            tension = tensions[number]
+            tension[..., 0] = 0.0
             matrices.append(chain.elements.geometric_stiffness(tension))
         return matrices

@@ -14,30 +14,32 @@ which the step's own linear equations lead, as if tension were an unknown beside
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import (
     LOAD_STEPS,
     MAX_ITERATIONS,
     LinkFrames,
+    PoseStiffness,
     refuse_positions,
 )
+from flexmech.linear_system.dead_forces import DeadForces
 from flexmech.linkages import RigidMotion
 from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements, LinearStrain
 from flexmech.reference.linkage_tangents import LinkageTangents
+from flexmech.reference.newton_state import Imbalance, Problem, State
 from flexmech.reference.nodal_chains import (
     chain_matrix,
     element_ends,
     node_forces,
     relative_coordinates,
 )
-from flexmech.types import FloatArray, IntArray
+from flexmech.reference.turning_element import Ties
+from flexmech.types import FloatArray
 
 __all__ = ["Equilibrium"]
 
@@ -56,105 +58,6 @@ FIRST_ITERATIONS = 8
 LAST_STEP = 5e-8
 
 
-@dataclass(frozen=True)
-class _State:
-    """Where Newton's method stands over a batch of positions: z and factors end with it."""
-
-    z: FloatArray
-    error: FloatArray
-    factors: FloatArray
-    converged: NDArray[np.bool_]
-
-    @classmethod
-    def unloaded(cls, size: int, batch: int) -> _State:
-        """No displacement, nothing solved yet."""
-        return cls(
-            np.zeros((size, batch)), np.zeros(batch), np.zeros(0), np.zeros(batch, dtype=bool)
-        )
-
-    @property
-    def is_stable(self) -> NDArray[np.bool_]:
-        """Which positions have converged, to a tangent stiffness that is positive."""
-        if not self.converged.any():
-            return self.converged
-        return np.asarray(self.converged & np.all(self.factors[:, 0] > 0, axis=0))
-
-    def with_part(self, which: IntArray, part: _State) -> _State:
-        """The state with some positions replaced; all of them at first."""
-        if len(which) == len(self.error):
-            return part
-        for own, new in ((self.z, part.z), (self.factors, part.factors)):
-            own[..., which] = new
-        self.error[which] = part.error
-        self.converged[which] = part.converged
-        return self
-
-
-@dataclass(frozen=True)
-class _Imbalance:
-    """How far displacements are from equilibrium, and what leads to it.
-
-    Parameters
-    ----------
-    residual : ndarray, shape (size, B)
-        Outer minus inner forces.
-    band : ndarray
-        Tangent stiffness in band form, positions last.
-    strains : list of LinearStrain
-        Of each link's elements.
-    """
-
-    residual: FloatArray
-    band: FloatArray
-    strains: list[LinearStrain]
-
-    @property
-    def error(self) -> FloatArray:
-        """Greatest force out of balance, shape (B,)."""
-        return np.asarray(np.abs(self.residual).max(axis=0, initial=0.0), dtype=float)
-
-    def at(self, which: NDArray[np.bool_]) -> _Imbalance:
-        """That of some positions."""
-        strains = [strain.of(which) for strain in self.strains]
-        return _Imbalance(self.residual[:, which], self.band[..., which], strains)
-
-
-@dataclass(frozen=True)
-class _Problem:
-    """What the linkage is in equilibrium with in a batch of positions, and how it stands there.
-
-    Parameters
-    ----------
-    outer : ndarray, shape (size, B)
-        Forces on the linkage.
-    extra : list of ndarray, shape (e, r, r, B)
-        Stiffness that comes with them, by each element's relative coordinates.
-    turns : list of list of ndarray, shape (2, 2, B)
-        Rotation of each link's following ends from their leaders' frames.
-    swelling : float
-        Part of the swelling that has come on.
-    """
-
-    outer: FloatArray
-    extra: list[FloatArray]
-    turns: list[list[FloatArray]]
-    swelling: float = 1.0
-
-    def loaded(self, part: float) -> _Problem:
-        """With a part of the load, and of the swelling."""
-        extra = [part * e for e in self.extra]
-        return _Problem(part * self.outer, extra, self.turns, part)
-
-    def at(self, which: NDArray[np.bool_] | IntArray) -> _Problem:
-        """That of some positions."""
-        return _Problem(
-            self.outer[:, which],
-            [e[..., which] for e in self.extra],
-            [[turn[..., which] for turn in turns] for turns in self.turns],
-            self.swelling,
-        )
-
-
 class Equilibrium:
     """Solver for the equilibrium of one linkage on one mesh.
 
@@ -162,17 +65,17 @@ class Equilibrium:
     ----------
     frames : LinkFrames
         Of the unreduced links.
-    links : sequence of BeamElements
-        Of each link, all of one kind.
+    links : mapping of int to BeamElements
+        Of each flexible link by its number, all of one kind.
     """
 
-    def __init__(self, frames: LinkFrames, links: Sequence[BeamElements]) -> None:
+    def __init__(self, frames: LinkFrames, links: Mapping[int, BeamElements]) -> None:
         self.frames = frames
-        self._links = [CorotationalElements(elements) for elements in links]
-        self._per_node = links[0].shapes.per_node
+        self._links = {n: CorotationalElements(elements) for n, elements in links.items()}
+        self._per_node = next(iter(links.values())).shapes.per_node
         self._tangents = LinkageTangents(frames, self._links)
         self._force_scale = min(
-            e.section.bending_stiffness / float(e.length.sum()) ** 2 for e in links
+            e.section.bending_stiffness / float(e.length.sum()) ** 2 for e in links.values()
         )
         self._turned_by = _turns(frames, links)[:, None]
 
@@ -182,6 +85,7 @@ class Equilibrium:
         loads: Sequence[FloatArray],
         extra: Sequence[FloatArray],
         near: Sequence[FloatArray] | None = None,
+        virial: FloatArray | None = None,
     ) -> list[FloatArray]:
         """Elastic displacement of each link in its frame at equilibrium.
 
@@ -197,6 +101,9 @@ class Equilibrium:
         near : sequence of ndarray, shape (B, n_link), optional
             Displacements from which Newton's method starts. Where it leads to no stable
             equilibrium from there, and by default, it starts from straight links.
+        virial : ndarray, shape (B, n_links), optional
+            Products of force and place of the forces on rigid links; see
+            :func:`flexmech.linear_system.dead_virial`. Zero by default.
 
         Returns
         -------
@@ -208,14 +115,19 @@ class Equilibrium:
             If Newton's method does not converge or the equilibrium is unstable; names the
             crank angle and speed.
         """
-        problem = _Problem(
-            self.frames.gather(motion, loads).T.copy(),
+        outer = self.frames.gather(motion, loads).T.copy()
+        problem = Problem(
+            outer,
             self._by_relative_coordinates(extra),
-            self._tangents.turns(motion),
+            self._tangents.ties(motion, np.zeros_like(outer)),
+            DeadForces.of(self.frames.links, motion, loads, virial)
+            if self._tangents.ties_move
+            else None,
         )
-        state = _State.unloaded(*problem.outer.shape)
+        state = State.unloaded(*problem.outer.shape)
         if near is not None:
-            state = self._newton(self._tangents.coordinates(near), problem, FIRST_ITERATIONS)
+            z = self._tangents.coordinates(motion, near)
+            state = self._newton(z, problem, FIRST_ITERATIONS)
         left = np.flatnonzero(~state.is_stable)
         if len(left):
             straight = np.zeros((len(problem.outer), len(left)))
@@ -229,11 +141,44 @@ class Equilibrium:
             state = state.with_part(left, self._in_steps(problem.at(left), steps))
         self._refuse_divergence(motion, state)
         self._refuse_instability(motion, state.factors)
-        return [q.T for q in self._tangents.link_displacement(state.z, problem.turns)]
+        ties = self._ties(state.z, problem)
+        return [q.T for q in self._tangents.link_displacement(state.z, ties)]
 
-    def _in_steps(self, problem: _Problem, steps: int) -> _State:
+    def stiffness_of_rigid(
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        force: Sequence[FloatArray],
+        loads: Sequence[FloatArray],
+        virial: FloatArray,
+    ) -> PoseStiffness:
+        """Stiffness of rigid links and sliders at given displacements.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement, force, loads : sequence of ndarray, shape (B, n_link)
+            Of each link: where it is, what it exerts there, and what is exerted on it.
+        virial : ndarray, shape (B, n_links)
+            As in :meth:`solve`.
+
+        Returns
+        -------
+        PoseStiffness
+        """
+        posed = self.frames.posed_by(motion, displacement)
+        return DeadForces.of(self.frames.links, motion, loads, virial).stiffness(posed, force)
+
+    def _ties(self, z: FloatArray, problem: Problem) -> Ties:
+        """Ties of the linkage displaced by z (size, B)."""
+        if problem.dead is None:
+            return problem.ties
+        return self._tangents.ties(problem.dead.motion, z)
+
+    def _in_steps(self, problem: Problem, steps: int) -> State:
         """Newton's method with the load brought on in steps; who fails in one is left there."""
-        state = _State.unloaded(*problem.outer.shape)
+        state = State.unloaded(*problem.outer.shape)
         which = np.arange(problem.outer.shape[1])
         for part in np.arange(1, steps + 1) / steps:
             loaded = problem.at(which).loaded(float(part))
@@ -244,9 +189,9 @@ class Equilibrium:
                 break
         return state
 
-    def _newton(self, z: FloatArray, problem: _Problem, iterations: int) -> _State:
+    def _newton(self, z: FloatArray, problem: Problem, iterations: int) -> State:
         """Newton's method from displacements z; the positions that have converged drop out."""
-        state = _State.unloaded(*z.shape)
+        state = State.unloaded(*z.shape)
         which, order = np.arange(z.shape[1]), self._tangents.order
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             imbalance = self._out_of_balance(z, problem)
@@ -258,7 +203,7 @@ class Equilibrium:
                 turned = np.abs(change * self._turned_by).max(axis=0, initial=0.0)
                 last = turned <= LAST_STEP
                 z = z + np.where(last, change, 0.0)
-                state = state.with_part(which, _State(z, imbalance.error, factors, last))
+                state = state.with_part(which, State(z, imbalance.error, factors, last))
                 if last.all():
                     break
                 change[:, last] = 0.0
@@ -271,7 +216,7 @@ class Equilibrium:
 
     def response(
         self, displacement: Sequence[FloatArray], extra: Sequence[FloatArray]
-    ) -> tuple[list[FloatArray], list[FloatArray]]:
+    ) -> tuple[list[FloatArray], dict[int, FloatArray]]:
         """Internal forces and tangents of the links at given displacements.
 
         Parameters
@@ -284,22 +229,23 @@ class Equilibrium:
         Returns
         -------
         list of ndarray, shape (B, n_link)
-            Forces on the nodes.
-        list of ndarray, shape (B, n_link, n_link)
-            Tangent of each link.
+            Forces on the nodes; none of a rigid link.
+        dict of int to ndarray, shape (B, n_link, n_link)
+            Tangent of each flexible link.
         """
-        forces, tangents = [], []
+        forces, tangents = [np.zeros_like(q) for q in displacement], {}
         relative_extra = self._by_relative_coordinates(extra)
-        for link, q, more in zip(self._links, displacement, relative_extra, strict=True):
+        for (number, link), more in zip(self._links.items(), relative_extra, strict=True):
+            q = displacement[number]
             relative = relative_coordinates(q.T, self._per_node)
             force, tangent, _ = link.relative_response(relative)
             force += (more * relative[:, None]).sum(axis=2)
             tangent += more
-            forces.append(node_forces(force, self._per_node).T)
-            tangents.append(chain_matrix(link.of_nodes(tangent)))
+            forces[number] = node_forces(force, self._per_node).T
+            tangents[number] = chain_matrix(link.of_nodes(tangent))
         return forces, tangents
 
-    def damping(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+    def damping(self, displacement: Sequence[FloatArray]) -> dict[int, FloatArray]:
         """Kelvin-Voigt damping matrix of each element at given displacements.
 
         Parameters
@@ -308,21 +254,22 @@ class Equilibrium:
 
         Returns
         -------
-        list of ndarray, shape (B, e, 2 p, 2 p)
+        dict of int to ndarray, shape (B, e, 2 p, 2 p)
+            Of each flexible link.
         """
-        return [
-            link.damping(element_ends(q, self._per_node))
-            for link, q in zip(self._links, displacement, strict=True)
-        ]
+        return {
+            number: link.damping(element_ends(displacement[number], self._per_node))
+            for number, link in self._links.items()
+        }
 
     def _by_relative_coordinates(self, extra: Sequence[FloatArray]) -> list[FloatArray]:
         """Element matrices (B, e, 2 p, 2 p) by relative coordinates, (e, r, r, B)."""
-        own = self._links[0].relative_part
+        own = next(iter(self._links.values())).relative_part
         return [np.ascontiguousarray(np.moveaxis(e, 0, -1)[:, own[:, None], own]) for e in extra]
 
     def _advance(
-        self, z: FloatArray, change: FloatArray, problem: _Problem, before: _Imbalance
-    ) -> tuple[FloatArray, _Imbalance]:
+        self, z: FloatArray, change: FloatArray, problem: Problem, before: Imbalance
+    ) -> tuple[FloatArray, Imbalance]:
         """One Newton step, shortened where it overshoots beyond the elastic scale."""
         length = np.ones(z.shape[1])
         loaded = np.abs(problem.outer).max(axis=0, initial=0.0)
@@ -336,26 +283,35 @@ class Equilibrium:
             length[worse] = np.maximum(length[worse] / 2, SHORTEST_STEP)
 
     def _out_of_balance(
-        self, z: FloatArray, problem: _Problem, before: Sequence[LinearStrain] | None = None
-    ) -> _Imbalance:
+        self, z: FloatArray, problem: Problem, before: Sequence[LinearStrain] | None = None
+    ) -> Imbalance:
         """How displacements (size, B) stand, which a step from ``before`` has led to."""
-        inner, strains = [], []
-        entries = self._tangents.entries(z.shape[1])
-        displacement = self._tangents.link_displacement(z, problem.turns)
-        for number, (link, q) in enumerate(zip(self._links, displacement, strict=True)):
-            relative, extra = relative_coordinates(q, self._per_node), problem.extra[number]
-            force, tangent, strain = link.relative_response(
+        strains: list[LinearStrain] = []
+        entries, ties = self._tangents.entries(z.shape[1]), self._ties(z, problem)
+        displacement = self._tangents.link_displacement(z, ties)
+        inner = [
+            np.zeros_like(q) if n not in self._links else q for n, q in enumerate(displacement)
+        ]
+        for number, extra in zip(self._links, problem.extra, strict=True):
+            relative = relative_coordinates(displacement[number], self._per_node)
+            force, tangent, strain = self._links[number].relative_response(
                 relative,
                 problem.swelling,
-                None if before is None else before[number],
+                None if before is None else before[len(strains)],
                 out=entries.of_link(number),
             )
             force += (extra * relative[:, None]).sum(axis=2)
             tangent += extra
-            inner.append(node_forces(force, self._per_node))
+            inner[number] = node_forces(force, self._per_node)
             strains.append(strain)
-        residual = problem.outer - self._tangents.gather(inner, problem.turns)
-        return _Imbalance(residual, self._tangents.band(entries, problem.turns), strains)
+        if problem.dead is None or ties.posed is None:
+            residual = problem.outer - self._tangents.gather(inner, ties)
+            return Imbalance(residual, self._tangents.band(entries, ties), strains)
+        unbalanced = problem.dead.unbalanced(ties.posed, [force.T for force in inner])
+        residual = self._tangents.gather([force.T for force in unbalanced], ties)
+        stiffness = problem.dead.stiffness(ties.posed, [force.T for force in inner])
+        band = self._tangents.band(entries, ties, ties.posed.matrix(stiffness))
+        return Imbalance(residual, band, strains)
 
     def _refuse_instability(self, motion: RigidMotion, factors: FloatArray) -> None:
         refuse_positions(
@@ -365,7 +321,7 @@ class Equilibrium:
             ": the tangent stiffness is not positive; lower the crank speed or stiffen the links",
         )
 
-    def _refuse_divergence(self, motion: RigidMotion, state: _State) -> None:
+    def _refuse_divergence(self, motion: RigidMotion, state: State) -> None:
         failed = ~state.converged
         if not failed.any():
             return
@@ -379,16 +335,20 @@ class Equilibrium:
         )
 
 
-def _turns(frames: LinkFrames, links: Sequence[BeamElements]) -> FloatArray:
+def _turns(frames: LinkFrames, links: Mapping[int, BeamElements]) -> FloatArray:
     """Angle in rad that a unit of each coordinate of z stands for, shape (size,).
 
     A displacement stands for its part of the shortest link, a curvature for the turn over its
     link.
     """
-    lengths = [float(elements.length.sum()) for elements in links]
-    shapes = links[0].shapes
-    scale = np.zeros(frames.size)
-    for target, length in zip(frames.targets, lengths, strict=True):
+    lengths = [link.length for link in frames.topology.links]
+    shapes = next(iter(links.values())).shapes
+    scale = np.full(frames.size, 1.0 / min(lengths))
+    for link in frames.rigid.links:
+        turn = frames.targets[link][2]
+        scale[turn[turn >= 0]] = 1.0
+    for link in links:
+        target, length = frames.targets[link], lengths[link]
         own = np.arange(len(target)) % shapes.per_node
         angle = np.where(np.isin(own, shapes.angles), 1.0, length)
         angle[own < 2] = 1.0 / min(lengths)

@@ -7,8 +7,9 @@ that follows another link turn with the position.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse
@@ -16,6 +17,7 @@ import scipy.sparse
 from flexmech.linear_system import LinkFrames
 from flexmech.linkages import RigidMotion
 from flexmech.reference.corotational import CorotationalElements
+from flexmech.reference.turning_element import Ties, TurningElement
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["LinkageTangents", "TangentEntries"]
@@ -30,22 +32,22 @@ class TangentEntries:
     rows : ndarray, shape (R, B)
         Those of links by relative coordinates, one link after the other; then those of elements
         that turn, by their nodes' coordinates.
-    shapes : list of tuple of int
-        ``(e, r, r)`` of each link.
+    shapes : dict of int to tuple of int
+        ``(e, r, r)`` of each flexible link.
     """
 
     rows: FloatArray
-    shapes: list[tuple[int, int, int]]
+    shapes: dict[int, tuple[int, int, int]]
 
     def of_link(self, link: int) -> FloatArray:
         """View of a link's entries, (e, r, r, B)."""
-        first = sum(int(np.prod(shape)) for shape in self.shapes[:link])
+        before = (shape for number, shape in self.shapes.items() if number < link)
+        first = sum(int(np.prod(shape)) for shape in before)
         shape = self.shapes[link]
         return self.rows[first : first + int(np.prod(shape))].reshape(*shape, -1)
 
-    def of_turning(self, number: int, size: int) -> FloatArray:
-        """View of the entries of a turning element, (2 p, 2 p, B)."""
-        first = sum(int(np.prod(shape)) for shape in self.shapes) + number * size**2
+    def block(self, first: int, size: int) -> FloatArray:
+        """View of a square matrix from row ``first`` on, (size, size, B)."""
         return self.rows[first : first + size**2].reshape(size, size, -1)
 
 
@@ -56,7 +58,8 @@ class LinkageTangents:
     ----------
     frames : LinkFrames
         Of the unreduced links.
-    links : sequence of CorotationalElements
+    links : mapping of int to CorotationalElements
+        The flexible ones, by their number.
 
     Attributes
     ----------
@@ -66,119 +69,185 @@ class LinkageTangents:
 
     order: IntArray
 
-    def __init__(self, frames: LinkFrames, links: Sequence[CorotationalElements]) -> None:
+    def __init__(self, frames: LinkFrames, links: Mapping[int, CorotationalElements]) -> None:
         self._frames = frames
-        self._links = links
-        self._per_node = links[0].elements.shapes.per_node
-        relative = len(links[0].relative_part)
-        self._shapes = [(len(link.elements.length), relative, relative) for link in links]
-        self._turning = [
-            (link, element)
-            for link in range(len(links))
-            for element in sorted({self._element_at(link, pair) for pair in self._pairs(link)})
-        ]
+        self._links = dict(links)
+        elements = next(iter(self._links.values()))
+        self._per_node = elements.elements.shapes.per_node
+        relative = len(elements.relative_part)
+        self._shapes = {
+            link: (len(own.elements.length), relative, relative) for link, own in links.items()
+        }
+        # Independent coordinates of rigid links and sliders are the first ones.
+        self._rigid_count = len(frames.rigid.independent)
+        self._turning = self._turning_elements()
         entries = self._entries()
         self.order, self._width = _narrow_band(frames.size, entries)
         self._scatter = _band_scatter(entries, self.order, self._width, self._count)
 
-    def turns(self, motion: RigidMotion) -> list[list[FloatArray]]:
-        """Rotation (2, 2, B) of each link's following ends from their leaders' frames."""
-        return [
-            [np.ascontiguousarray(np.moveaxis(led.turn, 0, -1)) for led in following]
-            for following in self._frames.following_rows(motion)
-        ]
+    @property
+    def ties_move(self) -> bool:
+        """Whether ties depend on the displacement: there are rigid links or lines."""
+        return bool(self._frames.rigid.size)
 
-    def link_displacement(
-        self, z: FloatArray, turns: Sequence[Sequence[FloatArray]]
-    ) -> list[FloatArray]:
+    def ties(self, motion: RigidMotion, z: FloatArray) -> Ties:
+        """Ties of the links in each position.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        z : ndarray, shape (size, B)
+            Displacement on which they depend where :attr:`ties_move`.
+
+        Returns
+        -------
+        Ties
+        """
+        if not self.ties_move:
+            turns = [
+                [np.ascontiguousarray(np.moveaxis(led.turn, 0, -1)) for led in following]
+                for following in self._frames.following_rows(motion)
+            ]
+            return Ties(turns, None)
+        posed = self._frames.posed(motion, z[: self._rigid_count].T)
+        turns = [[np.moveaxis(led.turn, 0, -1) for led in rows] for rows in posed.rows]
+        return Ties(turns, posed)
+
+    def link_displacement(self, z: FloatArray, ties: Ties) -> list[FloatArray]:
         """Coordinates (n_link, B) of each link from independent ones (size, B)."""
         result = []
         for link, target in enumerate(self._frames.targets):
             q = np.where(target[:, None] >= 0, z[target], 0.0)
-            for pair, turn in zip(self._pairs(link), turns[link], strict=True):
-                q[pair] = (turn * q[pair]).sum(axis=1)
+            following = self._frames.followed(link)
+            for number, ((rows, columns), turn) in enumerate(
+                zip(following, ties.turns[link], strict=True)
+            ):
+                place = None if ties.posed is None else ties.posed.rows[link][number].place
+                q[rows] = (turn * z[columns]).sum(axis=1) if place is None else place.T
             result.append(q)
         return result
 
-    def coordinates(self, displacement: Sequence[FloatArray]) -> FloatArray:
+    def coordinates(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> FloatArray:
         """Independent coordinates (size, B) of displacements (B, n_link) of all links.
 
         An end that follows another link's is taken to be where that is.
         """
+        if not self.ties_move:
+            columns = [q[..., None] for q in displacement]
+            return self._frames.independent(motion, columns)[..., 0].T.copy()
         z = np.zeros((self._frames.size, len(displacement[0])))
         for link, (target, q) in enumerate(zip(self._frames.targets, displacement, strict=True)):
             own = self._frames.own(link)
             z[target[own]] = q.T[own]
+        pose = self._frames.posed_by(motion, displacement).pose
+        z[: self._rigid_count] = pose.y[:, self._frames.rigid.independent].T
         return z
 
-    def gather(
-        self, forces: Sequence[FloatArray], turns: Sequence[Sequence[FloatArray]]
-    ) -> FloatArray:
+    def gather(self, forces: Sequence[FloatArray], ties: Ties) -> FloatArray:
         """Forces (size, B) on the independent coordinates of those (n_link, B) on the links."""
         total = np.zeros((self._frames.size, forces[0].shape[1]))
         for link, (target, force) in enumerate(zip(self._frames.targets, forces, strict=True)):
-            for pair, turn in zip(self._pairs(link), turns[link], strict=True):
-                force[pair] = (turn * force[pair][:, None]).sum(axis=0)
-            free = np.flatnonzero(target >= 0)
-            total[target[free]] += force[free]
+            free = target >= 0
+            for (rows, columns), turn in zip(
+                self._frames.followed(link), ties.turns[link], strict=True
+            ):
+                total[columns] += (turn * force[rows][:, None]).sum(axis=0)
+                free[rows] = False
+            own = np.flatnonzero(free)
+            total[target[own]] += force[own]
         return total
 
     def entries(self, batch: int) -> TangentEntries:
         """Room for the entries of all elements' tangents."""
         return TangentEntries(np.empty((self._count, batch)), self._shapes)
 
-    def band(self, entries: TangentEntries, turns: Sequence[Sequence[FloatArray]]) -> FloatArray:
-        """Tangent in band form, (size, width + 1, B); see :mod:`flexmech.reference.banded`."""
-        size = 2 * self._per_node
-        for number, (link, element) in enumerate(self._turning):
-            own = entries.of_link(link)[element : element + 1]
-            matrix = self._links[link].of_nodes(own)[0]
-            for pair, turn in zip(self._pairs(link), turns[link], strict=True):
-                if self._element_at(link, pair) != element:
-                    continue
-                place = pair - self._per_node * element
-                matrix[:, place] = (matrix[:, place, None] * turn).sum(axis=1)
-                matrix[place] = (turn[:, :, None] * matrix[place][:, None]).sum(axis=0)
-            entries.of_turning(number, size)[:] = matrix
+    def band(
+        self, entries: TangentEntries, ties: Ties, rigid: FloatArray | None = None
+    ) -> FloatArray:
+        """Tangent in band form; see :mod:`flexmech.reference.banded`.
+
+        Parameters
+        ----------
+        entries : TangentEntries
+            With those of all links.
+        ties : Ties
+        rigid : ndarray, shape (B, n, n), optional
+            What the coordinates of rigid links and sliders meet besides.
+
+        Returns
+        -------
+        ndarray, shape (size, width + 1, B)
+        """
+        for turning in self._turning:
+            own = entries.of_link(turning.link)[turning.element : turning.element + 1]
+            matrix = self._links[turning.link].of_nodes(own)[0]
+            turns = [ties.turns[turning.link][number] for number, _ in turning.ties]
+            entries.block(turning.first, len(turning.columns))[:] = turning.turned(matrix, turns)
+        if self._rigid_count:
+            block = entries.block(self._count - self._rigid_count**2, self._rigid_count)
+            block[:] = 0.0 if rigid is None else np.moveaxis(rigid, 0, -1)
         band: FloatArray = self._scatter @ entries.rows
         return band.reshape(self._frames.size, self._width + 1, -1)
 
     @property
+    def _inner_count(self) -> int:
+        return sum(int(np.prod(shape)) for shape in self._shapes.values())
+
+    @property
     def _count(self) -> int:
-        inner = sum(int(np.prod(shape)) for shape in self._shapes)
-        return inner + len(self._turning) * (2 * self._per_node) ** 2
+        turning = sum(len(element.columns) ** 2 for element in self._turning)
+        return self._inner_count + turning + self._rigid_count**2
 
-    def _pairs(self, link: int) -> list[IntArray]:
-        """Coordinates of each following end of a link."""
-        return [np.asarray(pair) for pair in self._frames.following(link).reshape(-1, 2)]
-
-    def _element_at(self, link: int, pair: IntArray) -> int:
-        """The element at an end of a link."""
-        last = self._frames.links[link].size - self._per_node
-        assert pair[0] in (0, last)
-        return 0 if pair[0] == 0 else len(self._links[link].elements.length) - 1
+    def _turning_elements(self) -> list[TurningElement]:
+        """Elements of which a row follows, in the order of their entries."""
+        turning, first, size = [], self._inner_count, 2 * self._per_node
+        for link, elements in self._links.items():
+            of_element: dict[int, list[tuple[int, IntArray]]] = {}
+            count = len(elements.elements.length)
+            for number, (rows, _) in enumerate(self._frames.followed(link)):
+                element = min(int(rows.min()) // self._per_node, count - 1)
+                local = rows - self._per_node * element
+                assert local.max() < size
+                of_element.setdefault(element, []).append((number, local))
+            for element, ties in sorted(of_element.items()):
+                target = self._frames.targets[link][self._per_node * element + np.arange(size)]
+                following = [self._frames.followed(link)[number][1] for number, _ in ties]
+                turning.append(TurningElement.of(link, element, ties, target, following, first))
+                first += len(turning[-1].columns) ** 2
+        return turning
 
     def _entries(self) -> _Entries:
         size = 2 * self._per_node
         parts, first = [], 0
-        for link, (elements, shape) in enumerate(zip(self._links, self._shapes, strict=True)):
+        turning = {(each.link, each.element): each for each in self._turning}
+        for link, elements in self._links.items():
+            shape = self._shapes[link]
             places, signs = elements.relative_places, elements.node_signs
             target = self._frames.targets[link]
             for element in range(shape[0]):
-                own = target[self._per_node * element + np.arange(size)]
-                if (link, element) in self._turning:
-                    number = self._turning.index((link, element))
-                    begin = sum(int(np.prod(s)) for s in self._shapes) + number * size**2
-                    source, sign = begin + np.arange(size**2), np.ones(size**2)
+                if (link, element) in turning:
+                    each = turning[link, element]
+                    own, count = each.columns, len(each.columns)
+                    source, sign = each.first + np.arange(count**2), np.ones(count**2)
                 else:
+                    own = target[self._per_node * element + np.arange(size)]
                     begin = first + element * shape[1] ** 2
                     source = (begin + places[:, None] * shape[1] + places).ravel()
                     sign = np.outer(signs, signs).ravel()
-                rows, columns = (c.ravel() for c in np.meshgrid(own, own, indexing="ij"))
-                free = (rows >= 0) & (columns >= 0)
-                parts.append([x[free] for x in (rows, columns, source, sign)])
+                parts.append(_entries_of(own, source, sign))
             first += int(np.prod(shape))
+        rigid = self._rigid_count
+        source = self._count - rigid**2 + np.arange(rigid**2)
+        parts.append(_entries_of(np.arange(rigid), source, np.ones(rigid**2)))
         return _Entries(*(np.concatenate(x) for x in zip(*parts, strict=True)))
+
+
+def _entries_of(own: IntArray, source: IntArray, sign: FloatArray) -> tuple[Any, ...]:
+    """Entries of a square matrix by coordinates ``own`` of z, of which -1 are held."""
+    rows, columns = (c.ravel() for c in np.meshgrid(own, own, indexing="ij"))
+    free = (rows >= 0) & (columns >= 0)
+    return tuple(x[free] for x in (rows, columns, source, sign))
 
 
 @dataclass(frozen=True)

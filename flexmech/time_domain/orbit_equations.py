@@ -216,11 +216,8 @@ class OrbitEquations:
 
     def independent(self, displacement: Sequence[FloatArray]) -> FloatArray:
         """Independent coordinates z (N, n) of the displacement of each link, (N, n_link)."""
-        z = np.zeros((self.samples, self.frames.size))
-        for number, (target, q) in enumerate(zip(self.frames.targets, displacement, strict=True)):
-            own = self.frames.own(number)
-            z[:, target[own]] = q[:, own]
-        return z
+        columns = [q[..., None] for q in displacement]
+        return np.asarray(self.frames.independent(self.motion, columns)[..., 0], dtype=float)
 
     def at_stations(self, displacement: Sequence[FloatArray]) -> FloatArray:
         """Displacements of all links at their stations, (N, s), in m."""

@@ -102,7 +102,8 @@ class Static:
         speed = self.motion.angular_velocity[0] ** 2
         for number, link in enumerate(self.links):
             if link.rigid:
-                turning[first[number] + 2] += speed[number] * link.mass[2, 2]
+                kept = link.mass[2, 2] - link.translational_mass[2, 2]
+                turning[first[number] + 2] += speed[number] * kept
         for body in self.model.assembly.attached:
             turning[body.angle] += speed[body.link] * body.moments[3]
         return np.diag(turning)

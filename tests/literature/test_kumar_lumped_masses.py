@@ -49,7 +49,7 @@ def test_tension_in_the_middle_of_the_coupler() -> None:
     assert distributed == pytest.approx(3.76, abs=0.01)
     assert lumped.axial_force(1, 0.14) == pytest.approx(3.52, abs=0.005)
     # The engine's elements carry the same, constant between the lumps.
-    tensions = element_tensions(STEEL, LUMPED.nodes, motion, (1, 4, 4))[1][0]
+    tensions = element_tensions(STEEL, LUMPED.nodes, motion, lumped)[1][0]
     assert tensions[4:6, 0] == pytest.approx([3.52, 3.52], abs=0.005)
     assert tensions[:, 1:] == pytest.approx(0.0, abs=1e-6)
     # Half a lump's inertia force to both sides of it: neither value is the middle's.

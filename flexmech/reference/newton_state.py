@@ -1,0 +1,119 @@
+"""What Newton's method on the equilibrium of a linkage solves, and where it stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system.dead_forces import DeadForces
+from flexmech.reference.corotational import LinearStrain
+from flexmech.reference.turning_element import Ties
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["Imbalance", "Problem", "State"]
+
+
+@dataclass(frozen=True)
+class State:
+    """Where Newton's method stands over a batch of positions: z and factors end with it."""
+
+    z: FloatArray
+    error: FloatArray
+    factors: FloatArray
+    converged: NDArray[np.bool_]
+
+    @classmethod
+    def unloaded(cls, size: int, batch: int) -> State:
+        """No displacement, nothing solved yet."""
+        return cls(
+            np.zeros((size, batch)), np.zeros(batch), np.zeros(0), np.zeros(batch, dtype=bool)
+        )
+
+    @property
+    def is_stable(self) -> NDArray[np.bool_]:
+        """Which positions have converged, to a tangent stiffness that is positive."""
+        if not self.converged.any():
+            return self.converged
+        return np.asarray(self.converged & np.all(self.factors[:, 0] > 0, axis=0))
+
+    def with_part(self, which: IntArray, part: State) -> State:
+        """The state with some positions replaced; all of them at first."""
+        if len(which) == len(self.error):
+            return part
+        for own, new in ((self.z, part.z), (self.factors, part.factors)):
+            own[..., which] = new
+        self.error[which] = part.error
+        self.converged[which] = part.converged
+        return self
+
+
+@dataclass(frozen=True)
+class Imbalance:
+    """How far displacements are from equilibrium, and what leads to it.
+
+    Parameters
+    ----------
+    residual : ndarray, shape (size, B)
+        Outer minus inner forces.
+    band : ndarray
+        Tangent stiffness in band form, positions last.
+    strains : list of LinearStrain
+        Of each link's elements.
+    """
+
+    residual: FloatArray
+    band: FloatArray
+    strains: list[LinearStrain]
+
+    @property
+    def error(self) -> FloatArray:
+        """Greatest force out of balance, shape (B,)."""
+        return np.asarray(np.abs(self.residual).max(axis=0, initial=0.0), dtype=float)
+
+    def at(self, which: NDArray[np.bool_]) -> Imbalance:
+        """That of some positions."""
+        strains = [strain.of(which) for strain in self.strains]
+        return Imbalance(self.residual[:, which], self.band[..., which], strains)
+
+
+@dataclass(frozen=True)
+class Problem:
+    """What the linkage is in equilibrium with in a batch of positions, and how it stands there.
+
+    Parameters
+    ----------
+    outer : ndarray, shape (size, B)
+        Forces on the linkage, where it is not displaced.
+    extra : list of ndarray, shape (e, r, r, B)
+        Stiffness that comes with them, by each element's relative coordinates.
+    ties : Ties
+        Of the linkage where it is not displaced.
+    dead : DeadForces, optional
+        The forces link by link, where ties move with the displacement.
+    swelling : float
+        Part of the swelling that has come on.
+    """
+
+    outer: FloatArray
+    extra: list[FloatArray]
+    ties: Ties
+    dead: DeadForces | None
+    swelling: float = 1.0
+
+    def loaded(self, part: float) -> Problem:
+        """With a part of the load, and of the swelling."""
+        extra = [part * e for e in self.extra]
+        dead = self.dead and self.dead.scaled(part)
+        return Problem(part * self.outer, extra, self.ties, dead, part)
+
+    def at(self, which: NDArray[np.bool_] | IntArray) -> Problem:
+        """That of some positions."""
+        return Problem(
+            self.outer[:, which],
+            [e[..., which] for e in self.extra],
+            self.ties.at(which) if self.dead is None else self.ties,
+            self.dead and self.dead.at(which),
+            self.swelling,
+        )

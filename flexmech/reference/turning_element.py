@@ -1,0 +1,132 @@
+"""Elements at an end that follows, and the ties by which it does; arrays end with the batch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system import PosedTies
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["Ties", "TurningElement"]
+
+
+@dataclass(frozen=True)
+class Ties:
+    """How links hang on the independent coordinates in a batch of positions.
+
+    Parameters
+    ----------
+    turns : list of list of ndarray, shape (r, c, B)
+        Of each link: derivative of the rows of each tie by what they follow.
+    posed : PosedTies, optional
+        Where rigid links and lines are, if there are any.
+    """
+
+    turns: list[list[FloatArray]]
+    posed: PosedTies | None
+
+    def at(self, which: NDArray[np.bool_] | IntArray) -> Ties:
+        """Those of some positions, of ties that do not move."""
+        return Ties([[turn[..., which] for turn in turns] for turns in self.turns], None)
+
+
+@dataclass(frozen=True)
+class TurningElement:
+    """An element some of whose coordinates follow.
+
+    Parameters
+    ----------
+    link, element : int
+    ties : list of tuple of int and ndarray of int, shape (r,)
+        Number of each tie of the link, and the element's coordinates that follow by it.
+    columns : ndarray of int, shape (c,)
+        Coordinates of z that move the element; -1 where it is held.
+    places : list of ndarray of int
+        Where the columns of each tie are among these.
+    resting : tuple of ndarray of int, shape (k,)
+        The element's other free coordinates, and where they are among the columns.
+    in_place : bool
+        Whether each row that follows has a column in its own place.
+    first : int
+        Row of the entries where its matrix begins.
+    """
+
+    link: int
+    element: int
+    ties: list[tuple[int, IntArray]]
+    columns: IntArray
+    places: list[IntArray]
+    resting: tuple[IntArray, IntArray]
+    in_place: bool
+    first: int
+
+    @classmethod
+    def of(
+        cls,
+        link: int,
+        element: int,
+        ties: list[tuple[int, IntArray]],
+        target: IntArray,
+        following: Sequence[IntArray],
+        first: int,
+    ) -> TurningElement:
+        """Tell which coordinates of z move an element.
+
+        Parameters
+        ----------
+        link, element, first : int
+        ties : list of tuple of int and ndarray of int, shape (r,)
+        target : ndarray of int, shape (2 p,)
+            Coordinate of z of each of the element; -1 where held.
+        following : sequence of ndarray of int, shape (c,)
+            Coordinates of z that each tie follows.
+
+        Returns
+        -------
+        TurningElement
+        """
+        in_place = all(
+            len(rows) == len(columns) and (target[rows] == columns).all()
+            for (_, rows), columns in zip(ties, following, strict=True)
+        )
+        if in_place:
+            nothing = np.zeros(0, dtype=np.intp)
+            places = [rows for _, rows in ties]
+            return cls(link, element, ties, target, places, (nothing, nothing), True, first)
+        free = target >= 0
+        for _, rows in ties:
+            free[rows] = False
+        resting = np.flatnonzero(free)
+        columns = np.unique(np.concatenate([target[resting], *following]))
+        found = [np.searchsorted(columns, each) for each in (target[resting], *following)]
+        return cls(link, element, ties, columns, found[1:], (resting, found[0]), False, first)
+
+    def turned(self, matrix: FloatArray, turns: Sequence[FloatArray]) -> FloatArray:
+        """Matrix by the columns from that by the element's nodes.
+
+        Parameters
+        ----------
+        matrix : ndarray, shape (2 p, 2 p, B)
+            Overwritten.
+        turns : sequence of ndarray, shape (r, c, B)
+            Of each tie.
+
+        Returns
+        -------
+        ndarray, shape (c, c, B)
+        """
+        if self.in_place:
+            for (_, rows), turn in zip(self.ties, turns, strict=True):
+                matrix[:, rows] = (matrix[:, rows, None] * turn).sum(axis=1)
+                matrix[rows] = (turn[:, :, None] * matrix[rows][:, None]).sum(axis=0)
+            return matrix
+        led = np.zeros((matrix.shape[2], len(matrix), len(self.columns)))
+        led[:, self.resting[0], self.resting[1]] = 1.0
+        for (_, rows), places, turn in zip(self.ties, self.places, turns, strict=True):
+            led[:, rows[:, None], places] = np.moveaxis(turn, -1, 0)
+        product = np.swapaxes(led, 1, 2) @ np.moveaxis(matrix, -1, 0) @ led
+        return np.moveaxis(product, 0, -1)

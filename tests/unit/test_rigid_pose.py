@@ -1,0 +1,121 @@
+"""Rigid links and sliders that are displaced by finite amounts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from flexmech.linear_system.joint_points import joint_points
+from flexmech.linear_system.rigid_coordinates import RigidCoordinates
+from flexmech.linear_system.rigid_pose import RigidPose
+from flexmech.linkages import Link, LinkEnd, Pin, Pivot, RigidMotion, Topology
+from tests.unit.test_link_ties import Course, topologies
+
+FloatArray = NDArray[np.float64]
+
+
+def settled(
+    topology: Topology, seed: int, scale: float
+) -> tuple[RigidCoordinates, RigidMotion, FloatArray, RigidPose]:
+    """A pose at random independent coordinates that is not near a locked one."""
+    rigid, motion = RigidCoordinates(topology), Course(topology, seed).at(0.0)
+    assume(len(rigid.independent) > 0 and len(rigid.links) > 0)
+    random = np.random.default_rng(seed)
+    w = scale * random.normal(size=(1, len(rigid.independent)))
+    pose = RigidPose.settled(rigid, motion, w)
+    assume(np.isfinite(pose.y).all() and np.abs(pose.coordinates).max() < 10)
+    return rigid, motion, w, pose
+
+
+@settings(max_examples=60, deadline=None)
+@given(topologies(), st.integers(0, 1000))
+def test_how_a_pose_can_move_is_its_derivative(topology: Topology, seed: int) -> None:
+    rigid, motion, w, pose = settled(topology, seed, 0.02)
+    step = 1e-5
+    points = [p for p in joint_points(topology) if rigid.point(motion, p) is not None]
+    for number in range(w.shape[1]):
+        ahead, back = (
+            RigidPose.settled(rigid, motion, w + sign * step * np.eye(w.shape[1])[number])
+            for sign in (1, -1)
+        )
+        rate = (ahead.y - back.y)[0] / (2 * step)
+        np.testing.assert_allclose(pose.coordinates[0, :, number], rate, atol=1e-6)
+        for point in points:
+            moved = (ahead.point(point) - back.point(point))[0] / (2 * step)
+            found = pose.rows(point)[0] @ pose.coordinates[0, :, number]
+            np.testing.assert_allclose(found, moved, atol=1e-6)
+
+
+@settings(max_examples=60, deadline=None)
+@given(topologies(), st.integers(0, 1000))
+def test_stiffness_is_the_second_derivative_of_the_work_of_dead_forces(
+    topology: Topology, seed: int
+) -> None:
+    """Forces on points that lead flexible links, and on places of the rigid links."""
+    rigid, motion, w, pose = settled(topology, seed, 0.02)
+    random = np.random.default_rng(seed + 1)
+    points = [p for p in joint_points(topology) if rigid.point(motion, p) is not None]
+    at_points = {point: random.normal(size=(1, 2)) for point in points}
+    # In the frame of each rigid link: a force, its place, and what is left as a generalized one.
+    acting = {n: (random.normal(size=2), random.normal(size=2)) for n in rigid.links}
+
+    def work(at: RigidPose) -> float:
+        total = sum(float(np.sum(f * at.point(p))) for p, f in at_points.items())
+        for link, (force, place) in acting.items():
+            u, v, phi = at.y[0, rigid.of_link(link)]
+            turn = np.array([[np.cos(phi), -np.sin(phi)], [np.sin(phi), np.cos(phi)]])
+            total += float(force @ (np.array([u, v]) + turn @ place))
+        return total
+
+    forces = np.zeros_like(pose.y)
+    virial = np.zeros((1, len(topology.links)))
+    for link, (force, place) in acting.items():
+        phi = pose.y[0, rigid.of_link(link)[2]]
+        turned = np.array([[np.cos(phi), -np.sin(phi)], [np.sin(phi), np.cos(phi)]]) @ place
+        lever = np.array([-turned[1], turned[0]])
+        forces[0, rigid.of_link(link)] = [*force, force @ lever]
+        virial[0, link] = force @ turned
+    found = pose.stiffness(at_points, forces, virial)
+    total = np.zeros((rigid.size, rigid.size))
+    for link in rigid.links:
+        total[rigid.of_link(link)[2], rigid.of_link(link)[2]] = found.turning[0, link]
+    for number, slider in enumerate(topology.sliders):
+        if slider.guide:
+            turn = rigid.of_link(topology.index(slider.guide))[2]
+            slide = 3 * len(rigid.links) + number
+            total[turn, slide] = total[slide, turn] = found.guiding[0, number]
+    matrix = pose.coordinates[0].T @ total @ pose.coordinates[0]
+    count, step = w.shape[1], 1e-3
+    numbers = np.eye(count)
+
+    def at(a: int, b: int, i: int, j: int) -> float:
+        moved = w + step * (i * numbers[a] + j * numbers[b])
+        return work(RigidPose.settled(rigid, motion, moved))
+
+    for a in range(count):
+        for b in range(count):
+            second = at(a, b, 1, 1) - at(a, b, 1, -1) - at(a, b, -1, 1) + at(a, b, -1, -1)
+            if a == b:
+                second = 4 * (at(a, a, 1, 0) - 2 * at(a, a, 0, 0) + at(a, a, -1, 0))
+            scale = 1 + np.abs(matrix).max() * 10
+            assert matrix[a, b] == pytest.approx(-second / (4 * step**2), abs=1e-4 * scale)
+
+
+def test_a_bar_in_tension_resists_with_its_force_over_its_length() -> None:
+    """A rigid bar between a pivot and a flexible end that pulls it along."""
+    length, pull = 0.4, 30.0
+    topology = Topology(
+        (Link("bar", length, rigid=True), Link("rope", 0.3)),
+        pivots=(Pivot("O", LinkEnd("bar", "start")),),
+        pins=(Pin("A", LinkEnd("bar", "end"), LinkEnd("rope", "start")),),
+    )
+    rigid, motion = RigidCoordinates(topology), Course(topology, 2).at(0.0)
+    pose = RigidPose.settled(rigid, motion, np.zeros((1, 1)))
+    angle = motion.angle[0, 0]
+    force = pull * np.array([[np.cos(angle), np.sin(angle)]])
+    point = next(p for p in joint_points(topology) if not p.held)
+    found = pose.stiffness({point: force}, np.zeros((1, 3)), np.zeros((1, 2)))
+    assert found.turning[0, 0] / length**2 == pytest.approx(pull / length, rel=1e-12)
