@@ -17,7 +17,17 @@ __all__ = ["Imbalance", "Problem", "State"]
 
 @dataclass(frozen=True)
 class State:
-    """Where Newton's method stands over a batch of positions: z and factors end with it."""
+    """Where Newton's method stands over a batch of positions.
+
+    Parameters
+    ----------
+    z : ndarray, shape (size, B)
+    error : ndarray, shape (B,)
+        Greatest force out of balance.
+    factors : ndarray, shape (size, width + 1, B)
+        Of the tangent stiffness.
+    converged : ndarray of bool, shape (B,)
+    """
 
     z: FloatArray
     error: FloatArray
