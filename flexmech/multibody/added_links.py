@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmech.linear_system import body_nodes
 from flexmech.mechanism import Mechanism
 from flexmech.mesh import node_positions
 from flexmech.multibody.arms import Arms
 from flexmech.multibody.beam_kind import BeamKind
+from flexmech.multibody.gripped_nodes import gripped_places, held_places
 from flexmech.multibody.items import SystemItems
 from flexmech.multibody.link_parts import RIGID_SIZE, BeamPart, LinkPart, RigidPart
 from flexmech.multibody.node_bodies import NodeBodies, point_masses_at
 from flexmech.multibody.polar_slopes import PolarSlopes
-from flexmech.types import IntArray
+from flexmech.types import FloatArray
 
 __all__ = ["add_links"]
 
@@ -54,7 +54,7 @@ def _add_beam(
     items: SystemItems, mechanism: Mechanism, kind: BeamKind, name: str, elements: int, start: int
 ) -> BeamPart:
     section, mass = mechanism.sections[name], mechanism.link_mass(name)
-    held = [*mass.point_positions, *(body.position for body in mass.bodies)]
+    held = held_places(mechanism, mass, name, kind.turns_arms)
     positions = node_positions(mass.length, elements, held)
     items.begin(f"{name}: nodes, in the undeformed link along the x axis")
     nodes = [
@@ -81,7 +81,7 @@ def _add_beam(
         coordinates=slice(start, stop),
         arms=Arms(section.neutral_axis) if section.is_eccentric else None,
         bodies=bodies,
-        polar=_polar_slopes(mechanism, kind, name, body_nodes(positions, mass.bodies), len(nodes)),
+        polar=_polar_slopes(kind, positions, gripped_places(mechanism, mass, name)),
     )
 
 
@@ -104,14 +104,10 @@ def _add_rigid(items: SystemItems, mechanism: Mechanism, name: str, start: int) 
 
 
 def _polar_slopes(
-    mechanism: Mechanism, kind: BeamKind, name: str, gripped: IntArray, count: int
+    kind: BeamKind, positions: FloatArray, gripped: list[float]
 ) -> PolarSlopes | None:
-    """Nodes of a link of cables at which a joint or body holds the direction of the slope."""
-    topology = mechanism.linkage.topology
-    held = [end for weld in topology.welds for end in (weld.leader, weld.follower)]
-    held += [clamp.held for clamp in topology.clamps[1:]]
-    nodes = {{"start": 0, "end": count - 1}[end.end] for end in held if end.link == name}
-    nodes |= set(gripped.tolist())
-    if kind.turns_arms or not nodes:
+    """Nodes of a link of cables at which something holds or asks for the angle."""
+    if kind.turns_arms or not gripped:
         return None
-    return PolarSlopes(kind.per_node * np.array(sorted(nodes), dtype=np.intp) + 2)
+    nodes = np.unique(np.abs(positions - np.array(gripped)[:, None]).argmin(axis=1))
+    return PolarSlopes(kind.per_node * nodes + 2)

@@ -11,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.linkages import LinkEnd
+from flexmech.linkages import LinkBody, LinkEnd
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.added_links import add_links
 from flexmech.multibody.arms import LinkArms
 from flexmech.multibody.attached_bodies import add_attached_bodies
 from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.beams import BEAM_KINDS
+from flexmech.multibody.gripped_nodes import turned_bodies
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
 from flexmech.multibody.link_parts import (
     RIGID_SIZE,
@@ -82,14 +83,14 @@ class LinkAssembly:
             attached
             for link, part in self.beams
             for attached in add_attached_bodies(
-                self.items, link, part, mechanism.link_mass(part.name), bodies_have_mass
+                self.items, link, part, self._bodies(part), bodies_have_mass
             )
         ]
         followers = [
             coordinate
             for body in self.attached
             for coordinate in (body.place, body.place + 1, body.angle)
-            if body.own_node
+            if body.own_node is not None
         ]
         self.system_size = self.size + len(followers)
         self.arms = LinkArms(
@@ -105,6 +106,13 @@ class LinkAssembly:
         for number, part in enumerate(self.parts):
             if isinstance(part, BeamPart):
                 yield number, part
+
+    def _bodies(self, part: BeamPart) -> list[LinkBody]:
+        """Bodies on a link, and those without mass that give a cable's end an angle."""
+        mass = self.mechanism.link_mass(part.name)
+        if self.kind.turns_arms:
+            return list(mass.bodies)
+        return [*mass.bodies, *turned_bodies(self.mechanism, mass, part.name)]
 
     @property
     def nodal_force_scale(self) -> float:

@@ -6,12 +6,13 @@ the body has a node of its own, pinned to the cable's and kept from turning agai
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexmech.linear_system import body_nodes
-from flexmech.linkages import LinkBody, LinkMass, RigidMotion
+from flexmech.linkages import LinkBody, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.items import ItemNumber, SystemItems
@@ -35,8 +36,8 @@ class AttachedPart:
         First coordinate of that node, and its angle, among those of all links.
     number : ItemNumber
         Of the body in the system.
-    own_node : bool
-        Whether it has a node of its own.
+    own_node : ItemNumber or None
+        Its own node, if it has one.
     centre : tuple of float
         Its centre of mass in the body's axes in m.
     """
@@ -47,7 +48,7 @@ class AttachedPart:
     place: int
     angle: int
     number: ItemNumber
-    own_node: bool
+    own_node: ItemNumber | None
     centre: tuple[float, float]
 
     @property
@@ -58,7 +59,7 @@ class AttachedPart:
 
 
 def add_attached_bodies(
-    items: SystemItems, link: int, part: BeamPart, mass: LinkMass, has_mass: bool
+    items: SystemItems, link: int, part: BeamPart, bodies: Sequence[LinkBody], has_mass: bool
 ) -> list[AttachedPart]:
     """Add the bodies of a link to a system.
 
@@ -67,8 +68,7 @@ def add_attached_bodies(
     items : SystemItems
     link : int
     part : BeamPart
-    mass : LinkMass
-        Of the link.
+    bodies : sequence of LinkBody
     has_mass : bool
         Whether the system moves; at standstill a body is where forces act.
 
@@ -76,19 +76,20 @@ def add_attached_bodies(
     -------
     list of AttachedPart
     """
-    if mass.bodies:
+    if bodies:
         items.begin(f"{part.name}: attached bodies")
     attached = []
     for count, (body, node) in enumerate(
-        zip(mass.bodies, body_nodes(part.positions, mass.bodies).tolist(), strict=True)
+        zip(bodies, body_nodes(part.positions, bodies).tolist(), strict=True)
     ):
-        name, own_node = f"{part.name}_attached_{count}", part.bodies is None
-        number = part.nodes[node]
+        name, number = f"{part.name}_attached_{count}", part.nodes[node]
+        own_node = None
         # The node of an eccentric link is off the axis from which the offset counts.
         below = 0.0 if part.arms is None else part.arms.length
-        if own_node:
+        if part.bodies is None:
             place = [float(part.positions[node]), 0.0, 0.0]
-            number = items.add("NodeRigidBody2D", f"{name}_node", referenceCoordinates=place)
+            own_node = items.add("NodeRigidBody2D", f"{name}_node", referenceCoordinates=place)
+            number = own_node
         x, y = body.offset[0], body.offset[1] - below
         total, inertia = (body.mass, body.inertia) if has_mass else (0.0, 0.0)
         made = items.add(
@@ -102,7 +103,7 @@ def add_attached_bodies(
         first = part.coordinates.start + part.kind.per_node * node
         angle = first + part.kind.clamped
         attached.append(AttachedPart(link, body, node, first, angle, made, own_node, (x, y)))
-        if own_node:
+        if own_node is not None:
             _fix(items, part, attached[-1], name)
     return attached
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from flexmech.linkages import LinkEnd, Pin, Slider, Weld
 from flexmech.multibody.assembly import LinkAssembly
+from flexmech.multibody.gripped_nodes import leading_end
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.link_parts import RigidPart
 from flexmech.types import FloatArray
@@ -88,16 +89,17 @@ def add_ties(assembly: LinkAssembly, angle: FloatArray) -> list[TieJoint]:
     Returns
     -------
     list of TieJoint
-        In the order of the topology's ties.
+        In the order of the topology's ties, without those that springs alone hold.
     """
-    return [_tie(assembly, tie, angle) for tie in assembly.topology.ties]
+    ties = assembly.topology.ties
+    return [_tie(assembly, tie, angle) for tie in ties if isinstance(tie, Weld) or not tie.sprung]
 
 
 def _tie(assembly: LinkAssembly, tie: Pin | Weld, angle: FloatArray) -> TieJoint:
     kind = "pin" if isinstance(tie, Pin) else "weld"
     name = f"{kind}_{tie.joint}"
     assembly.items.begin(f"{kind} {tie.joint}")
-    leader = assembly.topology.leader_of(tie.leader)
+    leader = leading_end(assembly.topology, tie.leader)
     markers = [
         assembly.add_end_marker(place, f"{name}_on_{place.link}")
         for place in (leader, tie.follower)

@@ -122,7 +122,7 @@ def static_equilibrium(
         If Exudyn's static solver does not converge; names the crank angle and speed.
     """
     assembly, batch = model.assembly, len(motion.crank_angle)
-    tangents = _Tangents(assembly, batch)
+    tangents = _Tangents(model, batch)
     relative = motion.angle - motion.angle[:, assembly.base, None]
     applied = _Applied.of(model, motion, loads)
     round_off = ROUND_OFF * assembly.nodal_force_scale
@@ -133,7 +133,7 @@ def static_equilibrium(
         pose = model.move_to(motion, number)
         forces, couples = applied.forces[number], applied.couples[number]
         model.loads.set(forces, couples)
-        loaded = float(np.abs(forces).sum()) + model.free_load
+        loaded = float(np.abs(forces).sum()) + model.free_load + model.applied.scale_of_forces
         settings = simulation_settings(max(RELATIVE_RESIDUAL * loaded, round_off))
         start = pose + assembly.turned(deformation, relative[number])
         if not _solve_static(assembly, settings, assembly.arms.to_nodes(start)):
@@ -208,7 +208,7 @@ def running_tangents(
     assembly = model.assembly
     relative = motion.angle - motion.angle[:, assembly.base, None]
     together = np.concatenate(displacement, axis=1)
-    settings, tangents = simulation_settings(), _Tangents(assembly, len(together))
+    settings, tangents = simulation_settings(), _Tangents(model, len(together))
     for number, q in enumerate(together):
         state = model.move_to(motion, number) + assembly.turned(q, relative[number])
         tangents.take(number, settings, state)
@@ -243,8 +243,9 @@ def internal_forces(model: StaticModel, displacement: Sequence[FloatArray]) -> l
 class _Tangents:
     """Stiffness and damping of each link over a batch of states."""
 
-    def __init__(self, assembly: LinkAssembly, batch: int) -> None:
-        self._assembly = assembly
+    def __init__(self, model: StaticModel, batch: int) -> None:
+        self._assembly = assembly = model.assembly
+        self._connectors = model.connectors
         sizes = [part.coordinates.stop - part.coordinates.start for part in assembly.parts]
         self._stiffness, self._damping = (
             [np.empty((batch, size, size)) for size in sizes] for _ in range(2)
@@ -275,7 +276,9 @@ class _Tangents:
             Stiffness of rigid links and attached bodies against turning.
         """
         assembly = self._assembly
+        self._connectors.activate(False)
         _, stiffness, damping = linearized(assembly, settings, assembly.arms.to_nodes(state))
+        self._connectors.activate(True)
         self._state[number] = state
         if outer is not None:
             self._outer[number] = outer
@@ -336,6 +339,7 @@ def _solve_afresh(
         start = nodes
         for part in np.arange(1, steps + 1) / steps:
             model.loads.set(part * applied.forces[number], part * applied.couples[number])
+            model.applied.scale(float(part))
             model.swell(float(part))
             if not _solve_static(assembly, settings, start):
                 break

@@ -113,7 +113,7 @@ def drifting_joints(
     """
     topology = assembly.topology
     rigid = any(isinstance(part, RigidPart) for part in assembly.parts)
-    own_nodes = any(body.own_node for body in assembly.attached)
+    own_nodes = any(body.own_node is not None for body in assembly.attached)
     if rigid or own_nodes or topology.welds or topology.sliders or topology.clamps[1:]:
         return _closed_joints(assembly, shaft, start)
     eccentric = {part.name for _, part in assembly.beams if part.arms is not None}
@@ -187,7 +187,7 @@ def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedE
     """Nodes of attached bodies that have one of their own, and the nodes that they are fixed to."""
     first = assembly.size
     for body in assembly.attached:
-        if body.own_node:
+        if body.own_node is not None:
             part = assembly.parts[body.link]
             assert not isinstance(part, RigidPart)
             node = (float(part.positions[body.node]), 0.0)

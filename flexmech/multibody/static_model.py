@@ -14,8 +14,10 @@ from flexmech.linear_system import free_load
 from flexmech.linkages import LinkEnd, RigidMotion, shown_crank_angle
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
+from flexmech.multibody.connectors import Connectors
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import SliderJoint, TieJoint, add_sliders, add_ties
+from flexmech.multibody.static_connectors import StaticConnectors
 from flexmech.multibody.static_loads import StaticLoads
 from flexmech.types import FloatArray
 
@@ -41,6 +43,10 @@ class StaticModel:
         Forces on the links.
     grounds : list of tuple of LinkEnd, ItemNumber and ItemNumber
         Link ends that are pinned to the ground off their nodes, the ground and the pin of each.
+    connectors : Connectors
+        Loads and springs.
+    applied : StaticConnectors
+        The same, in the position that the model stands in.
     ties : list of TieJoint
     sliders : list of SliderJoint
     """
@@ -49,7 +55,10 @@ class StaticModel:
         self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=False)
         self.grounds: list[tuple[LinkEnd, ItemNumber, ItemNumber]] = []
         self.loads = StaticLoads(assembly)
-        self._offsets = self._add_supports()
+        fixed = assembly.add_fixed_coordinate()
+        self._offsets = self._add_supports(fixed)
+        self.connectors = Connectors(assembly, fixed, runs=False)
+        self.applied = StaticConnectors(self.connectors)
         self.ties: list[TieJoint] = []
         self.sliders: list[SliderJoint] = []
         topology = assembly.topology
@@ -112,6 +121,7 @@ class StaticModel:
                 place, normal = back @ slider.place, back @ slider.normal
                 set_parameter(slider.ground, "referencePosition", [*map(float, place), 0.0])
                 set_parameter(slider.constraint, "normalMarker1", [*map(float, normal), 0.0])
+        self.applied.move_to(motion, number, pose)
         return pose
 
     def swell(self, part: float) -> None:
@@ -121,10 +131,9 @@ class StaticModel:
             for element in link.elements if link.section.is_free_strained else ():
                 assembly.kind.swell(assembly.mbs, element, link.section, part)
 
-    def _add_supports(self) -> list[tuple[ItemNumber, int]]:
+    def _add_supports(self, fixed: ItemNumber) -> list[tuple[ItemNumber, int]]:
         """Hold clamped and pivoted coordinates; returns constraints and what they hold."""
         assembly = self.assembly
-        fixed = assembly.add_fixed_coordinate()
         held: list[tuple[LinkEnd, tuple[int, ...]]] = []
         for number, clamp in enumerate(assembly.topology.clamps):
             turning = assembly.turning_coordinate(clamp.held)
@@ -134,6 +143,8 @@ class StaticModel:
                 # The slope of the first clamped cable lies along the frame's x axis.
                 held.append((clamp.held, (0, 1) if number else (0, 1, assembly.kind.clamped)))
         for pivot in assembly.topology.pivots:
+            if pivot.sprung:
+                continue
             if assembly.is_at_node(pivot.held):
                 held.append((pivot.held, (0, 1)))
             else:

@@ -260,8 +260,8 @@ class Ties:
         rows: list[FloatArray] = []
         for clamp in topology.clamps:
             rows += [place(clamp.held), turning(clamp.held.link, clamp.held.end)]
-        rows += [place(pivot.held) for pivot in topology.pivots]
-        rows += [place(tie.follower) - place(tie.leader) for tie in topology.ties]
+        rows += [place(pivot.held) for pivot in topology.pivots if not pivot.sprung]
+        rows += [place(tie.follower) - place(tie.leader) for tie in self._ties]
         for weld in topology.welds:
             ends = weld.follower, weld.leader
             after, before = (turning(end.link, end.end) for end in ends)
@@ -274,13 +274,17 @@ class Ties:
         return np.asarray(right[rank:].T)
 
     @property
+    def _ties(self) -> list[Pin | Weld]:
+        return [tie for tie in self.topology.ties if isinstance(tie, Weld) or not tie.sprung]
+
+    @property
     def gaps(self) -> FloatArray:
         """How far the displacements tear or turn each joint, in m and rad."""
         topology, torn = self.topology, []
         for clamp in topology.clamps:
             torn += [self._torn(clamp.held), self._angle(clamp.held)]
-        torn += [self._torn(pivot.held) for pivot in topology.pivots]
-        torn += [self._at(tie.follower) - self._at(tie.leader) for tie in topology.ties]
+        torn += [self._torn(pivot.held) for pivot in topology.pivots if not pivot.sprung]
+        torn += [self._at(tie.follower) - self._at(tie.leader) for tie in self._ties]
         for weld in topology.welds:
             torn.append(self._angle(weld.follower) - self._angle(weld.leader))
         for slider in topology.sliders:

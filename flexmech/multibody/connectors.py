@@ -1,0 +1,190 @@
+"""Loads, springs and sprung joints of a mechanism as items of an Exudyn system.
+
+Each is one load or one connector: a spring between two points, a spring on the angle between two
+nodes, or one in both directions between two link ends. Their stiffness is taken off when Exudyn
+linearizes the links: springs join links and belong to the linkage.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.linkages import JointSpring, LinkEnd, LinkPoint, Load, Spring
+from flexmech.multibody.assembly import LinkAssembly
+from flexmech.multibody.gripped_nodes import ends_of_joint, leading_end, sprung_joints
+from flexmech.multibody.grips import add_angle_marker, add_point_marker
+from flexmech.multibody.items import ItemNumber
+
+__all__ = ["Connectors", "JointSpringItem", "LoadItem", "SpringItem"]
+
+
+@dataclass(frozen=True)
+class LoadItem:
+    """A load: its force and its torque, each if it has one."""
+
+    load: Load
+    force: ItemNumber | None
+    torque: ItemNumber | None
+
+
+@dataclass(frozen=True)
+class SpringItem:
+    """A spring, and the grounds of those of its ends that are on the ground."""
+
+    spring: Spring
+    number: ItemNumber
+    grounds: tuple[tuple[LinkPoint, ItemNumber], ...]
+
+
+@dataclass(frozen=True)
+class JointSpringItem:
+    """A spring in a joint: against turning, and in a sprung joint against displacement.
+
+    Parameters
+    ----------
+    spring : JointSpring
+    follower : LinkEnd
+    leader : LinkEnd or None
+        None at a pivot.
+    turning, radial : ItemNumber or None
+    drag : tuple of ItemNumber
+        Torques on the following and the leading end, for what a damper carries at standstill.
+    ground : ItemNumber or None
+        Of a sprung pivot.
+    """
+
+    spring: JointSpring
+    follower: LinkEnd
+    leader: LinkEnd | None
+    turning: ItemNumber | None
+    radial: ItemNumber | None
+    drag: tuple[ItemNumber, ...]
+    ground: ItemNumber | None
+
+
+class Connectors:
+    """Loads and springs in a system that is not assembled yet.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    fixed : ItemNumber
+        Marker of a coordinate that stays zero.
+    runs : bool
+        Whether the system moves: loads over time then are among them.
+
+    Attributes
+    ----------
+    loads : list of LoadItem
+    springs : list of SpringItem
+    joints : list of JointSpringItem
+    """
+
+    def __init__(self, assembly: LinkAssembly, fixed: ItemNumber, runs: bool) -> None:
+        self.assembly = assembly
+        self._runs = runs
+        mechanism = assembly.mechanism
+        self.loads = [
+            self._add_load(load) for load in mechanism.loads if runs or load.over != "time"
+        ]
+        self.springs = [self._add_spring(spring) for spring in mechanism.springs]
+        self.joints = [self._add_joint_spring(own, fixed) for own in mechanism.joint_springs]
+
+    @property
+    def any(self) -> bool:
+        """Whether there is one."""
+        return bool(self.loads or self.springs or self.joints)
+
+    def activate(self, active: bool) -> None:
+        """Let springs act, or not."""
+        numbers = [item.number for item in self.springs]
+        for item in self.joints:
+            numbers += [number for number in (item.turning, item.radial) if number is not None]
+        for number in numbers:
+            self.assembly.mbs.SetObjectParameter(number, "activeConnector", active)
+
+    def _add_load(self, load: Load) -> LoadItem:
+        items, name = self.assembly.items, f"load_{load.name}"
+        items.begin(f"load {load.name}")
+        marker = add_point_marker(self.assembly, load.point, f"{name}_point")
+        force = torque = None
+        if np.any(load.force):
+            force = items.add(
+                "LoadForceVector",
+                f"{name}_force",
+                markerNumber=marker,
+                bodyFixed=load.axes == "link",
+                loadVector=[0.0, 0.0, 0.0],
+            )
+        if np.any(load.torque):
+            torque = items.add(
+                "LoadTorqueVector",
+                f"{name}_torque",
+                markerNumber=marker,
+                loadVector=[0.0, 0.0, 0.0],
+            )
+        return LoadItem(load, force, torque)
+
+    def _add_spring(self, spring: Spring) -> SpringItem:
+        items, name = self.assembly.items, f"spring_{spring.name}"
+        items.begin(f"spring {spring.name}")
+        markers, grounds = [], []
+        for end, point in (("first", spring.first), ("second", spring.second)):
+            if point.is_ground:
+                place = [point.x, point.y, 0.0]
+                ground = items.add("ObjectGround", f"{name}_ground_{end}", referencePosition=place)
+                grounds.append((point, ground))
+                markers.append(items.add("MarkerBodyPosition", f"{name}_{end}", bodyNumber=ground))
+            else:
+                markers.append(add_point_marker(self.assembly, point, f"{name}_{end}"))
+        number = items.add(
+            "SpringDamper",
+            name,
+            markerNumbers=markers,
+            stiffness=spring.stiffness,
+            damping=spring.damping,
+            referenceLength=spring.free_length,
+        )
+        return SpringItem(spring, number, tuple(grounds))
+
+    def _add_joint_spring(self, own: JointSpring, fixed: ItemNumber) -> JointSpringItem:
+        assembly, items, name = self.assembly, self.assembly.items, f"spring_in_{own.joint}"
+        follower, leader = ends_of_joint(assembly.topology, own.joint)
+        items.begin(f"spring in joint {own.joint}")
+        turning = radial = ground = None
+        drag: list[ItemNumber] = []
+        if own.torsional_stiffness or own.torsional_damping:
+            angles = [
+                fixed if end is None else add_angle_marker(assembly, end, f"{name}_{which}_angle")
+                for which, end in (("leading", leader), ("following", follower))
+            ]
+            turning = items.add(
+                "CoordinateSpringDamper",
+                f"{name}_torsional",
+                markerNumbers=angles,
+                stiffness=own.torsional_stiffness,
+                damping=own.torsional_damping,
+            )
+            if own.torsional_damping and not self._runs:
+                drag = [
+                    items.add("LoadCoordinate", f"{name}_drag_{i}", markerNumber=marker, load=0.0)
+                    for i, marker in enumerate(reversed(angles[-2 if leader else -1 :]))
+                ]
+        if own.joint in sprung_joints(assembly.topology):
+            if leader is None:
+                ground = items.add("ObjectGround", f"{name}_ground")
+                before = items.add("MarkerBodyPosition", f"{name}_on_ground", bodyNumber=ground)
+            else:
+                root = leading_end(assembly.topology, leader)
+                before = assembly.add_end_marker(root, f"{name}_on_{root.link}")
+            markers = [before, assembly.add_end_marker(follower, f"{name}_on_{follower.link}")]
+            radial = items.add(
+                "CartesianSpringDamper",
+                f"{name}_radial",
+                markerNumbers=markers,
+                stiffness=[own.radial_stiffness or 0.0] * 2 + [0.0],
+                damping=[own.radial_damping] * 2 + [0.0],
+            )
+        return JointSpringItem(own, follower, leader, turning, radial, tuple(drag), ground)

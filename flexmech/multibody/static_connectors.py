@@ -1,0 +1,130 @@
+"""Loads and springs of a model at standstill, moved through the crank angles."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmech.linkages import LinkPoint, RigidMotion, continuous_angles
+from flexmech.linkages.motion import direction, normal
+from flexmech.multibody.connectors import Connectors, JointSpringItem, SpringItem
+from flexmech.multibody.grips import angle_of_end
+from flexmech.multibody.items import ItemNumber
+from flexmech.types import FloatArray
+
+__all__ = ["StaticConnectors"]
+
+
+class StaticConnectors:
+    """Connectors whose forces are those of one position after the other.
+
+    Dampers carry what the rigid motion puts on them. Loads over time are not among them.
+
+    Parameters
+    ----------
+    connectors : Connectors
+        Of the model.
+    """
+
+    def __init__(self, connectors: Connectors) -> None:
+        self._all = connectors
+        self._motion: RigidMotion | None = None
+        self._angles: FloatArray = np.zeros((0, 0))
+        self._part = 1.0
+        self._values: list[FloatArray] = []
+
+    def move_to(self, motion: RigidMotion, number: int, pose: FloatArray) -> None:
+        """Set forces, free lengths and places of the ground.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        number : int
+            Of the position.
+        pose : ndarray, shape (size,)
+            Coordinates of the undeformed links in the model's axes.
+        """
+        assembly = self._all.assembly
+        self._turn = float(motion.angle[number, assembly.base])
+        angle = motion.crank_angle[number]
+        self._values = [item.load.values(angle) for item in self._all.loads]
+        self.scale(1.0)
+        for item in self._all.springs:
+            self._set_spring(item, motion, number)
+        for joint in self._all.joints:
+            self._set_joint(joint, motion, number, pose)
+
+    def scale(self, part: float) -> None:
+        """Let a part of the loads act."""
+        mbs, base = self._all.assembly.mbs, self._turn
+        for item, (x, y, torque) in zip(self._all.loads, self._values, strict=True):
+            if item.load.axes == "ground":
+                x, y = _turned(np.array([x, y]), -base)
+            if item.force is not None:
+                mbs.SetLoadParameter(item.force, "loadVector", [part * x, part * y, 0.0])
+            if item.torque is not None:
+                mbs.SetLoadParameter(item.torque, "loadVector", [0.0, 0.0, part * torque])
+
+    @property
+    def scale_of_forces(self) -> float:
+        """Sum of what the loads push with, in N and N m."""
+        return float(sum(np.abs(value).sum() for value in self._values))
+
+    def _set_spring(self, item: SpringItem, motion: RigidMotion, number: int) -> None:
+        mbs, spring = self._all.assembly.mbs, item.spring
+        for point, ground in item.grounds:
+            self._put(ground, np.array([point.x, point.y]))
+        if spring.damping:
+            ends = [self._point(motion, number, end) for end in (spring.first, spring.second)]
+            line, approach = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
+            rate = float(line @ approach / np.linalg.norm(line))
+            mbs.SetObjectParameter(item.number, "force", spring.damping * rate)
+
+    def _set_joint(
+        self, item: JointSpringItem, motion: RigidMotion, number: int, pose: FloatArray
+    ) -> None:
+        assembly, own = self._all.assembly, item.spring
+        ends = [(1.0, item.follower)]
+        if item.leader is not None:
+            ends.append((-1.0, item.leader))
+        links = [(sign, assembly.topology.index(end.link)) for sign, end in ends]
+        if item.turning is not None:
+            angles = self._continuous(motion)[number]
+            opening = sum(sign * angles[link] for sign, link in links)
+            rate = sum(sign * motion.angular_velocity[number, link] for sign, link in links)
+            stands = sum(sign * pose[angle_of_end(assembly, end)] for sign, end in ends)
+            offset = stands - opening + own.free_angle
+            for load, sign in zip(item.drag, (-1.0, 1.0), strict=False):
+                torque = float(sign * own.torsional_damping * rate)
+                assembly.mbs.SetLoadParameter(load, "load", torque)
+            assembly.mbs.SetObjectParameter(item.turning, "offset", float(offset))
+        if item.ground is not None:
+            link = links[0][1]
+            x = 0.0 if item.follower.end == "start" else assembly.topology.links[link].length
+            self._put(item.ground, motion.position(link, x)[number])
+
+    def _continuous(self, motion: RigidMotion) -> FloatArray:
+        if self._motion is not motion:
+            linkage = self._all.assembly.mechanism.linkage
+            self._motion, self._angles = motion, continuous_angles(linkage, motion)
+        return self._angles
+
+    def _point(
+        self, motion: RigidMotion, number: int, point: LinkPoint
+    ) -> tuple[FloatArray, FloatArray]:
+        """Place and velocity of a point of the rigid linkage in ground axes."""
+        if point.is_ground:
+            return np.array([point.x, point.y]), np.zeros(2)
+        link = self._all.assembly.topology.index(point.link)
+        return motion.position(link, point.x)[number], motion.velocity(link, point.x)[number]
+
+    def _put(self, ground: ItemNumber, place: FloatArray) -> None:
+        """Put a ground where it is in the model's axes."""
+        x, y = _turned(place, -self._turn)
+        position = [float(x), float(y), 0.0]
+        self._all.assembly.mbs.SetObjectParameter(ground, "referencePosition", position)
+
+
+def _turned(vector: FloatArray, angle: float) -> FloatArray:
+    turn = np.array(angle)
+    return np.asarray(vector[0] * direction(turn) + vector[1] * normal(turn))

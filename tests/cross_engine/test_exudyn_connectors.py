@@ -1,0 +1,232 @@
+"""Loads, springs and sprung joints in Exudyn, standing and running."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from flexmech import BeamSection, Material, Mechanism
+from flexmech.linear_system import inertia_loads
+from flexmech.linkages import (
+    JointSpring,
+    LinkPoint,
+    Load,
+    RigidMotion,
+    Spring,
+    Topology,
+    continuous_angles,
+)
+from flexmech.linkages.motion import direction, normal
+from flexmech.multibody.linearize import internal_forces, static_equilibrium
+from flexmech.multibody.link_parts import BeamPart
+from flexmech.multibody.static_model import StaticModel
+from flexmech.multibody.straight_links import link_models
+from tests.cross_engine.joined_linkages import LArm, SliderCrank, Ternary, Ties
+from tests.cross_engine.test_exudyn_joints import FOUR_BAR
+
+FloatArray = NDArray[np.float64]
+KINDS = ("ancf", "geometrically-exact")
+
+
+def strips(linkage: Any, **options: Any) -> Mechanism:
+    """Aluminium strips under their weight."""
+    section = BeamSection.rectangle(Material(68.9e9, 2923.0), 3e-3, 25.4e-3)
+    names = [link.name for link in linkage.topology.links]
+    return Mechanism(linkage, dict.fromkeys(names, section), gravity=(0.0, -9.81), **options)
+
+
+class SprungFourBar(Ternary):
+    """Its pin at B and its pivot at O4 are held by springs."""
+
+    @property
+    def topology(self) -> Topology:
+        own = super().topology
+        pins = tuple(replace(pin, sprung=pin.joint == "B") for pin in own.pins)
+        pivots = tuple(replace(pivot, sprung=True) for pivot in own.pivots)
+        return replace(own, pins=pins, pivots=pivots)
+
+
+MECHANISMS: dict[str, Mechanism] = {
+    "forces": strips(
+        SliderCrank(),
+        loads=(
+            Load("constant", LinkPoint("coupler", 0.13), ((3.0, -2.0),), (0.05,)),
+            Load(
+                "table",
+                LinkPoint("coupler", 0.3),
+                ((-5.0, 0.0), (4.0, 1.0), (-2.0, 0.0)),
+                (0.0, 0.1, -0.1),
+                over="crank_angle",
+                at=(0.0, 2.0, 4.0),
+            ),
+            Load("turning", LinkPoint("crank", 0.07), ((0.0, 6.0),), axes="link"),
+        ),
+    ),
+    "springs": strips(
+        LArm(),
+        springs=(
+            Spring("ground", LinkPoint("ground", 0.3, 0.4), LinkPoint("leg", 0.2), 40.0, 0.05, 0.3),
+            Spring("between", LinkPoint("arm", 0.11), LinkPoint("leg", 0.09), 200.0, 0.1, 0.5),
+        ),
+    ),
+    "springs in joints": strips(
+        SliderCrank(),
+        joint_springs=(JointSpring("A", 2.0, 0.01, 0.4),),
+    ),
+    "sprung joints": strips(
+        SprungFourBar(FOUR_BAR),
+        joint_springs=(
+            JointSpring("B", 0.5, 0.0, 1.0, 2e4, 1.0),
+            JointSpring("O4", 0.3, 0.002, 0.0, 1e4, 0.5),
+        ),
+    ),
+    "rigid": strips(
+        Ternary(FOUR_BAR, rigid=("rocker",)),
+        loads=(Load("rocker", LinkPoint("rocker", 0.1), ((2.0, 1.0),), (0.2,), axes="link"),),
+        springs=(
+            Spring("return", LinkPoint("ground", 0.1, -0.1), LinkPoint("rocker", 0.15), 60.0, 0.1),
+        ),
+        joint_springs=(JointSpring("O4", 0.6, 0.0, 0.1), JointSpring("A", 0.4, 0.0, -1.0)),
+    ),
+}
+
+
+class Point:
+    """A point of a link, its displacement by the link's coordinates."""
+
+    def __init__(self, mechanism: Mechanism, links: Any, point: LinkPoint, kind: str) -> None:
+        topology = mechanism.linkage.topology
+        self.link = topology.index(point.link)
+        self.x = point.x
+        model = links[self.link]
+        if model.rigid:
+            self.turn = np.array([0.0, 0.0, 1.0])
+            return
+        fraction = point.x / topology.links[self.link].length
+        self.rows = model.readings.displacement_at(np.array([fraction]))[0]
+        near = int(np.argmin(np.abs(model.readings.nodes - point.x)))
+        self.turn = np.zeros(model.size)
+        self.turn[model.readings.per_node * near + model.readings.slope] = 1.0
+
+    def place(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
+        angle = motion.angle[0, self.link]
+        axes = np.stack([direction(angle), normal(angle)], axis=1)
+        if len(q) == 3:
+            own = motion.origin[0, self.link] + axes @ q[:2]
+            return np.asarray(own + self.x * direction(angle + q[2]))
+        return np.asarray(motion.position(self.link, self.x)[0] + axes @ (self.rows @ q))
+
+    def force(self, motion: RigidMotion, q: FloatArray, force: Any, torque: float) -> FloatArray:
+        angle = motion.angle[0, self.link]
+        along, across = force @ direction(angle), force @ normal(angle)
+        if len(q) == 3:
+            lever = self.x * (np.cos(q[2]) * across - np.sin(q[2]) * along)
+            return np.array([along, across, torque + lever])
+        return np.asarray(along * self.rows[0] + across * self.rows[1] + torque * self.turn)
+
+
+def forces_of_connectors(
+    mechanism: Mechanism, links: Any, motion: RigidMotion, q: list[FloatArray], kind: str
+) -> list[FloatArray]:
+    """Of loads, springs and springs in joints on displaced links, from their definitions."""
+    topology = mechanism.linkage.topology
+    total = [np.zeros_like(each) for each in q]
+
+    def add(point: Point, force: Any, torque: float = 0.0) -> None:
+        total[point.link] += point.force(motion, q[point.link], np.asarray(force), torque)
+
+    for load in mechanism.loads:
+        point = Point(mechanism, links, load.point, kind)
+        x, y, torque = load.values(motion.crank_angle[0])
+        force = np.array([x, y])
+        if load.axes == "link":
+            angle = motion.angle[0, point.link] + point.turn @ q[point.link]
+            force = x * direction(angle) + y * normal(angle)
+        add(point, force, torque)
+    for spring in mechanism.springs:
+        places, rates, points = [], [], []
+        for end in (spring.first, spring.second):
+            if end.is_ground:
+                places.append(np.array([end.x, end.y]))
+                rates.append(np.zeros(2))
+                points.append(None)
+                continue
+            point = Point(mechanism, links, end, kind)
+            places.append(point.place(motion, q[point.link]))
+            rates.append(motion.velocity(point.link, end.x)[0])
+            points.append(point)
+        line, approach = places[1] - places[0], rates[1] - rates[0]
+        length = np.linalg.norm(line)
+        rigid = [
+            np.array([end.x, end.y])
+            if end.is_ground
+            else motion.position(topology.index(end.link), end.x)[0]
+            for end in (spring.first, spring.second)
+        ]
+        straight = (rigid[1] - rigid[0]) / np.linalg.norm(rigid[1] - rigid[0])
+        pull = spring.stiffness * (length - spring.free_length)
+        pull += spring.damping * (straight @ approach)
+        for point, sign in zip(points, (1.0, -1.0), strict=True):
+            if point is not None:
+                add(point, sign * pull * line / length)
+    angles = continuous_angles(mechanism.linkage, motion)[0]
+    ends = {pin.joint: (pin.follower, pin.leader) for pin in topology.pins}
+    ends |= {pivot.joint: (pivot.held, None) for pivot in topology.pivots}
+    sprung = {joint.joint for joint in (*topology.pins, *topology.pivots) if joint.sprung}
+    for own in mechanism.joint_springs:
+        sides = []
+        for sign, end in zip((1.0, -1.0), ends[own.joint], strict=True):
+            if end is not None:
+                length = topology.links[topology.index(end.link)].length
+                place = LinkPoint(end.link, 0.0 if end.end == "start" else length)
+                sides.append((sign, Point(mechanism, links, place, kind)))
+        opening = sum(s * (angles[p.link] + p.turn @ q[p.link]) for s, p in sides)
+        rate = sum(s * motion.angular_velocity[0, p.link] for s, p in sides)
+        torque = -own.torsional_stiffness * (opening - own.free_angle)
+        torque -= own.torsional_damping * rate
+        apart = sum(
+            s * (p.place(motion, q[p.link]) - motion.position(p.link, p.x)[0]) for s, p in sides
+        )
+        force = -(own.radial_stiffness or 0.0) * apart * (own.joint in sprung)
+        for sign, point in sides:
+            add(point, sign * force, sign * torque)
+    return total
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("degrees", [40.0, 200.0])
+def test_the_equilibrium_is_one(name: str, kind: str, degrees: float) -> None:
+    """Inner forces are in balance with inertia, weight, loads and springs, but for the joints."""
+    mechanism = MECHANISMS[name]
+    model = StaticModel(mechanism, 4, kind)
+    links = link_models(model)
+    motion = mechanism.linkage.motion(np.array([np.radians(degrees)]), 20.0)
+    loads = inertia_loads(links, motion, mechanism.gravity)
+    outer = [load[0].copy() for load in loads]
+    found = static_equilibrium(model, motion, loads)
+    q = [each[0] for each in found.displacement]
+    inner = [force[0] for force in internal_forces(model, found.displacement)]
+    added = forces_of_connectors(mechanism, links, motion, q, kind)
+    residual = []
+    for number, part in enumerate(model.assembly.parts):
+        own = outer[number]
+        if isinstance(part, BeamPart) and part.polar is not None:
+            own = part.polar.force(q[number], own)
+        if links[number].rigid:
+            turn = q[number][2]
+            virial = motion.angular_velocity[0, number] ** 2 * links[number].mass[2, 2]
+            pull = motion.origin_acceleration[0, number] - np.asarray(mechanism.gravity)
+            centre = mechanism.link_mass(part.name).moment(1)
+            virial -= centre * pull @ direction(motion.angle[0, number])
+            own = own.copy()
+            own[2] = np.cos(turn) * own[2] - np.sin(turn) * virial
+        residual.append(inner[number] - own - added[number])
+    ties = Ties(mechanism.linkage.topology, motion, links, found.displacement)
+    size = max(np.abs(each).max() for each in (*outer, *added))
+    assert np.abs(np.concatenate(added)).max() > 0.1
+    assert np.abs(ties.basis.T @ np.concatenate(residual)).max() < 1e-8 * size
