@@ -179,7 +179,8 @@ class Connectors:
             else:
                 root = leading_end(assembly.topology, leader)
                 before = assembly.add_end_marker(root, f"{name}_on_{root.link}")
-            markers = [before, assembly.add_end_marker(follower, f"{name}_on_{follower.link}")]
+            # In this order Exudyn's sensor tells the force on the follower.
+            markers = [assembly.add_end_marker(follower, f"{name}_on_{follower.link}"), before]
             radial = items.add(
                 "CartesianSpringDamper",
                 f"{name}_radial",

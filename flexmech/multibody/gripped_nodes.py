@@ -52,7 +52,15 @@ def held_places(mechanism: Mechanism, mass: LinkMass, link: str, exact: bool) ->
 
 
 def gripped_places(mechanism: Mechanism, mass: LinkMass, link: str) -> list[float]:
-    """Places along a link of cables at which something holds or asks for the angle, in m."""
+    """Places along a link of cables at which something holds or asks for the angle, in m.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    mass : LinkMass
+        Of the link.
+    link : str
+    """
     topology = mechanism.linkage.topology
     ends = [end for weld in topology.welds for end in (weld.leader, weld.follower)]
     ends += [clamp.held for clamp in topology.clamps[1:]]
@@ -63,7 +71,15 @@ def gripped_places(mechanism: Mechanism, mass: LinkMass, link: str) -> list[floa
 
 
 def turned_bodies(mechanism: Mechanism, mass: LinkMass, link: str) -> list[LinkBody]:
-    """Bodies without mass at the ends of a link of cables on which springs in joints turn."""
+    """Bodies without mass at the ends of a link of cables on which springs in joints turn.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    mass : LinkMass
+        Of the link.
+    link : str
+    """
     ends: set[LinkEnd] = set()
     for own in mechanism.joint_springs:
         if own.torsional_stiffness or own.torsional_damping:

@@ -7,7 +7,7 @@ list keeps it, from which a script can be written that makes the same system.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, Self
 
 import numpy as np
@@ -70,11 +70,12 @@ class Made:
     ----------
     function : callable
         One of :data:`flexmech.multibody.shared_text.SHARED`.
-    arguments : tuple of float
+    arguments : tuple
+        Numbers, text, lists of them, or records that a script holds.
     """
 
     function: Callable[..., Any]
-    arguments: tuple[float, ...]
+    arguments: tuple[Any, ...]
 
 
 @dataclass(frozen=True)
@@ -144,6 +145,32 @@ class SystemItems:
         number = int(add(make(name=name, **given)))
         self.listed.append(Item(kind, type_, name, number, values, self._subject))
         return ItemNumber(number, kind, name)
+
+    def change(self, number: ItemNumber, key: str, value: Any) -> None:
+        """Give an item that is not assembled yet another value.
+
+        Parameters
+        ----------
+        number : ItemNumber
+        key : str
+        value : object
+        """
+        place = self._place(number)
+        item = self.listed[place]
+        self.listed[place] = replace(item, values={**item.values, key: value})
+        change = getattr(self.mbs, f"Set{item.kind.capitalize()}Parameter")
+        change(int(number), key, _plain(value))
+
+    def value(self, number: ItemNumber | None, key: str) -> Any:
+        """A value that an item was given."""
+        assert number is not None
+        return self.listed[self._place(number)].values[key]
+
+    def _place(self, number: ItemNumber) -> int:
+        wanted = number.kind, int(number)
+        return next(
+            place for place, item in enumerate(self.listed) if (item.kind, item.number) == wanted
+        )
 
     def numbers(self, kind: ItemKind) -> dict[str, int]:
         """Exudyn's numbers of all items of a kind, by their names."""

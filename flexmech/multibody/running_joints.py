@@ -8,9 +8,10 @@ from itertools import chain
 
 import numpy as np
 
-from flexmech.linkages import LinkEnd, RigidMotion
+from flexmech.linkages import LinkEnd, Pin, RigidMotion, Topology, Weld
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.closure import AngleGap, ClosedJoints, JoinedEnd, LineGap, PlaceGap
+from flexmech.multibody.gripped_nodes import leading_end
 from flexmech.multibody.link_parts import RigidPart
 from flexmech.multibody.user_functions import AxisPoint, HubClamp, Joints, Shaft
 from flexmech.types import FloatArray
@@ -79,9 +80,9 @@ def greatest_gap(assembly: LinkAssembly, start: RigidMotion, position: FloatArra
         return assembly.part_of(end).end_place(end.end, position)
 
     held = [clamp.held for clamp in topology.clamps]
-    held += [pivot.held for pivot in topology.pivots]
+    held += [pivot.held for pivot in topology.pivots if not pivot.sprung]
     gaps = [place(end) - place_at_start(assembly, start, end) for end in held]
-    gaps += [place(tie.leader) - place(tie.follower) for tie in topology.ties]
+    gaps += [place(tie.leader) - place(tie.follower) for tie in _rigid_ties(topology)]
     closed = drifting_joints(assembly, Shaft(float(start.angle[assembly.base]), 0.0, 0.0), start)
     others = [0.0]
     if isinstance(closed, ClosedJoints):
@@ -117,7 +118,7 @@ def drifting_joints(
     if rigid or own_nodes or topology.welds or topology.sliders or topology.clamps[1:]:
         return _closed_joints(assembly, shaft, start)
     eccentric = {part.name for _, part in assembly.beams if part.arms is not None}
-    pins = [(topology.leader_of(pin.leader), pin.follower) for pin in topology.pins]
+    pins = [(leading_end(topology, pin.leader), pin.follower) for pin in _rigid_ties(topology)]
     clamped = topology.clamps[0].held
     lever = place_on_hub(assembly, start, clamped)
     return Joints(
@@ -125,7 +126,7 @@ def drifting_joints(
         HubClamp(_axis_point(assembly, clamped), lever, len(assembly.kind.vectors) == 2),
         [
             (_axis_point(assembly, end), _pair(place_at_start(assembly, start, end)))
-            for end in (pivot.held for pivot in topology.pivots)
+            for end in (pivot.held for pivot in topology.pivots if not pivot.sprung)
             if end.link in eccentric
         ],
         [
@@ -151,11 +152,11 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
     ]
     places += [
         PlaceGap(joined(end), None, _pair(place_at_start(assembly, start, end)), False)
-        for end in (pivot.held for pivot in topology.pivots)
+        for end in (pivot.held for pivot in topology.pivots if not pivot.sprung)
     ]
     places += [
-        PlaceGap(joined(tie.follower), joined(topology.leader_of(tie.leader)), (0.0, 0.0), False)
-        for tie in topology.ties
+        PlaceGap(joined(tie.follower), joined(leading_end(topology, tie.leader)), (0.0, 0.0), False)
+        for tie in _rigid_ties(topology)
     ]
     fixed = list(_attached_nodes(assembly))
     places += [PlaceGap(body, node, (0.0, 0.0), False) for body, node in fixed]
@@ -181,6 +182,11 @@ def _closed_joints(assembly: LinkAssembly, shaft: Shaft, start: RigidMotion) -> 
         lines.append(LineGap(joined(slider.held), guide, place, slider.direction))
     rows = 2 * len(places) + len(angles) + len(lines)
     return ClosedJoints(shaft, list(chain(places, angles, lines)), rows)
+
+
+def _rigid_ties(topology: Topology) -> list[Pin | Weld]:
+    """Pins and welds but those that springs alone hold."""
+    return [tie for tie in topology.ties if isinstance(tie, Weld) or not tie.sprung]
 
 
 def _attached_nodes(assembly: LinkAssembly) -> Iterator[tuple[JoinedEnd, JoinedEnd]]:

@@ -17,11 +17,13 @@ from flexmech.linkages import Clamp, CrankDrive, LockedCrank
 from flexmech.linkages.motion import normal
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
+from flexmech.multibody.connectors import Connectors
 from flexmech.multibody.impacts import add_impacts
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_energies import LinkEnergies
+from flexmech.multibody.running_connectors import RunningConnectors
 from flexmech.multibody.running_joints import (
     drifting_joints,
     greatest_gap,
@@ -64,6 +66,10 @@ class RunningModel:
         Of each joint, without what keeps clamps and welds from turning.
     sliders : dict of str to SliderJoint
         By their joints.
+    connectors : RunningConnectors
+        Loads and springs.
+    sprung : dict of str to ItemNumber
+        The spring of each joint that springs alone hold.
     joints : Joints or ClosedJoints
         What the integration rule leaves to drift.
     total_size : int
@@ -99,18 +105,25 @@ class RunningModel:
             self.constraints[tie.tie.joint] = [tie.position]
         self.sliders = {line.slider.joint: line for line in add_sliders(assembly)}
         self.constraints |= {joint: [line.constraint] for joint, line in self.sliders.items()}
+        connectors = Connectors(assembly, fixed, runs=True)
+        self.connectors = RunningConnectors(connectors, list(links), self.shaft, self._start)
+        self.sprung = {
+            item.spring.joint: item.radial for item in connectors.joints if item.radial is not None
+        }
         add_impacts(assembly, drive, impacts)
         assembly.mbs.Assemble()
         self.joints = drifting_joints(assembly, self.shaft, self._start)
 
-    def joint_force(self, multiplier: FloatArray, position: FloatArray) -> FloatArray:
+    def joint_force(
+        self, multiplier: FloatArray, position: FloatArray, velocity: FloatArray
+    ) -> FloatArray:
         """Force on the held or following link at each joint in ground axes.
 
         Parameters
         ----------
         multiplier : ndarray, shape (m, n_multipliers)
-        position : ndarray, shape (m, size)
-            Coordinates of the links.
+        position, velocity : ndarray, shape (m, size)
+            Coordinates of the links and their rates.
 
         Returns
         -------
@@ -119,6 +132,8 @@ class RunningModel:
         """
         names = self.assembly.topology.joint_names
         force = np.zeros((len(multiplier), len(names), 2))
+        for joint, values in self.connectors.joint_forces(position, velocity).items():
+            force[:, names.index(joint)] = values
         for joint, constraints in self.constraints.items():
             number = names.index(joint)
             rows = np.concatenate([self._multipliers(c) for c in constraints])
@@ -236,6 +251,8 @@ class RunningModel:
         """Pin links to the ground; returns the constraints of each pivot."""
         assembly, constraints = self.assembly, {}
         for pivot in assembly.topology.pivots:
+            if pivot.sprung:
+                continue
             name, place = f"pivot_{pivot.joint}", place_at_start(assembly, self._start, pivot.held)
             assembly.items.begin(f"pivot {pivot.joint}")
             if not assembly.is_at_node(pivot.held):

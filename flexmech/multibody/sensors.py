@@ -19,6 +19,7 @@ __all__ = ["add_sensors"]
 # Kept in memory, at every step.
 _KEPT = {"writeToFile": False, "storeInternal": True}
 _POSITION = Choice("OutputVariableType", "Position")
+_FORCE = Choice("OutputVariableType", "Force")
 _ROTATION = Choice("OutputVariableType", "Rotation")
 # A node this near to the middle, over the length, is the middle.
 _AT_NODE = 1e-9
@@ -65,7 +66,15 @@ def add_sensors(model: RunningModel) -> None:
     kinds = dict(zip(topology.joint_names, topology.joint_kinds, strict=True))
     for joint in topology.joint_names:
         name = f"{kinds[joint]}_{joint}_force"
-        if joint in model.sliders:
+        if joint in model.sprung:
+            items.add(
+                "SensorObject",
+                name,
+                objectNumber=model.sprung[joint],
+                outputVariableType=_FORCE,
+                **_KEPT,
+            )
+        elif joint in model.sliders:
             _add_line_force(assembly, name, model.sliders[joint])
         else:
             _add_force(items, name, model.constraints[joint])

@@ -11,6 +11,7 @@ from flexmech.multibody.user_functions import (
     constraint_force,
     difference_mass,
     guide_line_force,
+    load_history,
     middle_deflection,
     turned_frame,
 )
@@ -30,6 +31,7 @@ SHARED = (
     ClosedJoints,
     difference_mass,
     turned_frame,
+    load_history,
     middle_deflection,
     constraint_force,
     guide_line_force,

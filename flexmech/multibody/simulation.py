@@ -132,18 +132,21 @@ class Simulation:
             for part_of in beam.kind.strains(place, speed, lengths, beam.section):
                 strain += part_of.energy
                 dissipation += part_of.dissipation
+        work = self.model.connectors.work(time, position, velocity)
+        strain += work.stored
+        dissipation += work.dissipation
         return StepBlock(
             time=time,
             crank_speed=motion.crank_speed,
             displacement=displacement,
             rate=rate,
-            joint_force=self.model.joint_force(multiplier, position),
+            joint_force=self.model.joint_force(multiplier, position, velocity),
             driving_torque=-multiplier[:, self._torque],
             kinetic_energy=kinetic,
             strain_energy=strain,
             gravity_energy=gravity,
             dissipation_power=dissipation,
-            prestress_power=np.zeros(len(time)),
+            prestress_power=work.power,
         )
 
     def _motion(self, time: FloatArray) -> RigidMotion:

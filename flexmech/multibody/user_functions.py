@@ -21,6 +21,7 @@ __all__ = [
     "constraint_force",
     "difference_mass",
     "guide_line_force",
+    "load_history",
     "middle_deflection",
     "turned_frame",
 ]
@@ -252,6 +253,39 @@ def difference_mass(mass: float, inertia: float) -> Any:
     """Mass in kg and inertia in kg m^2 by the difference of two nodes' velocities."""
     difference = np.array([[1.0, -1.0], [-1.0, 1.0]])
     return np.kron(difference, np.diag([mass, mass, inertia]))
+
+
+def load_history(
+    shaft: Shaft, crank_lead: float, over: str, places: Any, rows: Any, is_torque: bool
+) -> Any:
+    """User function of a load from a table, linear between its places.
+
+    Parameters
+    ----------
+    shaft : Shaft
+    crank_lead : float
+        Angle of the driven link less that of the crank, in rad.
+    over : {"constant", "crank_angle", "time"}
+    places : list of float
+        Crank angles in rad, of a load that repeats with the turn, or times in s.
+    rows : list of list of float
+        Force along x and y in N and torque in N m at each place.
+    is_torque : bool
+        Whether the torque is wanted.
+    """
+    columns = np.array(rows).T
+
+    def values(mbs: Any, t: float, load: Any) -> list[float]:
+        if over == "constant":
+            x, y, torque = columns[:, 0]
+        else:
+            where = t if over == "time" else shaft.angle(t) - crank_lead
+            period = None if over == "time" else 2 * math.pi
+            x, y, torque = (np.interp(where, places, c, period=period) for c in columns)
+        pair = [float(x), float(y), 0.0]
+        return [0.0, 0.0, float(torque)] if is_torque else pair
+
+    return values
 
 
 def turned_frame(x: float, y: float, angle: float) -> Any:
