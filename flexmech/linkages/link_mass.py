@@ -223,7 +223,7 @@ def lumped_elements(topology: Topology) -> tuple[int, ...]:
     """Elements of each link whose mass is lumped as Kumar & Chandrakar have it.
 
     Their crank has one element, coupler and rocker have four (Figure 1.5). Of any linkage a
-    clamped link that leads another has one and every other link four.
+    clamped link to which another one is pinned has one and every other link four.
 
     Parameters
     ----------
@@ -234,7 +234,7 @@ def lumped_elements(topology: Topology) -> tuple[int, ...]:
     tuple of int
     """
     clamped = {clamp.held.link for clamp in topology.clamps}
-    leading = {tie.leader.link for tie in topology.ties}
+    leading = {pin.leader.link for pin in topology.pins}
     return tuple(1 if name in clamped & leading else 4 for name in topology.link_names)
 
 

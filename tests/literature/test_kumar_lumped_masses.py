@@ -38,8 +38,24 @@ SPEED = 20.0
 def test_the_paper_has_one_element_of_the_crank_and_four_of_the_others() -> None:
     assert lumped_elements(STEEL.linkage.topology) == (1, 4, 4)
     assert LUMPED.lumped_mass_count == 12
-    # An arm leads nothing.
+    # An arm leads nothing, and an L-beam is one body.
     assert lumped_elements(arm().linkage.topology) == (4,)
+    beam = load_mechanism(example_model("rotating_l_beam"))
+    assert lumped_elements(beam.linkage.topology) == (4, 4)
+
+
+@pytest.mark.parametrize("name", ["rotating_l_beam", "slider_crank", "watt_six_bar"])
+def test_linkages_with_welds_sliders_and_rigid_links(name: str) -> None:
+    """Lumps change their first two frequencies by less than 3 %, and change them."""
+    mechanism = load_mechanism(example_model(name))
+    speed = mechanism.operating_speeds[0]
+    lumped, distributed = (
+        natural_frequencies(ReferenceEngine(mechanism, 8, "euler", mass=mass), 1.0, speed, modes=2)
+        for mass in ("lumped", "distributed")
+    )
+    change = np.abs(lumped / distributed - 1)
+    assert change.max() < 0.03
+    assert change.max() > 1e-4
 
 
 def test_tension_in_the_middle_of_the_coupler() -> None:
