@@ -77,7 +77,9 @@ class SliderJoint:
         return self.slider.offset * self.normal
 
 
-def add_ties(assembly: LinkAssembly, angle: FloatArray) -> list[TieJoint]:
+def add_ties(
+    assembly: LinkAssembly, angle: FloatArray, *, sprung_alone: bool = True
+) -> list[TieJoint]:
     """Join the links by pins and welds.
 
     Parameters
@@ -85,6 +87,8 @@ def add_ties(assembly: LinkAssembly, angle: FloatArray) -> list[TieJoint]:
     assembly : LinkAssembly
     angle : ndarray, shape (n_links,)
         Of the links in any one position, in rad.
+    sprung_alone : bool
+        Whether springs alone hold sprung pins; they are rigid otherwise.
 
     Returns
     -------
@@ -92,7 +96,11 @@ def add_ties(assembly: LinkAssembly, angle: FloatArray) -> list[TieJoint]:
         In the order of the topology's ties, without those that springs alone hold.
     """
     ties = assembly.topology.ties
-    return [_tie(assembly, tie, angle) for tie in ties if isinstance(tie, Weld) or not tie.sprung]
+    return [
+        _tie(assembly, tie, angle)
+        for tie in ties
+        if isinstance(tie, Weld) or not (tie.sprung and sprung_alone)
+    ]
 
 
 def _tie(assembly: LinkAssembly, tie: Pin | Weld, angle: FloatArray) -> TieJoint:

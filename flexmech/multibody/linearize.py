@@ -133,7 +133,8 @@ def static_equilibrium(
         pose = model.move_to(motion, number)
         forces, couples = applied.forces[number], applied.couples[number]
         model.loads.set(forces, couples)
-        loaded = float(np.abs(forces).sum()) + model.free_load + model.applied.scale_of_forces
+        loaded = float(np.abs(forces).sum()) + model.free_load
+        loaded += 0.0 if model.applied is None else model.applied.scale_of_forces
         settings = simulation_settings(max(RELATIVE_RESIDUAL * loaded, round_off))
         start = pose + assembly.turned(deformation, relative[number])
         if not _solve_static(assembly, settings, assembly.arms.to_nodes(start)):
@@ -245,7 +246,7 @@ class _Tangents:
 
     def __init__(self, model: StaticModel, batch: int) -> None:
         self._assembly = assembly = model.assembly
-        self._connectors = model.connectors
+        self._model = model
         sizes = [part.coordinates.stop - part.coordinates.start for part in assembly.parts]
         self._stiffness, self._damping = (
             [np.empty((batch, size, size)) for size in sizes] for _ in range(2)
@@ -276,9 +277,8 @@ class _Tangents:
             Stiffness of rigid links and attached bodies against turning.
         """
         assembly = self._assembly
-        self._connectors.activate(False)
-        _, stiffness, damping = linearized(assembly, settings, assembly.arms.to_nodes(state))
-        self._connectors.activate(True)
+        with self._model.links_alone():
+            _, stiffness, damping = linearized(assembly, settings, assembly.arms.to_nodes(state))
         self._state[number] = state
         if outer is not None:
             self._outer[number] = outer
@@ -339,7 +339,8 @@ def _solve_afresh(
         start = nodes
         for part in np.arange(1, steps + 1) / steps:
             model.loads.set(part * applied.forces[number], part * applied.couples[number])
-            model.applied.scale(float(part))
+            if model.applied is not None:
+                model.applied.scale(float(part))
             model.swell(float(part))
             if not _solve_static(assembly, settings, start):
                 break

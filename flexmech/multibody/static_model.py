@@ -8,6 +8,9 @@ and the loads.
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
+
 import numpy as np
 
 from flexmech.linear_system import free_load
@@ -34,6 +37,9 @@ class StaticModel:
         Elements a link.
     kind : str
         Key of :data:`flexmech.multibody.beams.BEAM_KINDS`.
+    connects : bool
+        Whether loads and springs are Exudyn's own items, and springs alone hold sprung joints.
+        Otherwise their forces come with the loads on the links, and sprung joints are rigid.
 
     Attributes
     ----------
@@ -43,29 +49,31 @@ class StaticModel:
         Forces on the links.
     grounds : list of tuple of LinkEnd, ItemNumber and ItemNumber
         Link ends that are pinned to the ground off their nodes, the ground and the pin of each.
-    connectors : Connectors
+    connectors : Connectors or None
         Loads and springs.
-    applied : StaticConnectors
+    applied : StaticConnectors or None
         The same, in the position that the model stands in.
     ties : list of TieJoint
     sliders : list of SliderJoint
     """
 
-    def __init__(self, mechanism: Mechanism, elements: int, kind: str) -> None:
+    def __init__(
+        self, mechanism: Mechanism, elements: int, kind: str, *, connects: bool = False
+    ) -> None:
         self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=False)
         self.grounds: list[tuple[LinkEnd, ItemNumber, ItemNumber]] = []
         self.loads = StaticLoads(assembly)
         fixed = assembly.add_fixed_coordinate()
-        self._offsets = self._add_supports(fixed)
-        self.connectors = Connectors(assembly, fixed, runs=False)
-        self.applied = StaticConnectors(self.connectors)
+        self._offsets = self._add_supports(fixed, sprung_alone=connects)
+        self.connectors = Connectors(assembly, fixed, runs=False) if connects else None
+        self.applied = None if self.connectors is None else StaticConnectors(self.connectors)
         self.ties: list[TieJoint] = []
         self.sliders: list[SliderJoint] = []
         topology = assembly.topology
         if topology.ties or topology.sliders or topology.clamps[1:]:
             linkage = mechanism.linkage
             angle = linkage.motion(shown_crank_angle(linkage)).angle
-            self.ties = add_ties(assembly, angle)
+            self.ties = add_ties(assembly, angle, sprung_alone=connects)
             self.sliders = add_sliders(assembly)
             self._add_further_clamps(angle)
         assembly.mbs.Assemble()
@@ -121,8 +129,19 @@ class StaticModel:
                 place, normal = back @ slider.place, back @ slider.normal
                 set_parameter(slider.ground, "referencePosition", [*map(float, place), 0.0])
                 set_parameter(slider.constraint, "normalMarker1", [*map(float, normal), 0.0])
-        self.applied.move_to(motion, number, pose)
+        if self.applied is not None:
+            self.applied.move_to(motion, number, pose)
         return pose
+
+    @contextlib.contextmanager
+    def links_alone(self) -> Iterator[None]:
+        """Without the springs between links, as for a linearization of these."""
+        if self.connectors is None:
+            yield
+            return
+        self.connectors.activate(False)
+        yield
+        self.connectors.activate(True)
 
     def swell(self, part: float) -> None:
         """Give all elements a part of the free strains of their sections; 1 for all of it."""
@@ -131,7 +150,7 @@ class StaticModel:
             for element in link.elements if link.section.is_free_strained else ():
                 assembly.kind.swell(assembly.mbs, element, link.section, part)
 
-    def _add_supports(self, fixed: ItemNumber) -> list[tuple[ItemNumber, int]]:
+    def _add_supports(self, fixed: ItemNumber, sprung_alone: bool) -> list[tuple[ItemNumber, int]]:
         """Hold clamped and pivoted coordinates; returns constraints and what they hold."""
         assembly = self.assembly
         held: list[tuple[LinkEnd, tuple[int, ...]]] = []
@@ -143,7 +162,7 @@ class StaticModel:
                 # The slope of the first clamped cable lies along the frame's x axis.
                 held.append((clamp.held, (0, 1) if number else (0, 1, assembly.kind.clamped)))
         for pivot in assembly.topology.pivots:
-            if pivot.sprung:
+            if pivot.sprung and sprung_alone:
                 continue
             if assembly.is_at_node(pivot.held):
                 held.append((pivot.held, (0, 1)))

@@ -26,9 +26,8 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
     assembly = model.assembly
     straight = np.zeros(assembly.system_size)
     model.swell(0.0)
-    model.connectors.activate(False)
-    mass, stiffness, damping = linearized(assembly, simulation_settings(), straight)
-    model.connectors.activate(True)
+    with model.links_alone():
+        mass, stiffness, damping = linearized(assembly, simulation_settings(), straight)
     model.swell(1.0)
     kind, models = assembly.kind, []
     for part in assembly.parts:

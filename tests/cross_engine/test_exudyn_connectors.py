@@ -206,7 +206,7 @@ def forces_of_connectors(
 def test_the_equilibrium_is_one(name: str, kind: str, degrees: float) -> None:
     """Inner forces are in balance with inertia, weight, loads and springs, but for the joints."""
     mechanism = MECHANISMS[name]
-    model = StaticModel(mechanism, 4, kind)
+    model = StaticModel(mechanism, 4, kind, connects=True)
     links = link_models(model)
     motion = mechanism.linkage.motion(np.array([np.radians(degrees)]), 20.0)
     loads = inertia_loads(links, motion, mechanism.gravity)
