@@ -12,7 +12,7 @@ from flexmech.beams.link_matrices import build_chain
 from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.choices import MODES
 from flexmech.errors import InputError
-from flexmech.linear_system import LinkFrames, RotationTerms, TheoryComparison
+from flexmech.linear_system import LinkFrames, RotationTerms, TheoryComparison, rigid_link
 from flexmech.linkages import Linkage, LinkMass, RigidMotion, Topology, shown_crank_angle
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, DampingTimes
@@ -43,18 +43,22 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
     topology = mechanism.linkage.topology
     # Damping, free strains and what a section is called do not matter to frequencies at rest.
     sections = tuple(
-        replace(
-            mechanism.sections[name],
+        None
+        if link.rigid
+        else replace(
+            mechanism.sections[link.name],
             damping=DampingTimes(),
             specific_damping=None,
             damping_frequency=None,
             free_strain=0.0,
             free_curvature=0.0,
         )
-        for name in topology.link_names
+        for link in topology.links
     )
-    angles = tuple(map(tuple, _configurations(mechanism.linkage).angle.tolist()))
-    links = _Links(topology, sections, mechanism.link_masses_in_order, angles)
+    motion = _configurations(mechanism.linkage)
+    angles = tuple(map(tuple, motion.angle.tolist()))
+    origins = tuple(tuple(map(tuple, places)) for places in motion.origin.tolist())
+    links = _Links(topology, sections, mechanism.link_masses_in_order, angles, origins)
     counted = max(modes, MODES)
     return TheoryComparison(
         lambda theory: _frequencies(links, theory, counted)[:, :modes], mechanism.is_eccentric
@@ -66,9 +70,10 @@ class _Links:
     """What frequencies at rest depend on, and nothing else."""
 
     topology: Topology
-    sections: tuple[BeamSection, ...]
+    sections: tuple[BeamSection | None, ...]
     masses: tuple[LinkMass, ...]
     angles: tuple[tuple[float, ...], ...]
+    origins: tuple[tuple[tuple[float, ...], ...], ...]
 
 
 def _configurations(linkage: Linkage) -> RigidMotion:
@@ -92,12 +97,15 @@ def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
     elements = max(LEAST_ELEMENTS, 2 * modes)
     names = links.topology.link_names
     chains = [
-        build_chain(name, section, mass, elements, BEAM_SHAPES[theory]).model
+        rigid_link(name, mass)
+        if section is None
+        else build_chain(name, section, mass, elements, BEAM_SHAPES[theory]).model
         for name, section, mass in zip(names, links.sections, links.masses, strict=True)
     ]
     angle = np.array(links.angles)
     still, nowhere = np.zeros(angle.shape), np.zeros((*angle.shape, 2))
-    motion = RigidMotion(still[:, 0], still[:, 0], angle, still, still, nowhere, nowhere, nowhere)
+    places = np.array(links.origins)
+    motion = RigidMotion(still[:, 0], still[:, 0], angle, still, still, places, nowhere, nowhere)
     frames = LinkFrames(links.topology, chains)
     stiffness = [chain.stiffness for chain in chains]
     system = frames.assemble(motion, stiffness, RotationTerms.all_or_none(False))

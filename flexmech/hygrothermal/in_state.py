@@ -15,7 +15,7 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.hygrothermal.environment import Environment, HygrothermalState
 from flexmech.hygrothermal.link_moisture import inert_links, link_profile
-from flexmech.linkages import CouplerPoint, FourBar, Linkage
+from flexmech.linkages import CouplerPoint, FourBar, Linkage, LinkPoint
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, swollen_section
 
@@ -71,6 +71,7 @@ def swollen_links(mechanism: Mechanism, environment: Environment) -> dict[str, S
     Returns
     -------
     dict of str to SwollenLink
+        Without rigid links that have no section: they stay as they are.
 
     Raises
     ------
@@ -89,6 +90,8 @@ def swollen_links(mechanism: Mechanism, environment: Environment) -> dict[str, S
         )
     links = {}
     for link in topology.links:
+        if link.name not in mechanism.sections:
+            continue
         try:
             profile = link_profile(mechanism, link.name, environment)
             found = swollen_section(mechanism.sections[link.name], profile)
@@ -139,8 +142,23 @@ def mechanism_in_state(mechanism: Mechanism, environment: Environment) -> Mechan
         ),
         sections={link: swollen.section for link, swollen in links.items()},
         link_masses=tuple(
-            replace(point, position=point.position * (1 + links[point.link].elongation))
+            replace(point, position=point.position * _growth(point.link, links))
             for point in mechanism.link_masses
+        ),
+        bodies=tuple(
+            replace(body, position=body.position * _growth(body.link, links))
+            for body in mechanism.bodies
+        ),
+        loads=tuple(
+            replace(load, point=_moved_place(load.point, links)) for load in mechanism.loads
+        ),
+        springs=tuple(
+            replace(
+                spring,
+                first=_moved_place(spring.first, links),
+                second=_moved_place(spring.second, links),
+            )
+            for spring in mechanism.springs
         ),
         coupler_point=_moved_point(mechanism.coupler_point, links),
         provenance=replace(mechanism.provenance, name=name),
@@ -197,6 +215,16 @@ def coupler_point_in_state(
     return moved
 
 
+def _growth(link: str, links: Mapping[str, SwollenLink]) -> float:
+    """New over old distances along a link."""
+    return 1 + links[link].elongation if link in links else 1.0
+
+
+def _moved_place(point: LinkPoint, links: Mapping[str, SwollenLink]) -> LinkPoint:
+    """A place on a link that swells along with it; places of the ground stay."""
+    return point if point.is_ground else replace(point, x=point.x * _growth(point.link, links))
+
+
 def _moved_point(
     point: CouplerPoint | None, links: Mapping[str, SwollenLink]
 ) -> CouplerPoint | None:
@@ -211,4 +239,5 @@ def _resized(
     Singh & Sanyal 2022, sec. 3, corrected: lengths times one plus the strain.
     """
     growth = 1 + mechanism.ground_thermal_expansion * environment.temperature_rise
-    return mechanism.linkage.resized(lengths, growth)
+    own = {link.name: link.length for link in mechanism.linkage.topology.links}
+    return mechanism.linkage.resized({**own, **lengths}, growth)

@@ -138,7 +138,7 @@ def link_diffusion(mechanism: Mechanism, link: str) -> LinkDiffusion:
         If a layer takes up no water, its equilibrium or diffusivity is not known, or layers
         answer differently to humidity.
     """
-    section = mechanism.sections[link].layers
+    section = mechanism.layers_of(link)
     if section is None:
         raise InputError(f"links.{link}: its layers are not known, so water cannot diffuse into it")
     plies = [(layer, *_uptake(link, layer)) for layer in section.laminate.layers]

@@ -78,7 +78,7 @@ def resin_retention(
     InputError
         If a resin is above its wet glass transition.
     """
-    section = mechanism.sections[link].layers
+    section = mechanism.layers_of(link)
     if section is None:
         return None
     profile = link_profile(mechanism, link, environment)
@@ -127,7 +127,7 @@ def inert_links(mechanism: Mechanism) -> tuple[str, ...]:
 
 
 def _layers(mechanism: Mechanism, link: str) -> tuple[Layer, ...]:
-    section = mechanism.sections[link].layers
+    section = mechanism.layers_of(link)
     return () if section is None else section.laminate.layers
 
 

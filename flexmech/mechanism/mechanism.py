@@ -49,7 +49,7 @@ from flexmech.numbers import (
     check_number,
     check_pair,
 )
-from flexmech.sections import BeamSection, sections_between_joints
+from flexmech.sections import BeamSection, LaminateSection, sections_between_joints
 from flexmech.short_repr import short_repr
 from flexmech.units import EXPANSION
 
@@ -282,6 +282,16 @@ class Mechanism:
             time=time,
             continuous_angles=continuous_angles(self.linkage, motion) if turning else None,
         )
+
+    @property
+    def links_with_sections(self) -> tuple[str, ...]:
+        """Links whose section is stated, in order: all but some that are rigid."""
+        return tuple(name for name in self.linkage.topology.link_names if name in self.sections)
+
+    def layers_of(self, link: str) -> LaminateSection | None:
+        """Layers of a link's section; None where they are not known, or it has no section."""
+        section = self.sections.get(link)
+        return None if section is None else section.layers
 
     def wetting_of(self, link: str) -> Wetting:
         """Where water enters a link."""

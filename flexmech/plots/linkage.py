@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,17 @@ RIGID: Look = {"color": "0.65", "lw": 0.9}
 OUTLINE = "0.35"
 JOINT: Look = {"ls": "", "marker": "o", "ms": 3.6, "mfc": "white", "mec": OUTLINE, "mew": 0.7}
 """Look of a pin; the driven shaft, to which its link is clamped, is filled."""
+
+TRACK: Look = {"color": "0.6", "lw": 0.8, "ls": (0.0, (4.0, 2.0)), "zorder": 0.7}
+"""Look of the line on which a point slides."""
+BLOCK: Look = {"fc": "white", "ec": OUTLINE, "lw": 0.7, "zorder": 3.5}
+"""Look of what slides."""
+WELD: Look = {"ls": "", "marker": "s", "ms": 3.2, "mfc": OUTLINE, "mec": OUTLINE, "zorder": 4}
+"""Look of a weld between links."""
+# Half the length of a line and of a block over the linkage's extent.
+TRACK_LENGTH, BLOCK_SIZE = 0.12, 0.03
+# Width of a rigid link over that of one that bends.
+THICK = 1.8
 
 # Places closer than this part of the linkage's extent are the same place.
 SAME_PLACE = 1e-6
@@ -121,15 +132,48 @@ class LinkageSketch:
     Parameters
     ----------
     links : ndarray, shape (link, station, 2)
-        In m. By convention the first link is the driven one, on a shaft at the ground's
-        origin; where it starts away from there, it stands on a hub.
+        In m. By convention the first link is the driven one; where it starts away from the
+        shaft, it stands on a hub.
     pins, supports : ndarray, shape (n, 2)
         Joints between links, and joints with the ground, in m.
+    shaft : ndarray, shape (2,)
+        Axis of the driven shaft in m; the ground's origin if left out.
+    sliders : ndarray, shape (n, 3)
+        Points that slide, in m, and the angles of their lines in rad.
+    welds : ndarray, shape (n, 2)
+        Where links are welded to each other, in m.
+    rigid : ndarray of bool, shape (link,)
+        Which links do not bend; none if left out.
     """
 
     links: FloatArray
     pins: FloatArray
     supports: FloatArray
+    shaft: FloatArray = field(default_factory=lambda: np.zeros(2))
+    sliders: FloatArray = field(default_factory=lambda: np.zeros((0, 3)))
+    welds: FloatArray = field(default_factory=lambda: np.zeros((0, 2)))
+    rigid: NDArray[np.bool_] | None = None
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset) -> LinkageSketch:
+        """Sketch of a dataset of :func:`flexmech.linkages.linkage_positions`."""
+        links = values_of(dataset["rigid_position"], "link", "station", "component")
+        places = values_of(dataset["joint_position"], "joint", "component")
+        kinds = dataset["joint_kind"].values
+        lines = np.full(len(places), np.nan)
+        if "joint_direction" in dataset:
+            lines = values_of(dataset["joint_direction"], "joint")
+        slides = kinds == "slider"
+        known = "shaft_position" in dataset
+        return cls(
+            links,
+            places[(kinds == "pin") | slides],
+            places[(kinds == "clamp") | (kinds == "pivot")],
+            values_of(dataset["shaft_position"], "component") if known else np.zeros(2),
+            np.column_stack([places, lines])[slides],
+            places[kinds == "weld"],
+            dataset["rigid"].values.astype(bool) if "rigid" in dataset else None,
+        )
 
     @property
     def size(self) -> float:
@@ -139,7 +183,7 @@ class LinkageSketch:
     @property
     def hub_radius(self) -> float:
         """Distance of the driven link's start from the shaft's axis, in m."""
-        radius = float(np.hypot(*self.links[0, 0]))
+        radius = float(np.hypot(*(self.links[0, 0] - self.shaft)))
         return radius if radius > SAME_PLACE * self.size else 0.0
 
     @property
@@ -147,13 +191,15 @@ class LinkageSketch:
         """Where the ground holds the linkage: a hub at its shaft, not where its link is clamped."""
         if not self.hub_radius:
             return self.supports
-        beyond = np.hypot(*self.supports.T) > self.hub_radius + SAME_PLACE * self.size
-        return np.vstack([[0.0, 0.0], self.supports[beyond]])
+        apart = np.hypot(*(self.supports - self.shaft).T)
+        beyond = apart > self.hub_radius + SAME_PLACE * self.size
+        return np.vstack([self.shaft, self.supports[beyond]])
 
     def limits(self, points: FloatArray) -> Bbox:
         """Limits around points, the linkage, its hub and supports, and a scale bar; in m."""
         corners = [self.links.reshape(-1, 2), points.reshape(-1, 2)]
-        corners.append(self.hub_radius * np.array([[-1.0, -1.0], [1.0, 1.0]]))
+        corners.append(self.shaft + self.hub_radius * np.array([[-1.0, -1.0], [1.0, 1.0]]))
+        corners += [np.array(self._track(slider)) for slider in self.sliders]
         for place in self.grounds:
             half, deep = self._support(place)
             wide, deep = GROUND_WIDTH * half, deep + HATCHING * self.size
@@ -171,7 +217,10 @@ class LinkageSketch:
 
     def draw_ground(self, axes: Axes) -> None:
         """Draw the hub, and under each support a triangle on a hatched ground line."""
-        axes.add_patch(Circle((0, 0), self.hub_radius, color=style.LIGHT_GREY, lw=0, zorder=0.5))
+        hub = Circle(tuple(self.shaft), self.hub_radius, color=style.LIGHT_GREY, lw=0, zorder=0.5)
+        axes.add_patch(hub)
+        for slider in self.sliders:
+            axes.plot(*np.transpose(self._track(slider)), **TRACK)
         for place in self.grounds:
             half, deep = self._support(place)
             wide, hatch = GROUND_WIDTH * half, HATCHING * self.size
@@ -186,10 +235,16 @@ class LinkageSketch:
     def draw(self, axes: Axes, **links: Any) -> None:
         """Draw the ground, the links with properties of their own, and the joints."""
         self.draw_ground(axes)
-        for link in self.links:
-            axes.plot(*link.T, **(RIGID | links), zorder=1)
+        stiff = np.zeros(len(self.links), dtype=bool) if self.rigid is None else self.rigid
+        for link, thick in zip(self.links, stiff, strict=True):
+            look = RIGID | links
+            wide: Look = {"lw": THICK * look["lw"]} if thick else {}
+            axes.plot(*link.T, **(look | wide), zorder=1)
+        for slider in self.sliders:
+            axes.add_patch(Polygon(self._block(slider), **BLOCK))
+        axes.plot(*self.welds.T, **WELD)
         places = np.vstack([self.grounds, self.pins])
-        is_shaft = np.hypot(*places.T) <= SAME_PLACE * self.size
+        is_shaft = np.hypot(*(places - self.shaft).T) <= SAME_PLACE * self.size
         axes.plot(*places[~is_shaft].T, **JOINT, zorder=4)
         axes.plot(*places[is_shaft].T, **(JOINT | {"mfc": OUTLINE}), zorder=4)
 
@@ -202,9 +257,23 @@ class LinkageSketch:
         look: Look = {"xytext": (0, 2), "textcoords": "offset points", "ha": "center"}
         axes.annotate(f"{length:g} mm", (middle, height), fontsize=7, **look)
 
+    def _track(self, slider: FloatArray) -> list[FloatArray]:
+        """Ends of a piece of a slider's line."""
+        along = TRACK_LENGTH * self.size * np.array([np.cos(slider[2]), np.sin(slider[2])])
+        return [slider[:2] - along, slider[:2] + along]
+
+    def _block(self, slider: FloatArray) -> list[FloatArray]:
+        """Corners of the block that slides on a line."""
+        along = np.array([np.cos(slider[2]), np.sin(slider[2])])
+        across = np.array([-along[1], along[0]])
+        half = BLOCK_SIZE * self.size
+        signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))
+        return [slider[:2] + half * (x * along + 0.6 * y * across) for x, y in signs]
+
     def _support(self, place: FloatArray) -> tuple[float, float]:
         """Half the width of a support and its depth in m: that of the shaft is seen below a hub."""
-        deep = max(DEPTH * self.size, 0.0 if place.any() else BELOW_HUB * self.hub_radius)
+        below = BELOW_HUB * self.hub_radius if np.array_equal(place, self.shaft) else 0.0
+        deep = max(DEPTH * self.size, below)
         return max(HALF_WIDTH * self.size, SLENDER * deep), deep
 
 
@@ -215,8 +284,9 @@ def plot_linkage(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     ----------
     dataset : Dataset
         With ``rigid_position`` (link, station, component) and ``joint_position`` (joint,
-        component) in m, the coordinate ``joint_kind`` (clamp, pivot or pin), and the name of
-        the mechanism.
+        component) in m, the coordinate ``joint_kind`` (clamp, pivot, pin, weld or slider), and
+        the name of the mechanism; ``joint_direction`` (joint) of sliders in rad, ``rigid``
+        (link) and ``shaft_position`` (component) where they are known.
     ax : Axes, optional
         The user's. Left out: a new figure is made.
 
@@ -224,10 +294,9 @@ def plot_linkage(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    links = values_of(dataset["rigid_position"], "link", "station", "component")
     joints = values_of(dataset["joint_position"], "joint", "component")
-    is_pin = dataset["joint_kind"].values == "pin"
-    sketch = LinkageSketch(links, joints[is_pin], joints[~is_pin])
+    is_pin = ~np.isin(dataset["joint_kind"].values, ["clamp", "pivot"])
+    sketch = LinkageSketch.of(dataset)
     room = NAME_ROOM * sketch.size
     limits = sketch.limits(np.vstack([joints - room, joints + room]))
     height = height_of(limits, style.figure_width(), LEAST_HEIGHT, MOST_HEIGHT)

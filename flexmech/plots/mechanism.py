@@ -30,8 +30,13 @@ NAME_ROOM = 0.06
 # Room below for the scale bar, over the height.
 BAR_ROOM = 0.05
 LINK: Look = {"fc": "0.88", "ec": "0.35", "lw": 0.7, "zorder": 0.9, "joinstyle": "round"}
+RIGID_LINK: Look = LINK | {"fc": "0.7"}
+# Thickness of a link without a section over the linkage's size.
+RIGID_WIDTH = 0.02
 AXIS: Look = {"color": "0.35", "lw": 0.5, "ls": (0.0, (6.0, 2.0, 1.5, 2.0))}
 PIN_PATH: Look = {"color": style.MID_GREY, "lw": 0.6}
+POINTS = ("coupler point", "coupler's middle")
+"""Names of paths that are of points of the coupler, not of its pins."""
 POINT_PATH: Look = {"color": series_style(0).color, "lw": 1.3}
 COUPLER: Look = {"fc": series_style(0).color, "alpha": 0.12, "lw": 0, "zorder": 0.6}
 MASS: Look = {"color": series_style(1).color, "marker": "o", "alpha": 0.75}
@@ -68,9 +73,9 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     Figure
     """
     joints = values_of(dataset["joint_position"], "joint", "component")
-    is_pin = dataset["joint_kind"].values == "pin"
+    is_pin = ~np.isin(dataset["joint_kind"].values, ["clamp", "pivot"])
     links = values_of(dataset["rigid_position"], "link", "station", "component")
-    sketch = LinkageSketch(links, joints[is_pin], joints[~is_pin])
+    sketch = LinkageSketch.of(dataset)
     limits = _limits(sketch, dataset, joints)
     stacks = _Stacks.of(dataset.assign(grey=_greys(dataset)))
     turns = "transmission_angle" in dataset
@@ -80,7 +85,7 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
         angle = np.degrees(dataset["posture_angle"].item())
         posture.set_title(f"Posture at crank angle {angle:.4g}°")
         sketch.frame(posture, limits)
-        _draw_links(posture, dataset, links)
+        _draw_links(posture, dataset, links, RIGID_WIDTH * sketch.size)
         _draw_paths(posture, dataset)
         sketch.draw(posture, **AXIS)
         _draw_masses(posture, dataset, joints)
@@ -99,7 +104,7 @@ def _limits(sketch: LinkageSketch, dataset: xr.Dataset, joints: FloatArray) -> B
     if "path" in dataset:
         inside.append(values_of(dataset["path"], "path", "crank_angle", "component"))
     ends = values_of(dataset["rigid_position"], "link", "station", "component")
-    half = values_of(dataset["in_plane_thickness"], "link")[:, None, None] / 2
+    half = np.nan_to_num(values_of(dataset["in_plane_thickness"], "link"))[:, None, None] / 2
     inside += [ends - half, ends + half]
     limits = sketch.limits(np.concatenate([points.reshape(-1, 2) for points in inside]))
     # Paths may be much larger than the linkage, which the room for the scale bar is made for.
@@ -154,16 +159,17 @@ def _handles(dataset: xr.Dataset) -> list[Artist]:
 
 def _is_point(name: str) -> bool:
     """Whether a path is that of a point of the coupler."""
-    return name.startswith("coupler")
+    return name in POINTS
 
 
-def _draw_links(axes: Axes, dataset: xr.Dataset, links: FloatArray) -> None:
-    """Links as thick as they are."""
-    for link, thickness in zip(links, dataset["in_plane_thickness"].values, strict=True):
+def _draw_links(axes: Axes, dataset: xr.Dataset, links: FloatArray, rigid: float) -> None:
+    """Links as thick as they are; those without a section as thick as a rigid one is drawn."""
+    for link, known in zip(links, dataset["in_plane_thickness"].values, strict=True):
+        thickness = known if np.isfinite(known) else rigid
         along = (link[-1] - link[0]) / np.hypot(*(link[-1] - link[0]))
         aside = thickness / 2 * np.array([-along[1], along[0]])
         corners = [link[0] + aside, link[-1] + aside, link[-1] - aside, link[0] - aside]
-        axes.add_patch(Polygon(corners, **LINK))
+        axes.add_patch(Polygon(corners, **(LINK if np.isfinite(known) else RIGID_LINK)))
 
 
 def _draw_paths(axes: Axes, dataset: xr.Dataset) -> None:
@@ -259,12 +265,17 @@ class _Stacks:
         if not style.is_narrow() and "transmission_angle" in dataset:
             wide /= 2
         letters = int(wide * (1 - DRAWN) * 72 / (0.62 * TEXT_POINTS))
-        rows = [_row(dataset.sel(link=name), letters) for name in names_of(dataset, "link")]
+        thick = np.isfinite(dataset["in_plane_thickness"].values)
+        names = [
+            name for name, known in zip(names_of(dataset, "link"), thick, strict=True) if known
+        ]
+        rows = [_row(dataset.sel(link=name), letters) for name in names]
         widest = max((row.width for row in rows if np.isfinite(row.width)), default=0.0)
         room = ROW_HEIGHT - 0.25 - BAR_INCHES
         height = max(room, 1.1 * sum(row.least_height for row in rows))
         # As large as the width allows, and smaller until the rows fit.
-        scale = max(widest / (DRAWN * wide), max(row.thickness for row in rows) / height)
+        thickest = max((row.thickness for row in rows), default=1.0)
+        scale = max(widest / (DRAWN * wide), thickest / height)
         while sum(cls._height(row, scale) for row in rows) > height:
             scale *= 1.05
         height = sum(cls._height(row, scale) for row in rows)

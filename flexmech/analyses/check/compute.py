@@ -59,10 +59,15 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
     """
     mechanism = engine_of(engine).mechanism
     links = mechanism.linkage.topology.links
-    sections = {link.name: mechanism.sections[link.name] for link in links}
+    sections = {link.name: mechanism.sections.get(link.name) for link in links}
     dataset = section_properties(sections).sel(coupling="with", drop=True)
     lengths = np.array([link.length for link in links])
-    of_links = (lengths, lengths * dataset["mass_per_length"].values)
+    masses = lengths * dataset["mass_per_length"].values
+    for number, link in enumerate(links):
+        if sections[link.name] is None:
+            own = (body.mass for body in mechanism.bodies if body.link == link.name)
+            masses[number] = sum(own)
+    of_links = (lengths, masses)
     for one, values in zip(LINK_PROPERTIES, of_links, strict=True):
         dataset[one.name] = ("link", values, one.attributes)
     lines = [*mechanism.described(), *_hygrothermal_lines(mechanism)]

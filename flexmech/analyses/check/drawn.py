@@ -8,7 +8,15 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.check.remarks import USUAL_TRANSMISSION_ANGLE
-from flexmech.linkages import CouplerCurve, FourBar, linkage_positions, standing
+from flexmech.linkages import (
+    CouplerCurve,
+    FourBar,
+    LinkEnd,
+    Topology,
+    linkage_positions,
+    standing,
+)
+from flexmech.linkages.topology import End
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
@@ -17,6 +25,7 @@ __all__ = ["drawn_mechanism"]
 
 # Crank angles of paths and of the transmission angle.
 TURN = np.radians(np.arange(0.0, 361.0))
+ENDS: tuple[End, End] = ("start", "end")
 COUPLER_POINT, COUPLER_MIDDLE = "coupler point", "coupler's middle"
 
 
@@ -72,7 +81,8 @@ def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
         limits = linkage.transmission_angle_limits()
         dataset["transmission_angle_limit"] = ("limit", np.array(limits))
         dataset["usual_transmission_angle"] = ("limit", np.radians(USUAL_TRANSMISSION_ANGLE))
-    return dataset.merge(_stacks(mechanism.sections))
+    names = linkage.topology.link_names
+    return dataset.merge(_stacks({name: mechanism.sections.get(name) for name in names}))
 
 
 def _paths(mechanism: Mechanism, angles: FloatArray) -> dict[str, FloatArray]:
@@ -81,14 +91,10 @@ def _paths(mechanism: Mechanism, angles: FloatArray) -> dict[str, FloatArray]:
     stands = standing(linkage, angles)
     motion = linkage.motion(angles[stands])
     found = {}
-    for name, kind in zip(topology.joint_names, topology.joint_kinds, strict=True):
-        if kind == "pin":
-            place = topology.joints[name]
-            number = topology.index(place.link)
-            distance = 0.0 if place.end == "start" else topology.links[number].length
-            found[name] = motion.position(number, distance)
-    if len(topology.links) == 1:
-        found["tip"] = motion.position(0, topology.links[0].length)
+    for name, place in _moving_ends(topology).items():
+        number = topology.index(place.link)
+        distance = 0.0 if place.end == "start" else topology.links[number].length
+        found[name] = motion.position(number, distance)
     if (point := mechanism.coupler_point) is not None and isinstance(linkage, FourBar):
         found[COUPLER_POINT] = CouplerCurve(linkage, point).position(angles[stands])
     elif "coupler" in topology.link_names:
@@ -101,6 +107,16 @@ def _paths(mechanism: Mechanism, angles: FloatArray) -> dict[str, FloatArray]:
     return whole
 
 
+def _moving_ends(topology: Topology) -> dict[str, LinkEnd]:
+    """Ends of links whose paths are drawn: pins, each place once, and free tips."""
+    pins = {tie.joint: topology.leader_of(tie.leader) for tie in topology.pins}
+    places = {place: joint for joint, place in reversed(pins.items())}
+    found = {joint: place for joint, place in pins.items() if places[place] == joint}
+    ends = [LinkEnd(link.name, end) for link in topology.links for end in ENDS]
+    tips = [end for end in ends if end not in topology.joined_ends]
+    return found | {"tip" if len(tips) == 1 else f"tip of {end.link}": end for end in tips}
+
+
 def _transmission_angle(linkage: FourBar) -> FloatArray:
     stands = standing(linkage, TURN)
     angle = np.full(TURN.size, np.nan)
@@ -108,7 +124,7 @@ def _transmission_angle(linkage: FourBar) -> FloatArray:
     return angle
 
 
-def _stacks(sections: Mapping[str, BeamSection]) -> xr.Dataset:
+def _stacks(sections: Mapping[str, BeamSection | None]) -> xr.Dataset:
     """Layers of the sections from the lowest y up; one without a name where none is known."""
     most = max(len(_layers(section)) for section in sections.values())
     faces = np.full((2, len(sections), most), np.nan)
@@ -119,7 +135,7 @@ def _stacks(sections: Mapping[str, BeamSection]) -> xr.Dataset:
         for column, (ply, angle, low, high) in enumerate(layers):
             faces[:, row, column] = low, high
             plies[row, column], angles[row, column] = ply, angle
-        known = section.layers
+        known = None if section is None else section.layers
         texts.append(known.laminate.stacking if known and len(layers) > 1 else "")
     over = ("link", "layer")
     return xr.Dataset(
@@ -134,8 +150,10 @@ def _stacks(sections: Mapping[str, BeamSection]) -> xr.Dataset:
     )
 
 
-def _layers(section: BeamSection) -> list[tuple[str, float, float, float]]:
-    """Name, angle and faces in m of each layer of a section."""
+def _layers(section: BeamSection | None) -> list[tuple[str, float, float, float]]:
+    """Name, angle and faces in m of each layer of a section; not numbers where there is none."""
+    if section is None:
+        return [("", 0.0, np.nan, np.nan)]
     half = section.in_plane_thickness / 2
     if section.layers is None or len(section.layers.laminate.layers) == 1:
         return [("", 0.0, -half, half)]

@@ -66,6 +66,8 @@ def remarks(mechanism: Mechanism, frequency: FloatArray | None = None) -> tuple[
 
 def _on_sections(mechanism: Mechanism) -> Iterator[str]:
     for link in mechanism.linkage.topology.links:
+        if link.name not in mechanism.sections:
+            continue
         section = mechanism.sections[link.name]
         yield from (f"{link.name}: {text}" for text in _on_material(section))
         yield from (f"{link.name}: {text}" for text in _on_shape(section, link.length))
@@ -120,7 +122,11 @@ def _on_shape(section: BeamSection, length: float) -> Iterator[str]:
 
 def _on_masses(mechanism: Mechanism) -> Iterator[str]:
     links = mechanism.linkage.topology.links
-    own = sum(mechanism.sections[link.name].mass_per_length * link.length for link in links)
+    own = sum(
+        mechanism.sections[link.name].mass_per_length * link.length
+        for link in links
+        if link.name in mechanism.sections
+    ) + sum(body.mass for body in mechanism.bodies)
     masses = {f"joint {name}": mass for name, mass in mechanism.joint_masses.items()}
     masses |= {
         f"{point.link} at {_mm(point.position)}": point.mass for point in mechanism.link_masses
@@ -180,7 +186,9 @@ def _on_first_frequency(mechanism: Mechanism, first: float) -> Iterator[str]:
             "and links may buckle; check the unit of the speed"
         )
     for link in mechanism.linkage.topology.links[:1] if speed else ():
-        section = mechanism.sections[link.name]
+        section = mechanism.sections.get(link.name)
+        if section is None or link.rigid:
+            continue
         strain = section.mass_per_length * (speed * link.length) ** 2 / section.axial_stiffness / 2
         if strain > MOST_INERTIA_STRAIN:
             yield (
@@ -188,7 +196,7 @@ def _on_first_frequency(mechanism: Mechanism, first: float) -> Iterator[str]:
                 "inertia, more than materials bear"
             )
     times = [section.damping.bending for section in mechanism.sections.values()]
-    ratio = float(np.max(times)) * math.pi * first
+    ratio = float(np.max(times, initial=0.0)) * math.pi * first
     if ratio > MOST_DAMPING_RATIO:
         yield (
             f"damping of up to {100 * ratio:.3g} % of critical in the first mode, usual is below "

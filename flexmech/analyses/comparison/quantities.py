@@ -63,7 +63,9 @@ class Gauge:
         """
         link = engine.links[engine.mechanism.linkage.topology.index(self.link)]
         if self.kind == "strain":
-            thickness = engine.mechanism.sections[self.link].in_plane_thickness
+            section = engine.mechanism.sections.get(self.link)
+            # A rigid link is not strained, whatever it is made of.
+            thickness = 0.0 if section is None else section.in_plane_thickness
             return np.asarray(-thickness / 2 * link.curvature)
         start, middle, end = link.shape[[0, len(link.shape) // 2, -1], 1]
         return np.asarray(end - start if self.place == "tip" else middle - (start + end) / 2)

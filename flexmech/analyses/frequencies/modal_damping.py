@@ -38,7 +38,7 @@ def links_without_loss(mechanism: Mechanism) -> tuple[str, ...]:
     """Links whose sections tell no loss in a cycle: no specific damping, or zero."""
     return tuple(
         name
-        for name in mechanism.linkage.topology.link_names
+        for name in mechanism.links_with_sections
         if not _loss_times(mechanism.sections[name]).any
     )
 

@@ -105,7 +105,9 @@ def bending_strains(engine: Engine, trajectory: Trajectory) -> FloatArray:
     mechanism = engine.mechanism
     parts = []
     for link, q in zip(engine.links, trajectory.displacement, strict=True):
-        thickness = mechanism.sections[link.name].in_plane_thickness
+        section = mechanism.sections.get(link.name)
+        # A rigid link is not strained, whatever it is made of.
+        thickness = 0.0 if section is None else section.in_plane_thickness
         parts.append(-thickness / 2 * (q @ link.curvature))
     return np.stack(parts, axis=1)
 

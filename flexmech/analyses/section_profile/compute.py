@@ -63,7 +63,7 @@ def section_profiles(
     >>> sections["bending_stiffness"].values.round(2)
     array([[62.13, 89.8 ]])
     """
-    names = checked_mechanism(mechanism).linkage.topology.link_names
+    names = checked_mechanism(mechanism).links_with_sections
     chosen = names if link is None else [link_of(link, names)]
     words: list[str] = []
     if environment is not None:

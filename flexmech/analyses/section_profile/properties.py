@@ -67,13 +67,13 @@ PROPERTIES = tuple(Property(*row) for row in STORED["section"])
 """What is known of a section."""
 
 
-def section_properties(sections: Mapping[str, BeamSection]) -> xr.Dataset:
+def section_properties(sections: Mapping[str, BeamSection | None]) -> xr.Dataset:
     """Properties of sections, with their axial-bending coupling and without.
 
     Parameters
     ----------
     sections : mapping of str to BeamSection
-        By the names of their links.
+        By the names of their links; None for a rigid link without a section.
 
     Returns
     -------
@@ -83,6 +83,8 @@ def section_properties(sections: Mapping[str, BeamSection]) -> xr.Dataset:
     pairs = [
         # The layers of the section without coupling are still known.
         (_known(section), _known(replace(section.without_coupling(), layers=section.layers)))
+        if section is not None
+        else ({}, {})
         for section in sections.values()
     ]
     dataset = xr.Dataset(coords={"link": list(sections), "coupling": list(COUPLINGS)})
