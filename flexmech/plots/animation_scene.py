@@ -184,7 +184,9 @@ class Scene:
         joints = linkage.joint_ends(motion.rigid, rests & (len(ends) > 1))
         self._ends = [end for group in joints for end in group]
         pins, supports = (linkage.places_of(motion.rigid[0], group) for group in joints)
-        sketch = linkage.LinkageSketch(motion.rigid[0], pins, supports)
+        sketch = linkage.LinkageSketch(
+            motion.rigid[0], pins, supports, linkage.shaft_of(motion.rigid)
+        )
         self._open(sketch, [self._rigid[0], self._deflected[0], self._trace])
 
     def _lines(self, **look: Any) -> list[Line2D]:

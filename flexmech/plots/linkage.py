@@ -31,6 +31,7 @@ __all__ = [
     "places_of",
     "plot_linkage",
     "round_length",
+    "shaft_of",
 ]
 
 RIGID: Look = {"color": "0.65", "lw": 0.9}
@@ -41,7 +42,7 @@ JOINT: Look = {"ls": "", "marker": "o", "ms": 3.6, "mfc": "white", "mec": OUTLIN
 
 TRACK: Look = {"color": "0.6", "lw": 0.8, "ls": (0.0, (4.0, 2.0)), "zorder": 0.7}
 """Look of the line on which a point slides."""
-BLOCK: Look = {"fc": "white", "ec": OUTLINE, "lw": 0.7, "zorder": 3.5}
+BLOCK: Look = {"fc": "white", "ec": OUTLINE, "lw": 0.7, "zorder": 2.9}
 """Look of what slides."""
 WELD: Look = {"ls": "", "marker": "s", "ms": 3.2, "mfc": OUTLINE, "mec": OUTLINE, "zorder": 4}
 """Look of a weld between links."""
@@ -123,6 +124,23 @@ def joint_ends(positions: FloatArray, held: NDArray[np.bool_]) -> tuple[Ends, En
         elif end == together[0] and len(together) > 1:
             pins.append(end)
     return pins, supports
+
+
+def shaft_of(positions: FloatArray) -> FloatArray:
+    """Where the driven shaft is: the crank's start if it stays, or the middle of its hub.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (configuration, link, station, 2)
+        Of the rigid linkage in m; the first link is the driven one.
+
+    Returns
+    -------
+    ndarray, shape (2,)
+    """
+    starts = positions[:, 0, 0]
+    stays = len(starts) > 1 and np.ptp(starts, axis=0).max() <= SAME_PLACE * extent_of(positions)
+    return starts[0] if stays else np.zeros(2)
 
 
 @dataclass(frozen=True)
@@ -329,7 +347,11 @@ def name_joints(
     is_pin : ndarray of bool, shape (joint,)
         Whether a joint is one between links; the others are held by the ground.
     """
-    for name, place, pinned in zip(names, places, is_pin, strict=True):
+    for number, (name, place, pinned) in enumerate(zip(names, places, is_pin, strict=True)):
+        here = np.hypot(*(places - place).T) <= SAME_PLACE * sketch.size
+        # Of several joints in one place the one that has the place's own name.
+        if min(np.flatnonzero(here), key=lambda other: len(names[other])) != number:
+            continue
         offset = AWAY * _away(sketch, place, held=not pinned)
         look: Look = {"textcoords": "offset points", "ha": "center", "va": "center", "zorder": 6}
         look["bbox"] = {"fc": "white", "lw": 0, "alpha": 0.75, "pad": 0.5}

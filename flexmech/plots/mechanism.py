@@ -272,7 +272,9 @@ class _Stacks:
         rows = [_row(dataset.sel(link=name), letters) for name in names]
         widest = max((row.width for row in rows if np.isfinite(row.width)), default=0.0)
         room = ROW_HEIGHT - 0.25 - BAR_INCHES
-        height = max(room, 1.1 * sum(row.least_height for row in rows))
+        # With the gaps between rows, so that there is a scale at which many links fit.
+        least = sum(row.least_height + LINE_INCHES / 2 for row in rows)
+        height = max(room, 1.1 * least)
         # As large as the width allows, and smaller until the rows fit.
         thickest = max((row.thickness for row in rows), default=1.0)
         scale = max(widest / (DRAWN * wide), thickest / height)

@@ -12,7 +12,14 @@ from scipy.interpolate import CubicSpline
 from flexmech.plots import angle_panels, style
 from flexmech.plots.labels import engine_label, mode_label, speed_texts
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
-from flexmech.plots.linkage import RIGID, LinkageSketch, height_of, joint_ends, places_of
+from flexmech.plots.linkage import (
+    RIGID,
+    LinkageSketch,
+    height_of,
+    joint_ends,
+    places_of,
+    shaft_of,
+)
 from flexmech.plots.reading import highest_speed, values_of
 from flexmech.plots.series import line_handle, series_handle, series_line
 from flexmech.plots.speed_colours import has_many_speeds
@@ -72,7 +79,7 @@ def plot_mode_shapes(
     rigid = values_of(shown["position"], "place", *SHAPE[2:])
     held = np.abs(shapes[..., [0, -1], :]).max(axis=(0, 1, -1)) <= AT_REST
     pins, supports = (places_of(rigid[0], ends) for ends in joint_ends(rigid, held))
-    sketch = LinkageSketch(rigid[0], pins, supports)
+    sketch = LinkageSketch(rigid[0], pins, supports, shaft_of(rigid))
     deflected = _smooth(sketch.links + ENLARGED_TO * sketch.size * shapes)
     limits = sketch.limits(deflected)
     n_speeds, n_modes = shapes.shape[:2]
