@@ -232,7 +232,8 @@ def refuse_sections(mechanism: Mechanism, kind: str) -> None:
         If the element would ignore that a section is eccentric, or stretches without load;
         names the links.
     """
-    sections = [(name, mechanism.sections[name]) for name in mechanism.linkage.topology.link_names]
+    links = mechanism.linkage.topology.links
+    sections = [(link.name, mechanism.sections[link.name]) for link in links if not link.rigid]
     eccentric = [name for name, section in sections if section.is_eccentric]
     stretched = [name for name, section in sections if section.free_strain]
     if eccentric and not BEAM_KINDS[kind].turns_arms:
