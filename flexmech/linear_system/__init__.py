@@ -9,7 +9,13 @@ from flexmech.linear_system.component_modes import (
 )
 from flexmech.linear_system.engine import Engine
 from flexmech.linear_system.following_rows import FollowingRows
-from flexmech.linear_system.link_bodies import BodyMatrices, body_nodes, with_bodies
+from flexmech.linear_system.link_bodies import (
+    BodyLoads,
+    BodyMatrices,
+    body_couple,
+    body_nodes,
+    with_bodies,
+)
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
 from flexmech.linear_system.link_points import LinkPoint, displacement_row, point_rows
@@ -60,6 +66,7 @@ __all__ = [
     "PRESTRESS_LEVELS",
     "RELATIVE_RESIDUAL",
     "ROUND_OFF",
+    "BodyLoads",
     "BodyMatrices",
     "ComponentModes",
     "Engine",
@@ -82,6 +89,7 @@ __all__ = [
     "SystemMatrices",
     "TheoryComparison",
     "TheoryDifference",
+    "body_couple",
     "body_nodes",
     "checked_mechanism",
     "component_modes",

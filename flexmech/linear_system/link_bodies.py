@@ -1,7 +1,9 @@
 """Rigid bodies that are fixed to nodes of an elastic link, in the link's matrices.
 
 A body whose centre of mass is at ``e = (a, c)`` from its node moves with it by
-``(u - c phi, v + a phi)`` and turns by ``phi``.
+``(u - c phi, v + a phi)`` and turns by ``phi``. Its inertia force and weight keep their direction:
+with the moment m and the virial V about the node, of a body that is not turned, their moment is
+``m cos(phi) - V sin(phi)``.
 """
 
 from __future__ import annotations
@@ -12,10 +14,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.linear_system.link_model import LinkModel
-from flexmech.linkages import LinkBody
+from flexmech.linkages import LinkBody, RigidMotion
+from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["BodyMatrices", "body_nodes", "with_bodies"]
+__all__ = ["BodyLoads", "BodyMatrices", "body_couple", "body_nodes", "with_bodies"]
 
 
 @dataclass(frozen=True)
@@ -107,3 +110,100 @@ def with_bodies(link: LinkModel, bodies: Sequence[LinkBody]) -> LinkModel:
         translational_mass=link.translational_mass + added.translational_mass,
         first_moment=link.first_moment + added.first_moment,
     )
+
+
+def body_couple(
+    body: LinkBody, motion: RigidMotion, link: int, gravity: tuple[float, float]
+) -> FloatArray:
+    """Virial and moment of a body's inertia force and weight about its node.
+
+    Parameters
+    ----------
+    body : LinkBody
+    motion : RigidMotion
+        Batch of shape (B,).
+    link : int
+        Number of the link that it is fixed to.
+    gravity : tuple of float
+        In ground axes, m/s^2.
+
+    Returns
+    -------
+    ndarray, shape (B, 2)
+        In N m.
+    """
+    (a, c), second = body.offset, _second_moment(body)
+    angle, speed = motion.angle[:, link], motion.angular_velocity[:, link]
+    pull = motion.acceleration(link, body.position) - np.asarray(gravity)
+    x, y = np.sum(pull * direction(angle), axis=1), np.sum(pull * normal(angle), axis=1)
+    virial = second * speed**2 - body.mass * (a * x + c * y)
+    moment = body.mass * (c * x - a * y) - second * motion.angular_acceleration[:, link]
+    return np.stack([virial, moment], axis=1)
+
+
+class BodyLoads:
+    """What inertia forces and weight of bodies do to elastic links whose sections turn.
+
+    Parameters
+    ----------
+    links : sequence of LinkModel
+        Unreduced.
+    bodies : sequence of sequence of LinkBody
+        On each link; those on rigid links are not read.
+    motion : RigidMotion
+        Batch of shape (B,).
+    gravity : tuple of float
+        In ground axes, m/s^2.
+    """
+
+    def __init__(
+        self,
+        links: Sequence[LinkModel],
+        bodies: Sequence[Sequence[LinkBody]],
+        motion: RigidMotion,
+        gravity: tuple[float, float],
+    ) -> None:
+        self._on: list[tuple[int, int, FloatArray, FloatArray]] = []
+        for number, (link, own) in enumerate(zip(links, bodies, strict=True)):
+            if link.rigid:
+                continue
+            readings = link.readings
+            for body, node in zip(own, body_nodes(readings.nodes, own), strict=True):
+                angle = readings.per_node * int(node) + readings.slope
+                couple = body_couple(body, motion, number, gravity)
+                kept = motion.angular_velocity[:, number] ** 2 * _second_moment(body)
+                self._on.append((number, angle, couple, kept))
+
+    @property
+    def any(self) -> bool:
+        """Whether there is a body."""
+        return bool(self._on)
+
+    def turned(
+        self, loads: Sequence[FloatArray], displacement: Sequence[FloatArray]
+    ) -> list[FloatArray]:
+        """Loads (B, n_link) of links that are not displaced, as they are on displaced ones."""
+        result = [np.array(load, dtype=float) for load in loads]
+        for link, angle, couple, _ in self._on:
+            turn = displacement[link][:, angle]
+            virial, moment = couple.T
+            result[link][:, angle] += (np.cos(turn) - 1) * moment - np.sin(turn) * virial
+        return result
+
+    def stiffness(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+        """Stiffness by each coordinate alone, (B, n_link).
+
+        Without that of centrifugal forces of the bodies' own turning, which keep their potential.
+        """
+        result = [np.zeros_like(q) for q in displacement]
+        for link, angle, couple, kept in self._on:
+            turn = displacement[link][:, angle]
+            virial, moment = couple.T
+            result[link][:, angle] += np.cos(turn) * virial + np.sin(turn) * moment - kept
+        return result
+
+
+def _second_moment(body: LinkBody) -> float:
+    """About its node, in kg m^2."""
+    a, c = body.offset
+    return body.inertia + body.mass * (a**2 + c**2)

@@ -9,17 +9,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from flexmech.linear_system import body_nodes
-from flexmech.linkages import LinkBody, RigidMotion
-from flexmech.linkages.motion import direction, normal
-from flexmech.mechanism import Mechanism
+from flexmech.linkages import LinkBody
 from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.link_parts import BeamPart
-from flexmech.types import FloatArray
 
-__all__ = ["AttachedPart", "add_attached_bodies", "body_couple"]
+__all__ = ["AttachedPart", "add_attached_bodies"]
 
 
 @dataclass(frozen=True)
@@ -125,27 +120,3 @@ def _fix(items: SystemItems, part: BeamPart, attached: AttachedPart, name: str) 
         markerNumbers=[axis, places[1]],
         constrainedAxes=[0, 0, 0, 0, 0, 1],
     )
-
-
-def body_couple(mechanism: Mechanism, attached: AttachedPart, motion: RigidMotion) -> FloatArray:
-    """Virial and moment about its node of inertia forces and weight of a body.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    attached : AttachedPart
-    motion : RigidMotion
-        Batch of shape (B,).
-
-    Returns
-    -------
-    ndarray, shape (B, 2)
-        In N m.
-    """
-    link, (_, along, across, second) = attached.link, attached.moments
-    angle, change = motion.angle[:, link], motion.angular_acceleration[:, link]
-    pull = motion.acceleration(link, attached.body.position) - np.asarray(mechanism.gravity)
-    x = np.sum(pull * direction(angle), axis=1)
-    y = np.sum(pull * normal(angle), axis=1)
-    virial = second * motion.angular_velocity[:, link] ** 2 - along * x - across * y
-    return np.stack([virial, across * x - along * y - second * change], axis=1)

@@ -15,11 +15,11 @@ from flexmech.linear_system import (
     MAX_ITERATIONS,
     RELATIVE_RESIDUAL,
     ROUND_OFF,
+    body_couple,
     refuse_positions,
 )
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.attached_bodies import body_couple
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import BeamPart, RigidPart, turn_vectors
 from flexmech.multibody.rigid_tangents import line_forces, rigid_virial, turning_stiffness
@@ -170,7 +170,8 @@ class _Applied:
         couples = np.zeros((len(forces), len(assembly.parts) + len(assembly.attached), 2))
         for number, attached in enumerate(assembly.attached, len(assembly.parts)):
             couple, body = couples[:, number], assembly.parts[attached.link]
-            couple[:] = body_couple(assembly.mechanism, attached, motion)
+            gravity = assembly.mechanism.gravity
+            couple[:] = body_couple(attached.body, motion, attached.link, gravity)
             # What turns with the body is not on the node as well.
             forces[:, attached.angle] -= couple[:, 1]
             couple /= body.length

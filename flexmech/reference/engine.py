@@ -14,6 +14,7 @@ from flexmech.beams.link_matrices import Chain, assemble_chain, build_chain
 from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.choices import ELEMENTS, MASSES, MassChoice
 from flexmech.linear_system import (
+    BodyLoads,
     Engine,
     LinkFrames,
     LinkModel,
@@ -38,6 +39,10 @@ from flexmech.reference.stretch import chain_stretch
 from flexmech.types import FloatArray
 
 __all__ = ["ReferenceEngine"]
+
+# How often the moments of bodies are taken anew where their sections have turned. Each time leaves
+# of their error the part that they have of the link's stiffness.
+BODY_TURNS = 3
 
 
 class ReferenceEngine(Engine):
@@ -152,8 +157,14 @@ class ReferenceEngine(Engine):
         varying = self._varying(motion)
         virial = dead_virial(self.held_links, motion, self.mechanism.gravity)
 
+        bodies = self._body_loads(motion)
+
         def displaced(loads: list[FloatArray]) -> list[FloatArray]:
-            return self.equilibrium.solve(motion, loads, varying, near, virial)
+            found = self.equilibrium.solve(motion, loads, varying, near, virial)
+            for _ in range(BODY_TURNS if bodies.any else 0):
+                turned = bodies.turned(loads, found)
+                found = self.equilibrium.solve(motion, turned, varying, found, virial)
+            return found
 
         loads = self._quasi_static_loads(motion, displaced)
         displacement = displaced(loads)
@@ -191,6 +202,16 @@ class ReferenceEngine(Engine):
         damping = None
         if any(section.damping.any for section in self.mechanism.sections.values()):
             damping = self._damping(displacement)
+        bodies = self._body_loads(motion)
+        if bodies.any:
+            turning = bodies.stiffness(displacement)
+            stressed = replace(
+                stressed,
+                tangent=[
+                    k + q[:, :, None] * np.eye(q.shape[1])
+                    for k, q in zip(stressed.tangent, turning, strict=True)
+                ],
+            )
         # A rigid link that turns meets its tangent as it is, against the forces that cause it.
         for number, link in enumerate(links):
             if link.rigid:
@@ -199,6 +220,12 @@ class ReferenceEngine(Engine):
         return replace(
             stressed, displacement=list(displacement), internal_force=force, damping=damping
         )
+
+    def _body_loads(self, motion: RigidMotion) -> BodyLoads:
+        """Bodies on the links in a batch of positions."""
+        names = self.mechanism.linkage.topology.link_names
+        bodies = [self.mechanism.link_mass(name).bodies for name in names]
+        return BodyLoads(self.held_links, bodies, motion, self.mechanism.gravity)
 
     def _damping(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
         """Damping matrices (B, n, n) of bent links; none of rigid ones."""
