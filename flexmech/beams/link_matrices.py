@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,7 +61,12 @@ class Chain:
 
 
 def build_chain(
-    name: str, section: BeamSection, mass: LinkMass, elements: int, shapes: BeamShapes
+    name: str,
+    section: BeamSection,
+    mass: LinkMass,
+    elements: int,
+    shapes: BeamShapes,
+    acting_at: Sequence[float] = (),
 ) -> Chain:
     """Build one link of beam elements.
 
@@ -73,12 +79,14 @@ def build_chain(
     elements : int
     shapes : BeamShapes
         Kind of element.
+    acting_at : sequence of float
+        Where loads and springs act, m from the start: a node is put there.
 
     Returns
     -------
     Chain
     """
-    fixed = [*mass.point_positions, *(body.position for body in mass.bodies)]
+    fixed = [*mass.point_positions, *(body.position for body in mass.bodies), *acting_at]
     nodes = node_positions(mass.length, elements, fixed)
     beams = BeamElements(shapes, section, np.diff(nodes))
     per_node = shapes.per_node

@@ -22,10 +22,11 @@ from flexmech.linear_system.checks import checked_elements, checked_mechanism
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
 from flexmech.linear_system.engine_links import EngineLinks
 from flexmech.linear_system.free_shaft import FreeShaft
-from flexmech.linear_system.reduced_system import reduced_system, unreduced_system
-from flexmech.linear_system.rotation_terms import RotationTerms
+from flexmech.linear_system.link_frames import LinkFrames
+from flexmech.linear_system.reduced_system import Connect, reduced_system, unreduced_system
+from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.system import LinearSystem
-from flexmech.linkages import lumped_elements
+from flexmech.linkages import RigidMotion, lumped_elements
 from flexmech.linkages.motion import checked_drive
 from flexmech.mechanism import Mechanism
 from flexmech.numbers import POSITIVE, check_choice, check_count, check_number
@@ -301,8 +302,11 @@ class Engine(EngineLinks):
             if running is None
             else self.running_links(motion, running)
         )
+        connect = self._connect(terms, prestress, stressed.displacement)
         if not self.component_modes or self.turns_freely_as_one_body:
-            system = unreduced_system(self.topology, self.links, motion, stressed, terms)
+            system = unreduced_system(
+                self.topology, self.links, motion, stressed, terms, connect
+            )
             if system.size < modes:
                 raise InputError(
                     f"{self!r} has {system.size} natural frequencies and {modes} are asked for; "
@@ -317,12 +321,34 @@ class Engine(EngineLinks):
         loaded = any(t.ndim == 3 for t in stressed.tangent)
         reduction = self._reduction(modes, greatest, loaded, detail)
         return self._marked(
-            reduced_system(self.topology, self.links, reduction, motion, stressed, terms)
+            reduced_system(self.topology, self.links, reduction, motion, stressed, terms, connect)
         )
 
     def _marked(self, system: LinearSystem) -> LinearSystem:
         """The system, which knows how many of its modes are rigid."""
-        return replace(system, rigid_modes=self.rigid_modes) if self.rigid_modes else system
+        circulates = self.connectors.follows
+        if not (self.rigid_modes or circulates):
+            return system
+        return replace(system, rigid_modes=self.rigid_modes, circulates=circulates)
+
+    def _connect(
+        self,
+        terms: RotationTerms,
+        prestress: Prestress,
+        displacement: Sequence[FloatArray] | None,
+    ) -> Connect | None:
+        """What loads and springs add to matrices; None where there are none."""
+        connectors = self.connectors
+        if not connectors.any:
+            return None
+
+        def connect(
+            frames: LinkFrames, motion: RigidMotion, matrices: SystemMatrices, some: slice
+        ) -> SystemMatrices:
+            there = None if displacement is None else [q[some] for q in displacement]
+            return connectors.added(frames, motion, matrices, terms, prestress, there)
+
+        return connect
 
     def _reduction(self, modes: int, fastest: float, loaded: bool, detail: float) -> ComponentModes:
         key = (modes, fastest, loaded, detail)

@@ -10,8 +10,11 @@ from typing import ClassVar
 
 from flexmech.choices import Prestress
 from flexmech.errors import InputError
+from flexmech.linear_system.balanced_loads import balanced_loads
+from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.element_kinds import ElementKinds
 from flexmech.linear_system.free_shaft import FreeShaft
+from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel, inertia_loads
 from flexmech.linear_system.link_stretch import LinkStretch
 from flexmech.linear_system.quasi_static import steady_loads
@@ -44,6 +47,20 @@ class EngineLinks(ElementKinds):
         """Links and connections of the linear system: a free shaft is a pivot."""
         topology = self.mechanism.linkage.topology
         return topology if self._free_shaft is None else self._free_shaft.topology(topology)
+
+    @cached_property
+    def tied_topology(self) -> Topology:
+        """Links and connections of equilibria: joints with radial springs hold as rigid ones do.
+
+        What such a spring gives way by under the joint's force is small against the links'
+        displacements, and left out of the state that a linear system is about.
+        """
+        topology = self.mechanism.linkage.topology
+        return replace(
+            topology,
+            pins=tuple(replace(pin, sprung=False) for pin in topology.pins),
+            pivots=tuple(replace(pivot, sprung=False) for pivot in topology.pivots),
+        )
 
     @cached_property
     def links(self) -> tuple[LinkModel, ...]:
@@ -140,17 +157,29 @@ class EngineLinks(ElementKinds):
 
     @property
     def prestress_at_rest(self) -> Prestress:
-        """Level that describes the linkage at rest: ``none``, unless links bend without load."""
-        return "equilibrium" if self.mechanism.is_free_strained else "none"
+        """Level that describes the linkage at rest.
+
+        ``none``, unless links bend without load or loads and springs act on them.
+        """
+        bent = self.mechanism.is_free_strained or self.connectors.any
+        return "equilibrium" if bent else "none"
 
     def _quasi_static_loads(
         self, motion: RigidMotion, solve: Callable[[list[FloatArray]], list[FloatArray]]
     ) -> list[FloatArray]:
         """Loads (B, n_link) on the held links, which ``solve`` displaces under them."""
         loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
-        if not self.turns_freely_as_one_body:
+        if self.turns_freely_as_one_body:
+            loads = steady_loads(self.held_links, motion, loads, solve)
+        connectors = Connectors(self.mechanism, self.held_links)
+        if not connectors.any:
             return loads
-        return steady_loads(self.held_links, motion, loads, solve)
+        frames = LinkFrames(self.tied_topology, self.held_links)
+
+        def tangents(displacement: list[FloatArray]) -> list[FloatArray]:
+            return self.running_held_links(motion, displacement).tangent
+
+        return balanced_loads(connectors, frames, motion, loads, solve, tangents)
 
     def _is_straight(self, motion: RigidMotion, prestress: Prestress) -> bool:
         """Whether the links are taken as straight and without stress."""
@@ -162,6 +191,7 @@ class EngineLinks(ElementKinds):
                 )
             return False
         unloaded = not motion.crank_speed.any() and not any(self.mechanism.gravity)
+        unloaded = unloaded and not self.connectors.any
         return prestress == "none" or unloaded
 
     def running_links(
@@ -217,6 +247,26 @@ class EngineLinks(ElementKinds):
             f"the {self.name} engine does not linearize about states of the running linkage"
         )
 
+    def require_no_connectors(self, what: str) -> None:
+        """Refuse loads and springs where they are not counted.
+
+        Parameters
+        ----------
+        what : str
+            Computation that does not count them.
+
+        Raises
+        ------
+        InputError
+            If loads or springs act on the links.
+        """
+        mechanism = self.mechanism
+        if mechanism.loads or mechanism.springs or mechanism.joint_springs:
+            raise InputError(
+                f"{what} does not count loads and springs yet, and this mechanism has some; leave "
+                "them out of the model, or ask for natural frequencies"
+            )
+
     def require_prescribed_shaft(self) -> None:
         """Refuse a free shaft where the crank's motion is prescribed.
 
@@ -243,4 +293,9 @@ class EngineLinks(ElementKinds):
     @property
     def rigid_modes(self) -> int:
         """Natural modes at rest without deformation: that of a shaft that turns freely."""
-        return 0 if self._free_shaft is None else 1
+        return 0 if self._free_shaft is None or self.connectors.holds_shaft else 1
+
+    @cached_property
+    def connectors(self) -> Connectors:
+        """Loads on the links and springs between them."""
+        return Connectors(self.mechanism, self.links)

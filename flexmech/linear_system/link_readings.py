@@ -13,6 +13,11 @@ from flexmech.types import FloatArray
 
 __all__ = ["LinkReadings"]
 
+# Of the link's length: a place so near to a node is at it.
+AT_NODE = 1e-9
+# Of the shortest element.
+SMALL = 1e-4
+
 
 @dataclass(frozen=True)
 class LinkReadings:
@@ -58,6 +63,21 @@ class LinkReadings:
         """Displacement along and across at fractions (s,) of the link's length, (s, 2, n)."""
         places = np.asarray(fraction, dtype=float) * self.nodes[-1]
         nodal = shapes_at(places, self.nodes, self.per_node, self.displacement_shapes)
+        return self._reduced(nodal)
+
+    def rotation_at(self, fraction: float) -> FloatArray:
+        """Rotation at a fraction of the link's length, (n,): of the node there, or of the axis."""
+        place = fraction * self.nodes[-1]
+        nearest = int(np.argmin(np.abs(self.nodes - place)))
+        nodal = np.zeros(self.per_node * len(self.nodes))
+        if abs(self.nodes[nearest] - place) <= AT_NODE * self.nodes[-1]:
+            nodal[self.per_node * nearest + self.slope] = 1.0
+        else:
+            # Inside an element the axis is a cubic: a small difference is as good as its slope.
+            step = SMALL * float(np.diff(self.nodes).min())
+            places = place + step * np.array([-1.0, 1.0])
+            shapes = shapes_at(places, self.nodes, self.per_node, self.displacement_shapes)
+            nodal = (shapes[1, 1] - shapes[0, 1]) / (2 * step)
         return self._reduced(nodal)
 
     def projected(self, basis: FloatArray) -> LinkReadings:

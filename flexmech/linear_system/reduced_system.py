@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 
 import numpy as np
@@ -18,6 +18,8 @@ from flexmech.types import FloatArray
 
 __all__ = ["reduced_system", "unreduced_system"]
 
+Connect = Callable[[LinkFrames, RigidMotion, SystemMatrices, slice], SystemMatrices]
+"""Adds to matrices in some positions, those of a slice, what connects the links."""
 # Of one matrix in the positions that are assembled at a time: memory near the processor holds it.
 MATRIX_BYTES = 1_000_000
 
@@ -28,6 +30,7 @@ def unreduced_system(
     motion: RigidMotion,
     stressed: StressedLinks,
     terms: RotationTerms,
+    connect: Connect | None = None,
 ) -> LinearSystem:
     """Linear system in all coordinates of the links that have mass.
 
@@ -41,6 +44,8 @@ def unreduced_system(
         Batch of shape (B,).
     stressed : StressedLinks
     terms : RotationTerms
+    connect : callable, optional
+        Adds what connects the links to their matrices.
 
     Returns
     -------
@@ -52,6 +57,8 @@ def unreduced_system(
         damping = [LinkDamping(matrix, matrix) for matrix in stressed.damping]
     motion = frames.displaced(motion, stressed.displacement)
     matrices = frames.assemble(motion, stressed.tangent, terms, damping, stressed.guiding)
+    if connect is not None:
+        matrices = connect(frames, motion, matrices, slice(None))
     massless = np.zeros(frames.size, dtype=bool)
     for number, (target, link) in enumerate(zip(frames.targets, links, strict=True)):
         own = frames.own(number)
@@ -79,6 +86,7 @@ def reduced_system(
     motion: RigidMotion,
     stressed: StressedLinks,
     terms: RotationTerms,
+    connect: Connect | None = None,
 ) -> LinearSystem:
     """Linear system in component modes, some of which follow the others statically.
 
@@ -92,6 +100,8 @@ def reduced_system(
         Batch of shape (B,).
     stressed : StressedLinks
     terms : RotationTerms
+    connect : callable, optional
+        Adds what connects the links to their matrices.
 
     Returns
     -------
@@ -116,6 +126,8 @@ def reduced_system(
         own = damping and [LinkDamping(_of(d.matrix, some), _of(d.ends, some)) for d in damping]
         guiding = None if stressed.guiding is None else stressed.guiding[some]
         matrices = frames.assemble(motion.at(some), projected, terms, own, guiding)
+        if connect is not None:
+            matrices = connect(frames, motion.at(some), matrices, some)
         parts.append(condense(matrices, condensed) if condensed.any() else (matrices, None))
     matrices = SystemMatrices(
         *(_joined([getattr(m, field.name) for m, _ in parts]) for field in fields(SystemMatrices))

@@ -39,6 +39,8 @@ class LinearSystem:
         From each reduced link's coordinates to its unreduced ones.
     unit_mass_from : int, optional
         From this coordinate on the mass matrix is the unit matrix in every position.
+    circulates : bool
+        Whether forces that turn with the links, or dampers of springs, have no potential.
     rigid_modes : int
         Natural modes that deform nothing: 1 where the shaft turns freely. They are no
         vibration, and modes are counted without them.
@@ -54,6 +56,7 @@ class LinearSystem:
     bases: tuple[FloatArray, ...] | None = None
     unit_mass_from: int | None = None
     rigid_modes: int = 0
+    circulates: bool = False
 
     @property
     def size(self) -> int:
@@ -63,7 +66,7 @@ class LinearSystem:
     @property
     def is_conservative(self) -> bool:
         """Whether the matrices are symmetric with no damping: frozen inertial form."""
-        return not self.terms.any and not self.damping.any()
+        return not (self.terms.any or self.circulates or self.damping.any())
 
     def link_coordinates(self, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Coordinates of each link; (B, n, m) -> list of (B, n_link, m)."""

@@ -9,7 +9,7 @@ from flexmech.linkages.double_points import DoublePoint, double_points
 from flexmech.linkages.drive import CrankDrive, LockedCrank
 from flexmech.linkages.fourbar import Branch, FourBar, GrashofClass
 from flexmech.linkages.inverse_dynamics import InverseDynamics, inverse_dynamics
-from flexmech.linkages.link_mass import LinkBody, LinkMass, lumped_elements
+from flexmech.linkages.link_mass import LEAST_DISTANCE, LinkBody, LinkMass, lumped_elements
 from flexmech.linkages.linkage import Linkage
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
@@ -28,6 +28,7 @@ from flexmech.linkages.winding import continuous_angles
 
 __all__ = [
     "GROUND",
+    "LEAST_DISTANCE",
     "Branch",
     "Clamp",
     "CouplerCurve",

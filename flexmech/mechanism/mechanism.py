@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from html import escape
 
 from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
 from flexmech.linkages import (
+    LEAST_DISTANCE,
     CouplerPoint,
     InverseDynamics,
     JointSpring,
@@ -292,6 +293,31 @@ class Mechanism:
         """Layers of a link's section; None where they are not known, or it has no section."""
         section = self.sections.get(link)
         return None if section is None else section.layers
+
+    def acting_at(self, link: str) -> list[float]:
+        """Where loads and springs act on a link, in m from its start; ends are left out.
+
+        Places nearer than 1/500 of the link's length to another one or to an end are left out
+        too: an element between them would be stiffer than round-off allows.
+        """
+        topology = self.linkage.topology
+        length = topology.links[topology.index(link)].length
+        least, taken = LEAST_DISTANCE * length, [0.0, length]
+        points = [load.point for load in self.loads]
+        points += [point for spring in self.springs for point in (spring.first, spring.second)]
+        taken += self.link_mass(link).point_positions
+        found = []
+        for x in sorted({point.x for point in points if point.link == link}):
+            if min(abs(x - other) for other in taken) >= least:
+                found.append(x)
+                taken.append(x)
+        return found
+
+    @property
+    def without_loads_over_time(self) -> Mechanism:
+        """The mechanism that stands still or turns steadily: loads over time are left out."""
+        kept = tuple(load for load in self.loads if load.over != "time")
+        return self if len(kept) == len(self.loads) else replace(self, loads=kept)
 
     def wetting_of(self, link: str) -> Wetting:
         """Where water enters a link."""

@@ -203,6 +203,7 @@ class ExudynEngine(Engine):
             If a step does not converge; names its time and the crank angle.
         """
         self.require_prescribed_shaft()
+        self.require_no_connectors("a run in time")
         check_number(step, "step", "s", POSITIVE)
         sample_time = checked_array(sample_time, "sample_time", "s")
         check_choice(integrator, INTEGRATORS, "integrator")
@@ -259,6 +260,7 @@ class ExudynEngine(Engine):
             If a step does not converge; names its time and the crank angle.
         """
         self.require_prescribed_shaft()
+        self.require_no_connectors("a run in time")
         check_number(step, "step", "s", POSITIVE)
         model = RunningModel(
             self.mechanism, self.elements, self.element, drive, self.held_links, impacts
@@ -301,6 +303,7 @@ class ExudynEngine(Engine):
             If the step or the integrator cannot be, or the start tears a joint.
         """
         self.require_prescribed_shaft()
+        self.require_no_connectors("a run in time")
         check_number(step, "step", "s", POSITIVE)
         check_choice(integrator, INTEGRATORS, "integrator")
         model = RunningModel(self.mechanism, self.elements, self.element, drive, self.held_links)
@@ -317,7 +320,7 @@ class ExudynEngine(Engine):
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links in tension."""
-        frames = LinkFrames(self.mechanism.linkage.topology, self.held_links)
+        frames = LinkFrames(self.tied_topology, self.held_links)
         loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
         straight = straight_forces(self.mechanism, frames, motion, loads)
         nodes = [link.readings.nodes for link in self.held_links]

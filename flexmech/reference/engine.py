@@ -90,6 +90,7 @@ class ReferenceEngine(Engine):
                 self._masses[number],
                 self.elements,
                 BEAM_SHAPES[self.element],
+                self.mechanism.acting_at(link.name),
             )
             for number, link in enumerate(self.mechanism.linkage.topology.links)
             if not link.rigid
@@ -137,8 +138,12 @@ class ReferenceEngine(Engine):
     @cached_property
     def equilibrium(self) -> Equilibrium:
         """Solver for the quasi-static equilibrium on this mesh."""
-        frames = LinkFrames(self.mechanism.linkage.topology, self.held_links)
-        return Equilibrium(frames, {n: chain.elements for n, chain in self.chains.items()})
+        frames = LinkFrames(self.tied_topology, self.held_links)
+        return Equilibrium(
+            frames,
+            {n: chain.elements for n, chain in self.chains.items()},
+            stable_alone=not self.connectors.depend_on_displacement,
+        )
 
     def stressed_held_links(
         self,

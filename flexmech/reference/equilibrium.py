@@ -67,9 +67,14 @@ class Equilibrium:
         Of the unreduced links.
     links : mapping of int to BeamElements
         Of each flexible link by its number, all of one kind.
+    stable_alone : bool
+        Whether links that are unstable without springs and turning forces are refused.
     """
 
-    def __init__(self, frames: LinkFrames, links: Mapping[int, BeamElements]) -> None:
+    def __init__(
+        self, frames: LinkFrames, links: Mapping[int, BeamElements], *, stable_alone: bool = True
+    ) -> None:
+        self._stable_alone = stable_alone
         self.frames = frames
         self._links = {n: CorotationalElements(elements) for n, elements in links.items()}
         self._per_node = next(iter(links.values())).shapes.per_node
@@ -140,7 +145,8 @@ class Equilibrium:
             logger.info("%d positions are loaded in %d steps", len(left), steps)
             state = state.with_part(left, self._in_steps(problem.at(left), steps))
         self._refuse_divergence(motion, state)
-        self._refuse_instability(motion, state.factors)
+        if self._stable_alone:
+            self._refuse_instability(motion, state.factors)
         ties = self._ties(state.z, problem)
         return [q.T for q in self._tangents.link_displacement(state.z, ties)]
 

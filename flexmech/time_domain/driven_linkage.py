@@ -91,6 +91,7 @@ class DrivenLinkage:
         stretches: bool = False,
     ) -> None:
         engine.require_prescribed_shaft()
+        engine.require_no_connectors("a run in time")
         self.engine = engine
         self.drive = drive
         self.prestress = prestress

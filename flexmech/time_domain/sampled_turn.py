@@ -111,6 +111,7 @@ class SampledTurn:
         -------
         SampledTurn
         """
+        engine.require_no_connectors("motion over the turn")
         speed = float(motion.crank_speed[0])
         turns_pins = bool(engine.topology.pins)
         reduced = (

@@ -1,0 +1,119 @@
+"""Points of links at which forces act: what they move by in link and ground axes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.linear_system.following_rows import FollowingRows
+from flexmech.linear_system.link_frames import LinkFrames
+from flexmech.linear_system.link_model import LinkModel
+from flexmech.linkages import RigidMotion
+from flexmech.linkages.motion import direction, normal
+from flexmech.types import FloatArray
+
+__all__ = ["AttachedPoint", "MovedPoint"]
+
+
+@dataclass(frozen=True)
+class AttachedPoint:
+    """A point on the axis of a link.
+
+    Parameters
+    ----------
+    link : int
+        Number of the link.
+    x : float
+        Distance from the link's start in m.
+    rows : ndarray, shape (3, n_link)
+        Displacement along and across the link's frame, and rotation, by the link's coordinates.
+    """
+
+    link: int
+    x: float
+    rows: FloatArray
+
+    @classmethod
+    def of(
+        cls, links: Sequence[LinkModel], link: int, fraction: float, length: float
+    ) -> AttachedPoint:
+        """A point of a link.
+
+        Parameters
+        ----------
+        links : sequence of LinkModel
+            Reduced or not.
+        link : int
+        fraction : float
+            Of the link's length from its start.
+        length : float
+            Of the link in m.
+        """
+        readings = links[link].readings
+        moved = readings.displacement_at(np.array([fraction]))[0]
+        turned = readings.rotation_at(fraction)
+        return cls(link, fraction * length, np.concatenate([moved, turned[None]]))
+
+    def force(self, motion: RigidMotion, force: FloatArray, torque: FloatArray) -> FloatArray:
+        """Force (B, n_link) on the link's coordinates of one (B, 2) in ground axes and a torque."""
+        angle = motion.angle[:, self.link]
+        along = np.sum(force * direction(angle), axis=1)
+        across = np.sum(force * normal(angle), axis=1)
+        return np.asarray(np.stack([along, across, torque], axis=1) @ self.rows)
+
+    def displacement(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
+        """Displacement in ground axes and rotation, (B, 3), at coordinates (B, n_link)."""
+        moved, angle = q @ self.rows.T, motion.angle[:, self.link]
+        ground = moved[:, :1] * direction(angle) + moved[:, 1:2] * normal(angle)
+        return np.concatenate([ground, moved[:, 2:]], axis=1)
+
+
+@dataclass(frozen=True)
+class MovedPoint:
+    """Displacement in ground axes and rotation of a point by the linkage's coordinates.
+
+    Parameters
+    ----------
+    value, rate : ndarray, shape (B, 3, size)
+        The map, and its time derivative.
+    """
+
+    value: FloatArray
+    rate: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        point: AttachedPoint,
+        frames: LinkFrames,
+        motion: RigidMotion,
+        following: Sequence[FollowingRows],
+    ) -> MovedPoint:
+        """Map of a point.
+
+        Parameters
+        ----------
+        point : AttachedPoint
+            Of the links of ``frames``.
+        frames : LinkFrames
+        motion : RigidMotion
+            Batch of shape (B,).
+        following : sequence of FollowingRows
+            Of the point's link.
+        """
+        batch, link = len(motion.crank_angle), point.link
+        value, rate = np.zeros((2, batch, 3, frames.size))
+        own = frames.own(link)
+        value[:, :, frames.targets[link][own]] = point.rows[:, own]
+        for led in following:
+            value[:, :, led.columns] += point.rows[:, led.rows] @ led.turn
+            rate[:, :, led.columns] += point.rows[:, led.rows] @ led.rate
+        angle, speed = motion.angle[:, link], motion.angular_velocity[:, link]
+        cosine, sine = np.cos(angle), np.sin(angle)
+        turn, quarter = np.zeros((2, batch, 3, 3))
+        turn[:, 0, 0], turn[:, 0, 1], turn[:, 1, 0], turn[:, 1, 1] = cosine, -sine, sine, cosine
+        turn[:, 2, 2] = 1.0
+        quarter[:, 0], quarter[:, 1] = -turn[:, 1], turn[:, 0]
+        return cls(turn @ value, turn @ rate + speed[:, None, None] * (quarter @ value))

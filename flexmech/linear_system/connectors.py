@@ -1,0 +1,367 @@
+"""Loads on points of links and springs between them: forces, stiffness and damping.
+
+A spring between two points carries ``T = k (L - L0) + c L'`` along the line n between them. When
+its ends move by d against each other, in ground axes, its force changes by
+
+    ``[n (k n + c (1 - n n') v / L)' + (T / L) (1 - n n')] d + c n n' d'``
+
+with the velocity v of the ends in the rigid motion. With ``d = D(t) z`` that is stiffness
+``D' K D + D' C D'`` (the last with a dot) and damping ``D' C D``. A force that turns with its link
+follows the rotation phi of the section: ``F + phi J F``. A joint's torsional spring lies between
+the rotations of two links, a radial one between the displacements of their ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.choices import Prestress
+from flexmech.errors import InputError
+from flexmech.linear_system.attached_points import AttachedPoint, MovedPoint
+from flexmech.linear_system.link_frames import LinkFrames
+from flexmech.linear_system.link_model import LinkModel
+from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
+from flexmech.linkages import (
+    GROUND,
+    JointSpring,
+    LinkEnd,
+    LinkPoint,
+    Load,
+    RigidMotion,
+    Spring,
+    continuous_angles,
+)
+from flexmech.linkages.motion import direction, normal
+from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
+
+__all__ = ["Connectors", "acts_still"]
+
+# Of the longest link: the ends of a spring that are nearer have met.
+MET = 1e-9
+
+
+def acts_still(mechanism: Mechanism) -> bool:
+    """Whether loads or springs act on a linkage that stands still."""
+    loads = any(load.over != "time" for load in mechanism.loads)
+    return bool(loads or mechanism.springs or mechanism.joint_springs)
+
+
+@dataclass(frozen=True)
+class _Push:
+    """Force of connectors on one point: ground axes (B, 2) and torque (B,)."""
+
+    point: AttachedPoint
+    force: FloatArray
+    torque: FloatArray
+
+
+@dataclass(frozen=True)
+class _Answer:
+    """How a connector answers displacements of its two points, one of which may be the ground.
+
+    Parameters
+    ----------
+    first, second : AttachedPoint or None
+    stiffness, damping : ndarray, shape (B, 3, 3)
+        By the displacement (ground axes) and rotation of the second against the first.
+    """
+
+    first: AttachedPoint | None
+    second: AttachedPoint | None
+    stiffness: FloatArray
+    damping: FloatArray
+
+
+class Connectors:
+    """Loads and springs of a mechanism on its links.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    links : sequence of LinkModel
+        In the topology's order, unreduced.
+    """
+
+    def __init__(self, mechanism: Mechanism, links: Sequence[LinkModel]) -> None:
+        self._mechanism = mechanism
+        self._links = links
+        self._topology = mechanism.linkage.topology
+        self.loads: tuple[Load, ...] = tuple(x for x in mechanism.loads if x.over != "time")
+        self._holders: dict[str, tuple[LinkEnd, LinkEnd | None]] = {
+            pin.joint: (pin.follower, pin.leader) for pin in self._topology.pins
+        }
+        self._holders |= {pivot.joint: (pivot.held, None) for pivot in self._topology.pivots}
+
+    @property
+    def any(self) -> bool:
+        """Whether there is one."""
+        return acts_still(self._mechanism)
+
+    @property
+    def holds_shaft(self) -> bool:
+        """Whether springs answer a turn of a free shaft."""
+        springs = any(spring.stiffness for spring in self._mechanism.springs)
+        return springs or any(own.torsional_stiffness for own in self._mechanism.joint_springs)
+
+    @property
+    def depend_on_displacement(self) -> bool:
+        """Whether forces change as the links move."""
+        turning = any(load.axes == "link" for load in self.loads)
+        return bool(turning or self._mechanism.springs or self._mechanism.joint_springs)
+
+    @property
+    def follows(self) -> bool:
+        """Whether forces depend on displacements as those of no potential do."""
+        turning = any(load.axes == "link" for load in self.loads)
+        return turning or any(spring.damping for spring in self._mechanism.springs)
+
+    def forces(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None = None
+    ) -> list[FloatArray]:
+        """Forces on the links in their frames.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link), optional
+            Of the links; they are straight where it is left out.
+
+        Returns
+        -------
+        list of ndarray, shape (B, n_link)
+        """
+        total = [np.zeros((len(motion.crank_angle), link.size)) for link in self._links]
+        for push in self._pushes(motion, displacement):
+            total[push.point.link] += push.point.force(motion, push.force, push.torque)
+        return total
+
+    def added(
+        self,
+        frames: LinkFrames,
+        motion: RigidMotion,
+        matrices: SystemMatrices,
+        terms: RotationTerms,
+        prestress: Prestress,
+        displacement: Sequence[FloatArray] | None = None,
+    ) -> SystemMatrices:
+        """Matrices of the linkage with those of the connectors.
+
+        Parameters
+        ----------
+        frames : LinkFrames
+            Of these links, reduced or not.
+        motion : RigidMotion
+            Batch of shape (B,).
+        matrices : SystemMatrices
+            Of the links.
+        terms : RotationTerms
+        prestress : {"none", "axial", "equilibrium"}
+            ``none`` leaves out what comes from forces that connectors carry.
+        displacement : sequence of ndarray, shape (B, n_link), optional
+            Of the state that the system is about.
+
+        Returns
+        -------
+        SystemMatrices
+        """
+        if not self.any:
+            return matrices
+        following = frames.following_rows(motion)
+        maps: dict[tuple[int, float], MovedPoint] = {}
+
+        def moved(point: AttachedPoint) -> MovedPoint:
+            key = (point.link, point.x)
+            if key not in maps:
+                own = self._at(frames.links, point.link, point.x)
+                maps[key] = MovedPoint.of(own, frames, motion, following[point.link])
+            return maps[key]
+
+        stiffness, damping = matrices.stiffness.copy(), np.array(matrices.damping)
+        for answer in self._answers(motion, displacement, stressed=prestress != "none"):
+            shape = (len(motion.crank_angle), 3, frames.size)
+            value, rate = np.zeros((2, *shape))
+            for point, sign in ((answer.second, 1.0), (answer.first, -1.0)):
+                if point is not None:
+                    value += sign * moved(point).value
+                    rate += sign * moved(point).rate
+            across = np.swapaxes(value, 1, 2)
+            stiffness += across @ (answer.stiffness @ value)
+            if answer.damping.any():
+                damping += across @ (answer.damping @ value)
+                if terms.coriolis:
+                    stiffness += across @ (answer.damping @ rate)
+        return SystemMatrices(matrices.mass, damping, stiffness)
+
+    def _pushes(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None
+    ) -> list[_Push]:
+        pushes = []
+        for load in self.loads:
+            point = self._point(load.point)
+            assert point is not None
+            force = self._load_force(load, motion, point, displacement)
+            pushes.append(_Push(point, force, load.values(motion.crank_angle)[:, 2]))
+        for spring in self._mechanism.springs:
+            state = _SpringState.of(self, spring, motion, displacement)
+            nothing = np.zeros(len(motion.crank_angle))
+            for point, sign in ((state.first, 1.0), (state.second, -1.0)):
+                if point is not None:
+                    pushes.append(
+                        _Push(point, sign * state.tension[:, None] * state.along, nothing)
+                    )
+        for own in self._mechanism.joint_springs:
+            pushes += self._joint_pushes(own, motion, displacement)
+        return pushes
+
+    def _answers(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None, *, stressed: bool
+    ) -> list[_Answer]:
+        answers, batch = [], len(motion.crank_angle)
+        for load in self.loads if stressed else ():
+            if load.axes == "link":
+                point = self._point(load.point)
+                assert point is not None
+                force = self._load_force(load, motion, point, displacement)
+                turned = np.zeros((batch, 3, 3))
+                turned[:, 0, 2], turned[:, 1, 2] = force[:, 1], -force[:, 0]
+                answers.append(_Answer(None, point, turned, np.zeros((batch, 3, 3))))
+        for spring in self._mechanism.springs:
+            state = _SpringState.of(self, spring, motion, displacement)
+            answers.append(state.answer(spring, stressed=stressed))
+        for own in self._mechanism.joint_springs:
+            second, first = self._joint_points(own)
+            by_size = np.array([own.radial_stiffness or 0.0] * 2 + [own.torsional_stiffness])
+            damps = np.array([own.radial_damping] * 2 + [own.torsional_damping])
+            answers.append(
+                _Answer(
+                    first, second, *(np.tile(np.diag(x), (batch, 1, 1)) for x in (by_size, damps))
+                )
+            )
+        return answers
+
+    def _load_force(
+        self,
+        load: Load,
+        motion: RigidMotion,
+        point: AttachedPoint,
+        displacement: Sequence[FloatArray] | None,
+    ) -> FloatArray:
+        """Force of a load in ground axes, (B, 2)."""
+        values = load.values(motion.crank_angle)
+        if load.axes == "ground":
+            return values[:, :2]
+        angle = motion.angle[:, point.link]
+        if displacement is not None:
+            angle = angle + displacement[point.link] @ point.rows[2]
+        return np.asarray(values[:, :1] * direction(angle) + values[:, 1:2] * normal(angle))
+
+    def _joint_pushes(
+        self, own: JointSpring, motion: RigidMotion, displacement: Sequence[FloatArray] | None
+    ) -> list[_Push]:
+        """Torques of a joint's torsional spring; a radial one carries what the joint carries."""
+        second, first = self._joint_points(own)
+        sides = [(point, sign) for point, sign in ((second, 1.0), (first, -1.0)) if point]
+        angles = continuous_angles(self._mechanism.linkage, motion)
+        opening = sum(sign * angles[:, point.link] for point, sign in sides)
+        rate = sum(sign * motion.angular_velocity[:, point.link] for point, sign in sides)
+        if displacement is not None:
+            opening = opening + sum(
+                sign * (displacement[point.link] @ point.rows[2]) for point, sign in sides
+            )
+        torque = -own.torsional_stiffness * (opening - own.free_angle)
+        torque = np.asarray(torque - own.torsional_damping * rate)
+        nothing = np.zeros((len(torque), 2))
+        return [_Push(point, nothing, sign * torque) for point, sign in sides]
+
+    def _joint_points(self, own: JointSpring) -> tuple[AttachedPoint, AttachedPoint | None]:
+        follower, leader = self._holders[own.joint]
+        first = None if leader is None else self._end(leader)
+        return self._end(follower), first
+
+    def _end(self, end: LinkEnd) -> AttachedPoint:
+        number = self._topology.index(end.link)
+        x = 0.0 if end.end == "start" else self._topology.links[number].length
+        return self._at(self._links, number, x)
+
+    def _at(self, links: Sequence[LinkModel], number: int, x: float) -> AttachedPoint:
+        length = self._topology.links[number].length
+        return AttachedPoint.of(links, number, x / length, length)
+
+    def _point(self, point: LinkPoint) -> AttachedPoint | None:
+        if point.link == GROUND:
+            return None
+        return self._at(self._links, self._topology.index(point.link), point.x)
+
+    def place(
+        self, point: LinkPoint, motion: RigidMotion, displacement: Sequence[FloatArray] | None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Place and velocity (B, 2) of a spring's end; elastic velocities are not in it."""
+        found = self._point(point)
+        if found is None:
+            still = np.broadcast_to((point.x, point.y), (len(motion.crank_angle), 2))
+            return still, np.zeros_like(still)
+        place = motion.position(found.link, point.x)
+        if displacement is not None:
+            place = place + found.displacement(motion, displacement[found.link])[:, :2]
+        return place, motion.velocity(found.link, point.x)
+
+    def longest(self) -> float:
+        """Length of the longest link in m."""
+        return max(link.length for link in self._topology.links)
+
+
+@dataclass(frozen=True)
+class _SpringState:
+    """A spring at its length: direction from its first to its second end and tension."""
+
+    first: AttachedPoint | None
+    second: AttachedPoint | None
+    along: FloatArray
+    length: FloatArray
+    approach: FloatArray
+    tension: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        connectors: Connectors,
+        spring: Spring,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray] | None,
+    ) -> _SpringState:
+        ends = [
+            connectors.place(end, motion, displacement) for end in (spring.first, spring.second)
+        ]
+        line, approach = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
+        length = np.linalg.norm(line, axis=1)
+        met = length <= MET * connectors.longest()
+        if np.any(met):
+            angle = np.degrees(motion.crank_angle[met][0])
+            raise InputError(
+                f"spring {spring.name}: its ends meet at crank angle {angle:.6g} deg, where its "
+                "force has no direction; move an end, or leave that crank angle out"
+            )
+        along = line / length[:, None]
+        tension = spring.stiffness * (length - spring.free_length)
+        tension = tension + spring.damping * np.sum(along * approach, axis=1)
+        first, second = (connectors._point(end) for end in (spring.first, spring.second))
+        return cls(first, second, along, length, approach, tension)
+
+    def answer(self, spring: Spring, *, stressed: bool) -> _Answer:
+        """Stiffness and damping; that of the tension and of the rigid motion if ``stressed``."""
+        batch = len(self.length)
+        stiffness, damping = np.zeros((2, batch, 3, 3))
+        line = self.along[:, :, None] * self.along[:, None]
+        across = np.eye(2) - line
+        stiffness[:, :2, :2] = spring.stiffness * line
+        damping[:, :2, :2] = spring.damping * line
+        if stressed:
+            stiffness[:, :2, :2] += (self.tension / self.length)[:, None, None] * across
+            turning = (across @ self.approach[..., None])[..., 0] / self.length[:, None]
+            stiffness[:, :2, :2] += spring.damping * self.along[:, :, None] * turning[:, None]
+        return _Answer(self.first, self.second, stiffness, damping)
