@@ -57,7 +57,20 @@ class AttachedPoint:
         return cls(link, fraction * length, np.concatenate([moved, turned[None]]))
 
     def force(self, motion: RigidMotion, force: FloatArray, torque: FloatArray) -> FloatArray:
-        """Force (B, n_link) on the link's coordinates of one (B, 2) in ground axes and a torque."""
+        """Force on the link's coordinates.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        force : ndarray, shape (B, 2)
+            In ground axes.
+        torque : ndarray, shape (B,)
+
+        Returns
+        -------
+        ndarray, shape (B, n_link)
+        """
         angle = motion.angle[:, self.link]
         along = np.sum(force * direction(angle), axis=1)
         across = np.sum(force * normal(angle), axis=1)

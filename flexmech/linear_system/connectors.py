@@ -300,7 +300,23 @@ class Connectors:
     def place(
         self, point: LinkPoint, motion: RigidMotion, displacement: Sequence[FloatArray] | None
     ) -> tuple[FloatArray, FloatArray]:
-        """Place and velocity (B, 2) of a spring's end; elastic velocities are not in it."""
+        """Place and velocity of a spring's end.
+
+        Parameters
+        ----------
+        point : LinkPoint
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link), or None
+            Of the links.
+
+        Returns
+        -------
+        ndarray, shape (B, 2)
+            Place in ground axes.
+        ndarray, shape (B, 2)
+            Velocity in the rigid motion.
+        """
         found = self._point(point)
         if found is None:
             still = np.broadcast_to((point.x, point.y), (len(motion.crank_angle), 2))
