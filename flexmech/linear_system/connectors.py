@@ -34,6 +34,7 @@ from flexmech.linkages import (
     Spring,
     continuous_angles,
 )
+from flexmech.linkages.applied_forces import ForceOnLink
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
@@ -138,6 +139,32 @@ class Connectors:
         total = [np.zeros((len(motion.crank_angle), link.size)) for link in self._links]
         for push in self._pushes(motion, displacement):
             total[push.point.link] += push.point.force(motion, push.force, push.torque)
+        return total
+
+    def applied(self, motion: RigidMotion) -> tuple[ForceOnLink, ...]:
+        """The same forces on straight links, each by itself, for a batch of shape (B,)."""
+        return tuple(
+            ForceOnLink(push.point.link, push.point.x, push.force, push.torque)
+            for push in self._pushes(motion, None)
+        )
+
+    def virial(self, motion: RigidMotion) -> FloatArray:
+        """Products of forces on rigid links with their places from the links' starts.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+
+        Returns
+        -------
+        ndarray, shape (B, n_links)
+            In N m; zero of flexible links. See :func:`flexmech.linear_system.dead_virial`.
+        """
+        total = np.zeros(motion.angle.shape)
+        for one in self.applied(motion) if any(link.rigid for link in self._links) else ():
+            if self._links[one.link].rigid:
+                total[:, one.link] += np.sum(one.force * one.arm(motion), axis=1)
         return total
 
     def added(

@@ -18,6 +18,7 @@ from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel, inertia_loads
 from flexmech.linear_system.link_stretch import LinkStretch
 from flexmech.linear_system.quasi_static import steady_loads
+from flexmech.linear_system.rigid_link import dead_virial
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.mechanism import Mechanism
@@ -164,6 +165,24 @@ class EngineLinks(ElementKinds):
         bent = self.mechanism.is_free_strained or self.connectors.any
         return "equilibrium" if bent else "none"
 
+    @cached_property
+    def held_connectors(self) -> Connectors:
+        """As :attr:`connectors`, of :attr:`held_links`."""
+        return Connectors(self.mechanism, self.held_links)
+
+    def _straight_loads(self, motion: RigidMotion) -> list[FloatArray]:
+        """Loads (B, n_link) on the held links as long as nothing has moved."""
+        loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+        if not self.held_connectors.any:
+            return loads
+        acting = self.held_connectors.forces(motion)
+        return [a + b for a, b in zip(loads, acting, strict=True)]
+
+    def _virial(self, motion: RigidMotion) -> FloatArray:
+        """Products of forces on rigid links with their places, (B, n_links)."""
+        virial = dead_virial(self.held_links, motion, self.mechanism.gravity)
+        return virial + self.held_connectors.virial(motion) if self.held_connectors.any else virial
+
     def _quasi_static_loads(
         self, motion: RigidMotion, solve: Callable[[list[FloatArray]], list[FloatArray]]
     ) -> list[FloatArray]:
@@ -171,7 +190,7 @@ class EngineLinks(ElementKinds):
         loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
         if self.turns_freely_as_one_body:
             loads = steady_loads(self.held_links, motion, loads, solve)
-        connectors = Connectors(self.mechanism, self.held_links)
+        connectors = self.held_connectors
         if not connectors.any:
             return loads
         frames = LinkFrames(self.tied_topology, self.held_links)

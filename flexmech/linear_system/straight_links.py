@@ -8,10 +8,11 @@ their joints, which keep their direction, as springs against rotation.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.dead_forces import DeadForces
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.rigid_link import dead_virial, rigid_tangent
@@ -55,6 +56,7 @@ def straight_forces(
     motion: RigidMotion,
     loads: list[FloatArray],
     lumped: Sequence[int] | None = None,
+    connectors: Connectors | None = None,
 ) -> StraightForces:
     """Forces in straight links under loads.
 
@@ -68,21 +70,28 @@ def straight_forces(
     loads : list of ndarray, shape (B, n_link)
     lumped : sequence of int, optional
         Number of elements of each link whose mass is lumped at their ends.
+    connectors : Connectors, optional
+        Loads and springs among the loads.
 
     Returns
     -------
     StraightForces
     """
     if not ties_beyond_pins(frames):
-        return StraightForces(loads, mechanism.inverse_dynamics(motion, lumped=lumped), None)
+        still = mechanism.without_loads_over_time
+        return StraightForces(loads, still.inverse_dynamics(motion, lumped=lumped), None)
+    applied = () if connectors is None else connectors.applied(motion)
     displacement = static_displacement(frames, motion, loads)
     masses = mechanism.link_masses_in_order
     if lumped is not None:
         masses = tuple(mass.lumped(n) for mass, n in zip(masses, lumped, strict=True))
     forces = forces_of_links(frames, motion, displacement, loads, masses, mechanism.gravity)
+    forces = replace(forces, applied=applied)
     if not frames.rigid.size:
         return StraightForces(loads, forces, None)
     virial = dead_virial(frames.links, motion, mechanism.gravity)
+    if connectors is not None:
+        virial = virial + connectors.virial(motion)
     posed = frames.posed(motion, np.zeros((len(virial), len(frames.rigid.independent))))
     inner = [q @ link.stiffness for q, link in zip(displacement, frames.links, strict=True)]
     dead = DeadForces.of(frames.links, motion, loads, virial)

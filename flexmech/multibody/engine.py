@@ -29,7 +29,6 @@ from flexmech.linear_system import (
     StressedLinks,
     TheoryComparison,
     element_tensions,
-    inertia_loads,
     refuse_large_displacements,
     straight_forces,
     with_rigid_links,
@@ -321,8 +320,10 @@ class ExudynEngine(Engine):
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links in tension."""
         frames = LinkFrames(self.tied_topology, self.held_links)
-        loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
-        straight = straight_forces(self.mechanism, frames, motion, loads)
+        loads = self._straight_loads(motion)
+        straight = straight_forces(
+            self.mechanism, frames, motion, loads, connectors=self.held_connectors
+        )
         nodes = [link.readings.nodes for link in self.held_links]
         tensions = element_tensions(self.mechanism, nodes, motion, straight.links)
         tangent = {

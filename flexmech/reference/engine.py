@@ -22,9 +22,7 @@ from flexmech.linear_system import (
     Prestress,
     StressedLinks,
     TheoryComparison,
-    dead_virial,
     element_tensions,
-    inertia_loads,
     refuse_large_displacements,
     rigid_link,
     straight_forces,
@@ -160,7 +158,7 @@ class ReferenceEngine(Engine):
 
     def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
         varying = self._varying(motion)
-        virial = dead_virial(self.held_links, motion, self.mechanism.gravity)
+        virial = self._virial(motion)
 
         bodies = self._body_loads(motion)
 
@@ -187,7 +185,7 @@ class ReferenceEngine(Engine):
         of the element length. Their mean is that of the state.
         """
         varying = self._varying(motion)
-        loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+        loads = self._straight_loads(motion)
         return self._displaced(motion, displacement, varying, loads)
 
     def _displaced(
@@ -201,7 +199,7 @@ class ReferenceEngine(Engine):
         frames, links = self.equilibrium.frames, self.held_links
         found = None
         if frames.rigid.size:
-            virial = dead_virial(links, motion, self.mechanism.gravity)
+            virial = self._virial(motion)
             found = self.equilibrium.stiffness_of_rigid(motion, displacement, force, loads, virial)
         stressed = with_rigid_links(frames, motion, of_chains, found)
         damping = None
@@ -243,8 +241,10 @@ class ReferenceEngine(Engine):
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links in tension."""
         frames = self.equilibrium.frames
-        loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
-        straight = straight_forces(self.mechanism, frames, motion, loads, self._lumped)
+        loads = self._straight_loads(motion)
+        straight = straight_forces(
+            self.mechanism, frames, motion, loads, self._lumped, self.held_connectors
+        )
         tensions = element_tensions(self.mechanism, self.nodes, motion, straight.links)
         tangent = {
             number: chain.model.stiffness
@@ -262,9 +262,18 @@ class ReferenceEngine(Engine):
         if ties_beyond_pins(self.equilibrium.frames):
             # What the joints carry changes the mean alone.
             nothing, gravity = np.zeros((*motion.angle.shape, 2)), self.mechanism.gravity
-            forces = LinkForces(motion, self._masses, gravity, nothing, nothing[..., 0], (), ())
+            forces = LinkForces(
+                motion,
+                self._masses,
+                gravity,
+                nothing,
+                nothing[..., 0],
+                self.held_connectors.applied(motion),
+                (),
+            )
         else:
-            forces = self.mechanism.inverse_dynamics(motion, lumped=self._lumped)
+            still = self.mechanism.without_loads_over_time
+            forces = still.inverse_dynamics(motion, lumped=self._lumped)
         tensions = element_tensions(self.mechanism, self.nodes, motion, forces)
         matrices = []
         for number, chain in self.chains.items():
