@@ -37,9 +37,13 @@ class EngineLinks(ElementKinds):
     ----------
     name : str
     mechanism : Mechanism
+    solves_connectors : bool
+        Whether the engine's own equilibrium counts loads and springs; they are among its loads
+        where it does not.
     """
 
     name: ClassVar[str]
+    solves_connectors: ClassVar[bool] = False
     mechanism: Mechanism
     _free_shaft: FreeShaft | None
 
@@ -173,9 +177,18 @@ class EngineLinks(ElementKinds):
     def _straight_loads(self, motion: RigidMotion) -> list[FloatArray]:
         """Loads (B, n_link) on the held links as long as nothing has moved."""
         loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+        return self._with_connectors(loads, motion, None)
+
+    def _with_connectors(
+        self,
+        loads: list[FloatArray],
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray] | None,
+    ) -> list[FloatArray]:
+        """Loads (B, n_link) and those of connectors at a displacement of the held links."""
         if not self.held_connectors.any:
             return loads
-        acting = self.held_connectors.forces(motion)
+        acting = self.held_connectors.forces(motion, displacement)
         return [a + b for a, b in zip(loads, acting, strict=True)]
 
     def _virial(self, motion: RigidMotion) -> FloatArray:
@@ -191,7 +204,7 @@ class EngineLinks(ElementKinds):
         if self.turns_freely_as_one_body:
             loads = steady_loads(self.held_links, motion, loads, solve)
         connectors = self.held_connectors
-        if not connectors.any:
+        if self.solves_connectors or not connectors.any:
             return loads
         frames = LinkFrames(self.tied_topology, self.held_links)
 

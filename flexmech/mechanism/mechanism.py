@@ -306,6 +306,7 @@ class Mechanism:
         points = [load.point for load in self.loads]
         points += [point for spring in self.springs for point in (spring.first, spring.second)]
         taken += self.link_mass(link).point_positions
+        taken += [body.position for body in self.bodies if body.link == link]
         found = []
         for x in sorted({point.x for point in points if point.link == link}):
             if min(abs(x - other) for other in taken) >= least:

@@ -54,7 +54,7 @@ def _add_beam(
     items: SystemItems, mechanism: Mechanism, kind: BeamKind, name: str, elements: int, start: int
 ) -> BeamPart:
     section, mass = mechanism.sections[name], mechanism.link_mass(name)
-    held = held_places(mechanism, mass, name, kind.turns_arms)
+    held = [*held_places(mechanism, mass, name, kind.turns_arms), *mechanism.acting_at(name)]
     positions = node_positions(mass.length, elements, held)
     items.begin(f"{name}: nodes, in the undeformed link along the x axis")
     nodes = [

@@ -81,6 +81,7 @@ class ExudynEngine(Engine):
     }
     theories: ClassVar[dict[str, str]] = {"ancf": "euler", "geometrically-exact": "timoshenko"}
     simulates: ClassVar[bool] = True
+    solves_connectors: ClassVar[bool] = True
 
     def __init__(
         self,
@@ -152,7 +153,7 @@ class ExudynEngine(Engine):
             equilibrium.tangent,
             equilibrium.displacement,
             damping=equilibrium.damping,
-            loads=loads,
+            loads=self._with_connectors(loads, motion, equilibrium.displacement),
             guiding=equilibrium.line_force * [bool(s.guide) for s in topology.sliders],
         )
 
@@ -202,7 +203,6 @@ class ExudynEngine(Engine):
             If a step does not converge; names its time and the crank angle.
         """
         self.require_prescribed_shaft()
-        self.require_no_connectors("a run in time")
         check_number(step, "step", "s", POSITIVE)
         sample_time = checked_array(sample_time, "sample_time", "s")
         check_choice(integrator, INTEGRATORS, "integrator")
@@ -259,7 +259,6 @@ class ExudynEngine(Engine):
             If a step does not converge; names its time and the crank angle.
         """
         self.require_prescribed_shaft()
-        self.require_no_connectors("a run in time")
         check_number(step, "step", "s", POSITIVE)
         model = RunningModel(
             self.mechanism, self.elements, self.element, drive, self.held_links, impacts
@@ -302,7 +301,6 @@ class ExudynEngine(Engine):
             If the step or the integrator cannot be, or the start tears a joint.
         """
         self.require_prescribed_shaft()
-        self.require_no_connectors("a run in time")
         check_number(step, "step", "s", POSITIVE)
         check_choice(integrator, INTEGRATORS, "integrator")
         model = RunningModel(self.mechanism, self.elements, self.element, drive, self.held_links)
