@@ -7,6 +7,7 @@ from flexmech.linear_system.component_modes import (
     ComponentModes,
     component_modes,
 )
+from flexmech.linear_system.connectors import acts_still
 from flexmech.linear_system.engine import Engine
 from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.link_bodies import (
@@ -89,6 +90,7 @@ __all__ = [
     "SystemMatrices",
     "TheoryComparison",
     "TheoryDifference",
+    "acts_still",
     "body_couple",
     "body_nodes",
     "checked_mechanism",

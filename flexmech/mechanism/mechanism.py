@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
 from flexmech.linkages import (
-    LEAST_DISTANCE,
     CouplerPoint,
     InverseDynamics,
     JointSpring,
@@ -28,6 +27,7 @@ from flexmech.linkages import (
     shown_crank_angle,
 )
 from flexmech.materials import REFERENCE_TEMPERATURE
+from flexmech.mechanism.acting_points import places_apart
 from flexmech.mechanism.attachment_tables import joints_table, loads_table, springs_table
 from flexmech.mechanism.checks import (
     check_bodies,
@@ -295,24 +295,12 @@ class Mechanism:
         return None if section is None else section.layers
 
     def acting_at(self, link: str) -> list[float]:
-        """Where loads and springs act on a link, in m from its start; ends are left out.
-
-        Places nearer than 1/500 of the link's length to another one or to an end are left out
-        too: an element between them would be stiffer than round-off allows.
-        """
-        topology = self.linkage.topology
-        length = topology.links[topology.index(link)].length
-        least, taken = LEAST_DISTANCE * length, [0.0, length]
+        """Where loads and springs act on a link, m from its start, apart from masses and ends."""
         points = [load.point for load in self.loads]
         points += [point for spring in self.springs for point in (spring.first, spring.second)]
-        taken += self.link_mass(link).point_positions
-        taken += [body.position for body in self.bodies if body.link == link]
-        found = []
-        for x in sorted({point.x for point in points if point.link == link}):
-            if min(abs(x - other) for other in taken) >= least:
-                found.append(x)
-                taken.append(x)
-        return found
+        mass = self.link_mass(link)
+        taken = [*mass.point_positions, *(body.position for body in mass.bodies)]
+        return places_apart(points, link, mass.length, taken)
 
     @property
     def without_loads_over_time(self) -> Mechanism:

@@ -28,6 +28,7 @@ from flexmech.linear_system import (
     Prestress,
     StressedLinks,
     TheoryComparison,
+    acts_still,
     element_tensions,
     refuse_large_displacements,
     straight_forces,
@@ -104,7 +105,9 @@ class ExudynEngine(Engine):
     @cached_property
     def model(self) -> StaticModel:
         """The Exudyn system, moved through the crank angles."""
-        return StaticModel(self.mechanism, self.elements, self.element)
+        return StaticModel(
+            self.mechanism, self.elements, self.element, connects=acts_still(self.mechanism)
+        )
 
     @cached_property
     def _links(self) -> tuple[LinkModel, ...]:
