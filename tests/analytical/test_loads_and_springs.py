@@ -202,6 +202,18 @@ def test_engines_agree_on_a_fourbar_with_loads_and_springs(speed: float) -> None
     )
 
 
+@pytest.mark.parametrize("speed", [0.0, 12.0])
+def test_engines_agree_on_a_pusher_with_a_load_and_a_spring(speed: float) -> None:
+    """Rigid crank, welded rocker, slider, a table of loads over the crank angle, gravity."""
+    mechanism = load_mechanism("models/carton_pusher.toml")
+    angles = np.radians([0.0, 38.0, 120.0, 250.0])
+    first, second = (
+        natural_frequencies(engine(mechanism, 8, element), angles, speed, modes=3)
+        for engine, element in ENGINES
+    )
+    assert second == pytest.approx(first, rel=5e-5)
+
+
 def test_loads_over_time_do_not_act_on_frozen_positions() -> None:
     late = Load("late", TIP, ((-5.0, 0.0), (-5.0, 0.0)), (0.0, 0.0), over="time", at=(0.0, 1.0))
     for prestress in ("axial", "equilibrium"):
