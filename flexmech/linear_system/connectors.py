@@ -14,13 +14,12 @@ the rotations of two links, a radial one between the displacements of their ends
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from flexmech.choices import Prestress
-from flexmech.errors import InputError
 from flexmech.linear_system.attached_points import AttachedPoint, MovedPoint
+from flexmech.linear_system.connector_forces import Answer, Push, SpringEnd, SpringState
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
@@ -41,40 +40,11 @@ from flexmech.types import FloatArray
 
 __all__ = ["Connectors", "acts_still"]
 
-# Of the longest link: the ends of a spring that are nearer have met.
-MET = 1e-9
-
 
 def acts_still(mechanism: Mechanism) -> bool:
     """Whether loads or springs act on a linkage that stands still."""
     loads = any(load.over != "time" for load in mechanism.loads)
     return bool(loads or mechanism.springs or mechanism.joint_springs)
-
-
-@dataclass(frozen=True)
-class _Push:
-    """Force of connectors on one point: ground axes (B, 2) and torque (B,)."""
-
-    point: AttachedPoint
-    force: FloatArray
-    torque: FloatArray
-
-
-@dataclass(frozen=True)
-class _Answer:
-    """How a connector answers displacements of its two points, one of which may be the ground.
-
-    Parameters
-    ----------
-    first, second : AttachedPoint or None
-    stiffness, damping : ndarray, shape (B, 3, 3)
-        By the displacement (ground axes) and rotation of the second against the first.
-    """
-
-    first: AttachedPoint | None
-    second: AttachedPoint | None
-    stiffness: FloatArray
-    damping: FloatArray
 
 
 class Connectors:
@@ -224,30 +194,26 @@ class Connectors:
                     stiffness += across @ (answer.damping @ rate)
         return SystemMatrices(matrices.mass, damping, stiffness)
 
-    def _pushes(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None
-    ) -> list[_Push]:
+    def _pushes(self, motion: RigidMotion, displacement: Sequence[FloatArray] | None) -> list[Push]:
         pushes = []
         for load in self.loads:
             point = self._point(load.point)
             assert point is not None
             force = self._load_force(load, motion, point, displacement)
-            pushes.append(_Push(point, force, load.values(motion.crank_angle)[:, 2]))
+            pushes.append(Push(point, force, load.values(motion.crank_angle)[:, 2]))
         for spring in self._mechanism.springs:
-            state = _SpringState.of(self, spring, motion, displacement)
+            state = self._spring_state(spring, motion, displacement)
             nothing = np.zeros(len(motion.crank_angle))
             for point, sign in ((state.first, 1.0), (state.second, -1.0)):
                 if point is not None:
-                    pushes.append(
-                        _Push(point, sign * state.tension[:, None] * state.along, nothing)
-                    )
+                    pushes.append(Push(point, sign * state.tension[:, None] * state.along, nothing))
         for own in self._mechanism.joint_springs:
             pushes += self._joint_pushes(own, motion, displacement)
         return pushes
 
     def _answers(
         self, motion: RigidMotion, displacement: Sequence[FloatArray] | None, *, stressed: bool
-    ) -> list[_Answer]:
+    ) -> list[Answer]:
         answers, batch = [], len(motion.crank_angle)
         for load in self.loads if stressed else ():
             if load.axes == "link":
@@ -256,16 +222,16 @@ class Connectors:
                 force = self._load_force(load, motion, point, displacement)
                 turned = np.zeros((batch, 3, 3))
                 turned[:, 0, 2], turned[:, 1, 2] = force[:, 1], -force[:, 0]
-                answers.append(_Answer(None, point, turned, np.zeros((batch, 3, 3))))
+                answers.append(Answer(None, point, turned, np.zeros((batch, 3, 3))))
         for spring in self._mechanism.springs:
-            state = _SpringState.of(self, spring, motion, displacement)
+            state = self._spring_state(spring, motion, displacement)
             answers.append(state.answer(spring, stressed=stressed))
         for own in self._mechanism.joint_springs:
             second, first = self._joint_points(own)
             by_size = np.array([own.radial_stiffness or 0.0] * 2 + [own.torsional_stiffness])
             damps = np.array([own.radial_damping] * 2 + [own.torsional_damping])
             answers.append(
-                _Answer(
+                Answer(
                     first, second, *(np.tile(np.diag(x), (batch, 1, 1)) for x in (by_size, damps))
                 )
             )
@@ -289,7 +255,7 @@ class Connectors:
 
     def _joint_pushes(
         self, own: JointSpring, motion: RigidMotion, displacement: Sequence[FloatArray] | None
-    ) -> list[_Push]:
+    ) -> list[Push]:
         """Torques of a joint's torsional spring; a radial one carries what the joint carries."""
         second, first = self._joint_points(own)
         sides = [(point, sign) for point, sign in ((second, 1.0), (first, -1.0)) if point]
@@ -303,7 +269,7 @@ class Connectors:
         torque = -own.torsional_stiffness * (opening - own.free_angle)
         torque = np.asarray(torque - own.torsional_damping * rate)
         nothing = np.zeros((len(torque), 2))
-        return [_Push(point, nothing, sign * torque) for point, sign in sides]
+        return [Push(point, nothing, sign * torque) for point, sign in sides]
 
     def _joint_points(self, own: JointSpring) -> tuple[AttachedPoint, AttachedPoint | None]:
         follower, leader = self._holders[own.joint]
@@ -324,87 +290,23 @@ class Connectors:
             return None
         return self._at(self._links, self._topology.index(point.link), point.x)
 
-    def place(
+    def _spring_state(
+        self, spring: Spring, motion: RigidMotion, displacement: Sequence[FloatArray] | None
+    ) -> SpringState:
+        size = max(link.length for link in self._topology.links)
+        ends = [
+            self._spring_end(end, motion, displacement) for end in (spring.first, spring.second)
+        ]
+        return SpringState.of(spring, motion, ends, size)
+
+    def _spring_end(
         self, point: LinkPoint, motion: RigidMotion, displacement: Sequence[FloatArray] | None
-    ) -> tuple[FloatArray, FloatArray]:
-        """Place and velocity of a spring's end.
-
-        Parameters
-        ----------
-        point : LinkPoint
-        motion : RigidMotion
-            Batch of shape (B,).
-        displacement : sequence of ndarray, shape (B, n_link), or None
-            Of the links.
-
-        Returns
-        -------
-        ndarray, shape (B, 2)
-            Place in ground axes.
-        ndarray, shape (B, 2)
-            Velocity in the rigid motion.
-        """
+    ) -> SpringEnd:
         found = self._point(point)
         if found is None:
             still = np.broadcast_to((point.x, point.y), (len(motion.crank_angle), 2))
-            return still, np.zeros_like(still)
+            return SpringEnd(None, still, np.zeros_like(still))
         place = motion.position(found.link, point.x)
         if displacement is not None:
             place = place + found.displacement(motion, displacement[found.link])[:, :2]
-        return place, motion.velocity(found.link, point.x)
-
-    def longest(self) -> float:
-        """Length of the longest link in m."""
-        return max(link.length for link in self._topology.links)
-
-
-@dataclass(frozen=True)
-class _SpringState:
-    """A spring at its length: direction from its first to its second end and tension."""
-
-    first: AttachedPoint | None
-    second: AttachedPoint | None
-    along: FloatArray
-    length: FloatArray
-    approach: FloatArray
-    tension: FloatArray
-
-    @classmethod
-    def of(
-        cls,
-        connectors: Connectors,
-        spring: Spring,
-        motion: RigidMotion,
-        displacement: Sequence[FloatArray] | None,
-    ) -> _SpringState:
-        ends = [
-            connectors.place(end, motion, displacement) for end in (spring.first, spring.second)
-        ]
-        line, approach = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
-        length = np.linalg.norm(line, axis=1)
-        met = length <= MET * connectors.longest()
-        if np.any(met):
-            angle = np.degrees(motion.crank_angle[met][0])
-            raise InputError(
-                f"spring {spring.name}: its ends meet at crank angle {angle:.6g} deg, where its "
-                "force has no direction; move an end, or leave that crank angle out"
-            )
-        along = line / length[:, None]
-        tension = spring.stiffness * (length - spring.free_length)
-        tension = tension + spring.damping * np.sum(along * approach, axis=1)
-        first, second = (connectors._point(end) for end in (spring.first, spring.second))
-        return cls(first, second, along, length, approach, tension)
-
-    def answer(self, spring: Spring, *, stressed: bool) -> _Answer:
-        """Stiffness and damping; that of the tension and of the rigid motion if ``stressed``."""
-        batch = len(self.length)
-        stiffness, damping = np.zeros((2, batch, 3, 3))
-        line = self.along[:, :, None] * self.along[:, None]
-        across = np.eye(2) - line
-        stiffness[:, :2, :2] = spring.stiffness * line
-        damping[:, :2, :2] = spring.damping * line
-        if stressed:
-            stiffness[:, :2, :2] += (self.tension / self.length)[:, None, None] * across
-            turning = (across @ self.approach[..., None])[..., 0] / self.length[:, None]
-            stiffness[:, :2, :2] += spring.damping * self.along[:, :, None] * turning[:, None]
-        return _Answer(self.first, self.second, stiffness, damping)
+        return SpringEnd(found, place, motion.velocity(found.link, point.x))
