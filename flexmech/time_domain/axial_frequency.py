@@ -10,12 +10,17 @@ from flexmech.types import FloatArray
 
 __all__ = ["lowest_axial_frequency"]
 
+# Of the greatest eigenvalue: what is below is round-off of links that turn.
+LOOSE = 1e-10
+
 
 def lowest_axial_frequency(engine: Engine, crank_angle: FloatArray) -> float:
     """Lowest natural frequency of a linkage whose links stretch but do not bend, in Hz.
 
     Straight links, pinned as they are, with all masses and without stress: a truss, in which
-    a clamped link does not turn. The least of all positions.
+    a clamped link does not turn. The least of all positions. Welds are pins in it: links that
+    turn about these without stretching any do not vibrate and are not counted, nor are rigid
+    links, of which a truss may be loose.
 
     Parameters
     ----------
@@ -39,8 +44,10 @@ def lowest_axial_frequency(engine: Engine, crank_angle: FloatArray) -> float:
     clamped = [linkage.topology.index(clamp.held.link) for clamp in linkage.topology.clamps]
     turning = [frames.targets[number][-2:] for number in clamped]
     free = np.setdiff1d(np.arange(frames.size), turning)
+    topology = linkage.topology
+    loose = bool(topology.welds or any(link.rigid for link in links))
     squares = [
-        scipy.linalg.eigh(k, m, eigvals_only=True, subset_by_index=[0, 0])[0]
+        _lowest(k, m, loose)
         for k, m in zip(
             matrices.stiffness[:, free[:, None], free],
             matrices.mass[:, free[:, None], free],
@@ -50,8 +57,19 @@ def lowest_axial_frequency(engine: Engine, crank_angle: FloatArray) -> float:
     return float(np.sqrt(max(min(squares), 0.0)) / (2 * np.pi))
 
 
+def _lowest(stiffness: FloatArray, mass: FloatArray, loose: bool) -> float:
+    """Lowest eigenvalue; of a loose truss the lowest of what stretches."""
+    if not loose:
+        found = scipy.linalg.eigh(stiffness, mass, eigvals_only=True, subset_by_index=[0, 0])
+        return float(found[0])
+    found = scipy.linalg.eigh(stiffness, mass, eigvals_only=True)
+    return float(found[found > LOOSE * found[-1]][0])
+
+
 def _straight(link: LinkModel) -> LinkModel:
     """A link that only stretches and turns: its last two coordinates move its ends across."""
+    if link.rigid:
+        return link
     axial = np.flatnonzero(link.is_axial)
     along = np.zeros((link.size, len(axial)))
     along[axial, np.arange(len(axial))] = 1.0

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from flexmech.linkages import RigidMotion
+from flexmech.linkages import RigidMotion, Topology
+from flexmech.linkages.connection_forces import connections, line_normal, solve_connections
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations import Following
@@ -126,9 +127,12 @@ class LinkageDynamics:
         """Force on the held or following link at each joint in ground axes, (m, joints, 2).
 
         A pin carries what its follower's end is short of; a clamp or pivot carries the rest
-        of what its link needs as a whole.
+        of what its link needs as a whole. Where there are welds, lines or rigid links, all joints
+        together carry what all links need, at the places of the rigid motion.
         """
         topology = self.linkage.engine.mechanism.linkage.topology
+        if topology.welds or topology.sliders or any(link.rigid for link in topology.links):
+            return _balanced_forces(topology, motion, fields)
         forces = {}
         needed = [_to_ground(f[:, :2], motion.angle[:, i]) for i, f in enumerate(fields)]
         for pin in topology.pins:
@@ -144,6 +148,26 @@ class LinkageDynamics:
         for joint, end in held:
             forces[joint] = needed[topology.index(end.link)]
         return np.stack([forces[name] for name in topology.joint_names], axis=1)
+
+
+def _balanced_forces(
+    topology: Topology, motion: RigidMotion, fields: list[FloatArray]
+) -> FloatArray:
+    """Joint forces (m, joints, 2) that give each link its force and moment about its start."""
+    needed = [
+        np.column_stack([_to_ground(f[:, :2], motion.angle[:, i]), f[:, 2]])
+        for i, f in enumerate(fields)
+    ]
+    solved = solve_connections(topology, motion, -np.concatenate(needed, axis=1))
+    forces = np.zeros((len(solved), len(topology.joint_names), 2))
+    for value, unknown in zip(solved.T, connections(topology), strict=True):
+        joint = topology.joint_names.index(unknown.joint)
+        if unknown.slider is not None:
+            across = line_normal(topology, motion, unknown.slider)
+            forces[:, joint] += value[:, None] * across
+        elif unknown.component < 2:
+            forces[:, joint, unknown.component] = value
+    return forces
 
 
 def _to_ground(vector: FloatArray, angle: FloatArray) -> FloatArray:
