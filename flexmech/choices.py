@@ -93,7 +93,7 @@ Start = Literal["rigid", "equilibrium", "periodic"]
 """State in which a run begins."""
 STARTS: tuple[Start, ...] = get_args(Start)
 
-TemplateKind = Literal["four-bar", "composite-four-bar", "rotating-arm"]
+TemplateKind = Literal["four-bar", "composite-four-bar", "rotating-arm", "slider-crank", "planar"]
 """Model files to start from."""
 
 ReportPart = Literal["frequencies", "campbell", "response", "coupler-curve", "section", "moisture"]

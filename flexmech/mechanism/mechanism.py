@@ -42,6 +42,7 @@ from flexmech.mechanism.tables import (
     operation_table,
     shaft_table,
 )
+from flexmech.mechanism.words import attachment_lines
 from flexmech.model_text import SharedTables, TomlTable, quantity
 from flexmech.numbers import (
     NOT_NEGATIVE,
@@ -328,7 +329,7 @@ class Mechanism:
         return tuple(self.link_mass(name) for name in self.linkage.topology.link_names)
 
     def described(self) -> list[str]:
-        """Masses, gravity, operating speeds and coupler point, a line each."""
+        """Masses, bodies, loads, gravity, operating speeds and coupler point, a line each."""
         joints = [f"{joint} {1e3 * mass:.6g} g" for joint, mass in self.joint_masses.items()]
         points = [
             f"{point.link} {1e3 * point.mass:.6g} g at {1e3 * point.position:.6g} mm"
@@ -341,6 +342,9 @@ class Mechanism:
         lines = [
             f"joint masses: {', '.join(joints) or 'none'}",
             f"link point masses: {', '.join(points) or 'none'}",
+            *attachment_lines(
+                self.bodies, self.loads, self.springs, self.joint_springs, self.shaft_inertia
+            ),
             f"total mass: {1e3 * total:.6g} g",
             f"gravity: ({x:g}, {y:g}) m/s^2",
             f"operating speeds: {', '.join(speeds) or 'none stated'}",

@@ -255,10 +255,12 @@ def _examples() -> dict[str, str]:
     examples = {
         "name": '"my mechanism"',
         "source": '"drawing 12-345"',
-        "kind": '"four-bar" or "rotating-arm"',
+        "kind": '"four-bar", "rotating-arm" or "planar"',
         "section": '"rectangle", "laminate" or "general"',
         "material": '"steel"',
         "type": '"constituents", "orthotropic" or "isotropic"',
+        "points": '["A", "B"]',
+        "ground": '["O2", "O4"]',
         "fibre": '"carbon"',
         "matrix": '"polyester"',
         "laminate": '"hybrid"',

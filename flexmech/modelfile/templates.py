@@ -126,6 +126,149 @@ crank_speeds = ["10 rad/s", "300 rpm"]
 """
 )
 
+_DRAWN_LINKS = """
+# Joints are pins where nothing else is said. The clamp is the drive: one ground point exactly.
+[joints.O2]
+kind = "clamp"
+"""
+
+_SLIDER_CRANK = (
+    """
+[linkage]
+kind = "planar"        # any planar linkage, drawn once
+drawn_at = "90 deg"    # crank angle of the coordinates below
+ground = ["O2"]        # points that do not move
+
+[linkage.points]       # x and y
+O2 = ["0 mm", "0 mm"]
+A = ["0 mm", "60 mm"]
+B = ["190 mm", "0 mm"]
+"""
+    + _MATERIAL
+    + """
+# One table for each link, with the points at its two ends.
+[links.crank]
+points = ["O2", "A"]
+rigid = true           # mass and inertia, but does not bend; or give it a section as the rod has
+mass = "0.3 kg"
+inertia = "2e-4 kg m^2"          # about its centre of mass
+centre = "25 mm"                 # from its first point; its middle if left out
+
+# A counterweight, hub or the like; offset of its centre of mass along and across the link:
+# [[links.crank.bodies]]
+# position = "0 mm"
+# mass = "0.2 kg"
+# inertia = "5e-5 kg m^2"
+# offset = ["-30 mm", "0 mm"]
+
+[links.rod]
+points = ["A", "B"]
+material = "aluminium"
+section = "rectangle"
+in_plane_thickness = "8 mm"      # in the plane of the linkage: h in I = b h^3 / 12
+out_of_plane_width = "12 mm"     # along the joint axes: b
+"""
+    + _DRAWN_LINKS
+    + """
+[joints.B]
+kind = "slider"
+direction = "0 deg"              # of its line, to the ground's x axis
+mass = "0.15 kg"                 # of the slider
+
+# What is on the drive, acts on links, or is between points:
+# [shaft]
+# inertia = "1e-4 kg m^2"
+#
+# [loads.gas]
+# point = "B"
+# over = "crank_angle"
+# table = [["0 deg", "-200 N", "0 N"], ["90 deg", "-20 N", "0 N"], ["270 deg", "0 N", "0 N"]]
+#
+# [springs.return]
+# points = ["B", ["300 mm", "0 mm"]]
+# stiffness = "200 N/m"
+# free_length = "80 mm"
+
+[environment]
+gravity = ["0 m/s^2", "0 m/s^2"]       # along x and y
+
+[operation]
+crank_speeds = ["10 rad/s", "300 rpm"]
+"""
+)
+
+_PLANAR = (
+    """
+[linkage]
+kind = "planar"        # any planar linkage, drawn once
+drawn_at = "60 deg"    # crank angle of the coordinates below
+ground = ["O2", "O4", "O6"]
+
+[linkage.points]       # x and y; links that share a point are pinned there
+O2 = ["0 mm", "0 mm"]
+A = ["50 mm", "86.6 mm"]
+B = ["263.8 mm", "266.5 mm"]
+O4 = ["254 mm", "0 mm"]
+C = ["281.3 mm", "168.1 mm"]
+D = ["473.2 mm", "400 mm"]
+O6 = ["300 mm", "500 mm"]
+"""
+    + _MATERIAL
+    + """
+[links.crank]
+points = ["O2", "A"]
+material = "aluminium"
+section = "rectangle"
+in_plane_thickness = "5 mm"      # in the plane of the linkage: h in I = b h^3 / 12
+out_of_plane_width = "25 mm"     # along the joint axes: b
+
+[links.coupler]
+points = ["A", "B", "C"]         # a chain: beams "coupler-1" and "coupler-2", welded at B
+material = "aluminium"
+section = "rectangle"
+in_plane_thickness = "3 mm"
+out_of_plane_width = "25 mm"
+
+[links.rocker]
+points = ["O4", "B"]
+material = "aluminium"
+section = "rectangle"
+in_plane_thickness = "3 mm"
+out_of_plane_width = "25 mm"
+
+[links.connector]
+points = ["C", "D"]
+material = "aluminium"
+section = "rectangle"
+in_plane_thickness = "3 mm"
+out_of_plane_width = "25 mm"
+
+[links.output]
+points = ["O6", "D"]
+material = "aluminium"
+section = "rectangle"
+in_plane_thickness = "3 mm"
+out_of_plane_width = "25 mm"
+"""
+    + _DRAWN_LINKS
+    + """
+# Other joints:
+# [joints.D]
+# kind = "weld"                  # keeps the angle between the links that meet there
+# kind = "slider"                # stays on a line, by its direction to the ground or to guide
+# direction = "0 deg"
+# guide = "output"               # a rigid link that does not pass through the point
+# mass = "15 g"
+# torsional_stiffness = "0.2 N m/rad"   # of a pin, with free_angle and torsional_damping
+
+[environment]
+gravity = ["0 m/s^2", "0 m/s^2"]       # along x and y
+
+[operation]
+crank_speeds = ["10 rad/s", "20 rad/s"]
+"""
+)
+
 _COMPOSITE_FOUR_BAR = """
 [linkage]
 kind = "four-bar"      # ground pivots O2 and O4, crank O2-A, coupler A-B, rocker O4-B
@@ -215,6 +358,8 @@ _TEMPLATES = {
     "four-bar": _HEAD.format(name="my four-bar") + _FOUR_BAR,
     "composite-four-bar": _HEAD.format(name="my composite four-bar") + _COMPOSITE_FOUR_BAR,
     "rotating-arm": _HEAD.format(name="my rotating arm") + _ROTATING_ARM,
+    "slider-crank": _HEAD.format(name="my slider-crank") + _SLIDER_CRANK,
+    "planar": _HEAD.format(name="my six-bar") + _PLANAR,
 }
 
 KINDS = tuple(_TEMPLATES)

@@ -44,7 +44,12 @@ WRONG_FOUR_BARS = [
     ("[operation]", "[joints.A]\nmas = '1 g'\n[operation]", "joints.A.mas", "did you mean 'mass'"),
     # Missing keys and tables, and an example of what to add.
     ('crank = "100 mm"\n', "", "linkage.crank", 'missing; add it, for example crank = "279.4 mm"'),
-    ('kind = "four-bar"', "", "linkage.kind", 'missing; add it.*"four-bar" or "rotating-arm"'),
+    (
+        'kind = "four-bar"',
+        "",
+        "linkage.kind",
+        'missing; add it.*"four-bar", "rotating-arm" or "planar"',
+    ),
     ('name = "my four-bar"\n', "", "name", "missing; add it, for example name ="),
     (re.search(r"source = .*\n", FOUR_BAR)[0], "", "source", "missing; add it"),  # type: ignore[index]
     ('density = "2700 kg/m^3"\n', "", "materials.aluminium.density", 'missing.*"7800 kg/m\\^3"'),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flexmech.errors import InputError
-from flexmech.linkages import FourBar, RotatingArm
+from flexmech.linkages import FourBar, PlanarLinkage, RotatingArm
 from flexmech.modelfile import (
     KINDS,
     json_schema,
@@ -169,7 +170,23 @@ def test_templates_fit_the_schema_and_load(kind: str) -> None:
     text = template(kind)
     fit_the_schema(tomllib.loads(text))
     kinds = {"four-bar": FourBar, "composite-four-bar": FourBar, "rotating-arm": RotatingArm}
+    kinds |= {"slider-crank": PlanarLinkage, "planar": PlanarLinkage}
     assert isinstance(mechanism_from_toml(text).linkage, kinds[kind])
+
+
+def test_what_the_slider_crank_shows_in_comments_is_right_too() -> None:
+    lines = [
+        line.removeprefix("# ") if line.startswith("# ") and " = " in line else line
+        for line in template("slider-crank").split("\n")
+    ]
+    text = re.sub(r"(?m)^# \[", "[", "\n".join(lines))
+    # Of the two ways to state damping, one.
+    text = re.sub(r"(?m)^damping_(ratio|frequency).*$", "", text)
+    mechanism = mechanism_from_toml(text)
+    assert mechanism.shaft_inertia == 1e-4
+    assert [load.name for load in mechanism.loads] == ["gas"]
+    assert [spring.name for spring in mechanism.springs] == ["return"]
+    assert [body.mass for body in mechanism.bodies] == [0.3, 0.2]
 
 
 @pytest.mark.parametrize("kind", ["four-bar", "rotating-arm"])

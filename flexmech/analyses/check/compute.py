@@ -13,12 +13,14 @@ from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.provenance import provenance, with_units
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.section_profile.properties import LINK_PROPERTIES, section_properties
-from flexmech.errors import InputError
+from flexmech.choices import MODES
+from flexmech.errors import ComputationError, InputError
 from flexmech.hygrothermal import absorbing_links, inert_links
 from flexmech.linear_system import Engine
 from flexmech.linkages import shown_crank_angle
 from flexmech.mechanism import Mechanism
 from flexmech.numbers import checked_number
+from flexmech.types import FloatArray
 from flexmech.units import ZERO_CELSIUS
 
 __all__ = ["check_mechanism"]
@@ -82,7 +84,7 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
     dataset["frequency_angle"] = at
     frequency = None
     try:
-        frequency = natural_frequencies(engine, at)
+        frequency = _oscillating(engine, at)
         dataset["frequency"] = ("mode", frequency)
     except InputError as error:
         if crank_angle is not None:
@@ -94,6 +96,17 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
         dataset = dataset.merge(drawn_mechanism(mechanism, posture))
     dataset.attrs["remarks"] = "\n".join(remarks(mechanism, frequency))
     return ModelCheck(with_units(dataset, "check"))
+
+
+def _oscillating(engine: Engine, crank_angle: float) -> FloatArray:
+    """Natural frequencies of the lowest modes, of as many as oscillate."""
+    for modes in range(MODES, 1, -1):
+        try:
+            return natural_frequencies(engine, crank_angle, modes=modes)
+        except ComputationError:
+            # Strongly damped links have few modes that oscillate.
+            continue
+    return natural_frequencies(engine, crank_angle, modes=1)
 
 
 def _hygrothermal_lines(mechanism: Mechanism) -> list[str]:

@@ -104,10 +104,17 @@ class ModelCheck(Result):
     def _link_table(self) -> Table:
         """Properties of the links, a column for each; what no link has is left out."""
         rows = []
+        without = np.isnan(self.dataset["axial_stiffness"].values)
         for one in ROWS:
             values = self.dataset[one.name].values
             if np.nan_to_num(values).any() or one.name.startswith("damping"):
-                rows.append(one.row(values))
+                words, *numbers = one.row(values)
+                if one in PROPERTIES:
+                    numbers = [
+                        "rigid" if rigid else number
+                        for rigid, number in zip(without, numbers, strict=True)
+                    ]
+                rows.append((words, *numbers))
         return Table("links", ("property", *self.dataset["link"].values), (tuple(rows),))
 
     def _frequency_line(self) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -135,14 +136,23 @@ class _Order:
         return min(unknown, key=lambda body: conditions[body])
 
     def _on(self, group: tuple[int, ...]) -> Constraints:
-        """Constraints of some bodies, with each other and with known ones."""
-        inside = self.known | set(group)
-        own = tuple(
-            each
-            for each in self.bodies.constraints
-            if set(_pair(each)) <= inside and set(_pair(each)) & set(group)
-        )
-        return Constraints(self.drawing, own, group)
+        """Constraints of some bodies, with each other and with known ones.
+
+        Where several bodies meet, a known one counts for the point, whichever it is.
+        """
+        own: list[Coincidence | OnLine] = []
+        at: dict[str, int] = {}
+        for point, here in self.bodies.at_point.items():
+            present = [body for body in here if body in self.known or body in group]
+            if present:
+                base = at[point] = min(present, key=lambda body: (body not in self.known, body))
+                new = (body for body in present if body in group and body != base)
+                own += [Coincidence(point, base, body) for body in new]
+        for line in self.bodies.lines:
+            inside = line.guide in self.known or line.guide in group
+            if inside and line.point in at and {line.guide, at[line.point]} & set(group):
+                own.append(replace(line, body=at[line.point]))
+        return Constraints(self.drawing, tuple(own), group)
 
     def _carriers(self, body: int) -> dict[str, int]:
         """Known points of a body, each with a known body that carries it."""
