@@ -1,6 +1,7 @@
 """Linear systems in link frames: the contract between engines and analyses."""
 
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
+from flexmech.linear_system.body_couples import BodyCouples
 from flexmech.linear_system.checks import checked_mechanism
 from flexmech.linear_system.component_modes import (
     GREAT_DETAIL,
@@ -11,7 +12,6 @@ from flexmech.linear_system.connectors import acts_still
 from flexmech.linear_system.engine import Engine
 from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.link_bodies import (
-    BodyLoads,
     BodyMatrices,
     body_couple,
     body_nodes,
@@ -67,7 +67,7 @@ __all__ = [
     "PRESTRESS_LEVELS",
     "RELATIVE_RESIDUAL",
     "ROUND_OFF",
-    "BodyLoads",
+    "BodyCouples",
     "BodyMatrices",
     "ComponentModes",
     "Engine",

@@ -18,7 +18,7 @@ from flexmech.linkages import LinkBody, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["BodyLoads", "BodyMatrices", "body_couple", "body_nodes", "with_bodies"]
+__all__ = ["BodyMatrices", "body_couple", "body_nodes", "second_moment", "with_bodies"]
 
 
 @dataclass(frozen=True)
@@ -132,7 +132,7 @@ def body_couple(
     ndarray, shape (B, 2)
         In N m.
     """
-    (a, c), second = body.offset, _second_moment(body)
+    (a, c), second = body.offset, second_moment(body)
     angle, speed = motion.angle[:, link], motion.angular_velocity[:, link]
     pull = motion.acceleration(link, body.position) - np.asarray(gravity)
     x, y = np.sum(pull * direction(angle), axis=1), np.sum(pull * normal(angle), axis=1)
@@ -141,69 +141,16 @@ def body_couple(
     return np.stack([virial, moment], axis=1)
 
 
-class BodyLoads:
-    """What inertia forces and weight of bodies do to elastic links whose sections turn.
+def second_moment(body: LinkBody) -> float:
+    """Polar second moment of a body about its node in kg m^2.
 
     Parameters
     ----------
-    links : sequence of LinkModel
-        Unreduced.
-    bodies : sequence of sequence of LinkBody
-        On each link; those on rigid links are not read.
-    motion : RigidMotion
-        Batch of shape (B,).
-    gravity : tuple of float
-        In ground axes, m/s^2.
+    body : LinkBody
+
+    Returns
+    -------
+    float
     """
-
-    def __init__(
-        self,
-        links: Sequence[LinkModel],
-        bodies: Sequence[Sequence[LinkBody]],
-        motion: RigidMotion,
-        gravity: tuple[float, float],
-    ) -> None:
-        self._on: list[tuple[int, int, FloatArray, FloatArray]] = []
-        for number, (link, own) in enumerate(zip(links, bodies, strict=True)):
-            if link.rigid:
-                continue
-            readings = link.readings
-            for body, node in zip(own, body_nodes(readings.nodes, own), strict=True):
-                angle = readings.per_node * int(node) + readings.slope
-                couple = body_couple(body, motion, number, gravity)
-                kept = motion.angular_velocity[:, number] ** 2 * _second_moment(body)
-                self._on.append((number, angle, couple, kept))
-
-    @property
-    def any(self) -> bool:
-        """Whether there is a body."""
-        return bool(self._on)
-
-    def turned(
-        self, loads: Sequence[FloatArray], displacement: Sequence[FloatArray]
-    ) -> list[FloatArray]:
-        """Loads (B, n_link) of links that are not displaced, as they are on displaced ones."""
-        result = [np.array(load, dtype=float) for load in loads]
-        for link, angle, couple, _ in self._on:
-            turn = displacement[link][:, angle]
-            virial, moment = couple.T
-            result[link][:, angle] += (np.cos(turn) - 1) * moment - np.sin(turn) * virial
-        return result
-
-    def stiffness(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
-        """Stiffness by each coordinate alone, (B, n_link).
-
-        Without that of centrifugal forces of the bodies' own turning, which keep their potential.
-        """
-        result = [np.zeros_like(q) for q in displacement]
-        for link, angle, couple, kept in self._on:
-            turn = displacement[link][:, angle]
-            virial, moment = couple.T
-            result[link][:, angle] += np.cos(turn) * virial + np.sin(turn) * moment - kept
-        return result
-
-
-def _second_moment(body: LinkBody) -> float:
-    """About its node, in kg m^2."""
     a, c = body.offset
     return body.inertia + body.mass * (a**2 + c**2)

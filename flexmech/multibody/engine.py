@@ -21,6 +21,7 @@ from flexmech.choices import (
 )
 from flexmech.errors import InputError
 from flexmech.linear_system import (
+    BodyCouples,
     Engine,
     LinkFrames,
     LinkModel,
@@ -334,4 +335,7 @@ class ExudynEngine(Engine):
             )
             if not link.rigid
         }
+        if self.mechanism.bodies:
+            masses, gravity = self.mechanism.link_masses_in_order, self.mechanism.gravity
+            tangent = BodyCouples.of(self.held_links, masses, motion, gravity).stiffen(tangent)
         return with_rigid_links(frames, motion, tangent, straight.stiffness, loads)

@@ -14,7 +14,7 @@ from flexmech.beams.link_matrices import Chain, assemble_chain, build_chain
 from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.choices import ELEMENTS, MASSES, MassChoice
 from flexmech.linear_system import (
-    BodyLoads,
+    BodyCouples,
     Engine,
     LinkFrames,
     LinkModel,
@@ -37,10 +37,6 @@ from flexmech.reference.stretch import chain_stretch
 from flexmech.types import FloatArray
 
 __all__ = ["ReferenceEngine"]
-
-# How often the moments of bodies are taken anew where their sections have turned. Each time leaves
-# of their error the part that they have of the link's stiffness.
-BODY_TURNS = 3
 
 
 class ReferenceEngine(Engine):
@@ -159,15 +155,10 @@ class ReferenceEngine(Engine):
     def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
         varying = self._varying(motion)
         virial = self._virial(motion)
-
-        bodies = self._body_loads(motion)
+        bodies = self._bodies(motion)
 
         def displaced(loads: list[FloatArray]) -> list[FloatArray]:
-            found = self.equilibrium.solve(motion, loads, varying, near, virial)
-            for _ in range(BODY_TURNS if bodies.any else 0):
-                turned = bodies.turned(loads, found)
-                found = self.equilibrium.solve(motion, turned, varying, found, virial)
-            return found
+            return self.equilibrium.solve(motion, loads, varying, near, virial, bodies)
 
         loads = self._quasi_static_loads(motion, displaced)
         displacement = displaced(loads)
@@ -197,6 +188,10 @@ class ReferenceEngine(Engine):
     ) -> StressedLinks:
         force, of_chains = self.equilibrium.response(displacement, varying)
         frames, links = self.equilibrium.frames, self.held_links
+        bodies = self._bodies(motion)
+        if bodies is not None:
+            of_chains = bodies.stiffen(of_chains, displacement)
+            bodies.resist(force, displacement)
         found = None
         if frames.rigid.size:
             virial = self._virial(motion)
@@ -205,16 +200,6 @@ class ReferenceEngine(Engine):
         damping = None
         if any(section.damping.any for section in self.mechanism.sections.values()):
             damping = self._damping(displacement)
-        bodies = self._body_loads(motion)
-        if bodies.any:
-            turning = bodies.stiffness(displacement)
-            stressed = replace(
-                stressed,
-                tangent=[
-                    k + q[:, :, None] * np.eye(q.shape[1])
-                    for k, q in zip(stressed.tangent, turning, strict=True)
-                ],
-            )
         # A rigid link that turns meets its tangent as it is, against the forces that cause it.
         for number, link in enumerate(links):
             if link.rigid:
@@ -223,12 +208,6 @@ class ReferenceEngine(Engine):
         return replace(
             stressed, displacement=list(displacement), internal_force=force, damping=damping
         )
-
-    def _body_loads(self, motion: RigidMotion) -> BodyLoads:
-        """Bodies on the links in a batch of positions."""
-        names = self.mechanism.linkage.topology.link_names
-        bodies = [self.mechanism.link_mass(name).bodies for name in names]
-        return BodyLoads(self.held_links, bodies, motion, self.mechanism.gravity)
 
     def _damping(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
         """Damping matrices (B, n, n) of bent links; none of rigid ones."""
@@ -251,7 +230,15 @@ class ReferenceEngine(Engine):
             + assemble_chain(chain.elements.geometric_stiffness(tensions[number]))
             for number, chain in self.chains.items()
         }
+        if (bodies := self._bodies(motion)) is not None:
+            tangent = bodies.stiffen(tangent)
         return with_rigid_links(frames, motion, tangent, straight.stiffness, loads)
+
+    def _bodies(self, motion: RigidMotion) -> BodyCouples | None:
+        """Couples of bodies on flexible links, if there are any."""
+        if not self.mechanism.bodies:
+            return None
+        return BodyCouples.of(self.held_links, self._masses, motion, self.mechanism.gravity)
 
     def _varying(self, motion: RigidMotion) -> list[FloatArray]:
         """Geometric stiffness of each element, (B, e, 6, 6), by flexible link: its varying part.

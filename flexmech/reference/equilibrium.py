@@ -22,6 +22,7 @@ from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import (
     LOAD_STEPS,
     MAX_ITERATIONS,
+    BodyCouples,
     LinkFrames,
     PoseStiffness,
     refuse_positions,
@@ -30,7 +31,7 @@ from flexmech.linear_system.dead_forces import DeadForces
 from flexmech.linkages import RigidMotion
 from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements, LinearStrain
-from flexmech.reference.linkage_tangents import LinkageTangents
+from flexmech.reference.linkage_tangents import LinkageTangents, TangentEntries
 from flexmech.reference.newton_state import Imbalance, Problem, State
 from flexmech.reference.nodal_chains import (
     chain_matrix,
@@ -91,6 +92,7 @@ class Equilibrium:
         extra: Sequence[FloatArray],
         near: Sequence[FloatArray] | None = None,
         virial: FloatArray | None = None,
+        bodies: BodyCouples | None = None,
     ) -> list[FloatArray]:
         """Elastic displacement of each link in its frame at equilibrium.
 
@@ -109,6 +111,8 @@ class Equilibrium:
         virial : ndarray, shape (B, n_links), optional
             Products of force and place of the forces on rigid links; see
             :func:`flexmech.linear_system.dead_virial`. Zero by default.
+        bodies : BodyCouples, optional
+            Of bodies on flexible links.
 
         Returns
         -------
@@ -128,6 +132,7 @@ class Equilibrium:
             DeadForces.of(self.frames.links, motion, loads, virial)
             if self._tangents.ties_move
             else None,
+            bodies,
         )
         state = State.unloaded(*problem.outer.shape)
         if near is not None:
@@ -310,6 +315,8 @@ class Equilibrium:
             tangent += extra
             inner[number] = node_forces(force, self._per_node)
             strains.append(strain)
+        if problem.bodies is not None:
+            self._turn_bodies(problem.bodies, displacement, inner, entries)
         if problem.dead is None or ties.posed is None:
             residual = problem.outer - self._tangents.gather(inner, ties)
             return Imbalance(residual, self._tangents.band(entries, ties), strains)
@@ -318,6 +325,23 @@ class Equilibrium:
         stiffness = problem.dead.stiffness(ties.posed, [force.T for force in inner])
         band = self._tangents.band(entries, ties, ties.posed.matrix(stiffness))
         return Imbalance(residual, band, strains)
+
+    def _turn_bodies(
+        self,
+        bodies: BodyCouples,
+        displacement: Sequence[FloatArray],
+        inner: Sequence[FloatArray],
+        entries: TangentEntries,
+    ) -> None:
+        """Add to forces and tangents what bodies meet that turn with their sections."""
+        for number, (link, row) in enumerate(zip(bodies.links.tolist(), bodies.rows, strict=True)):
+            couple, stiffness = bodies.turned(number, displacement[link][row])
+            inner[link][row] += couple
+            tangent = entries.of_link(link)
+            element = min(int(row) // self._per_node, len(tangent) - 1)
+            local = int(row) - self._per_node * element
+            place = self._links[link].relative_places[local]
+            tangent[element, place, place] += stiffness
 
     def _refuse_instability(self, motion: RigidMotion, factors: FloatArray) -> None:
         refuse_positions(

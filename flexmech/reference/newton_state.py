@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.linear_system.body_couples import BodyCouples
 from flexmech.linear_system.dead_forces import DeadForces
 from flexmech.reference.corotational import LinearStrain
 from flexmech.reference.turning_element import Ties
@@ -102,6 +103,8 @@ class Problem:
         Of the linkage where it is not displaced.
     dead : DeadForces, optional
         The forces link by link, where ties move with the displacement.
+    bodies : BodyCouples, optional
+        Of bodies on flexible links.
     swelling : float
         Part of the swelling that has come on.
     """
@@ -110,13 +113,15 @@ class Problem:
     extra: list[FloatArray]
     ties: Ties
     dead: DeadForces | None
+    bodies: BodyCouples | None = None
     swelling: float = 1.0
 
     def loaded(self, part: float) -> Problem:
         """With a part of the load, and of the swelling."""
         extra = [part * e for e in self.extra]
         dead = self.dead and self.dead.scaled(part)
-        return Problem(part * self.outer, extra, self.ties, dead, part)
+        bodies = self.bodies and self.bodies.scaled(part)
+        return Problem(part * self.outer, extra, self.ties, dead, bodies, part)
 
     def at(self, which: NDArray[np.bool_] | IntArray) -> Problem:
         """That of some positions."""
@@ -125,5 +130,6 @@ class Problem:
             [e[..., which] for e in self.extra],
             self.ties.at(which) if self.dead is None else self.ties,
             self.dead and self.dead.at(which),
+            self.bodies and self.bodies.at(which),
             self.swelling,
         )
