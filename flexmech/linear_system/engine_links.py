@@ -8,6 +8,8 @@ from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
+import numpy as np
+
 from flexmech.choices import Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system.balanced_loads import balanced_loads
@@ -19,6 +21,7 @@ from flexmech.linear_system.link_model import LinkModel, inertia_loads
 from flexmech.linear_system.link_stretch import LinkStretch
 from flexmech.linear_system.quasi_static import steady_loads
 from flexmech.linear_system.rigid_link import dead_virial
+from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.mechanism import Mechanism
@@ -296,8 +299,56 @@ class EngineLinks(ElementKinds):
         if mechanism.loads or mechanism.springs or mechanism.joint_springs:
             raise InputError(
                 f"{what} does not count loads and springs yet, and this mechanism has some; leave "
-                "them out of the model, or ask for natural frequencies"
+                "them out of the model, or ask for natural frequencies or stability"
             )
+
+    def require_conservative_connectors(self) -> None:
+        """Refuse dampers of springs and forces that turn with links.
+
+        Raises
+        ------
+        InputError
+            If there are some.
+        """
+        springs = self.mechanism.joint_springs
+        damped = any(own.torsional_damping or own.radial_damping for own in springs)
+        if self.connectors.follows or damped:
+            raise InputError(
+                "the linkage in its moving modes does not count dampers of springs and joints or "
+                "forces in axes of links yet, and this mechanism has some; leave them out"
+            )
+
+    def connected_stiffness(
+        self,
+        frames: LinkFrames,
+        motion: RigidMotion,
+        prestress: Prestress,
+        displacement: Sequence[FloatArray] | None,
+    ) -> FloatArray | None:
+        """Stiffness of loads and springs.
+
+        Parameters
+        ----------
+        frames : LinkFrames
+            Of the links, reduced or not.
+        motion : RigidMotion
+            Batch of shape (B,).
+        prestress : {"none", "axial", "equilibrium"}
+        displacement : sequence of ndarray, shape (B, n_link), or None
+            Of the unreduced links in the state that they are about.
+
+        Returns
+        -------
+        ndarray, shape (B, size, size), or None
+            None where there are no loads and springs.
+        """
+        if not self.connectors.any:
+            return None
+        nothing = np.zeros((len(motion.crank_angle), frames.size, frames.size))
+        matrices = SystemMatrices(nothing, nothing, nothing)
+        still = RotationTerms.all_or_none(False)
+        added = self.connectors.added(frames, motion, matrices, still, prestress, displacement)
+        return added.stiffness
 
     def require_prescribed_shaft(self) -> None:
         """Refuse a free shaft where the crank's motion is prescribed.

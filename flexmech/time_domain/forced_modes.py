@@ -232,6 +232,7 @@ def forced_modes(
     order = np.arange(SAMPLES) if crank_speed > 0 else -np.arange(SAMPLES) % SAMPLES
     motion = engine.mechanism.linkage.motion(2 * np.pi / SAMPLES * order, crank_speed)
     stressed = engine.stressed_links(motion, prestress)
+    engine.require_no_connectors("forced motion in moving modes")
     turn = SampledTurn.of(engine, motion, stressed, prestress, modes)
     count = min(modes + SPARE_MODES, turn.frames.size)
     if turn.turns_pins:

@@ -225,6 +225,8 @@ def _projected(
         forces = across @ turn.damping[number]
         damping += forces @ shapes
         moving_damping += forces @ rates
+    if turn.connected is not None:
+        stiffness += np.swapaxes(basis, 1, 2) @ (turn.connected @ basis)
     # What round-off and the missing harmonics leave of the other part would not be Hamiltonian.
     skew = (skew - np.swapaxes(skew, 1, 2)) / 2
     stiffness = (stiffness + np.swapaxes(stiffness, 1, 2)) / 2

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
@@ -68,6 +68,8 @@ class SampledTurn:
         In rad/s.
     rigid_modes : int
         How many of the natural modes, the first ones, deform nothing: that of a free shaft.
+    connected : ndarray, shape (N, n, n), or None
+        Stiffness of springs and loads in the coordinates of ``frames``; None without them.
     """
 
     motion: RigidMotion
@@ -79,6 +81,7 @@ class SampledTurn:
     frames: LinkFrames
     crank_speed: float
     rigid_modes: int = 0
+    connected: FloatArray | None = None
 
     @classmethod
     def of(
@@ -110,8 +113,13 @@ class SampledTurn:
         Returns
         -------
         SampledTurn
+
+        Raises
+        ------
+        InputError
+            If springs have dampers or forces turn with links: these have no potential.
         """
-        engine.require_no_connectors("motion over the turn")
+        engine.require_conservative_connectors()
         speed = float(motion.crank_speed[0])
         turns_pins = bool(engine.topology.pins)
         reduced = (
@@ -125,6 +133,7 @@ class SampledTurn:
             if turns_pins
             else ReducedLinks.all_of(engine)
         )
+        frames = LinkFrames(engine.topology, reduced.models)
         pairs = list(zip(reduced.bases, engine.links, strict=True))
         damping = stressed.damping or [link.damping for link in engine.links]
         return cls(
@@ -137,9 +146,10 @@ class SampledTurn:
                 for (basis, _), tangent in zip(pairs, stressed.tangent, strict=True)
             ],
             damping=[basis.T @ d @ basis for (basis, _), d in zip(pairs, damping, strict=True)],
-            frames=LinkFrames(engine.topology, reduced.models),
+            frames=frames,
             crank_speed=speed,
             rigid_modes=engine.rigid_modes,
+            connected=engine.connected_stiffness(frames, motion, prestress, stressed.displacement),
         )
 
     @property
@@ -150,9 +160,13 @@ class SampledTurn:
     @property
     def is_constant(self) -> bool:
         """Whether nothing changes along the turn: no link turns against another, nor its stress."""
-        return not self.turns_pins and all(
-            matrix.ndim == 2 or np.ptp(matrix, axis=0).max() <= UNCHANGED * np.abs(matrix).max()
-            for matrix in (*self.tangent, *self.damping)
+        return (
+            self.connected is None
+            and not self.turns_pins
+            and all(
+                matrix.ndim == 2 or np.ptp(matrix, axis=0).max() <= UNCHANGED * np.abs(matrix).max()
+                for matrix in (*self.tangent, *self.damping)
+            )
         )
 
     @property
@@ -228,6 +242,8 @@ class SampledTurn:
     def _frozen(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         still = RotationTerms.all_or_none(False)
         matrices = self.frames.assemble(self.motion, self.tangent, still)
+        if self.connected is not None:
+            matrices = replace(matrices, stiffness=matrices.stiffness + self.connected)
         half = np.linalg.inv(np.linalg.cholesky(matrices.mass))
         across = np.swapaxes(half, 1, 2)
         squares, vectors = np.linalg.eigh(half @ matrices.stiffness @ across)

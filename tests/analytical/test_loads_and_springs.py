@@ -12,13 +12,18 @@ from scipy.optimize import brentq
 
 from flexmech import (
     BeamSection,
+    CrankDrive,
     ExudynEngine,
+    InputError,
     Material,
     Mechanism,
     ReferenceEngine,
+    ResponseRequest,
     RotatingArm,
     load_mechanism,
     natural_frequencies,
+    response,
+    stability,
 )
 from flexmech.analyses import solve_modes
 from flexmech.linear_system import Engine
@@ -244,3 +249,30 @@ class _Pinned(RotatingArm):
 def _pinned(stiffness: float) -> Mechanism:
     springs = tuple(JointSpring(name, stiffness) for name in ("first", "second"))
     return Mechanism(_Pinned(LENGTH), {"arm": SECTION}, joint_springs=springs)
+
+
+@pytest.mark.parametrize("prestress", ["axial", "equilibrium"])
+def test_floquet_modes_of_an_arm_with_a_spring_to_its_axis(prestress: str) -> None:
+    """It ends on the shaft's axis: nothing changes as the arm turns.
+
+    Floquet exponents are then the frozen eigenvalues with rotation terms.
+    """
+    spring = Spring("to the axis", TIP, LinkPoint(GROUND, 0.0, 0.0), 2000.0, 0.2)
+    made = ReferenceEngine(arm(springs=(spring,)), 4, "euler")
+    found = stability(made, [40.0], prestress=prestress, modes=2)  # type: ignore[arg-type]
+    frozen = natural_frequencies(made.unreduced(), 0.3, 40.0, modes=2, prestress=prestress)  # type: ignore[arg-type]
+    floquet = np.sort(found.dataset["frequency"].values[0, 0])[::2]
+    assert floquet == pytest.approx(frozen, rel=1e-6)
+    free = natural_frequencies(ReferenceEngine(arm(), 4, "euler"), 0.3, 40.0, modes=1)
+    assert frozen[0] < 0.9 * free[0]  # it presses the arm, along a line through its root
+
+
+def test_dampers_are_refused_where_they_are_not_counted() -> None:
+    spring = Spring("damped", TIP, LinkPoint(GROUND, 0.0, 0.5), 10.0, 0.2, damping=1.0)
+    with pytest.raises(InputError, match="does not count dampers of springs"):
+        stability(ReferenceEngine(arm(springs=(spring,)), 2), [10.0], modes=2)
+    with pytest.raises(InputError, match="a run in time does not count loads and springs yet"):
+        response(
+            ReferenceEngine(arm(springs=(spring,)), 2),
+            ResponseRequest(CrankDrive(10.0), revolutions=0.1),
+        )
