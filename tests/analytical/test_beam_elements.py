@@ -349,7 +349,7 @@ def cantilever(
     mass = LinkMass(1.0, section.mass_per_length)
     chain = build_chain("arm", section, mass, elements, EULER)
     linkage = mechanism.linkage
-    solver = Equilibrium(LinkFrames(linkage.topology, [chain.model]), [chain.elements])
+    solver = Equilibrium(LinkFrames(linkage.topology, [chain.model]), {0: chain.elements})
     load = np.zeros((1, chain.model.size))
     load[0, -3:] = section.bending_stiffness * np.array(force)
     return solver, load, linkage.motion(np.array([0.0]), np.array([0.0]))

@@ -12,6 +12,7 @@ from flexmech import ExudynEngine, ReferenceEngine
 from flexmech.analyses.frequencies.running_states import RunningStates
 from flexmech.linear_system import LinkFrames, RotationTerms, inertia_loads
 from flexmech.linkages import CrankDrive
+from flexmech.multibody.link_parts import turn_vectors
 from flexmech.time_domain import LinkState, nonlinear_orbit
 
 
@@ -123,15 +124,17 @@ def test_forces_on_the_orbit_balance_in_ground_axes(aluminium):
     angle = 2 * np.pi / samples * np.arange(samples)
     motion = aluminium.linkage.motion(angle, np.full(samples, speed))
     stressed = engine.running_links(motion, orbit.displacement)
-    kind, forces = engine.model.assembly.kind, []
+    parts, forces = engine.model.assembly.parts, []
     harmonic = speed * np.arange(samples // 2 + 1)
     for number, (link, q) in enumerate(zip(engine.links, orbit.displacement, strict=True)):
-        place = kind.turned(link.fields.centripetal + q, motion.angle[:, number])
+        place = link.fields.centripetal + q
+        turn_vectors(place, parts[number].vectors, motion.angle[:, number])
         place += motion.origin[:, number, :1] * link.fields.along
         place += motion.origin[:, number, 1:] * link.fields.across
         spectrum = -(harmonic[:, None] ** 2) * np.fft.rfft(place, axis=0)
         moved = np.fft.irfft(spectrum, samples, axis=0) @ link.mass
-        forces.append(kind.turned(moved, -motion.angle[:, number]))
+        turn_vectors(moved, parts[number].vectors, -motion.angle[:, number])
+        forces.append(moved)
         forces[-1] += stressed.internal_force[number]
     frames = LinkFrames(aluminium.linkage.topology, engine.links)
     load = frames.gather(motion, inertia_loads(engine.links, motion, aluminium.gravity))
