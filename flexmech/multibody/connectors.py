@@ -31,10 +31,21 @@ class LoadItem:
 
 @dataclass(frozen=True)
 class SpringItem:
-    """A spring, and the grounds of those of its ends that are on the ground."""
+    """A spring in the system.
+
+    Parameters
+    ----------
+    spring : Spring
+    number : ItemNumber
+    markers : tuple of ItemNumber
+        Of its first and its second end.
+    grounds : tuple
+        Ends on the ground and the ground of each.
+    """
 
     spring: Spring
     number: ItemNumber
+    markers: tuple[ItemNumber, ...]
     grounds: tuple[tuple[LinkPoint, ItemNumber], ...]
 
 
@@ -147,7 +158,7 @@ class Connectors:
             damping=spring.damping,
             referenceLength=spring.free_length,
         )
-        return SpringItem(spring, number, tuple(grounds))
+        return SpringItem(spring, number, tuple(markers), tuple(grounds))
 
     def _add_joint_spring(self, own: JointSpring, fixed: ItemNumber) -> JointSpringItem:
         assembly, items, name = self.assembly, self.assembly.items, f"spring_in_{own.joint}"

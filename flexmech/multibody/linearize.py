@@ -36,6 +36,10 @@ __all__ = [
 ]
 
 
+# How often dampers are turned into their lines. Each time leaves a small part of the change.
+DAMPER_TURNS = 8
+
+
 def simulation_settings(absolute_tolerance: float = 1e-8) -> Any:
     """Settings for one quiet static step and for linearization."""
     settings = load_exudyn().SimulationSettings()
@@ -139,6 +143,11 @@ def static_equilibrium(
         start = pose + assembly.turned(deformation, relative[number])
         if not _solve_static(assembly, settings, assembly.arms.to_nodes(start)):
             _solve_afresh(model, settings, pose, applied, motion, number)
+        for _ in range(DAMPER_TURNS):
+            if model.applied is None or not model.applied.settle():
+                break
+            solved = np.array(assembly.mbs.systemData.GetODE2Coordinates())
+            _solve_static(assembly, settings, solved)
         state = assembly.arms.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
         turning = turning_stiffness(model, state, couples, motion.angular_velocity[number])
         line_force[number] = line_forces(model)

@@ -146,6 +146,8 @@ def turning_stiffness(
         stiffness[own.stop - 1] = couples[link] @ (end - state[own][:2])
         mass = model.assembly.mechanism.link_mass(rigid[link].name)
         stiffness[own.stop - 1] -= speed[link] ** 2 * off_axis_inertia(mass)
+        if model.applied is not None:
+            stiffness[own.stop - 1] += model.applied.virial(state)[link]
     for acting in joint_forces(model, state):
         if acting.link in rigid:
             own = parts[acting.link].coordinates

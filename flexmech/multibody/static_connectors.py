@@ -9,9 +9,14 @@ from flexmech.linkages.motion import direction, normal
 from flexmech.multibody.connectors import Connectors, JointSpringItem, SpringItem
 from flexmech.multibody.grips import angle_of_end
 from flexmech.multibody.items import ItemNumber
+from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.link_parts import RigidPart
 from flexmech.types import FloatArray
 
 __all__ = ["StaticConnectors"]
+
+# Change of a damper's force, relative to it, that is none.
+SETTLED = 1e-12
 
 
 class StaticConnectors:
@@ -31,6 +36,7 @@ class StaticConnectors:
         self._angles: FloatArray = np.zeros((0, 0))
         self._part = 1.0
         self._values: list[FloatArray] = []
+        self._approach: dict[str, FloatArray] = {}
 
     def move_to(self, motion: RigidMotion, number: int, pose: FloatArray) -> None:
         """Set forces, free lengths and places of the ground.
@@ -65,6 +71,64 @@ class StaticConnectors:
             if item.torque is not None:
                 mbs.SetLoadParameter(item.torque, "loadVector", [0.0, 0.0, part * torque])
 
+    def settle(self) -> bool:
+        """Let dampers act along their lines as they are now; whether that changes their forces."""
+        mbs, changed = self._all.assembly.mbs, False
+        for item in self._all.springs:
+            if item.spring.damping:
+                along, _ = self._line(item)
+                before = mbs.GetObjectParameter(item.number, "force")
+                force = item.spring.damping * float(along @ self._approach[item.spring.name])
+                mbs.SetObjectParameter(item.number, "force", force)
+                changed = changed or abs(force - before) > SETTLED * (abs(force) + abs(before))
+        return changed
+
+    def virial(self, state: FloatArray) -> FloatArray:
+        """Products of the forces on rigid links and their places from the start.
+
+        Parameters
+        ----------
+        state : ndarray, shape (size,)
+            Coordinates of all links after a static solution.
+
+        Returns
+        -------
+        ndarray, shape (n_links,)
+            In N m; zero of elastic links.
+        """
+        assembly = self._all.assembly
+        total = np.zeros(len(assembly.parts))
+
+        def add(point: LinkPoint, force: FloatArray, in_link_axes: bool = False) -> None:
+            link = -1 if point.is_ground else assembly.topology.index(point.link)
+            part = assembly.parts[link]
+            if link < 0 or not isinstance(part, RigidPart):
+                return
+            angle = float(state[part.coordinates][2])
+            along = np.array([1.0, 0.0]) if in_link_axes else direction(np.array(angle))
+            total[link] += point.x * float(force @ along)
+
+        for item, (x, y, _) in zip(self._all.loads, self._values, strict=True):
+            force, turns = np.array([x, y]), item.load.axes == "link"
+            add(item.load.point, force if turns else _turned(force, -self._turn), turns)
+        for each in self._all.springs:
+            spring, (along, length) = each.spring, self._line(each)
+            pull = spring.stiffness * (length - spring.free_length)
+            pull += assembly.mbs.GetObjectParameter(each.number, "force")
+            add(spring.first, pull * along)
+            add(spring.second, -pull * along)
+        return total
+
+    def _line(self, item: SpringItem) -> tuple[FloatArray, float]:
+        """Direction from the first to the second end in the model's axes, and length in m."""
+        kind = load_exudyn().OutputVariableType.Position
+        first, second = (
+            np.array(self._all.assembly.mbs.GetMarkerOutput(int(marker), kind))[:2]
+            for marker in item.markers
+        )
+        length = float(np.linalg.norm(second - first))
+        return (second - first) / length, length
+
     @property
     def scale_of_forces(self) -> float:
         """Sum of what the loads push with, in N and N m."""
@@ -79,6 +143,7 @@ class StaticConnectors:
             line, approach = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
             rate = float(line @ approach / np.linalg.norm(line))
             mbs.SetObjectParameter(item.number, "force", spring.damping * rate)
+            self._approach[spring.name] = _turned(approach, -self._turn)
 
     def _set_joint(
         self, item: JointSpringItem, motion: RigidMotion, number: int, pose: FloatArray
