@@ -30,6 +30,10 @@ from flexmech.types import FloatArray
 __all__ = ["EngineLinks"]
 
 
+# With the shaft held nothing depends on the last digits of that balance.
+WELDED_PASS = 1e-7
+
+
 class EngineLinks(ElementKinds):
     """Links of an engine as its linear systems are made of them.
 
@@ -204,8 +208,10 @@ class EngineLinks(ElementKinds):
     ) -> list[FloatArray]:
         """Loads (B, n_link) on the held links, which ``solve`` displaces under them."""
         loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
-        if self.turns_freely_as_one_body or self._welded_into_one_body:
+        if self.turns_freely_as_one_body:
             loads = steady_loads(self.held_links, motion, loads, solve)
+        elif self._welded_into_one_body:
+            loads = steady_loads(self.held_links, motion, loads, solve, WELDED_PASS)
         connectors = self.held_connectors
         if self.solves_connectors or not connectors.any:
             return loads

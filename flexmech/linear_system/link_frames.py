@@ -209,9 +209,23 @@ class LinkFrames:
             if terms.tangential:
                 place.add_following(total, link.ends.mass, pairs, [p.tangential for p in pairs])
         if guiding is not None and guiding.any():
-            first = len(self.rigid.independent)
-            total[:, :first, :first] += self._ties.guided(motion, guiding)
+            total += self.guided(motion, guiding)
         return SystemMatrices(mass, rates, total)
+
+    def guided(self, motion: RigidMotion, guiding: FloatArray) -> FloatArray:
+        """Stiffness between the rotations of guides and the slides on them, (B, size, size).
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        guiding : ndarray, shape (B, n_sliders)
+            In N/rad; see :class:`flexmech.linear_system.StressedLinks`.
+        """
+        first = len(self.rigid.independent)
+        total = np.zeros((len(guiding), self.size, self.size))
+        total[:, :first, :first] = self._ties.guided(motion, guiding)
+        return total
 
     def _sum_steady(
         self,

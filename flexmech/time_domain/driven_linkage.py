@@ -160,6 +160,7 @@ class DrivenLinkage:
             [s.stiffness for s in stress],
             RotationTerms.all_or_none(not still),
             [LinkDamping(s.damping, s.damping) for s in stress],
+            self._stress.guiding(time),
         )
         if load is None:
             force = self._force(motion, stress)
@@ -216,7 +217,7 @@ class DrivenLinkage:
             rate=[basis @ rate[0] for basis, (_, rate, _) in pairs],
         )
 
-    def coordinates(self, state: LinkState) -> tuple[FloatArray, FloatArray]:
+    def coordinates(self, state: LinkState, time: float = 0.0) -> tuple[FloatArray, FloatArray]:
         """Independent coordinates nearest to a state of the engine's links.
 
         Nearest by the mass matrix: what component modes cannot show is left out. The
@@ -225,6 +226,8 @@ class DrivenLinkage:
         Parameters
         ----------
         state : LinkState
+        time : float
+            At which it is, in s.
 
         Returns
         -------
@@ -233,14 +236,24 @@ class DrivenLinkage:
         ndarray, shape (n,)
             Velocity z'.
         """
-        values = np.zeros((2, self.frames.size))
+        nearest = []
         for number, (full, basis) in enumerate(zip(self.engine.links, self.bases, strict=True)):
-            target = self.frames.targets[number]
-            own = self.frames.own(number)
             both = np.stack([state.displacement[number], state.rate[number]], axis=1)
-            weighted = basis.T @ full.mass
-            nearest = np.linalg.solve(weighted @ basis, weighted @ both)
-            values[:, target[own]] = nearest[own].T
+            if not full.rigid:
+                weighted = basis.T @ full.mass
+                both = np.asarray(np.linalg.solve(weighted @ basis, weighted @ both), dtype=float)
+            nearest.append(both[None])
+        motion = self.motion(np.array([time]))
+        values = self.frames.independent(motion, nearest)[0].T
+        if self.frames.topology.sliders:
+            # What the frames' turning alone makes of the position is no rate of a slide.
+            still = np.zeros_like(values[:1])
+            moving = self.frames.link_motion(motion, values[:1], still, still)
+            rates = [
+                both[..., 1:] - rate[..., None]
+                for both, (_, rate, _) in zip(nearest, moving, strict=True)
+            ]
+            values[1] = self.frames.independent(motion, rates)[0, :, 0]
         position, velocity = values[:, ~self._condensed]
         return position, velocity
 

@@ -16,7 +16,7 @@ from flexmech.linear_system import (
     RotationTerms,
     StressedLinks,
 )
-from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.linkages import CrankDrive, RigidMotion, Topology
 from flexmech.time_domain.reduced_links import ReducedLinks, prestressed_links
 from flexmech.types import FloatArray
 
@@ -69,7 +69,8 @@ class SampledTurn:
     rigid_modes : int
         How many of the natural modes, the first ones, deform nothing: that of a free shaft.
     connected : ndarray, shape (N, n, n), or None
-        Stiffness of springs and loads in the coordinates of ``frames``; None without them.
+        Stiffness of springs, loads and guides in the coordinates of ``frames``; None without
+        them.
     """
 
     motion: RigidMotion
@@ -121,7 +122,7 @@ class SampledTurn:
         """
         engine.require_conservative_connectors()
         speed = float(motion.crank_speed[0])
-        turns_pins = bool(engine.topology.pins)
+        turns_pins = _turns(engine.topology)
         reduced = (
             prestressed_links(
                 engine,
@@ -136,6 +137,10 @@ class SampledTurn:
         frames = LinkFrames(engine.topology, reduced.models)
         pairs = list(zip(reduced.bases, engine.links, strict=True))
         damping = stressed.damping or [link.damping for link in engine.links]
+        connected = engine.connected_stiffness(frames, motion, prestress, stressed.displacement)
+        if stressed.guiding is not None and stressed.guiding.any():
+            guided = frames.guided(motion, stressed.guiding)
+            connected = guided if connected is None else connected + guided
         return cls(
             motion=motion,
             models=reduced.models,
@@ -149,13 +154,13 @@ class SampledTurn:
             frames=frames,
             crank_speed=speed,
             rigid_modes=engine.rigid_modes,
-            connected=engine.connected_stiffness(frames, motion, prestress, stressed.displacement),
+            connected=connected,
         )
 
     @property
     def turns_pins(self) -> bool:
         """Whether a link turns against another one, so that shapes change along the turn."""
-        return bool(self.frames.topology.pins)
+        return _turns(self.frames.topology)
 
     @property
     def is_constant(self) -> bool:
@@ -248,3 +253,8 @@ class SampledTurn:
         across = np.swapaxes(half, 1, 2)
         squares, vectors = np.linalg.eigh(half @ matrices.stiffness @ across)
         return matrices.mass, squares, across @ vectors
+
+
+def _turns(topology: Topology) -> bool:
+    """Whether a link turns against another one or slides."""
+    return bool(topology.pins or topology.sliders)

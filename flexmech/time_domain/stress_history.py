@@ -80,6 +80,7 @@ class StressHistory:
         self._damping = [
             basis.T @ link.damping @ basis for link, basis in zip(engine.links, bases, strict=True)
         ]
+        self._guides: FloatArray | None = None
         self._turn: CubicSpline | None = None
         self._rise: CubicSpline | None = None
         if prestress == "none" and not engine.mechanism.is_free_strained:
@@ -97,6 +98,7 @@ class StressHistory:
             sampled.append(self._sampled(rise_time, angle, speed, acceleration))
         values = np.concatenate(sampled)
         share, shapes = _few_shapes(values, self._scale(values))
+        self._guides = shapes[:, sum(self._width(size) for size in self._sizes) :]
         self._shapes = [
             StressShapes.unpacked(shapes[:, part], size, damping)
             for part, size, damping in zip(self._columns(), self._sizes, self._damping, strict=True)
@@ -110,6 +112,17 @@ class StressHistory:
 
     def at(self, time: FloatArray) -> list[LinkStress]:
         """Stress of each link at times of shape (m,)."""
+        share, rate = self._shares(time)
+        return [LinkStress(shapes, share, rate) for shapes in self._shapes]
+
+    def guiding(self, time: FloatArray) -> FloatArray | None:
+        """Stiffness between rotations of guides and slides at times of shape (m,); (m, sliders)."""
+        if self._guides is None or not self._guides.any():
+            return None
+        return np.asarray(self._shares(time)[0] @ self._guides)
+
+    def _shares(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Shares of the distributions of stress, and their rates, (m, r)."""
         drive = self._drive
         if self._turn is None:
             share, rate = np.ones((len(time), 1)), np.zeros((len(time), 1))
@@ -121,7 +134,7 @@ class StressHistory:
             if self._rise is not None and rising.any():
                 share[rising] = self._rise(time[rising])
                 rate[rising] = self._rise(time[rising], 1)
-        return [LinkStress(shapes, share, rate) for shapes in self._shapes]
+        return share, rate
 
     def _columns(self) -> list[slice]:
         """Where each link's values are among those of all links."""
@@ -139,6 +152,8 @@ class StressHistory:
             edges = columns.start + np.array([0, square, square + size, square + size + 1])
             for start, stop in pairwise([*edges.tolist(), columns.stop]):
                 scale[start:stop] = np.abs(values[:, start:stop]).max(initial=0.0) or 1.0
+        last = sum(self._width(size) for size in self._sizes)
+        scale[last:] = np.abs(values[:, last:]).max(initial=0.0) or 1.0
         return scale
 
     def _width(self, size: int) -> int:
@@ -199,6 +214,8 @@ class StressHistory:
                 if stressed.damping is not None:
                     damping = basis.T @ stressed.damping[number] @ basis
                 columns.append(np.broadcast_to(damping, stiffness.shape).reshape(batch, -1))
+        if stressed.guiding is not None:
+            columns.append(stressed.guiding)
         return np.concatenate(columns, axis=1)
 
     def _add_bending_work(

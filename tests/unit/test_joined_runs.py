@@ -1,0 +1,54 @@
+"""Runs in time of linkages with lines, welds and rigid links."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexmech import CrankDrive, ReferenceEngine
+from flexmech.linear_system import LinkDamping, RotationTerms, StressedLinks
+from flexmech.time_domain.driven_linkage import DrivenLinkage
+from flexmech.time_domain.state import VibrationState
+from tests.cross_engine.test_exudyn_joints import LINKAGES, strips
+
+
+@pytest.mark.parametrize("name", LINKAGES)
+def test_coordinates_of_a_state_are_those_that_made_it(name: str) -> None:
+    """Slides too, which no link has among its coordinates."""
+    engine = ReferenceEngine(strips(name), 6, "euler")
+    linkage = DrivenLinkage(engine, CrankDrive(20.0), "none", stretches=True)
+    equations = linkage.equations(np.array([0.03]))
+    random = np.random.default_rng(0)
+    position, velocity = 1e-3 * random.normal(size=(2, 1, linkage.size))
+    vibration = VibrationState(position, velocity, np.zeros_like(position))
+    state = linkage.link_state(equations, vibration)
+    found = linkage.coordinates(state, 0.03)
+    np.testing.assert_allclose(found[0], position[0], atol=1e-13)
+    np.testing.assert_allclose(found[1], velocity[0], atol=1e-11)
+
+
+@pytest.mark.parametrize("prestress", ["axial", "equilibrium"])
+def test_forces_on_guides_are_in_the_equations_in_time(prestress: str) -> None:
+    """The same stiffness as that of the frozen system, at any position of the turn."""
+    engine = ReferenceEngine(strips("rigid guide", 3e-3), 4, "euler", component_modes=False)
+    linkage = DrivenLinkage(engine, CrankDrive(20.0), prestress)
+    angle = 2 * np.pi * 40 / 120  # where the stress is sampled
+    equations = linkage.equations(np.array([angle / 20.0]))
+    motion = engine.mechanism.linkage.motion(np.array([angle]), 20.0)
+    stressed = engine.stressed_links(motion, prestress)
+    assert stressed.guiding is not None
+    assert np.abs(stressed.guiding).max() > 0.1
+    # In time, coordinates of rigid links stay in the frames of the rigid motion.
+    straight: StressedLinks = replace(stressed, displacement=None)
+    nothing = [LinkDamping(0 * x.damping, 0 * x.damping) for x in engine.links]
+    with_guides, without = (
+        linkage.frames.assemble(
+            motion, straight.tangent, RotationTerms(), nothing, guiding
+        ).stiffness
+        for guiding in (stressed.guiding, None)
+    )
+    scale = np.abs(with_guides - without).max()
+    assert scale > 0.1
+    np.testing.assert_allclose(equations.stiffness, with_guides, atol=1e-4 * scale, rtol=1e-7)
