@@ -30,10 +30,6 @@ from flexmech.types import FloatArray
 __all__ = ["EngineLinks"]
 
 
-# With the shaft held nothing depends on the last digits of that balance.
-WELDED_PASS = 1e-7
-
-
 class EngineLinks(ElementKinds):
     """Links of an engine as its linear systems are made of them.
 
@@ -210,8 +206,6 @@ class EngineLinks(ElementKinds):
         loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
         if self.turns_freely_as_one_body:
             loads = steady_loads(self.held_links, motion, loads, solve)
-        elif self._welded_into_one_body:
-            loads = steady_loads(self.held_links, motion, loads, solve, WELDED_PASS)
         connectors = self.held_connectors
         if self.solves_connectors or not connectors.any:
             return loads
@@ -378,17 +372,6 @@ class EngineLinks(ElementKinds):
         stretched turns as a whole, and a turn would meet a force.
         """
         return self._free_shaft is not None and self._free_shaft.turns_one_body(self.topology)
-
-    @property
-    def _welded_into_one_body(self) -> bool:
-        """Whether welds alone tie all links to the shaft.
-
-        It stands still in its frame, and may bend so far that its inertia forces are elsewhere:
-        an arm whose tip carries another across it feels them at a lever that bending changes.
-        """
-        topology = self.mechanism.linkage.topology
-        apart = topology.pins or topology.pivots or topology.sliders
-        return bool(topology.welds) and len(topology.clamps) == 1 and not apart
 
     @property
     def rigid_modes(self) -> int:

@@ -95,7 +95,6 @@ def steady_loads(
     motion: RigidMotion,
     loads: Sequence[FloatArray],
     solve: Callable[[list[FloatArray]], list[FloatArray]],
-    last_pass: float = LAST_PASS,
 ) -> list[FloatArray]:
     """Inertia forces of links that turn as one body, their displacements included.
 
@@ -112,8 +111,6 @@ def steady_loads(
         Inertia forces of the undisplaced links, and weight.
     solve : callable
         Displacements (B, n_link) at equilibrium under loads.
-    last_pass : float
-        Change of the displacement in a pass, relative to the greatest, that is the last.
 
     Returns
     -------
@@ -128,7 +125,7 @@ def steady_loads(
     for _ in range(MOST_PASSES):
         displacement = solve(found)
         apart = _greatest(a - b for a, b in zip(displacement, before, strict=True))
-        if not np.any(apart > last_pass * _greatest(displacement)):
+        if not np.any(apart > LAST_PASS * _greatest(displacement)):
             return found
         before = displacement
         found = []
@@ -137,7 +134,7 @@ def steady_loads(
             found.append(load + speed**2 * (q @ link.translational_mass))
     refuse_positions(
         motion,
-        apart > last_pass * _greatest(displacement),
+        apart > LAST_PASS * _greatest(displacement),
         "the linkage finds no balance with the inertia forces of its own displacement",
         ": at this crank speed they are as great as its stiffness; lower the crank speed",
     )

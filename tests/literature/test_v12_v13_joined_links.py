@@ -9,7 +9,7 @@ import pytest
 import scipy.linalg
 from numpy.typing import NDArray
 
-from flexmech import BeamSection, Material, Mechanism, ReferenceEngine
+from flexmech import BeamSection, ExudynEngine, Material, Mechanism, ReferenceEngine
 from flexmech.analyses import solve_modes
 from flexmech.beams.link_matrices import assemble_chain
 from flexmech.linear_system import (
@@ -117,11 +117,20 @@ def test_v13_with_the_tension_of_the_straight_arms(
 
 
 def test_v13_at_equilibrium(l_beam: Mechanism) -> None:
-    """The arm bends by 4 % of its length: the second mode is that of a bowed L."""
-    engine = ReferenceEngine(l_beam, 28, "euler", component_modes=False)
-    found = solve_modes(engine.linear_system(0.3, 6.0), 3).frequency[0]
-    np.testing.assert_allclose(found[[0, 2]], np.array(PUBLISHED[6.0])[[0, 2]], rtol=0.01)
-    assert found[1] == pytest.approx(PUBLISHED[6.0][1], rel=0.03)
+    """The arm bends by 4 % of its length: these are the modes of a bowed L, not of linear theory.
+
+    Exudyn finds the same; the first and the second are 1.1 % and 2.2 % off the published ones.
+    """
+    found, other = (
+        solve_modes(engine.linear_system(0.3, 6.0), 3).frequency[0]
+        for engine in (
+            ReferenceEngine(l_beam, 28, "euler", component_modes=False),
+            ExudynEngine(l_beam, 28, "ancf", component_modes=False),
+        )
+    )
+    np.testing.assert_allclose(found, other, rtol=1e-5)
+    np.testing.assert_allclose(found, (1.0323, 7.6368, 17.130), rtol=5e-5)
+    assert np.abs(found / PUBLISHED[6.0] - 1).max() < 0.023
 
 
 def test_v13_tension_of_the_arms_displaced_by_linear_theory(l_beam: Mechanism) -> None:
