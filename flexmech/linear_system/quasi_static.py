@@ -45,6 +45,8 @@ FARTHEST = 0.5
 # change of its displacement in the last one, relative to its greatest.
 MOST_PASSES = 100
 LAST_PASS = 1e-11
+# Of the longest link: what a static solver's round-off moves displacements by.
+LEAST_MOVE = 1e-13
 
 
 def free_load(section: BeamSection, length: float) -> float:
@@ -122,10 +124,12 @@ def steady_loads(
         Where no displacement is in balance with its own inertia forces; names the crank angle.
     """
     found, before = list(loads), [np.zeros_like(load) for load in loads]
+    least = LEAST_MOVE * max(float(link.readings.nodes[-1]) for link in links)
     for _ in range(MOST_PASSES):
         displacement = solve(found)
         apart = _greatest(a - b for a, b in zip(displacement, before, strict=True))
-        if not np.any(apart > LAST_PASS * _greatest(displacement)):
+        moving = apart > np.maximum(LAST_PASS * _greatest(displacement), least)
+        if not np.any(moving):
             return found
         before = displacement
         found = []
@@ -134,7 +138,7 @@ def steady_loads(
             found.append(load + speed**2 * (q @ link.translational_mass))
     refuse_positions(
         motion,
-        apart > LAST_PASS * _greatest(displacement),
+        moving,
         "the linkage finds no balance with the inertia forces of its own displacement",
         ": at this crank speed they are as great as its stiffness; lower the crank speed",
     )
