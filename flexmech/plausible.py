@@ -15,6 +15,7 @@ from flexmech.units import NUMBER, Dimension, parse_quantity
 
 __all__ = [
     "LINK_LENGTH",
+    "LOAD",
     "RUN_UP",
     "THICKNESS",
     "WIDTH",
@@ -63,6 +64,7 @@ class Plausible:
 THICKNESS = Plausible(units.LENGTH, "1 m", "1 nm", "a thickness")
 WIDTH = Plausible(units.LENGTH, "10 m", "1 nm", "a width")
 LINK_LENGTH = Plausible(units.LENGTH, "1 km", "0.1 µm")
+LOAD = Plausible(units.FORCE, "1e12 N")
 RUN_UP = Plausible(units.TIME, "1e6 s", "1 µs", "a run-up")
 
 _OF_DIMENSION = {

@@ -73,6 +73,7 @@ class FourBar:
             check_number(length, f"length of the {name}", "m", POSITIVE)
         if self.branch not in ("open", "crossed"):
             raise InputError(f"branch must be 'open' or 'crossed', got {self.branch!r}")
+        object.__setattr__(self, "sprung", tuple(sorted(self.sprung)))
         unknown = set(self.sprung) - {"A", "B", "O4"}
         if unknown:
             raise InputError(f"sprung joints of a four-bar are A, B or O4, got {sorted(unknown)}")

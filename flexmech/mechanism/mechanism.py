@@ -183,6 +183,8 @@ class Mechanism:
         names = self.linkage.topology.link_names
         in_order = sorted(self.link_masses, key=lambda point: names.index(point.link))
         bodies = sorted(self.bodies, key=lambda body: names.index(body.link))
+        joints = self.linkage.topology.joint_names
+        own = sorted(self.joint_springs, key=lambda spring: joints.index(spring.joint))
         wetting = {name: faces for name, faces in self.wetting.items() if faces != Wetting()}
         sections = sections_between_joints(self.linkage.topology, self.sections)
         for field_name, value in (
@@ -191,7 +193,7 @@ class Mechanism:
             ("bodies", tuple(bodies)),
             ("loads", tuple(self.loads)),
             ("springs", tuple(self.springs)),
-            ("joint_springs", tuple(self.joint_springs)),
+            ("joint_springs", tuple(own)),
             ("gravity", tuple(self.gravity)),
             ("operating_speeds", tuple(self.operating_speeds)),
             ("wetting", wetting),

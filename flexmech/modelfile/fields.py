@@ -13,6 +13,7 @@ from flexmech.errors import InputError
 from flexmech.numbers import FINITE, NOT_NEGATIVE, POSITIVE, Bounds
 from flexmech.plausible import (
     LINK_LENGTH,
+    LOAD,
     THICKNESS,
     WIDTH,
     Plausible,
@@ -139,7 +140,7 @@ Acceleration = Annotated[float, QuantityField(units.ACCELERATION)]
 Stress = Annotated[float, QuantityField(units.STRESS, POSITIVE)]
 Density = Annotated[float, QuantityField(units.DENSITY, POSITIVE)]
 Force = Annotated[float, QuantityField(units.FORCE, POSITIVE)]
-AnyForce = Annotated[float, QuantityField(units.FORCE)]
+AnyForce = Annotated[float, QuantityField(units.FORCE, FINITE, LOAD)]
 Torque = Annotated[float, QuantityField(units.TORQUE)]
 Inertia = Annotated[float, QuantityField(units.INERTIA, NOT_NEGATIVE)]
 SpringStiffness = Annotated[float, QuantityField(units.SPRING_STIFFNESS, NOT_NEGATIVE)]

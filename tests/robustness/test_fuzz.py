@@ -16,11 +16,11 @@ import pytest
 from typer.testing import CliRunner
 
 from flexmech.cli import app
-from flexmech.modelfile import template
+from flexmech.modelfile import KINDS, template
 
 MODELS = Path(__file__).parents[2] / "models"
 TEXTS = [
-    *(template(kind) for kind in ("four-bar", "composite-four-bar", "rotating-arm")),
+    *(template(kind) for kind in KINDS),
     *(
         (MODELS / f"{name}.toml").read_text(encoding="utf-8")
         for name in (
@@ -30,6 +30,9 @@ TEXTS = [
             "moist_composite_fourbar",
             "neat_resin_figure_8",
             "rotating_arm",
+            "slider_crank",
+            "watt_six_bar",
+            "carton_pusher",
         )
     ),
 ]

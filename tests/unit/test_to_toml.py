@@ -15,7 +15,18 @@ from hypothesis import strategies as st
 from flexmech import units
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Exposure, HygrothermalState, mechanism_in_state
-from flexmech.linkages import CouplerPoint, RotatingArm
+from flexmech.linkages import (
+    GROUND,
+    CouplerPoint,
+    FourBar,
+    JointSpring,
+    LinkPoint,
+    Load,
+    PlanarLinkage,
+    RotatingArm,
+    Spring,
+    Topology,
+)
 from flexmech.materials import (
     Fibre,
     Hygrothermal,
@@ -31,12 +42,13 @@ from flexmech.materials import (
     woven_ply,
 )
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
-from flexmech.mechanism import Mechanism, PointMass, Provenance, Wetting
+from flexmech.mechanism import AttachedBody, Mechanism, PointMass, Provenance, Wetting
 from flexmech.model_text import SharedTables, quantity
 from flexmech.modelfile import KINDS, json_schema, load_mechanism, mechanism_from_toml, template
 from flexmech.sections import BeamSection, DampingTimes, LaminateSection, SpecificDamping
 from flexmech.units import parse_quantity
-from tests.strategies import LINKS, fourbar, numbers, postures
+from tests.random_planar import planar_linkages
+from tests.strategies import fourbar, numbers, postures
 
 MODELS = Path(__file__).parents[2] / "models"
 PUBLISHED = published_constituents()
@@ -367,28 +379,98 @@ def general(draw: st.DrawFn) -> BeamSection:
 
 
 @st.composite
+def linkages(draw: st.DrawFn) -> FourBar | RotatingArm | PlanarLinkage:
+    kind = draw(st.sampled_from(["four-bar", "rotating-arm", "planar"]))
+    if kind == "rotating-arm":
+        return RotatingArm(draw(numbers(0.01, 10)), draw(numbers(0, 1)))
+    linkage = draw(postures(size=0.4)).linkage if kind == "four-bar" else draw(planar_linkages())
+    turning = [own.joint for own in (*linkage.topology.pins, *linkage.topology.pivots)]
+    sprung = st.lists(st.sampled_from(turning), unique=True, max_size=2) if turning else st.just([])
+    return replace(linkage, sprung=tuple(draw(sprung)))
+
+
+@st.composite
+def link_points(draw: st.DrawFn, topology: Topology) -> LinkPoint:
+    link = draw(st.sampled_from(topology.links))
+    return LinkPoint(link.name, draw(st.sampled_from([0.0, 1.0]) | numbers(0.0, 1.0)) * link.length)
+
+
+@st.composite
+def any_loads(draw: st.DrawFn, topology: Topology, name: str) -> Load:
+    over = draw(st.sampled_from(["constant", "crank_angle", "time"]))
+    at: list[float] = []
+    if over != "constant":
+        at = sorted(draw(st.lists(numbers(0.0, 6.2), min_size=1, max_size=4, unique=True)))
+    forces = numbers(-1e3, 1e3)
+    rows = max(len(at), 1)
+    return Load(
+        name,
+        draw(link_points(topology)),
+        tuple(draw(st.tuples(forces, forces)) for _ in range(rows)),
+        tuple(draw(forces) for _ in range(rows)),
+        draw(st.sampled_from(["ground", "link"])),
+        over,
+        tuple(at),
+    )
+
+
+@st.composite
+def any_springs(draw: st.DrawFn, topology: Topology, name: str) -> Spring:
+    first, second = draw(link_points(topology)), draw(link_points(topology))
+    if first.link == second.link:
+        second = LinkPoint(GROUND, draw(numbers(-1, 1)), draw(numbers(-1, 1)))
+    return Spring(name, first, second, *(draw(numbers(0.0, 1e3)) for _ in range(3)))
+
+
+@st.composite
+def any_joint_springs(
+    draw: st.DrawFn, linkage: FourBar | RotatingArm | PlanarLinkage
+) -> tuple[JointSpring, ...]:
+    """Those of the sprung joints, and some of others."""
+    topology, sprung = linkage.topology, getattr(linkage, "sprung", ())
+    turning = [own.joint for own in (*topology.pins, *topology.pivots)]
+    found = []
+    for joint in turning:
+        if joint not in sprung and draw(st.booleans()):
+            continue
+        radial = (draw(numbers(1.0, 1e6)), draw(numbers(0.0, 10.0))) if joint in sprung else ()
+        found.append(JointSpring(joint, *(draw(numbers(0.0, 10.0)) for _ in range(3)), *radial))
+    return tuple(found)
+
+
+@st.composite
 def mechanisms(draw: st.DrawFn) -> Mechanism:
-    linkage = draw(postures(size=0.4)).linkage
-    names, joints, point = LINKS, ("O2", "A", "B", "O4"), None
-    if draw(st.booleans()):
-        linkage, names, joints = (
-            RotatingArm(draw(numbers(0.01, 10)), draw(numbers(0, 1))),
-            ("arm",),
-            ("O2",),
-        )
-    elif draw(st.booleans()):
+    linkage = draw(linkages())
+    topology = linkage.topology
+    names, point = topology.link_names, None
+    if isinstance(linkage, FourBar) and draw(st.booleans()):
         point = CouplerPoint(draw(numbers(0.0, 1.0)), draw(angles()))
-    beams = {name: draw(any_sections()) for name in names}
-    lengths = {link.name: link.length for link in linkage.topology.links}
+    beams = sections_of(draw, linkage)
+    lengths = {link.name: link.length for link in topology.links}
+    some = st.lists(st.sampled_from(names), max_size=3)
     masses = [
         PointMass(name, draw(numbers(0.0, 1.0)) * lengths[name], draw(numbers(0.0, 5.0)))
-        for name in draw(st.lists(st.sampled_from(names), max_size=3))
+        for name in draw(some)
+    ]
+    offsets = st.tuples(numbers(-1, 1), numbers(-1, 1))
+    bodies = [
+        AttachedBody(
+            name,
+            draw(numbers(0.0, 1.0)) * lengths[name],
+            draw(numbers(0.0, 5.0)),
+            draw(numbers(0.0, 5.0)),
+            draw(offsets),
+        )
+        for name in draw(some)
     ]
     wetting = st.builds(Wetting, st.sampled_from(["both", "lower", "upper"]), st.booleans())
+    keys = st.lists(texts().filter(str.strip), max_size=2, unique=True)
     return Mechanism(
         linkage,
         beams,
-        joint_masses=draw(st.dictionaries(st.sampled_from(joints), numbers(0.0, 5.0))),
+        joint_masses=draw(
+            st.dictionaries(st.sampled_from(topology.joint_names), numbers(0.0, 5.0))
+        ),
         link_masses=tuple(masses),
         gravity=draw(st.just((0.0, 0.0)) | st.tuples(numbers(-10, 10), numbers(-10, 10))),
         operating_speeds=tuple(draw(st.lists(numbers(-1e4, 1e4), max_size=3))),
@@ -397,7 +479,29 @@ def mechanisms(draw: st.DrawFn) -> Mechanism:
         reference_temperature=draw(st.just(293.15) | numbers(200.0, 400.0)),
         ground_thermal_expansion=draw(st.just(0.0) | numbers(-1e-5, 1e-4)),
         wetting=draw(st.dictionaries(st.sampled_from(names), wetting)),
+        bodies=tuple(bodies),
+        loads=tuple(draw(any_loads(topology, name)) for name in draw(keys)),
+        springs=tuple(draw(any_springs(topology, name)) for name in draw(keys)),
+        joint_springs=draw(any_joint_springs(linkage)),
+        shaft_inertia=draw(st.just(0.0) | numbers(0.0, 10.0)),
     )
+
+
+def sections_of(
+    draw: st.DrawFn, linkage: FourBar | RotatingArm | PlanarLinkage
+) -> dict[str, BeamSection]:
+    """A section for each link; rigid chains have none, or all their beams have one."""
+    if not isinstance(linkage, PlanarLinkage):
+        return {name: draw(any_sections()) for name in linkage.topology.link_names}
+    found = {}
+    for link in linkage.links:
+        if link.rigid and draw(st.booleans()):
+            continue
+        same = draw(any_sections())
+        # Beams of a chain mostly share their section, and may differ.
+        for beam in link.beams:
+            found[beam.name] = draw(any_sections()) if draw(st.integers(0, 4)) == 0 else same
+    return found
 
 
 @settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])

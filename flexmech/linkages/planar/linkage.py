@@ -86,6 +86,7 @@ class PlanarLinkage:
         object.__setattr__(self, "points", places)
         for name in ("links", "ground", "joints", "sprung"):
             object.__setattr__(self, name, tuple(getattr(self, name)))
+        object.__setattr__(self, "sprung", tuple(sorted(self.sprung)))
         # A pin needs no joint, so that none is kept for it.
         joints = tuple(joint for joint in self.joints if joint != PlanarJoint(joint.point))
         for joint in self.joints:
