@@ -18,13 +18,17 @@ def coupler_curve(
     relative_humidity: options.RelativeHumidity = None,
     time: options.ExposureTime = None,
     point: options.Point = None,
+    link: options.OnLink = "coupler",
     angles: options.Angles = "0:360:1",
     out: options.Out = Path("results"),
     no_plots: options.NoPlots = False,
     formats: options.Formats = "png",
     width: options.Width = "two-column",
 ) -> None:
-    """Path of a point of the coupler, its crossings and cusps: dry, and in heat and moisture."""
+    """Path of a point of the coupler or another link, dry, and in heat and moisture.
+
+    Of a four-bar's coupler with all crossings and cusps.
+    """
     degrees = parse_angles(angles)
     environment = parse_environment(temperature_rise, moisture, relative_humidity, time)
     given = None if point is None else parse_point(point)
@@ -37,7 +41,7 @@ def coupler_curve(
     request = load_mechanism(model), np.radians(degrees), given, environment
     deliver(
         CouplerPaths,
-        lambda _: coupler_paths(*request),
+        lambda _: coupler_paths(*request, link=link),
         out,
         model=model,
         pictures=asked_pictures(no_plots, formats, width),

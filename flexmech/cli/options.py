@@ -135,11 +135,17 @@ Lumped = Annotated[
     ),
 ]
 Link = Annotated[str | None, Option(help="This link alone, such as coupler.", metavar="NAME")]
+OnLink = Annotated[
+    str,
+    Option(
+        help="Link that the point is on: the coupler, or any link of any linkage.", metavar="NAME"
+    ),
+]
 Point = Annotated[
     str | None,
     Option(
-        help='Distance e from A and angle gamma from A-B, as in "33 mm,320 deg". Left out: the '
-        "coupler point of the model file.",
+        help='Distance e from A and angle gamma from A-B, as in "33 mm,320 deg"; from the first '
+        "joint of another link. Left out: the coupler point of the model file.",
         metavar="e,gamma",
     ),
 ]

@@ -4,8 +4,10 @@ from flexmech.hygrothermal.environment import Environment, Exposure, Hygrotherma
 from flexmech.hygrothermal.in_state import (
     SwollenLink,
     coupler_point_in_state,
+    elongation_of,
     linkage_in_state,
     mechanism_in_state,
+    rigid_linkage_in_state,
     swollen_links,
 )
 from flexmech.hygrothermal.link_diffusion import LinkDiffusion, link_diffusion
@@ -25,6 +27,7 @@ __all__ = [
     "SwollenLink",
     "absorbing_links",
     "coupler_point_in_state",
+    "elongation_of",
     "inert_links",
     "link_diffusion",
     "link_profile",
@@ -32,6 +35,7 @@ __all__ = [
     "links_of_unknown_stiffness",
     "mechanism_in_state",
     "resin_retention",
+    "rigid_linkage_in_state",
     "swollen_links",
     "without_softening",
 ]

@@ -22,8 +22,10 @@ from flexmech.sections import BeamSection, swollen_section
 __all__ = [
     "SwollenLink",
     "coupler_point_in_state",
+    "elongation_of",
     "linkage_in_state",
     "mechanism_in_state",
+    "rigid_linkage_in_state",
     "swollen_links",
 ]
 
@@ -184,12 +186,52 @@ def linkage_in_state(mechanism: Mechanism, environment: Environment) -> FourBar:
     InputError
         If the linkage is no four-bar, or as :func:`swollen_links`.
     """
-    links = swollen_links(mechanism, environment)
-    lengths = {link: swollen.distance_of_pins for link, swollen in links.items()}
-    linkage = _resized(mechanism, environment, lengths)
+    linkage = rigid_linkage_in_state(mechanism, environment)
     if not isinstance(linkage, FourBar):
         raise InputError("a coupler curve needs a linkage of kind 'four-bar'")
     return linkage
+
+
+def rigid_linkage_in_state(mechanism: Mechanism, environment: Environment) -> Linkage:
+    """The rigid linkage of any kind with the distances of its pins in an environment.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Dry.
+    environment : HygrothermalState or Exposure
+
+    Returns
+    -------
+    Linkage
+        A link that its moisture bends has its pins nearer to each other than its length.
+
+    Raises
+    ------
+    InputError
+        As :func:`swollen_links`.
+    """
+    links = swollen_links(mechanism, environment)
+    lengths = {link: swollen.distance_of_pins for link, swollen in links.items()}
+    return _resized(mechanism, environment, lengths)
+
+
+def elongation_of(mechanism: Mechanism, link: str, environment: Environment) -> float:
+    """Strain of a link in an environment; zero of a rigid one without a section.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        Dry.
+    link : str
+    environment : HygrothermalState or Exposure
+
+    Returns
+    -------
+    float
+    """
+    found = swollen_links(mechanism, environment).get(link)
+    return 0.0 if found is None else found.elongation
 
 
 def coupler_point_in_state(

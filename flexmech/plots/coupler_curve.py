@@ -62,13 +62,14 @@ def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
             if kind in dataset["double_point_kind"].values:
                 look = {"color": "black", "ls": "", "marker": mark, "mfc": "none"}
                 handles.append(line_handle(kind + where, **look))
-        drawn.header(handles, "Coupler curve", of=dataset)
+        curve = _is_curve(dataset)
+        drawn.header(handles, "Coupler curve" if curve else "Path of a point", of=dataset)
         for axes in drawn.panels:
             axes.set_aspect("equal", adjustable="datalim")
             axes.set_box_aspect(1)
             axes.set(xlabel=f"x ({unit})", ylabel=f"y ({unit})", anchor="N")
         first, *middle, last = drawn.panels
-        first.set_title("Coupler point")
+        first.set_title("Coupler point" if curve else "Point")
         _draw_paths(first, scale * curves, angles)
         _draw_double_points(first, dataset, scale)
         for axes in middle:
@@ -78,9 +79,10 @@ def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
             _draw_paths(axes, close)
             _draw_double_points(axes, dataset, scale)
             _frame(axes, values_of(scale * dataset["framed"], "framed_place", "component"))
-        last.set_title("Pins A and B")
+        names = names_of(dataset, "pin")
+        last.set_title("Pins A and B" if curve else "Ends of its link")
         _draw_paths(last, pins, angles)
-        _name_pins(last, names_of(dataset, "pin"), pins[0])
+        _name_pins(last, names, pins[0])
     return drawn.figure
 
 
@@ -130,8 +132,15 @@ def plot_coupler_angles(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> F
     return drawn.figure
 
 
+def _is_curve(dataset: xr.Dataset) -> bool:
+    """Whether it is of a four-bar's coupler, between pins A and B."""
+    return names_of(dataset, "pin") == ["A", "B"]
+
+
 def _counted(dataset: xr.Dataset, state: str) -> str:
     """A state and how many double points of each kind its curve has."""
+    if not _is_curve(dataset):
+        return state
     of_state = dataset["double_point_state"].values == state
     kinds = dataset["double_point_kind"].values[of_state].tolist()
     counts = [(kinds.count(kind), kind) for kind in MARKS]

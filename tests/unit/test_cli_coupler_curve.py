@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from flexmech import (
 )
 from flexmech.cli import app
 from flexmech.cli.arguments import parse_point
+from tests.unit.test_planar_motion import drawn_as_planar
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 
@@ -313,11 +315,41 @@ def test_below_the_wet_glass_transition_there_is_no_warning() -> None:
     assert len(hot.summary().warnings) == 1
 
 
+def test_a_point_of_any_link_of_any_linkage(tmp_path: Path) -> None:
+    """At the length of the first beam of the rocker's chain the point is the pivot O4."""
+    code, _, errors = run(
+        *("coupler-curve", MODELS / "watt_six_bar.toml", "--link", "rocker"),
+        *("--point", "140 mm,20 deg", "--angles", "0:360:30", "--out", tmp_path),
+    )
+    assert (code, errors) == (0, "")
+    found = pd.read_csv(tmp_path / "coupler_curve.csv")
+    assert list(found) == ["state", "crank_angle_deg", "rocker-1_deg", "x_m", "y_m"]
+    linkage = load_mechanism(MODELS / "watt_six_bar.toml").linkage
+    motion = linkage.motion(np.radians(found["crank_angle_deg"]))
+    number = linkage.topology.index("rocker-1")
+    angle = motion.angle[:, number] + np.radians(20.0)
+    expected = motion.origin[:, number] + 0.14 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    np.testing.assert_allclose(found[["x_m", "y_m"]], expected, atol=1e-10)
+
+
+def test_the_coupler_of_a_four_bar_drawn_as_planar_has_the_same_path() -> None:
+    own = load_mechanism(MODELS / "aluminium_fourbar.toml")
+    drawn = replace(own, linkage=drawn_as_planar(own.linkage, 1.0))
+    point = CouplerPoint(0.1, 0.5)
+    first, second = (
+        coupler_paths(each, np.radians(range(360)), point).dataset["position"].values
+        for each in (own, drawn)
+    )
+    np.testing.assert_allclose(second, first, atol=1e-14)
+
+
 @pytest.mark.parametrize(
     ("model", "options", "said"),
     [
         ("neat_resin_figure_3.toml", [], "linkage.coupler_point: is missing"),
-        ("rotating_arm.toml", ["--point", "1 m,0 deg"], "four-bar"),
+        ("rotating_arm.toml", ["--point", "1 m,0 deg"], "no link 'coupler'; use one of arm"),
+        ("watt_six_bar.toml", [], 'as --point "33 mm,320 deg"'),
+        ("watt_six_bar.toml", ["--point", "1 m,0 deg", "--link", "rod"], "no link 'rod'"),
         (
             "steel_fourbar.toml",
             ["--point", "100 mm,0 deg", "--moisture", "1"],

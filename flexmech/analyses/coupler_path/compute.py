@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from flexmech.analyses.coupler_path.any_link import link_named, path_of_link
 from flexmech.analyses.coupler_path.result import CouplerPaths
 from flexmech.analyses.environment import environment_lines, state_name
 from flexmech.analyses.provenance import origin
@@ -27,6 +28,7 @@ from flexmech.linkages import (
     CouplerCurve,
     CouplerPoint,
     DoublePoint,
+    FourBar,
     coupler_sextic,
     double_points,
 )
@@ -63,20 +65,27 @@ def coupler_paths(
     crank_angles: ArrayLike,
     point: CouplerPoint | None = None,
     environment: Environment | None = None,
+    *,
+    link: str = "coupler",
 ) -> CouplerPaths:
-    """Path of a coupler point of the rigid linkage, dry and in an environment.
+    """Path of a point of the coupler, or of another link, dry and in an environment.
+
+    Crunodes, cusps and the check by the curve's equation are of the coupler of a four-bar; of
+    other links and linkages the path itself is given.
 
     Parameters
     ----------
     mechanism : Mechanism
-        Of a four-bar, dry.
+        Dry.
     crank_angles : array_like, shape (A,)
         In rad.
     point : CouplerPoint, optional
-        On the dry coupler; that of the mechanism if left out.
+        On the dry link, from its first joint; that of the mechanism if left out.
     environment : HygrothermalState or Exposure, optional
         Compared with the dry linkage, if given. The path needs no modulus: above the wet glass
         transition of a resin it is drawn with a warning.
+    link : str
+        That the point is on; of a chain of beams the first one counts.
 
     Returns
     -------
@@ -85,8 +94,8 @@ def coupler_paths(
     Raises
     ------
     InputError
-        If there is no point, the linkage is no four-bar or cannot be assembled at a crank angle,
-        or as :func:`flexmech.hygrothermal.swollen_links`.
+        If there is no point or no such link, the linkage cannot be assembled at a crank angle, or
+        as :func:`flexmech.hygrothermal.swollen_links`.
 
     Examples
     --------
@@ -100,8 +109,15 @@ def coupler_paths(
     angles = in_radians("crank_angles", crank_angles)
     if angles.ndim != 1 or not angles.size:
         raise InputError(f"crank_angles must be a row of one or more, got shape {angles.shape}")
-    point = _point_of(mechanism, point)
-    paths = {"dry": _path(mechanism, point, HygrothermalState(), angles)}
+    point, link = _point_of(mechanism, point), link_named(mechanism.linkage, link)
+    curve = link == "coupler" and isinstance(mechanism.linkage, FourBar)
+
+    def of(owner: Mechanism, state: Environment) -> Path | xr.Dataset:
+        if curve:
+            return _path(owner, point, state, angles)
+        return path_of_link(owner, link, point, state, angles)
+
+    paths = {"dry": of(mechanism, HygrothermalState())}
     if environment is not None:
         label = environment_of(environment).label
         try:
@@ -109,7 +125,7 @@ def coupler_paths(
             if rubber:
                 warning = f"{label}: {_of_rubber(rubber)}"
                 mechanism = without_softening(mechanism)
-            found = _path(mechanism, point, environment, angles)
+            found = of(mechanism, environment)
         except InputError as error:
             # The dry linkage has passed: the environment is the cause.
             raise error.within(label) from error
@@ -120,7 +136,25 @@ def coupler_paths(
         "environment_lines": "\n".join(lines),
         "warning": warning,
     }
-    return CouplerPaths(_dataset(paths, angles).assign_attrs(attributes))
+    curves = {state: path for state, path in paths.items() if isinstance(path, Path)}
+    others = [path for path in paths.values() if not isinstance(path, Path)]
+    dataset = _dataset(curves, angles) if curves else _without_double_points(others, list(paths))
+    return CouplerPaths(dataset.assign_attrs(attributes))
+
+
+def _without_double_points(states: Sequence[xr.Dataset], names: Sequence[str]) -> xr.Dataset:
+    """Paths of a point whose crossings are not sought, in the form of those of a coupler."""
+    empty: dict[str, Any] = {
+        "double_point_position": (("double_point", "component"), np.empty((0, 2)), METRE),
+        "double_point_crank_angle": (("double_point", "passage"), np.empty((0, 2)), RADIAN),
+    }
+    coordinates = {
+        "state": list(names),
+        "name": ("state", ["dry", "wet"][: len(states)]),
+        "double_point_state": ("double_point", np.empty(0, dtype=str)),
+        "double_point_kind": ("double_point", np.empty(0, dtype=str)),
+    }
+    return xr.concat(states, "state").assign(empty).assign_coords(coordinates)
 
 
 def _of_rubber(links: Sequence[str]) -> str:
@@ -135,9 +169,15 @@ def _of_rubber(links: Sequence[str]) -> str:
 
 def _point_of(mechanism: Mechanism, given: CouplerPoint | None) -> CouplerPoint:
     point = mechanism.coupler_point if given is None else given
+    file = mechanism.provenance.file or "mechanism"
+    if point is None and not isinstance(mechanism.linkage, FourBar):
+        raise InputError(
+            f"{file}: of what point is not said; ask for one by its distance from the link's first "
+            'joint and the angle from its line, as --point "33 mm,320 deg"'
+        )
     if point is None:
         raise InputError(
-            f"{mechanism.provenance.file or 'mechanism'}: linkage.coupler_point: is missing; add "
+            f"{file}: linkage.coupler_point: is missing; add "
             'coupler_point = { distance = "33 mm", angle = "320 deg" }, or ask for a point'
         )
     if not isinstance(point, CouplerPoint):

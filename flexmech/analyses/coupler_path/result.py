@@ -29,7 +29,9 @@ class CouplerPaths(Result):
     dataset : xarray.Dataset
         Over ``state`` and ``crank_angle``: ``position`` of the point, ``pin_position`` of the
         pins A and B, ``angle`` of coupler and rocker without jumps, and ``transmission_angle``
-        between them. Over ``state``: ``transmission_angle_limit`` of the whole motion,
+        between them; of a point of another link than a four-bar's coupler, ``pin_position`` of its
+        ends and its own ``angle``, and neither transmission angles nor double points. Over
+        ``state``: ``transmission_angle_limit`` of the whole motion,
         ``length`` between the pins of each member, ``coupler_point_distance`` from A, and
         ``sextic_residual``, the greatest residual of the curve's equation. Of the whole curves:
         ``double_point_position`` and ``double_point_crank_angle`` of both passages over
@@ -63,15 +65,9 @@ class CouplerPaths(Result):
             *("state", "crank_angle"),
             state=data["name"],
             crank_angle_deg=(DEGREES * data["crank_angle"]).round(9),
-            theta3_deg=angle.sel(link="coupler"),
-            theta4_deg=angle.sel(link="rocker"),
+            **{name: angle.isel(link=n) for n, name in enumerate(self._angle_columns())},
             **{f"{axis}_m": position.sel(component=axis) for axis in "xy"},
-            transmission_angle_deg=DEGREES * data["transmission_angle"],
-            **{
-                f"{limit}_transmission_angle_deg": DEGREES
-                * data["transmission_angle_limit"].sel(limit=limit)
-                for limit in ("least", "greatest")
-            },
+            **self._transmission_columns(),
         )
         topology = table_over(
             "double_point",
@@ -83,8 +79,33 @@ class CouplerPaths(Result):
         )
         return {"coupler_curve": curve, "topology": topology}
 
+    def _angle_columns(self) -> list[str]:
+        """Of a four-bar's coupler and rocker, or of the link that carries the point."""
+        if self.is_curve:
+            return ["theta3_deg", "theta4_deg"]
+        return [f"{link}_deg" for link in self.dataset["link"].values]
+
+    def _transmission_columns(self) -> dict[str, xr.DataArray]:
+        if not self.is_curve:
+            return {}
+        limits = DEGREES * self.dataset["transmission_angle_limit"]
+        return {
+            "transmission_angle_deg": DEGREES * self.dataset["transmission_angle"],
+            **{
+                f"{limit}_transmission_angle_deg": limits.sel(limit=limit)
+                for limit in ("least", "greatest")
+            },
+        }
+
+    @property
+    def is_curve(self) -> bool:
+        """Whether it is of the coupler of a four-bar, whose double points are known."""
+        return "sextic_residual" in self.dataset
+
     def figures(self) -> dict[str, Figure]:
         """Curves with their double points, and the angles of coupler and rocker."""
+        if not self.is_curve:
+            return {"coupler_curve": self.plot()}
         return {
             "coupler_curve": self.plot(),
             "coupler_angles": plots.plot_coupler_angles(self.dataset),
@@ -96,16 +117,20 @@ class CouplerPaths(Result):
 
     def summary(self) -> Summary:
         """Lengths, double points, changes, and the check by the sextic."""
-        data, worst = self.dataset, float(self.dataset["sextic_residual"].max())
+        data = self.dataset
         topology = self.tables()["topology"]
         lines = data.attrs["environment_lines"].splitlines()
         for number, name in enumerate(data["name"].values):
             lines += _state_lines(data.isel(state=number), topology[topology["state"] == name])
         if data.sizes["state"] > 1:
             lines += _change_lines(*(data.isel(state=number) for number in (0, 1)))
+        check = "check: none, crossings are sought of the coupler of a four-bar alone"
+        if self.is_curve:
+            worst = float(data["sextic_residual"].max())
+            check = f"check: the curve's sextic equation is met within {worst:.1e}"
         return Summary(
             tuple(lines),
-            f"check: the curve's sextic equation is met within {worst:.1e}",
+            check,
             tuple(filter(None, [data.attrs.get("warning")])),
         )
 
@@ -115,6 +140,9 @@ def _state_lines(state: xr.Dataset, topology: pd.DataFrame) -> list[str]:
     name, distance = state["name"].item(), 1e3 * state["coupler_point_distance"].item()
     lengths = (1e3 * state["length"]).to_series().items()
     named = ", ".join(f"{member} {length:.6g}" for member, length in lengths)
+    if "sextic_residual" not in state:
+        link = state["link"].values[0]
+        return [f"{name}: {named}, point {distance:.6g} mm from the start of the {link}"]
     counts = {kind: int((topology["kind"] == kind).sum()) for kind in ("crunode", "cusp")}
     words = [f"{count} {kind}{'' if count == 1 else 's'}" for kind, count in counts.items()]
     least, greatest = DEGREES * state["transmission_angle_limit"].values
@@ -136,7 +164,9 @@ def _state_lines(state: xr.Dataset, topology: pd.DataFrame) -> list[str]:
 def _change_lines(dry: xr.Dataset, wet: xr.Dataset) -> list[str]:
     """Greatest changes from the dry linkage to the wet one."""
     at, lines = DEGREES * dry["crank_angle"].values, []
-    for link, symbol in (("coupler", "theta3"), ("rocker", "theta4")):
+    symbols = {"coupler": "theta3", "rocker": "theta4"}
+    for link in dry["link"].values.tolist():
+        symbol = symbols[link] if "sextic_residual" in dry else f"the angle of {link}"
         turned = (wet["angle"] - dry["angle"]).sel(link=link).values
         change = np.degrees(np.angle(np.exp(1j * turned)))
         low, high = change.argmin(), change.argmax()
@@ -144,9 +174,9 @@ def _change_lines(dry: xr.Dataset, wet: xr.Dataset) -> list[str]:
             f"change of {symbol}: {change[low]:+.5f} deg (at {at[low]:g} deg) to "
             f"{change[high]:+.5f} deg (at {at[high]:g} deg)"
         )
+    what = "coupler point" if "sextic_residual" in dry else "point"
     moved = 1e3 * np.hypot(*(wet["position"] - dry["position"]).values.T)
     return [
         *lines,
-        f"coupler point: moved by at most {moved.max():.5g} mm, at crank angle "
-        f"{at[moved.argmax()]:g} deg",
+        f"{what}: moved by at most {moved.max():.5g} mm, at crank angle {at[moved.argmax()]:g} deg",
     ]
