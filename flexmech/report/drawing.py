@@ -32,6 +32,8 @@ def stack_drawings(data: xr.Dataset) -> tuple[tuple[str, str], ...]:
     tuple of (str, str)
         SVG without any text, and what it shows in words.
     """
+    # Rigid links may have no section.
+    data = data.isel(link=np.flatnonzero(np.isfinite(data["in_plane_thickness"].values)))
     thick = 1e3 * data["in_plane_thickness"].values.astype(float)
     width = 1e3 * data["out_of_plane_width"].values.astype(float)
     scale = WIDTH / float(np.nanmax([*width, thick.max()]))

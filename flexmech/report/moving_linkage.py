@@ -14,7 +14,7 @@ import numpy as np
 from flexmech.analyses import MovingFrequencies, Response
 from flexmech.analyses.response.stored import needed
 from flexmech.errors import InputError
-from flexmech.linkages import CouplerCurve, FourBar, standing
+from flexmech.linkages import CouplerCurve, FourBar, LinkEnd, Topology, standing
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import mechanism_from_toml
 from flexmech.report.arrays import Arrays, thinning
@@ -72,17 +72,13 @@ def moving_linkage(mechanism: Mechanism, results: Results, arrays: Arrays) -> di
             {
                 "name": link.name,
                 "length": link.length,
+                "rigid": link.rigid,
                 "origin": arrays.add(motion.origin[:, number]),
                 "turn": arrays.add(turn[:, number]),
             }
             for number, link in enumerate(topology.links)
         ],
-        "joints": [
-            {"name": name, "kind": kind, "link": topology.index(place.link), "end": place.end}
-            for (name, place), kind in zip(
-                topology.joints.items(), topology.joint_kinds, strict=True
-            )
-        ],
+        "joints": _joints(topology),
         "box": [*low.tolist(), *high.tolist()],
         "extent": extent,
         "shapes": _mode_shapes(results, unit, arrays),
@@ -90,6 +86,32 @@ def moving_linkage(mechanism: Mechanism, results: Results, arrays: Arrays) -> di
         "path": _path(mechanism, degrees, arrays),
         "enlargedTo": ENLARGED_TO,
     }
+
+
+def _joints(topology: Topology) -> list[dict[str, Any]]:
+    """Joints with what they are: each place once, by its shortest name."""
+    lines = {slider.joint: slider for slider in topology.sliders}
+    places: dict[LinkEnd, list[str]] = {}
+    for name, place in topology.joints.items():
+        places.setdefault(topology.leader_of(place), []).append(name)
+    shown = {min(names, key=len) for names in places.values()}
+    found = []
+    for (name, place), kind in zip(topology.joints.items(), topology.joint_kinds, strict=True):
+        if name not in shown:
+            continue
+        line = lines.get(name)
+        guide = line.guide if line is not None else ""
+        found.append(
+            {
+                "name": name,
+                "kind": kind,
+                "link": topology.index(place.link),
+                "end": place.end,
+                "direction": None if line is None else line.direction,
+                "guide": topology.index(guide) if guide else None,
+            }
+        )
+    return found
 
 
 def _standing(mechanism: Mechanism) -> FloatArray:

@@ -12,20 +12,33 @@
     drawSupports();
     if (given.path) element("path", { class: "path", d: pathOf(arrays[given.path.places]) }, root);
     for (const kind of ["rigid", "run", "shape"]) {
-      linkage[kind] = given.links.map(() => element("polyline", { class: kind }, root));
+      linkage[kind] = given.links.map((link) => {
+        const look = kind === "rigid" && link.rigid ? "rigid stiff" : kind;
+        return element("polyline", { class: look }, root);
+      });
     }
     linkage.joints = given.joints.map((joint) => {
       const kind = joint.kind === "clamp" ? "joint clamp" : "joint";
+      const block = joint.direction === null ? null : makeBlock(root, joint.guide === null);
       const circle = element("circle", { class: kind, r: 0.013 * linkage.size }, root);
       const name = element("text", { "font-size": linkage.letters }, root);
       name.textContent = joint.name;
-      return { ...joint, circle, name };
+      return { ...joint, circle, name, block };
     });
     const bar = roundLength(0.25 * linkage.size);
     const [x, y] = [left - room / 2, -low + 0.75 * room];
     element("path", { class: "bar", d: `M${x} ${y}h${bar}` }, root);
     const words = element("text", { class: "small", x, y: y - 0.2 * linkage.letters, "font-size": 0.8 * linkage.letters }, root);
     words.textContent = `${Number((1e3 * bar).toPrecision(3))} mm`;
+  }
+
+  // What slides on a line, with a piece of the line where the ground carries it.
+  function makeBlock(root, onGround) {
+    const [long, high] = [0.03 * linkage.size, 0.018 * linkage.size];
+    const block = element("g", {}, root);
+    if (onGround) element("path", { class: "ground", d: `M${-4 * long} 0h${8 * long}` }, block);
+    element("rect", { class: "joint", x: -long, y: -high, width: 2 * long, height: 2 * high }, block);
+    return block;
   }
 
   function pathOf(places) {
@@ -42,7 +55,7 @@
   function drawSupports() {
     const { given, root, size } = linkage;
     const place = placeOf(arrays[given.angle], arrays[given.angle][0]);
-    for (const joint of given.joints.filter((each) => each.kind !== "pin")) {
+    for (const joint of given.joints.filter((each) => ["clamp", "pivot"].includes(each.kind))) {
       const frame = frameOf(given.links[joint.link], place);
       const [x, y] = pointOf(frame, joint.end === "start" ? 0 : given.links[joint.link].length, 0);
       const [half, deep] = [0.028 * size, 0.05 * size];
@@ -98,6 +111,11 @@
     drawDisplaced("run", frames, run, run ? run.enlargement : 0);
     for (const joint of linkage.joints) {
       const [x, y] = ends[joint.link][joint.end === "start" ? 0 : 1];
+      if (joint.block) {
+        const frame = joint.guide === null ? { cos: 1, sin: 0 } : frames[joint.guide];
+        const turned = Math.atan2(frame.sin, frame.cos) + joint.direction;
+        joint.block.setAttribute("transform", `translate(${x} ${-y}) rotate(${(-turned * 180) / Math.PI})`);
+      }
       joint.circle.setAttribute("cx", x);
       joint.circle.setAttribute("cy", -y);
       joint.name.setAttribute("x", x + 0.022 * linkage.size);
