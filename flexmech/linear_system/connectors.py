@@ -34,7 +34,7 @@ from flexmech.linkages import (
     continuous_angles,
 )
 from flexmech.linkages.applied_forces import ForceOnLink
-from flexmech.linkages.motion import direction, normal
+from flexmech.linkages.spring_line import SpringLine
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
@@ -62,10 +62,6 @@ class Connectors:
         self._links = links
         self._topology = mechanism.linkage.topology
         self.loads: tuple[Load, ...] = tuple(x for x in mechanism.loads if x.over != "time")
-        self._holders: dict[str, tuple[LinkEnd, LinkEnd | None]] = {
-            pin.joint: (pin.follower, pin.leader) for pin in self._topology.pins
-        }
-        self._holders |= {pivot.joint: (pivot.held, None) for pivot in self._topology.pivots}
 
     @property
     def any(self) -> bool:
@@ -203,10 +199,10 @@ class Connectors:
             pushes.append(Push(point, force, load.values(motion.crank_angle)[:, 2]))
         for spring in self._mechanism.springs:
             state = self._spring_state(spring, motion, displacement)
-            nothing = np.zeros(len(motion.crank_angle))
+            force = state.line.tension[:, None] * state.line.along
             for point, sign in ((state.first, 1.0), (state.second, -1.0)):
                 if point is not None:
-                    pushes.append(Push(point, sign * state.tension[:, None] * state.along, nothing))
+                    pushes.append(Push(point, sign * force, np.zeros(len(force))))
         for own in self._mechanism.joint_springs:
             pushes += self._joint_pushes(own, motion, displacement)
         return pushes
@@ -245,13 +241,10 @@ class Connectors:
         displacement: Sequence[FloatArray] | None,
     ) -> FloatArray:
         """Force of a load in ground axes, (B, 2)."""
-        values = load.values(motion.crank_angle)
-        if load.axes == "ground":
-            return values[:, :2]
         angle = motion.angle[:, point.link]
         if displacement is not None:
             angle = angle + displacement[point.link] @ point.rows[2]
-        return np.asarray(values[:, :1] * direction(angle) + values[:, 1:2] * normal(angle))
+        return load.in_ground_axes(load.values(motion.crank_angle), angle)
 
     def _joint_pushes(
         self, own: JointSpring, motion: RigidMotion, displacement: Sequence[FloatArray] | None
@@ -266,13 +259,12 @@ class Connectors:
             opening = opening + sum(
                 sign * (displacement[point.link] @ point.rows[2]) for point, sign in sides
             )
-        torque = -own.torsional_stiffness * (opening - own.free_angle)
-        torque = np.asarray(torque - own.torsional_damping * rate)
+        torque = own.torque(np.asarray(opening), np.asarray(rate))
         nothing = np.zeros((len(torque), 2))
         return [Push(point, nothing, sign * torque) for point, sign in sides]
 
     def _joint_points(self, own: JointSpring) -> tuple[AttachedPoint, AttachedPoint | None]:
-        follower, leader = self._holders[own.joint]
+        follower, leader = self._topology.pinned_ends[own.joint]
         first = None if leader is None else self._end(leader)
         return self._end(follower), first
 
@@ -294,10 +286,12 @@ class Connectors:
         self, spring: Spring, motion: RigidMotion, displacement: Sequence[FloatArray] | None
     ) -> SpringState:
         size = max(link.length for link in self._topology.links)
-        ends = [
+        first, second = (
             self._spring_end(end, motion, displacement) for end in (spring.first, spring.second)
-        ]
-        return SpringState.of(spring, motion, ends, size)
+        )
+        places, velocities = (first.place, second.place), (first.velocity, second.velocity)
+        line = SpringLine.of(spring, motion.crank_angle, places, velocities, size)
+        return SpringState(first.point, second.point, line)
 
     def _spring_end(
         self, point: LinkPoint, motion: RigidMotion, displacement: Sequence[FloatArray] | None

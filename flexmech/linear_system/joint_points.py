@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flexmech.errors import InputError
 from flexmech.linkages import LinkEnd, Pin, Topology, Weld
+from flexmech.linkages.topology import leading_end
 
 __all__ = ["JointPoint", "TurningJoint", "joint_points", "turning_joints"]
 
@@ -90,21 +90,10 @@ def turning_joints(topology: Topology) -> list[TurningJoint]:
     ]
 
 
-def _followers(ties: Iterable[Pin | Weld]) -> dict[LinkEnd, tuple[LinkEnd, ...]]:
+def _followers(ties: Sequence[Pin | Weld]) -> dict[LinkEnd, tuple[LinkEnd, ...]]:
     """Of each end that follows none, those that follow it directly or not."""
-    leaders = {tie.follower: tie.leader for tie in ties}
     followers: dict[LinkEnd, tuple[LinkEnd, ...]] = {}
-    for end in leaders:
-        root = _root(leaders, end)
-        followers[root] = (*followers.get(root, ()), end)
+    for tie in ties:
+        root = leading_end(tie.follower, ties)
+        followers[root] = (*followers.get(root, ()), tie.follower)
     return followers
-
-
-def _root(leaders: Mapping[LinkEnd, LinkEnd], end: LinkEnd) -> LinkEnd:
-    seen = {end}
-    while end in leaders:
-        end = leaders[end]
-        if end in seen:
-            raise InputError(f"pins and welds lead in a circle at {end}")
-        seen.add(end)
-    return end

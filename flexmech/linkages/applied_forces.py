@@ -8,16 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.errors import InputError
 from flexmech.linkages.attachments import JointSpring, LinkPoint, Load, Spring
 from flexmech.linkages.motion import RigidMotion, direction, normal
-from flexmech.linkages.topology import LinkEnd, Topology
+from flexmech.linkages.spring_line import SpringLine
+from flexmech.linkages.topology import Topology
 from flexmech.types import FloatArray
 
 __all__ = ["ForceOnLink", "forces_of_joint_springs", "forces_of_loads", "forces_of_springs"]
-
-# Of a spring, in units of the larger of its free length and the longest link.
-LEAST_LENGTH = 1e-9
 
 
 @dataclass(frozen=True)
@@ -84,10 +81,7 @@ def forces_of_loads(
     for load in loads:
         link = topology.index(load.point.link)
         values = load.values(motion.crank_angle, time)
-        force = values[..., :2]
-        if load.axes == "link":
-            angle = motion.angle[..., link]
-            force = force[..., :1] * direction(angle) + force[..., 1:] * normal(angle)
+        force = load.in_ground_axes(values, motion.angle[..., link])
         yield ForceOnLink(link, load.point.x, force, values[..., 2])
 
 
@@ -114,23 +108,19 @@ def forces_of_springs(
     for spring in springs:
         ends = (spring.first, spring.second)
         places, rates = zip(*(_point_motion(topology, motion, end) for end in ends), strict=True)
-        line, approach = places[1] - places[0], rates[1] - rates[0]
-        length = np.linalg.norm(line, axis=-1)
-        size = max(spring.free_length, *(link.length for link in topology.links))
-        met = length <= LEAST_LENGTH * size
-        if np.any(met) and (spring.free_length or spring.damping):
-            angle = np.degrees(motion.crank_angle[met].flat[0])
-            raise InputError(
-                f"spring {spring.name}: its ends meet at crank angle {angle:.6g} deg, where its "
-                "force has no direction; move an end, or leave that crank angle out"
-            )
-        unit = line / np.where(met, 1.0, length)[..., None]
-        rate = np.sum(approach * unit, axis=-1)
-        pull = spring.stiffness * (length - spring.free_length) + spring.damping * rate
+        line = SpringLine.of(
+            spring,
+            motion.crank_angle,
+            places,
+            rates,
+            max(spring.free_length, *(link.length for link in topology.links)),
+            needs_direction=bool(spring.free_length or spring.damping),
+        )
         for end, sign in zip(ends, (1.0, -1.0), strict=True):
             if not end.is_ground:
-                force = sign * pull[..., None] * unit
-                yield ForceOnLink(topology.index(end.link), end.x, force, np.zeros_like(pull))
+                force = sign * line.tension[..., None] * line.along
+                nothing = np.zeros_like(line.tension)
+                yield ForceOnLink(topology.index(end.link), end.x, force, nothing)
 
 
 def forces_of_joint_springs(
@@ -153,23 +143,19 @@ def forces_of_joint_springs(
     ------
     ForceOnLink
     """
-    holders: dict[str, tuple[LinkEnd, LinkEnd | None]] = {
-        pin.joint: (pin.follower, pin.leader) for pin in topology.pins
-    }
-    holders |= {pivot.joint: (pivot.held, None) for pivot in topology.pivots}
+    ends = topology.pinned_ends
     for spring in springs:
         if not (spring.torsional_stiffness or spring.torsional_damping):
             continue
         sides = [
             (sign, place, topology.index(place.link))
-            for sign, place in zip((1.0, -1.0), holders[spring.joint], strict=True)
+            for sign, place in zip((1.0, -1.0), ends[spring.joint], strict=True)
             if place is not None
         ]
         signs = np.array([sign for sign, _, _ in sides])
         links = [link for _, _, link in sides]
         opening, rate = angles[..., links] @ signs, motion.angular_velocity[..., links] @ signs
-        torque = -spring.torsional_stiffness * (opening - spring.free_angle)
-        torque = torque - spring.torsional_damping * rate
+        torque = spring.torque(opening, rate)
         for sign, place, link in sides:
             x = 0.0 if place.end == "start" else topology.links[link].length
             yield ForceOnLink(link, x, np.zeros((*torque.shape, 2)), sign * torque)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
+from flexmech.linkages.motion import direction, normal
 from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_choice, check_number, checked_array
 from flexmech.types import FloatArray
 
@@ -141,6 +142,24 @@ class Load:
         columns = [np.interp(where, self.at, column, period=period) for column in table.T]
         return np.stack(columns, axis=-1)
 
+    def in_ground_axes(self, values: FloatArray, angle: FloatArray) -> FloatArray:
+        """Force along the ground's x and y in N.
+
+        Parameters
+        ----------
+        values : ndarray, shape (..., 3)
+            Of :meth:`values`.
+        angle : ndarray, shape (...)
+            Of the section that the load acts on, in rad.
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+        """
+        if self.axes == "ground":
+            return values[..., :2]
+        return np.asarray(values[..., :1] * direction(angle) + values[..., 1:2] * normal(angle))
+
 
 @dataclass(frozen=True)
 class Spring:
@@ -224,3 +243,18 @@ class JointSpring:
             check_number(self.radial_stiffness, f"{what}: radial_stiffness", "N/m", POSITIVE)
         elif self.radial_damping:
             raise InputError(f"{what}: radial_damping needs a radial_stiffness beside it")
+
+    def torque(self, opening: FloatArray, rate: FloatArray) -> FloatArray:
+        """Torque of spring and damper on the following link in N m.
+
+        Parameters
+        ----------
+        opening, rate : ndarray, shape (...)
+            Angle of the following link less that of the leading one in rad, and its rate in rad/s.
+
+        Returns
+        -------
+        ndarray, shape (...)
+        """
+        torque = -self.torsional_stiffness * (opening - self.free_angle)
+        return np.asarray(torque - self.torsional_damping * rate)

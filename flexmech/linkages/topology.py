@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
 from flexmech.errors import InputError
 from flexmech.short_repr import short_repr
 
-__all__ = ["Clamp", "End", "Link", "LinkEnd", "Pin", "Pivot", "Slider", "Topology", "Weld"]
+__all__ = [
+    "Clamp",
+    "End",
+    "Link",
+    "LinkEnd",
+    "Pin",
+    "Pivot",
+    "Slider",
+    "Topology",
+    "Weld",
+    "leading_end",
+]
 
 End = Literal["start", "end"]
 
@@ -224,11 +236,40 @@ class Topology:
 
     def leader_of(self, place: LinkEnd) -> LinkEnd:
         """Follow pins and welds from a link end to the end that carries its displacement."""
-        leaders = {tie.follower: tie.leader for tie in self.ties}
-        seen = {place}
-        while place in leaders:
-            place = leaders[place]
-            if place in seen:
-                raise InputError(f"pins and welds lead in a circle at {place}")
-            seen.add(place)
-        return place
+        return leading_end(place, self.ties)
+
+    @property
+    def pinned_ends(self) -> dict[str, tuple[LinkEnd, LinkEnd | None]]:
+        """Following and leading end of each pin, by joint; held end of each pivot, and None."""
+        ends: dict[str, tuple[LinkEnd, LinkEnd | None]] = {
+            pin.joint: (pin.follower, pin.leader) for pin in self.pins
+        }
+        return ends | {pivot.joint: (pivot.held, None) for pivot in self.pivots}
+
+
+def leading_end(place: LinkEnd, ties: Iterable[Pin | Weld]) -> LinkEnd:
+    """Follow ties from a link end to the end that carries its displacement.
+
+    Parameters
+    ----------
+    place : LinkEnd
+    ties : iterable of Pin or Weld
+
+    Returns
+    -------
+    LinkEnd
+        The place itself where it follows no other.
+
+    Raises
+    ------
+    InputError
+        If the ties lead in a circle.
+    """
+    leaders = {tie.follower: tie.leader for tie in ties}
+    seen = {place}
+    while place in leaders:
+        place = leaders[place]
+        if place in seen:
+            raise InputError(f"pins and welds lead in a circle at {place}")
+        seen.add(place)
+    return place
