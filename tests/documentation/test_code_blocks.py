@@ -52,12 +52,14 @@ def test_blocks_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setenv("MPLBACKEND", "Agg")
     plt.switch_backend("Agg")
     names: dict[str, Any] = {"__name__": "__main__"}
+    model = tomllib.loads((REPOSITORY / "models" / "aluminium_fourbar.toml").read_text())
     for block in blocks_of(page):
         if block.language == "sh":
             for line in command_lines(block.text):
                 run_command_line(line)
         elif block.language == "toml":
-            load_with_the_rest(block.text)
+            model = with_the_rest(model, block.text)
+            mechanism_from_toml(tomli_w.dumps(model))
         elif block.language == "python":
             exec(compile(block.text, str(page), "exec"), names)
     plt.close("all")
@@ -87,13 +89,22 @@ def run_command_line(line: str) -> None:
         assert run.returncode == 0, f"{command}: {run.stderr}"
 
 
-def load_with_the_rest(text: str) -> None:
-    """Part of a model file, with what else a model needs."""
+def with_the_rest(model: dict[str, Any], text: str) -> dict[str, Any]:
+    """Model file with a part of a page in it; a drawn linkage begins a file of its own."""
     part = tomllib.loads(text)
-    whole = tomllib.loads((REPOSITORY / "models" / "aluminium_fourbar.toml").read_text())
-    for table, entries in part.items():
-        if isinstance(entries, dict):
-            whole.setdefault(table, {}).update(entries)
-        else:
-            whole[table] = entries
-    mechanism_from_toml(tomli_w.dumps(whole))
+    if part.get("linkage", {}).get("kind") == "planar":
+        return {"name": "linkage of this page", "source": "this page", **part}
+    return merged(model, part)
+
+
+def merged(whole: dict[str, Any], part: dict[str, Any]) -> dict[str, Any]:
+    """Tables of both; where both state a value, that of the part.
+
+    A link that states its section is stated whole: other sections have other keys.
+    """
+    result = dict(whole)
+    for key, entry in part.items():
+        both = isinstance(entry, dict) and isinstance(whole.get(key), dict)
+        both = both and "section" not in entry
+        result[key] = merged(whole[key], entry) if both else entry
+    return result
