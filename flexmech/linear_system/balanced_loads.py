@@ -14,6 +14,7 @@ import numpy as np
 from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.position_errors import refuse_positions
+from flexmech.linear_system.quasi_static import greatest
 from flexmech.linear_system.rotation_terms import RotationTerms
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
@@ -71,8 +72,8 @@ def balanced_loads(
         step = frames.link_coordinates(motion, np.linalg.solve(held.stiffness, gap[..., None]))
         moved = [q + change[..., 0] for q, change in zip(displacement, step, strict=True)]
         before, acting = acting, connectors.forces(motion, moved)
-        apart = _greatest([b - a for a, b in zip(before, acting, strict=True)])
-        size = np.maximum(_greatest(acting), _greatest(loads))
+        apart = greatest([b - a for a, b in zip(before, acting, strict=True)])
+        size = np.maximum(greatest(acting), greatest(loads))
         if number and not np.any(apart > LAST_PASS * size):
             return _sum(loads, acting)
         displacement = solve(_sum(loads, acting))
@@ -91,7 +92,3 @@ def balanced_loads(
 
 def _sum(loads: Sequence[FloatArray], others: Sequence[FloatArray]) -> list[FloatArray]:
     return [a + b for a, b in zip(loads, others, strict=True)]
-
-
-def _greatest(vectors: Sequence[FloatArray]) -> FloatArray:
-    return np.asarray(np.max([np.abs(v).max(axis=1) for v in vectors], axis=0), dtype=float)

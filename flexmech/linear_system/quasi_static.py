@@ -22,6 +22,7 @@ __all__ = [
     "RELATIVE_RESIDUAL",
     "ROUND_OFF",
     "free_load",
+    "greatest",
     "refuse_large_displacements",
     "steady_loads",
 ]
@@ -127,8 +128,8 @@ def steady_loads(
     least = LEAST_MOVE * max(float(link.readings.nodes[-1]) for link in links)
     for _ in range(MOST_PASSES):
         displacement = solve(found)
-        apart = _greatest(a - b for a, b in zip(displacement, before, strict=True))
-        moving = apart > np.maximum(LAST_PASS * _greatest(displacement), least)
+        apart = greatest(a - b for a, b in zip(displacement, before, strict=True))
+        moving = apart > np.maximum(LAST_PASS * greatest(displacement), least)
         if not np.any(moving):
             return found
         before = displacement
@@ -145,6 +146,15 @@ def steady_loads(
     return found
 
 
-def _greatest(vectors: Iterable[FloatArray]) -> FloatArray:
-    """Greatest size among vectors (B, n_link), (B,)."""
+def greatest(vectors: Iterable[FloatArray]) -> FloatArray:
+    """Greatest entry of several batches of vectors.
+
+    Parameters
+    ----------
+    vectors : iterable of ndarray, shape (B, n_link)
+
+    Returns
+    -------
+    ndarray, shape (B,)
+    """
     return np.asarray(np.max([np.abs(v).max(axis=1) for v in vectors], axis=0), dtype=float)

@@ -231,7 +231,7 @@ class TwoLoci:
         place = self._place(bodies, angle)
         normals = first.gradient(bodies, place), second.gradient(bodies, place)
         sine = cross(*normals)
-        self.refusal.locked(np.abs(sine) < LOCKING_SINE, angle)
+        self.refusal.refuse("locked", np.abs(sine) < LOCKING_SINE, angle)
         # One step of Newton's method takes off what rounding has left near locked positions.
         place = place - _vector(*normals, sine, first.gap(bodies, place), second.gap(bodies, place))
         normals = first.gradient(bodies, place), second.gradient(bodies, place)
@@ -255,7 +255,7 @@ class TwoLoci:
         start = bodies[self.first.body].point(self.first.through)
         normals = (self.first.gradient(bodies, start), self.second.gradient(bodies, start))
         sine = cross(*normals)
-        self.refusal.locked(np.abs(sine) < LOCKING_SINE, angle)
+        self.refusal.refuse("locked", np.abs(sine) < LOCKING_SINE, angle)
         return start - _vector(
             *normals, sine, self.first.gap(bodies, start), self.second.gap(bodies, start)
         )
@@ -265,7 +265,7 @@ class TwoLoci:
         assert isinstance(self.second, Circle)
         line = bodies[self.second.body].point(self.second.centre) - centre
         distance = np.abs(line)
-        self.refusal.apart(distance <= TOUCH * self.size, angle)
+        self.refusal.refuse("apart", distance <= TOUCH * self.size, angle)
         ahead = (self.first.radius**2 - self.second.radius**2 + distance**2) / (2 * distance)
         aside = self._leg(self.first.radius, ahead, angle)
         return np.asarray(centre + (ahead + 1j * self.side * aside) * line / distance)
@@ -284,7 +284,7 @@ class TwoLoci:
     def _leg(self, radius: float, other: FloatArray, angle: FloatArray) -> FloatArray:
         """Other leg of right triangles whose longest side is a radius."""
         square = (radius - other) * (radius + other)
-        self.refusal.apart(square < -TOUCH * self.size * radius, angle)
+        self.refusal.refuse("apart", square < -TOUCH * self.size * radius, angle)
         return np.sqrt(np.maximum(square, 0.0))
 
 
@@ -331,9 +331,9 @@ class SlidingBody:
         )
         distance = np.abs(arm)
         square = (distance - abs(beside)) * (distance + abs(beside))
-        self.refusal.apart(square < -TOUCH * self.size**2, angle)
+        self.refusal.refuse("apart", square < -TOUCH * self.size**2, angle)
         ahead = side * np.sqrt(np.maximum(square, 0.0))
-        self.refusal.locked(np.abs(ahead) < LOCKING_SINE * distance, angle)
+        self.refusal.refuse("locked", np.abs(ahead) < LOCKING_SINE * distance, angle)
         # The line's direction now: arm = (ahead + i beside) times it.
         along = arm / (ahead + 1j * beside)
         along = along / np.abs(along)

@@ -186,7 +186,9 @@ class NewtonGroup:
         start = np.zeros(len(self._scale))
         matrix = self._scaled_jacobian(known, start[None])[0]
         if np.linalg.svd(matrix, compute_uv=False)[-1] < LOCKING:
-            self.refusal(self._loosest_joint(known, start)).locked(np.array([True]), np.zeros(1))
+            self.refusal(self._loosest_joint(known, start)).refuse(
+                "locked", np.array([True]), np.zeros(1)
+            )
 
     def as_drawn(self, known: Mapping[int, BodyMotion]) -> dict[int, BodyMotion]:
         """Motion of the group's bodies in the drawn posture."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,15 @@ from flexmech.errors import InputError
 from flexmech.types import FloatArray
 
 __all__ = ["Refusal", "degrees"]
+
+Cause = Literal["apart", "locked"]
+SAID: dict[Cause, str] = {
+    "apart": "the linkage cannot be assembled at crank angle {angle}: {links} do not meet in joint "
+    "{joint} there; choose crank angles inside its range of motion or other dimensions",
+    "locked": "the linkage locks at crank angle {angle}: at joint {joint} {links} are in a dead "
+    "point and the crank cannot drive them through; leave that crank angle out or change the "
+    "dimensions",
+}
 
 
 def degrees(angle: float) -> str:
@@ -35,11 +45,12 @@ class Refusal:
     links: str
     drawn_at: float
 
-    def apart(self, where: NDArray[np.bool_], angle: FloatArray) -> None:
-        """Refuse crank angles where the joint cannot be put together.
+    def refuse(self, cause: Cause, where: NDArray[np.bool_], angle: FloatArray) -> None:
+        """Refuse crank angles at which the joint cannot be put together or cannot be driven.
 
         Parameters
         ----------
+        cause : {"apart", "locked"}
         where : ndarray of bool, shape (B,)
             Where that is so.
         angle : ndarray, shape (B,)
@@ -51,33 +62,8 @@ class Refusal:
             Names the first of them.
         """
         if np.any(where):
-            raise InputError(
-                f"the linkage cannot be assembled at crank angle {self.first(where, angle)}: "
-                f"{self.links} do not meet in joint {self.joint} there; choose crank angles "
-                "inside its range of motion or other dimensions"
-            )
-
-    def locked(self, where: NDArray[np.bool_], angle: FloatArray) -> None:
-        """Refuse crank angles where the joint is in a dead point.
-
-        Parameters
-        ----------
-        where : ndarray of bool, shape (B,)
-            Where that is so.
-        angle : ndarray, shape (B,)
-            Crank angle less that of the drawing in rad.
-
-        Raises
-        ------
-        InputError
-            Names the first of them.
-        """
-        if np.any(where):
-            raise InputError(
-                f"the linkage locks at crank angle {self.first(where, angle)}: at joint "
-                f"{self.joint} {self.links} are in a dead point and the crank cannot drive them "
-                "through; leave that crank angle out or change the dimensions"
-            )
+            place = self.first(where, angle)
+            raise InputError(SAID[cause].format(angle=place, links=self.links, joint=self.joint))
 
     def first(self, where: NDArray[np.bool_], angle: FloatArray) -> str:
         """First of the crank angles in a set, as text."""
