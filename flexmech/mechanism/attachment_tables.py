@@ -37,7 +37,7 @@ __all__ = ["body_table", "joints_table", "loads_table", "springs_table"]
 def body_table(body: AttachedBody) -> TomlTable:
     """Entry of ``bodies`` of its link."""
     table: TomlTable = {"position": quantity(body.position, LENGTH)}
-    if body.mass:
+    if body.mass or not body.inertia:
         table["mass"] = quantity(body.mass, MASS)
     if body.inertia:
         table["inertia"] = quantity(body.inertia, INERTIA)

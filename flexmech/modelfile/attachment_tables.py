@@ -77,6 +77,8 @@ class JointTable(Table):
     def _states_something(self) -> JointTable:
         if not self.model_fields_set:
             raise InputError("mass is missing; add it, or whatever the joint has, or leave it out")
+        if self.free_angle is not None and self.torsional_stiffness is None:
+            raise InputError("free_angle belongs to a torsional_stiffness; add it")
         return self
 
     @property

@@ -6,13 +6,14 @@ import csv
 from pathlib import Path
 
 from flexmech.errors import InputError
-from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring
+from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring, shown_crank_angle
 from flexmech.linkages.topology import LinkEnd
 from flexmech.mechanism import AttachedBody, PointMass
 from flexmech.modelfile.attachment_tables import LoadTable, PlaceTable
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.link_places import LinkPlaces
 from flexmech.modelfile.link_tables import RigidLinkTable
+from flexmech.modelfile.linkage_tables import PlanarTable
 from flexmech.modelfile.messages import Findings
 from flexmech.units import ANGLE, FORCE, TIME, TORQUE, parse_quantity
 
@@ -88,11 +89,14 @@ def attached_bodies(
     return tuple(bodies)
 
 
-def joint_springs(tables: ModelFile) -> tuple[JointSpring, ...]:
-    """Springs and dampers in joints."""
-    return tuple(
-        JointSpring(name, **joint.spring) for name, joint in tables.joints.items() if joint.spring
-    )
+def joint_springs(tables: ModelFile, findings: Findings) -> tuple[JointSpring, ...]:
+    """Springs and dampers in joints; what is wrong of them is kept in the findings."""
+    found = []
+    for name, joint in tables.joints.items():
+        with findings.at(f"joints.{name}"):
+            if joint.spring:
+                found.append(JointSpring(name, **joint.spring))
+    return tuple(found)
 
 
 def springs(tables: ModelFile, places: LinkPlaces, findings: Findings) -> tuple[Spring, ...]:
@@ -126,20 +130,23 @@ def _spring_end(
         return places.place(end.link, end.position)
     if not isinstance(end, str):
         return LinkPoint(GROUND, *end)
-    drawn = getattr(tables.linkage, "points", {})
-    if end in getattr(tables.linkage, "ground", ()) and end in drawn:
-        return LinkPoint(GROUND, *drawn[end])
+    drawing = tables.linkage
+    if isinstance(drawing, PlanarTable) and end in drawing.ground and end in drawing.points:
+        return LinkPoint(GROUND, *drawing.points[end])
     first = places.ends(end)[0]
-    pivots = {pivot.joint: pivot.held for pivot in places.linkage.topology.pivots}
-    if end in pivots:
-        return _of_ground(pivots[end], places)
-    return places.at_end(first)
+    still = _still_joints(places)
+    return _of_ground(still[end], places) if end in still else places.at_end(first)
+
+
+def _still_joints(places: LinkPlaces) -> dict[str, LinkEnd]:
+    """Joints that stand on the ground with the link ends there: pivots, the axis of the shaft."""
+    topology = places.linkage.topology
+    clamps = {clamp.joint: clamp.held for clamp in topology.clamps if clamp.hub == 0.0}
+    return {pivot.joint: pivot.held for pivot in topology.pivots} | clamps
 
 
 def _of_ground(held: LinkEnd, places: LinkPlaces) -> LinkPoint:
     """Where an end that does not move is on the ground."""
-    from flexmech.linkages import shown_crank_angle
-
     linkage, place = places.linkage, places.at_end(held)
     motion = linkage.motion(shown_crank_angle(linkage))
     x, y = motion.position(linkage.topology.index(place.link), place.x)
@@ -169,6 +176,7 @@ def loads(
         with findings.at(f"loads.{name}"):
             point = _load_point(table, places)
             at, rows = _rows(table, folder)
+            _check_moved(table, rows, places)
             found.append(
                 Load(
                     name,
@@ -212,6 +220,17 @@ def _load_point(table: LoadTable, places: LinkPlaces) -> LinkPoint:
 Rows = list[tuple[float, float, float]]
 
 
+def _check_moved(table: LoadTable, rows: Rows, places: LinkPlaces) -> None:
+    """Refuse a force on a point of the ground, unless the link there is named."""
+    if table.point is None or table.link is not None or not any(x or y for x, y, _ in rows):
+        return
+    if table.point in _still_joints(places):
+        raise InputError(
+            f"{table.point} is a point of the ground, where a force moves nothing; choose a point "
+            "that moves, or name the link there whose bearing carries the force"
+        )
+
+
 def _rows(table: LoadTable, folder: Path) -> tuple[tuple[float, ...], Rows]:
     """Places, and force and torque of each."""
     if table.over is None:
@@ -219,6 +238,8 @@ def _rows(table: LoadTable, folder: Path) -> tuple[tuple[float, ...], Rows]:
     if table.file is not None:
         return _read(folder / table.file, table.file, table.over)
     assert table.table is not None
+    if not table.table:
+        raise InputError("table is empty; give at least one row")
     at, rows = [], []
     for number, row in enumerate(table.table):
         if len(row) not in (3, 4):
@@ -253,6 +274,9 @@ def _read(path: Path, shown: str, over: str) -> tuple[tuple[float, ...], Rows]:
     titles = [title.strip() for title in lines[0]] if lines else []
     if titles not in (head, head[:3]):
         raise InputError(f"file {shown}: its first line must be {','.join(head)}")
+    if len(lines) < 2:
+        raise InputError(f"file {shown}: there is no row below its first line; give at least one")
+    dimension = ANGLE if over == "crank_angle" else TIME
     at, rows = [], []
     for number, line in enumerate(lines[1:], start=2):
         try:
@@ -262,5 +286,8 @@ def _read(path: Path, shown: str, over: str) -> tuple[tuple[float, ...], Rows]:
             raise InputError(f"file {shown}: line {number} is no row of numbers") from error
         if len(line) != len(titles):
             raise InputError(f"file {shown}: line {number} has {len(line)} fields")
-        at.append(parse_quantity(f"{place!r} {unit}", ANGLE if over == "crank_angle" else TIME))
+        try:
+            at.append(parse_quantity(f"{place!r} {unit}", dimension))
+        except InputError as error:
+            raise error.within(f"file {shown}: line {number}") from error
     return tuple(at), [(x, y, torque) for x, y, torque in rows]

@@ -88,6 +88,7 @@ def build_mechanism(
     bodies = attached_bodies(tables, places, findings)
     stated_loads = loads(tables, places, folder, findings)
     stated_springs = springs(tables, places, findings)
+    in_joints = joint_springs(tables, findings)
     findings.refuse()
     return Mechanism(
         linkage=linkage,
@@ -112,7 +113,7 @@ def build_mechanism(
         bodies=bodies,
         loads=stated_loads,
         springs=stated_springs,
-        joint_springs=joint_springs(tables),
+        joint_springs=in_joints,
         shaft_inertia=tables.shaft.inertia,
     )
 

@@ -24,6 +24,9 @@ from flexmech.modelfile.linkage_tables import LinkageTable
 
 __all__ = ["MaterialTable", "ModelFile"]
 
+# Kept with its spaces, so that what is written is read back.
+Name = Annotated[str, StringConstraints(pattern=r"\S")]
+
 
 class MaterialTable(DampedTable, HygrothermalTable):
     """An isotropic material."""
@@ -64,9 +67,7 @@ class OperationTable(Table):
 class ModelFile(Table):
     """A model file of flexmech."""
 
-    name: Annotated[str, StringConstraints(pattern=r"\S")] = Field(
-        description="Short name, used in titles"
-    )
+    name: Name = Field(description="Short name, used in titles")
     source: str = Field(description="Publication, drawing or measurement of the numbers")
     notes: str = Field(default="", description="Anything a reader should know")
     linkage: LinkageTable
@@ -78,7 +79,7 @@ class ModelFile(Table):
     links: dict[str, LinkTable] = Field(description="One table for each moving link")
     joints: dict[str, JointTable] = Field(default_factory=dict)
     shaft: ShaftTable = Field(default_factory=ShaftTable)
-    loads: dict[str, LoadTable] = Field(default_factory=dict)
-    springs: dict[str, SpringTable] = Field(default_factory=dict)
+    loads: dict[Name, LoadTable] = Field(default_factory=dict)
+    springs: dict[Name, SpringTable] = Field(default_factory=dict)
     environment: EnvironmentTable = Field(default_factory=EnvironmentTable)
     operation: OperationTable = Field(default_factory=OperationTable)

@@ -74,6 +74,12 @@ class BodyTable(Table):
     )
     beam: Beam | None = Field(default=None, description=OF_BEAM)
 
+    @model_validator(mode="after")
+    def _has_mass_or_inertia(self) -> BodyTable:
+        if not self.model_fields_set & {"mass", "inertia"}:
+            raise InputError("mass and inertia are missing; give one of them or both")
+        return self
+
 
 class AnyLinkTable(DampedTable, WettedTable):
     """What all links have in common."""

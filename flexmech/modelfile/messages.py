@@ -26,6 +26,7 @@ _WANTED_TYPES = {
     "string_type": "text in quotes",
     "string_too_short": "text that is not empty",
     "string_pattern_mismatch": "text that is not empty",
+    "int_type": "a whole number",
     "dict_type": "a table",
     "model_type": "a table",
     "model_attributes_type": "a table",
@@ -229,6 +230,8 @@ def _text(finding: ErrorDetails) -> str:
         return _not_a_choice(finding)
     if kind == "too_long":
         return f"got {len(got)} values; give {context['max_length']}"
+    if kind == "greater_than_equal":
+        return f"got {got!r}; give {context['ge']} or more"
     if kind in _WANTED_TYPES:
         return f"got {reprlib.repr(got)}; write {_WANTED_TYPES[kind]}"
     return f"{finding['msg']}"

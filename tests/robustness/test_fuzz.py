@@ -19,8 +19,44 @@ from flexmech.cli import app
 from flexmech.modelfile import KINDS, template
 
 MODELS = Path(__file__).parents[2] / "models"
+LOADED = """
+[shaft]
+inertia = "1e-3 kg m^2"
+[joints.B]
+mass = "10 g"
+torsional_stiffness = "2 N m/rad"
+free_angle = "20 deg"
+radial_stiffness = "1e7 N/m"
+radial_damping = "10 N s/m"
+[loads.push]
+link = "coupler"
+position = "20 mm"
+axes = "link"
+force = ["1 N", "-20 N"]
+torque = "0.1 N m"
+[loads.turning]
+link = "rocker"
+position = "30 mm"
+over = "crank_angle"
+table = [["0 deg", "5 N", "0 N"], ["90 deg", "0 N", "5 N", "0.1 N m"]]
+[loads.hit]
+point = "A"
+link = "crank"
+over = "time"
+table = [["0 s", "0 N", "0 N"], ["10 ms", "30 N", "0 N"]]
+[springs.back]
+points = ["A", "O4"]
+stiffness = "300 N/m"
+free_length = "100 mm"
+damping = "0.5 N s/m"
+[[links.rocker.bodies]]
+position = "40 mm"
+mass = "50 g"
+offset = ["0 mm", "-10 mm"]
+"""
 TEXTS = [
     *(template(kind) for kind in KINDS),
+    *(template(kind) + LOADED for kind in ("four-bar", "planar")),
     *(
         (MODELS / f"{name}.toml").read_text(encoding="utf-8")
         for name in (
@@ -160,6 +196,7 @@ def command(random_: random.Random, model: str, out: str) -> list[str]:
             *some("--element", pick("euler", "timoshenko", "reddy", "ancf")),
             *some("--no-rotation-terms"),
             *some("--mass", pick("lumped", "distributed")),
+            *some("--shaft", pick("free", "prescribed")),
             *environment,
         ]
     elif name == "campbell":

@@ -108,7 +108,7 @@ WRONG_SIX_BARS = [
     # Links.
     (
         'points = ["O6", "D"]',
-        'points = ["O6", "D"]\nrigid = true\nbodies = [{ position = "2 m" }]',
+        'points = ["O6", "D"]\nrigid = true\nbodies = [{ position = "2 m", mass = "1 g" }]',
         r"links.output.bodies\[0\].position: got 2 m, which is beyond the end of the output",
     ),
     (

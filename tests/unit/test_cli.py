@@ -7,7 +7,7 @@ import json
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
+from flexmech.choices import TemplateKind
 from flexmech.cli import app
 from flexmech.cli.arguments import parse_angles, parse_speeds
 from flexmech.errors import InputError
@@ -46,7 +47,7 @@ def names(folder: Path) -> list[str]:
 # --- the commands that need no engine -------------------------------------------------------
 
 
-@pytest.mark.parametrize("kind", ["four-bar", "rotating-arm", "slider-crank", "planar"])
+@pytest.mark.parametrize("kind", get_args(TemplateKind))
 def test_new_writes_a_file_that_loads(kind: str, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     result = run("new", kind, str(file))
