@@ -29,6 +29,7 @@ def response(
     step: options.Step = arguments.AUTO,
     samples: options.Samples = 720,
     prestress: options.RunPrestress = "equilibrium",
+    shaft: options.Shaft = "prescribed",
     integrator: options.Integrator = "trapezoidal",
     run_up: options.RunUp = "0",
     check_mesh: options.CheckMesh = False,
@@ -78,7 +79,7 @@ def response(
     deliver(
         analysis.Response,
         lambda progress: analysis.response(
-            make_engines(mechanism, engine, element, elements),
+            make_engines(mechanism, engine, element, elements, shaft),
             request,
             check_mesh=check_mesh,
             environment=environment,

@@ -350,8 +350,13 @@ class EngineLinks(ElementKinds):
         added = self.connectors.added(frames, motion, matrices, still, prestress, displacement)
         return added.stiffness
 
-    def require_prescribed_shaft(self) -> None:
+    def require_prescribed_shaft(self, what: str = "this computation") -> None:
         """Refuse a free shaft where the crank's motion is prescribed.
+
+        Parameters
+        ----------
+        what : str
+            Computation in which it is.
 
         Raises
         ------
@@ -360,7 +365,7 @@ class EngineLinks(ElementKinds):
         """
         if self._free_shaft is not None:
             raise InputError(
-                "a run in time turns the shaft as prescribed, and that of this engine is free; "
+                f"{what} turns the shaft as prescribed, and that of this engine is free; "
                 "use shaft 'prescribed'"
             )
 

@@ -246,7 +246,7 @@ class ClosedJoints:
 
     def put_in_place(self, position: Any, t: float) -> None:
         """Correct the system's coordinates, in place; the hub's angle comes last."""
-        turn = self.shaft.angle(t)
+        turn = self.shaft.hub_angle(position, t)
         position[-1] = turn
         for _ in range(3):
             gap, gradient = np.zeros(self.rows), np.zeros((self.rows, len(position)))

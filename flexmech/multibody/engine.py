@@ -44,6 +44,7 @@ from flexmech.multibody.running_model import RunningModel
 from flexmech.multibody.simulation import Simulation
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
+from flexmech.multibody.torque_table import TorqueTable
 from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array
 from flexmech.time_domain import Impact, LinkState, PointRecorder, Recorder, Trajectory
 from flexmech.types import FloatArray, StepProgress
@@ -206,22 +207,39 @@ class ExudynEngine(Engine):
         ComputationError
             If a step does not converge; names its time and the crank angle.
         """
-        self.require_prescribed_shaft()
         check_number(step, "step", "s", POSITIVE)
         sample_time = checked_array(sample_time, "sample_time", "s")
         check_choice(integrator, INTEGRATORS, "integrator")
         if len(sample_time) == 0 or sample_time[0] < 0 or np.any(np.diff(sample_time) <= 0):
             raise InputError("sample times must be zero or later and increase")
         steps = max(1, int(np.ceil(sample_time[-1] / step - 1e-9)))
+        torque = self._torque_on_free_shaft(drive, step, steps)
         model = RunningModel(
-            self.mechanism, self.elements, self.element, drive, self.held_links, impacts
+            self.mechanism, self.elements, self.element, drive, self.held_links, impacts, torque
         )
         if band is not None:
             check_number(band, "band", "Hz", POSITIVE)
         recorder = Recorder(sample_time, step, band)
         Simulation(model, step, steps, integrator).run(start, recorder, progress)
         trajectory = recorder.finish()
+        if self._free_shaft is not None:
+            place, rate = (
+                self._free_shaft.released(self.held_links, values)
+                for values in (trajectory.displacement, trajectory.rate)
+            )
+            trajectory = replace(trajectory, displacement=place, rate=rate)
         return replace(trajectory, energy_error=float("nan")) if impacts else trajectory
+
+    def _torque_on_free_shaft(
+        self, drive: CrankDrive | LockedCrank, step: float, steps: int
+    ) -> TorqueTable | None:
+        """Torque at the steps of a run; None where the shaft is prescribed."""
+        if isinstance(drive, LockedCrank):
+            self.require_prescribed_shaft("a run with the crank locked")
+            return None
+        if self.shaft == "prescribed":
+            return None
+        return TorqueTable.at_steps(self.mechanism, drive, step, steps)
 
     def point_histories(
         self,
@@ -262,7 +280,7 @@ class ExudynEngine(Engine):
         ComputationError
             If a step does not converge; names its time and the crank angle.
         """
-        self.require_prescribed_shaft()
+        self.require_prescribed_shaft("a record of points")
         check_number(step, "step", "s", POSITIVE)
         model = RunningModel(
             self.mechanism, self.elements, self.element, drive, self.held_links, impacts
@@ -304,7 +322,7 @@ class ExudynEngine(Engine):
         InputError
             If the step or the integrator cannot be, or the start tears a joint.
         """
-        self.require_prescribed_shaft()
+        self.require_prescribed_shaft("the exported system")
         check_number(step, "step", "s", POSITIVE)
         check_choice(integrator, INTEGRATORS, "integrator")
         model = RunningModel(self.mechanism, self.elements, self.element, drive, self.held_links)

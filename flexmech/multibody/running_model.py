@@ -2,7 +2,8 @@
 
 The shaft is a hub without mass that turns about the ground's origin. The clamped link's
 start is pinned to it and the link's axis there is kept parallel to it, so that the one
-constraint on the hub's angle carries the whole driving torque.
+constraint on the hub's angle carries the whole driving torque. A shaft that is free has its
+inertia on the hub instead, and a torque over time.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from flexmech.multibody.running_joints import (
     place_on_hub,
 )
 from flexmech.multibody.running_loads import add_running_loads
+from flexmech.multibody.torque_table import TorqueTable
 from flexmech.multibody.user_functions import Shaft
 from flexmech.time_domain import Impact
 from flexmech.types import FloatArray
@@ -53,6 +55,8 @@ class RunningModel:
         The links' matrices in the same coordinates, for their weight.
     impacts : sequence of Impact
         Pulses on points of links.
+    torque : TorqueTable, optional
+        Of a shaft that is free; it turns as prescribed where this is left out.
 
     Attributes
     ----------
@@ -60,8 +64,9 @@ class RunningModel:
         The links in ground axes.
     energies : LinkEnergies
     shaft : Shaft
-    drive_constraint : ItemNumber
-        The constraint on the hub's angle, which carries the driving torque.
+    drive_constraint : ItemNumber or None
+        The constraint on the hub's angle, which carries the driving torque; None where the
+        shaft is free.
     constraints : dict of str to list of ItemNumber
         Of each joint, without what keeps clamps and welds from turning.
     sliders : dict of str to SliderJoint
@@ -84,7 +89,9 @@ class RunningModel:
         drive: CrankDrive | LockedCrank,
         links: Sequence[LinkModel],
         impacts: Sequence[Impact] = (),
+        torque: TorqueTable | None = None,
     ) -> None:
+        self.torque = torque
         self.assembly = assembly = LinkAssembly(mechanism, elements, kind, bodies_have_mass=True)
         self.drive = drive
         self.links = links
@@ -92,10 +99,12 @@ class RunningModel:
         self.total_size = assembly.system_size + 3
         self._start = mechanism.linkage.motion(drive.crank_angle(0.0))
         self.shaft = Shaft(
-            float(self._start.angle[assembly.base]), float(drive.speed), float(drive.run_up_time)
+            float(self._start.angle[assembly.base]),
+            float(drive.speed),
+            float(drive.run_up_time),
+            is_free=torque is not None,
         )
         add_running_loads(assembly, self.energies)
-        assembly.items.begin("crank drive: a hub without mass, turned by the shaft")
         fixed = assembly.add_fixed_coordinate()
         hub, self.drive_constraint = self._add_hub(fixed)
         clamps = assembly.topology.clamps
@@ -153,10 +162,18 @@ class RunningModel:
         """Number of all multipliers."""
         return len(self.assembly.mbs.systemData.GetAECoordinates())
 
-    @property
-    def torque_multiplier(self) -> int:
-        """Multiplier that is minus the torque of the shaft."""
-        return self._multipliers(self.drive_constraint)[0]
+    def driving_torque(self, time: FloatArray, multiplier: FloatArray) -> FloatArray:
+        """Torque of the drive on the shaft at instants in N m, (m,).
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+        multiplier : ndarray, shape (m, n_multipliers)
+        """
+        if self.torque is not None:
+            return self.torque.at(time)
+        assert self.drive_constraint is not None
+        return -multiplier[:, self._multipliers(self.drive_constraint)[0]]
 
     def set_start(
         self, position: FloatArray, velocity: FloatArray
@@ -199,14 +216,36 @@ class RunningModel:
         """
         return greatest_gap(self.assembly, self._start, position)
 
-    def _add_hub(self, fixed: ItemNumber) -> tuple[ItemNumber, ItemNumber]:
-        """Body without mass that turns with the shaft, and the constraint on its angle."""
+    def _add_hub(self, fixed: ItemNumber) -> tuple[ItemNumber, ItemNumber | None]:
+        """Body that turns with the shaft, and the constraint on its angle, if there is one."""
         assembly, items = self.assembly, self.assembly.items
+        if self.torque is not None:
+            return self._add_free_hub(fixed, self.torque), None
+        items.begin("crank drive: a hub without mass, turned by the shaft")
         node = items.add("NodeRigidBody2D", "hub_node")
         for coordinate, axis in enumerate("xy"):
             assembly.add_constraint(f"hub_{axis}", fixed, node, coordinate)
         drive = assembly.add_constraint("crank_drive", fixed, node, 2, **self._turning())
         return items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=0.0), drive
+
+    def _add_free_hub(self, fixed: ItemNumber, torque: TorqueTable) -> ItemNumber:
+        """Body with the shaft's inertia, turned by a torque over time."""
+        assembly, items = self.assembly, self.assembly.items
+        items.begin("crank drive: a free hub with the shaft's inertia, turned by a torque")
+        node = items.add("NodeRigidBody2D", "hub_node")
+        for coordinate, axis in enumerate("xy"):
+            assembly.add_constraint(f"hub_{axis}", fixed, node, coordinate)
+        inertia = float(assembly.mechanism.shaft_inertia)
+        hub = items.add("ObjectRigidBody2D", "hub", nodeNumber=node, mass=0.0, inertia=inertia)
+        marker = items.add("MarkerNodeRigid", "hub_marker", nodeNumber=node)
+        items.add(
+            "LoadTorqueVector",
+            "crank_drive",
+            markerNumber=marker,
+            loadVector=[0.0, 0.0, 1.0],
+            loadVectorUserFunction=torque.user_function(),
+        )
+        return hub
 
     def _turning(self) -> dict[str, Any]:
         """Constraint on the hub's angle: a constant speed, or angle and speed of time."""

@@ -78,7 +78,8 @@ def add_sensors(model: RunningModel) -> None:
             _add_line_force(assembly, name, model.sliders[joint])
         else:
             _add_force(items, name, model.constraints[joint])
-    _add_force(items, "driving_torque", [model.drive_constraint])
+    if model.drive_constraint is not None:
+        _add_force(items, "driving_torque", [model.drive_constraint])
 
 
 class _LinkPoints:

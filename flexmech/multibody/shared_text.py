@@ -13,6 +13,7 @@ from flexmech.multibody.user_functions import (
     guide_line_force,
     load_history,
     middle_deflection,
+    torque_history,
     turned_frame,
 )
 
@@ -32,6 +33,7 @@ SHARED = (
     difference_mass,
     turned_frame,
     load_history,
+    torque_history,
     middle_deflection,
     constraint_force,
     guide_line_force,

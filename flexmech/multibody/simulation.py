@@ -16,7 +16,7 @@ from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.moving_frames import MovingFrames
 from flexmech.multibody.running_model import RunningModel
 from flexmech.multibody.solver_settings import Setting, applied, solver_settings
-from flexmech.time_domain import BlockTaker, Integrator, LinkState, StepBlock
+from flexmech.time_domain import BlockTaker, Integrator, LinkState, ShaftMotion, StepBlock
 from flexmech.types import FloatArray
 
 __all__ = ["Simulation"]
@@ -51,7 +51,6 @@ class Simulation:
         self.steps = steps
         self.integrator = integrator
         self._frames = MovingFrames(model.assembly.parts)
-        self._torque = model.torque_multiplier
 
     def run(
         self,
@@ -105,8 +104,8 @@ class Simulation:
         Parameters
         ----------
         time : ndarray, shape (m,)
-        position, velocity : ndarray, shape (m, size)
-            Exudyn's coordinates of the links.
+        position, velocity : ndarray, shape (m, total_size)
+            Exudyn's coordinates.
         multiplier : ndarray, shape (m, n_multipliers)
 
         Returns
@@ -114,6 +113,9 @@ class Simulation:
         StepBlock
         """
         assembly, energies, motion = self.model.assembly, self.model.energies, self._motion(time)
+        shaft = self._shaft_motion(time, position, velocity)
+        links = slice(0, assembly.size)
+        position, velocity = position[:, links], velocity[:, links]
         position, velocity = (
             assembly.arms.to_axis(position),
             assembly.arms.rate_to_axis(position, velocity),
@@ -132,6 +134,9 @@ class Simulation:
             for part_of in beam.kind.strains(place, speed, lengths, beam.section):
                 strain += part_of.energy
                 dissipation += part_of.dissipation
+        if shaft is not None:
+            inertia = assembly.mechanism.shaft_inertia
+            kinetic += inertia * (motion.crank_speed + shaft.rate) ** 2 / 2
         work = self.model.connectors.work(time, position, velocity)
         strain += work.stored
         dissipation += work.dissipation
@@ -141,13 +146,24 @@ class Simulation:
             displacement=displacement,
             rate=rate,
             joint_force=self.model.joint_force(multiplier, position, velocity),
-            driving_torque=-multiplier[:, self._torque],
+            driving_torque=self.model.driving_torque(time, multiplier),
             kinetic_energy=kinetic,
             strain_energy=strain,
             gravity_energy=gravity,
             dissipation_power=dissipation,
             prestress_power=work.power,
+            shaft=shaft,
         )
+
+    def _shaft_motion(
+        self, time: FloatArray, position: FloatArray, velocity: FloatArray
+    ) -> ShaftMotion | None:
+        """How a free shaft turns against its prescribed angle; None where it does not."""
+        shaft = self.model.shaft
+        if not shaft.is_free:
+            return None
+        rotation = position[:, -1] - [shaft.angle(t) for t in time]
+        return ShaftMotion(rotation, velocity[:, -1] - [shaft.speed(t) for t in time])
 
     def _motion(self, time: FloatArray) -> RigidMotion:
         return self.model.drive.motion(self.model.assembly.mechanism.linkage, time)
@@ -253,10 +269,10 @@ class _Steps:
         if not finite.all():
             first_bad = self._first + int(np.argmin(finite))
             raise _step_error(self._simulation, first_bad, "the values are not finite")
-        links = slice(0, self._simulation.model.assembly.size)
-        self._recorder.add(
-            self._simulation.block(time, position[:, links], velocity[:, links], multiplier)
-        )
+        block = self._simulation.block(time, position, velocity, multiplier)
+        if block.shaft is not None:
+            block.shaft.refuse_runaway(self._simulation.model.drive, time)
+        self._recorder.add(block)
         for values in blocks:
             values[0] = values[count - 1]
         self._first, self._count = self._first + count - 1, 1

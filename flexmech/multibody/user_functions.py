@@ -23,6 +23,7 @@ __all__ = [
     "guide_line_force",
     "load_history",
     "middle_deflection",
+    "torque_history",
     "turned_frame",
 ]
 
@@ -32,11 +33,13 @@ class Shaft:
     """Prescribed angle of the driven link at its clamp: constant speed after a run-up.
 
     The run-up is cycloidal: its acceleration starts and ends at zero. Angles in rad.
+    A shaft that is free is turned by a torque, and its hub stands where that takes it.
     """
 
     start_angle: float
     final_speed: float
     run_up_time: float
+    is_free: bool = False
 
     def angle(self, t: float) -> float:
         """Angle at a time in s."""
@@ -55,6 +58,10 @@ class Shaft:
             return self.final_speed
         part = min(t / self.run_up_time, 1.0)
         return self.final_speed * (part - math.sin(2 * math.pi * part) / (2 * math.pi))
+
+    def hub_angle(self, position: Any, t: float) -> float:
+        """Angle of the hub, whose coordinate is the last one of the system."""
+        return float(position[-1]) if self.is_free else self.angle(t)
 
     def constraint_angle(self, mbs: Any, t: float, number: int, offset: float) -> float:
         """User function of a constraint: its offset.
@@ -171,7 +178,7 @@ class Joints:
 
     def put_in_place(self, position: Any, t: float) -> None:
         """Correct the system's coordinates, in place; those of the hub come last."""
-        angle = self.shaft.angle(t)
+        angle = self.shaft.hub_angle(position, t)
         self.clamp.turn_to(position, angle)
         position[-1] = angle
         for end, place in self.pivots:
@@ -286,6 +293,24 @@ def load_history(
         return [0.0, 0.0, float(torque)] if is_torque else pair
 
     return values
+
+
+def torque_history(times: Any, torques: Any) -> Any:
+    """User function of the torque on a shaft that is free, linear between its times.
+
+    Parameters
+    ----------
+    times : list of float
+        Increasing, in s.
+    torques : list of float
+        In N m.
+    """
+    at, values = np.array(times), np.array(torques)
+
+    def torque(mbs: Any, t: float, load: Any) -> list[float]:
+        return [0.0, 0.0, float(np.interp(t, at, values))]
+
+    return torque
 
 
 def turned_frame(x: float, y: float, angle: float) -> Any:

@@ -19,6 +19,8 @@ __all__ = ["engine_lines", "plot_forces", "plot_response"]
 
 STRAIN_UNITS: Units = ((1e6, "µm/m"),)
 TORQUE_UNITS: Units = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
+ROTATION_UNITS: Units = ((np.degrees(1.0), "deg"),)
+SPEED_UNITS: Units = ((1.0, "rad/s"), (1e3, "mrad/s"), (1e6, "µrad/s"))
 FORCE_UNITS: Units = ((1.0, "N"), (1e3, "mN"), (1e6, "µN"))
 
 # Thinner than the engines' lines, which it covers where the links are as good as rigid.
@@ -37,7 +39,8 @@ def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
 
     One panel a link for the deflections: of a link's middle from the line between its pins,
     or of a clamped link's tip. Under them the bending strain of those links whose middle is
-    watched. The axis on top gives the crank angle.
+    watched, and the rotation and speed of a shaft that is free, against what is prescribed.
+    The axis on top gives the crank angle.
 
     Parameters
     ----------
@@ -52,15 +55,23 @@ def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """
     links = names_of(dataset, "link")
     strained = [name for name in links if dataset["probe"].sel(link=name) == "middle"]
-    shown = [("deflection", name, LENGTH_UNITS) for name in links]
-    shown += [("strain", name, STRAIN_UNITS) for name in strained]
+    watched = [("deflection", name, LENGTH_UNITS) for name in links]
+    watched += [("strain", name, STRAIN_UNITS) for name in strained]
+    shown = [
+        (dataset[quantity].sel(link=name), units, f"{link_label(dataset, name)}\n{quantity}")
+        for quantity, name, units in watched
+    ]
+    if "shaft_rotation" in dataset:
+        shown += [
+            (dataset["shaft_rotation"], ROTATION_UNITS, "Shaft\nrotation"),
+            (dataset["crank_speed_fluctuation"], SPEED_UNITS, "Shaft speed\nfluctuation"),
+        ]
     fewer = "choose one link that is watched at its tip (links=...)"
     with sheet(time_axis.time_layout(len(shown)), ax=ax, fewer=fewer) as drawn:
         drawn.header(engine_lines(dataset), run_title(dataset), of=dataset)
         time_axis.label_times(drawn, dataset)
-        for axes, (quantity, link, units) in zip(drawn.panels, shown, strict=True):
-            what = f"{link_label(dataset, link)}\n{quantity}"
-            draw_engines(axes, dataset[quantity].sel(link=link), units, what)
+        for axes, (quantity, units, what) in zip(drawn.panels, shown, strict=True):
+            draw_engines(axes, quantity, units, what)
     return drawn.figure
 
 

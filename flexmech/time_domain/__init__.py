@@ -36,6 +36,8 @@ from flexmech.time_domain.pulse import HalfSinePulse, Impact
 from flexmech.time_domain.recording import EnergyHistory, Recorder, StepBlock, Trajectory
 from flexmech.time_domain.reduced_links import DETAIL, can_stretch, is_reduced
 from flexmech.time_domain.sampled_turn import SampledTurn
+from flexmech.time_domain.shaft_motion import ShaftMotion
+from flexmech.time_domain.shaft_torque import rigid_torque
 from flexmech.time_domain.simulator import Simulator, simulator
 from flexmech.time_domain.state import LinkState, VibrationState
 from flexmech.time_domain.struck_run import StruckLinkage
@@ -64,6 +66,7 @@ __all__ = [
     "Recorder",
     "SampledPeriodicSystem",
     "SampledTurn",
+    "ShaftMotion",
     "Simulator",
     "StateModes",
     "StatedPeriodicSystem",
@@ -90,6 +93,7 @@ __all__ = [
     "periodic_state",
     "periodic_turn",
     "pulse_response",
+    "rigid_torque",
     "simulated_orbit",
     "simulator",
     "state_modes",

@@ -90,7 +90,7 @@ class DrivenLinkage:
         with_energy: bool = True,
         stretches: bool = False,
     ) -> None:
-        engine.require_prescribed_shaft()
+        engine.require_prescribed_shaft("a run of linear equations")
         engine.require_no_connectors("a run in time")
         self.engine = engine
         self.drive = drive

@@ -12,6 +12,7 @@ import numpy as np
 
 from flexmech.time_domain.force_record import ForceRecord
 from flexmech.time_domain.sampling import ON_A_STEP, hermite, linear, place
+from flexmech.time_domain.shaft_motion import ShaftMotion
 from flexmech.types import FloatArray
 
 __all__ = ["EnergyHistory", "Recorder", "StepBlock", "Trajectory"]
@@ -39,6 +40,8 @@ class StepBlock:
     prestress_power : ndarray, shape (m,)
         What a prescribed, changing prestress puts into a linear model; zero in a
         nonlinear one.
+    shaft : ShaftMotion, optional
+        Of a shaft that is free. Its inertia is part of the kinetic energy.
     """
 
     time: FloatArray
@@ -52,6 +55,7 @@ class StepBlock:
     gravity_energy: FloatArray
     dissipation_power: FloatArray
     prestress_power: FloatArray
+    shaft: ShaftMotion | None = None
 
 
 @dataclass(frozen=True)
@@ -95,6 +99,8 @@ class Trajectory:
         energy - dissipated|`` over all steps, relative to the peak kinetic energy.
     step : float
         Time step in s.
+    shaft : ShaftMotion, optional
+        Of a shaft that is free.
     """
 
     time: FloatArray
@@ -107,6 +113,7 @@ class Trajectory:
     energy: EnergyHistory
     energy_error: float
     step: float
+    shaft: ShaftMotion | None = None
 
     def __getitem__(self, where: slice) -> Trajectory:
         """The same run at some of the samples."""
@@ -121,6 +128,7 @@ class Trajectory:
             joint_force=self.joint_force[where],
             driving_torque=self.driving_torque[where],
             energy=energy,
+            shaft=None if self.shaft is None else self.shaft[where],
         )
 
 
@@ -146,14 +154,18 @@ class Recorder:
         self._taken = 0
         self._work = np.zeros(3)  # drive, dissipated, prestress
         self._balance_start: float | None = None
+        self._turns_freely = False
         self._worst = 0.0
         self._peak = 0.0
 
     def add(self, block: StepBlock) -> None:
         """Take the next steps."""
+        speed = block.crank_speed
+        if block.shaft is not None:
+            speed = speed + block.shaft.rate
         powers = np.stack(
             [
-                block.driving_torque * block.crank_speed,
+                block.driving_torque * speed,
                 block.dissipation_power,
                 block.prestress_power,
             ]
@@ -190,6 +202,7 @@ class Recorder:
             energy=EnergyHistory(*joined("energy")[0].T),
             energy_error=self._worst / self._peak,
             step=self.step,
+            shaft=ShaftMotion(*joined("shaft")) if self._turns_freely else None,
         )
 
     def _sample(self, block: StepBlock, work: FloatArray) -> None:
@@ -213,8 +226,14 @@ class Recorder:
             ],
             axis=1,
         )
+        turned: list[FloatArray] = []
+        if block.shaft is not None:
+            self._turns_freely = True
+            rotation, rate = block.shaft.rotation[:, None], block.shaft.rate[:, None]
+            turned = [v[:, 0] for v in hermite(block.time, rotation, rate, before, fraction)]
         self._parts.append(
             {
+                "shaft": turned,
                 "displacement": [value for value, _ in cubic],
                 "rate": [slope for _, slope in cubic],
                 "energy": [linear(energy, before, fraction)],

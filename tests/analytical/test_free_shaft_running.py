@@ -10,16 +10,12 @@ from scipy.integrate import solve_ivp
 
 from flexmech import (
     BeamSection,
-    CrankDrive,
     ExudynEngine,
-    InputError,
     Material,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     load_mechanism,
-    response,
     stability,
 )
 from flexmech.analyses.stability.solver import LinkageSolver
@@ -81,14 +77,3 @@ def test_the_shaft_of_nearly_rigid_links_follows_hills_equation() -> None:
     found = solver.solve(solver.moving(10.0))
     multipliers = np.exp(found.rigid * found.period)
     assert np.sort_complex(multipliers) == pytest.approx(np.sort_complex(expected), abs=3e-4)
-
-
-def test_runs_in_time_prescribe_the_shaft() -> None:
-    mechanism = load_mechanism("models/aluminium_fourbar.toml")
-    for engine in (
-        ReferenceEngine(mechanism, 2, shaft="free"),
-        ExudynEngine(mechanism, 2, shaft="free"),
-    ):
-        request = ResponseRequest(CrankDrive(20.0), revolutions=0.1)
-        with pytest.raises(InputError, match="a run in time turns the shaft as prescribed"):
-            response(engine, request)

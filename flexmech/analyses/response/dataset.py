@@ -23,6 +23,7 @@ from flexmech.analyses.response.spectra import (
 from flexmech.analyses.stations import rigid_positions
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.time_domain import Trajectory
 from flexmech.types import FloatArray
 
 __all__ = ["add_mesh_errors", "build_dataset"]
@@ -101,6 +102,7 @@ def build_dataset(
         start=request.start,
         integrator=request.integrator,
         prestress=request.prestress,
+        shaft=first.shaft,
         force_band=runs[0].band,
         spectrum_turns=whole_turns(request),
     )
@@ -126,6 +128,7 @@ def _history(run: EngineRun, motion: RigidMotion, refinement: int) -> xr.Dataset
     engine, trajectory = run.engine, run.trajectory[::refinement]
     energy = trajectory.energy
     displacement = measurements.ground_displacements(engine, trajectory, motion)
+    turned = None if trajectory.shaft is None else trajectory.shaft.rotation
     return xr.Dataset(
         {
             "deflection": (("time", "link"), measurements.deflections(engine, trajectory)),
@@ -139,13 +142,28 @@ def _history(run: EngineRun, motion: RigidMotion, refinement: int) -> xr.Dataset
             "dissipated_energy": ("time", energy.dissipated),
             "drive_work": ("time", energy.drive_work),
             "prestress_work": ("time", energy.prestress_work),
-            "constraint_drift": measurements.constraint_drift(engine, displacement, motion),
+            "constraint_drift": measurements.constraint_drift(engine, displacement, motion, turned),
             "step": trajectory.step,
             "energy_error": trajectory.energy_error,
             "peak_driving_torque": trajectory.peak_driving_torque,
             "peak_joint_force": ("joint", trajectory.peak_joint_force),
             **_errors("step", run.step_error),
             **_errors("reduction", run.reduction_error),
+        }
+    ).assign(_shaft(trajectory, run.trajectory))
+
+
+def _shaft(trajectory: Trajectory, refined: Trajectory) -> xr.Dataset:
+    """How a free shaft turns against its prescribed angle; nothing where it does not."""
+    shaft, every = trajectory.shaft, refined.shaft
+    if shaft is None or every is None:
+        return xr.Dataset()
+    return xr.Dataset(
+        {
+            "shaft_rotation": ("time", shaft.rotation),
+            "crank_speed_fluctuation": ("time", shaft.rate),
+            "peak_shaft_rotation": float(np.abs(every.rotation).max()),
+            "peak_crank_speed_fluctuation": float(np.abs(every.rate).max()),
         }
     )
 

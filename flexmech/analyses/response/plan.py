@@ -11,7 +11,11 @@ from flexmech.analyses.environment import environment_lines
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.requests import engines_of
 from flexmech.analyses.response.dataset import SPECTRUM_REACH
-from flexmech.analyses.response.request import MOST_SAMPLES, ResponseRequest
+from flexmech.analyses.response.request import (
+    MOST_SAMPLES,
+    NO_PERIODIC_START,
+    ResponseRequest,
+)
 from flexmech.analyses.turn import sampled_turn
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
@@ -73,14 +77,18 @@ def engines_in_state(
     Raises
     ------
     InputError
-        If the linkage locks in the course of a turn, no engine is given, or links that bend
-        without load are to start straight.
+        If the linkage locks in the course of a turn, no engine is given, links that bend
+        without load are to start straight, or a free shaft is to start on a periodic motion.
     """
     chosen = engines_of(engines, request.modes)
     lines = environment_lines(chosen[0].mechanism, environment)
     if environment is not None:
         wet = mechanism_in_state(chosen[0].mechanism, environment)
         chosen = [engine.with_(mechanism=wet).fit_for(request.modes) for engine in chosen]
+    if request.shaft is not None:
+        chosen = [engine.with_(shaft=request.shaft) for engine in chosen]
+    if request.start == "periodic" and any(engine.shaft == "free" for engine in chosen):
+        raise InputError(NO_PERIODIC_START)
     mechanism = chosen[0].mechanism
     if request.start == "rigid" and mechanism.is_free_strained:
         raise InputError(

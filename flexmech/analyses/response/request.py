@@ -17,6 +17,10 @@ __all__ = ["ResponseRequest"]
 # More samples than this are taken for a slip of the keyboard.
 MOST_SAMPLES = 2_000_000
 MOST_STEPS = 50_000_000
+NO_PERIODIC_START = (
+    "a periodic start needs a prescribed shaft: under the torque that drives the rigid linkage a "
+    "free one keeps no mean speed; choose start rigid or equilibrium"
+)
 
 
 @dataclass(frozen=True)
@@ -45,13 +49,17 @@ class ResponseRequest:
     modes : int
         The highest natural frequency of interest, counted from 1, sets the time step, the
         component modes and the spectra.
+    shaft : {"prescribed", "free"}, optional
+        Whether the shaft turns as prescribed; or carries, over time, the torque that drives the
+        rigid linkage so, and answers with its own rotation. As the engines have it where it is
+        left out.
     speed_unit : str
         In which results speak of crank speeds, such as ``"rpm"``.
 
     Raises
     ------
     InputError
-        If a value is impossible, or a periodic start is asked for with a run-up.
+        If a value is impossible, or a periodic start is asked for with a run-up or a free shaft.
 
     Examples
     --------
@@ -69,6 +77,7 @@ class ResponseRequest:
     integrator: choices.Integrator = "trapezoidal"
     prestress: choices.Prestress = "equilibrium"
     modes: int = choices.MODES
+    shaft: choices.ShaftChoice | None = None
     speed_unit: str = field(default="rad/s", repr=False)
 
     def __post_init__(self) -> None:
@@ -81,6 +90,10 @@ class ResponseRequest:
         check_choice(self.start, choices.STARTS, "start")
         check_choice(self.integrator, choices.INTEGRATORS, "integrator")
         check_choice(self.prestress, choices.PRESTRESS_LEVELS, "prestress")
+        if self.shaft is not None:
+            check_choice(self.shaft, choices.SHAFTS, "shaft")
+        if self.start == "periodic" and self.shaft == "free":
+            raise InputError(NO_PERIODIC_START)
         if self.start == "periodic" and not self.drive.is_constant:
             raise InputError("a periodic start needs a constant crank speed: leave out the run-up")
         samples = self.duration / self.sample_interval

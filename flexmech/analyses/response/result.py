@@ -176,6 +176,7 @@ class Response(Result):
             **{f"{link}_tip_deflection_m": deflection.sel(link=link) for link in clamped},
             **{f"{link}_mid_strain": strain.sel(link=link) for link in pinned},
             "driving_torque_Nm": data["driving_torque"],
+            **words.shaft_columns(data),
             **{
                 f"pin_{joint}_{axis}_N": force.sel(joint=joint, component=axis)
                 for joint in self.pins
@@ -215,7 +216,7 @@ class Response(Result):
         ----------
         ax : matplotlib.axes.Axes or sequence of them, optional
             As many as there are panels: a deflection for each link, then a strain for each
-            pinned one.
+            pinned one, then the rotation and the speed of a free shaft.
         links : str or sequence of str, optional
         engine : str, optional
 
@@ -265,6 +266,7 @@ class Response(Result):
             *theory_lines(data.attrs),
             *words.check_lines(data),
             *words.load_lines(peaks, data),
+            *words.shaft_lines(data),
             *words.spectrogram_lines(data),
             *words.force_agreement_line(self.force_agreement(), data),
             *data.attrs["environment_lines"].splitlines(),

@@ -9,6 +9,7 @@ import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
 from flexmech.analyses.summary import Table
+from flexmech.analyses.tables import DEGREES
 
 __all__ = [
     "agreement_line",
@@ -16,6 +17,8 @@ __all__ = [
     "force_agreement_line",
     "load_lines",
     "peak_table",
+    "shaft_columns",
+    "shaft_lines",
     "spectrogram_lines",
     "standing_for_all",
     "supported",
@@ -24,6 +27,8 @@ __all__ = [
 MOST_DIGITS = 4
 # Deflection over a link's length beyond which linear kinematics shows.
 LARGE_BOW = 0.01
+# Rotation of a free shaft in rad beyond which equations that are linear in it show.
+LARGE_ROTATION = np.radians(5)
 # A crank angle this close below a whole turn, in turns, is the turn's end.
 _WHOLE_TURN = 1e-9
 
@@ -102,6 +107,48 @@ def _force_errors(dataset: xr.Dataset, kind: str, lead: str) -> str:
         f"{lead}, of the peak: joint forces {error('force')}, their peaks {error('peak_force')}; "
         f"torque {error('torque')}, its peak {error('peak_torque')}"
     )
+
+
+def shaft_columns(data: xr.Dataset) -> dict[str, xr.DataArray]:
+    """Columns of a free shaft's rotation and speed over (engine, time); none where it is not."""
+    if "shaft_rotation" not in data:
+        return {}
+    return {
+        "shaft_rotation_deg": DEGREES * data["shaft_rotation"],
+        "crank_speed_fluctuation_rad_s": data["crank_speed_fluctuation"],
+    }
+
+
+def shaft_lines(data: xr.Dataset) -> list[str]:
+    """Report how far a free shaft leaves its prescribed motion, and what linear theory makes of it.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of the response.
+
+    Returns
+    -------
+    list of str
+        None where the shaft turns as prescribed.
+    """
+    if "shaft_rotation" not in data:
+        return []
+    peak = data["peak_shaft_rotation"]
+    part = 100 * data["peak_crank_speed_fluctuation"] / abs(data.attrs["crank_speed"])
+    lines = [
+        "shaft: free, under the torque that drives the rigid linkage; it leaves its prescribed "
+        f"angle by at most {_listed(DEGREES * peak, '{:.4g} deg')}, its speed the crank speed "
+        f"by at most {_listed(part, '{:.3g} %')}"
+    ]
+    linear = peak.sel(engine=~data["nonlinear"].astype(bool))
+    if linear.sizes["engine"] and float(linear.max()) > LARGE_ROTATION:
+        lines.append(
+            f"shaft: the equations of {', '.join(map(str, linear['engine'].values))} are linear in "
+            f"its rotation, which is beyond the {np.degrees(LARGE_ROTATION):.0f} deg up to which "
+            "that holds; trust the exudyn engine, or give the shaft more inertia"
+        )
+    return lines
 
 
 def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
