@@ -216,14 +216,6 @@ class FreeShaft:
         clamped[self.link] = displacement[self.link] @ self.basis(links[self.link]).T
         return clamped
 
-    def released(
-        self, links: tuple[LinkModel, ...], displacement: list[FloatArray]
-    ) -> list[FloatArray]:
-        """Displacements (B, n_link) of released links from those of clamped ones."""
-        free = list(displacement)
-        free[self.link] = displacement[self.link] @ np.linalg.inv(self.basis(links[self.link])).T
-        return free
-
     def stretches(
         self, links: tuple[LinkModel, ...], stretches: tuple[LinkStretch, ...]
     ) -> tuple[LinkStretch, ...]:

@@ -222,12 +222,6 @@ class ExudynEngine(Engine):
         recorder = Recorder(sample_time, step, band)
         Simulation(model, step, steps, integrator).run(start, recorder, progress)
         trajectory = recorder.finish()
-        if self._free_shaft is not None:
-            place, rate = (
-                self._free_shaft.released(self.held_links, values)
-                for values in (trajectory.displacement, trajectory.rate)
-            )
-            trajectory = replace(trajectory, displacement=place, rate=rate)
         return replace(trajectory, energy_error=float("nan")) if impacts else trajectory
 
     def _torque_on_free_shaft(

@@ -112,8 +112,9 @@ class Simulation:
         -------
         StepBlock
         """
-        assembly, energies, motion = self.model.assembly, self.model.energies, self._motion(time)
+        assembly, energies = self.model.assembly, self.model.energies
         shaft = self._shaft_motion(time, position, velocity)
+        motion = self._motion(time) if shaft is None else self._carried(time, shaft)
         links = slice(0, assembly.size)
         position, velocity = position[:, links], velocity[:, links]
         position, velocity = (
@@ -136,7 +137,7 @@ class Simulation:
                 dissipation += part_of.dissipation
         if shaft is not None:
             inertia = assembly.mechanism.shaft_inertia
-            kinetic += inertia * (motion.crank_speed + shaft.rate) ** 2 / 2
+            kinetic += inertia * motion.crank_speed**2 / 2
         work = self.model.connectors.work(time, position, velocity)
         strain += work.stored
         dissipation += work.dissipation
@@ -164,6 +165,11 @@ class Simulation:
             return None
         rotation = position[:, -1] - [shaft.angle(t) for t in time]
         return ShaftMotion(rotation, velocity[:, -1] - [shaft.speed(t) for t in time])
+
+    def _carried(self, time: FloatArray, shaft: ShaftMotion) -> RigidMotion:
+        """Motion of the rigid linkage with a free shaft; a state needs no acceleration."""
+        mean, linkage = self._motion(time), self.model.assembly.mechanism.linkage
+        return linkage.motion(mean.crank_angle + shaft.rotation, mean.crank_speed + shaft.rate)
 
     def _motion(self, time: FloatArray) -> RigidMotion:
         return self.model.drive.motion(self.model.assembly.mechanism.linkage, time)

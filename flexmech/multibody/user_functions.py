@@ -34,6 +34,17 @@ class Shaft:
 
     The run-up is cycloidal: its acceleration starts and ends at zero. Angles in rad.
     A shaft that is free is turned by a torque, and its hub stands where that takes it.
+
+    Parameters
+    ----------
+    start_angle : float
+        At time zero, in rad.
+    final_speed : float
+        In rad/s.
+    run_up_time : float
+        In s.
+    is_free : bool
+        Whether the angle is that of the mean motion alone.
     """
 
     start_angle: float

@@ -27,6 +27,7 @@ class StepBlock:
     time : ndarray, shape (m,)
         In s.
     crank_speed : ndarray, shape (m,)
+        Of the shaft as it turns, also where it is free.
     displacement, rate : list of ndarray, shape (m, n_link)
         Each link's coordinates in the frame of its rigid motion, less those of the
         undeformed link, and their time derivatives in that frame.
@@ -41,7 +42,8 @@ class StepBlock:
         What a prescribed, changing prestress puts into a linear model; zero in a
         nonlinear one.
     shaft : ShaftMotion, optional
-        Of a shaft that is free. Its inertia is part of the kinetic energy.
+        Of a shaft that is free. Its inertia is part of the kinetic energy, and the frames
+        are those of the rigid linkage at the angle that it has.
     """
 
     time: FloatArray
@@ -160,12 +162,9 @@ class Recorder:
 
     def add(self, block: StepBlock) -> None:
         """Take the next steps."""
-        speed = block.crank_speed
-        if block.shaft is not None:
-            speed = speed + block.shaft.rate
         powers = np.stack(
             [
-                block.driving_torque * speed,
+                block.driving_torque * block.crank_speed,
                 block.dissipation_power,
                 block.prestress_power,
             ]

@@ -127,8 +127,15 @@ def _history(run: EngineRun, motion: RigidMotion, refinement: int) -> xr.Dataset
     """What a run measures at the samples asked for, and how far it may be trusted."""
     engine, trajectory = run.engine, run.trajectory[::refinement]
     energy = trajectory.energy
-    displacement = measurements.ground_displacements(engine, trajectory, motion)
-    turned = None if trajectory.shaft is None else trajectory.shaft.rotation
+    carried = motion
+    if trajectory.shaft is not None:
+        turned = motion.crank_angle + trajectory.shaft.rotation
+        carried = engine.mechanism.linkage.motion(turned, motion.crank_speed)
+    displacement = measurements.ground_displacements(engine, trajectory, carried)
+    drift = measurements.constraint_drift(engine, displacement, carried)
+    if carried is not motion:
+        displacement = displacement + rigid_positions(engine, carried)
+        displacement -= rigid_positions(engine, motion)
     return xr.Dataset(
         {
             "deflection": (("time", "link"), measurements.deflections(engine, trajectory)),
@@ -142,7 +149,7 @@ def _history(run: EngineRun, motion: RigidMotion, refinement: int) -> xr.Dataset
             "dissipated_energy": ("time", energy.dissipated),
             "drive_work": ("time", energy.drive_work),
             "prestress_work": ("time", energy.prestress_work),
-            "constraint_drift": measurements.constraint_drift(engine, displacement, motion, turned),
+            "constraint_drift": drift,
             "step": trajectory.step,
             "energy_error": trajectory.energy_error,
             "peak_driving_torque": trajectory.peak_driving_torque,

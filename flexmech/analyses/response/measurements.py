@@ -43,13 +43,10 @@ def deflections(engine: Engine, trajectory: Trajectory) -> FloatArray:
     ndarray, shape (N, n_links)
         In m.
     """
-    turned = None if trajectory.shaft is None else trajectory.shaft.rotation
-    return deflections_of(engine, trajectory.displacement, turned)
+    return deflections_of(engine, trajectory.displacement)
 
 
-def deflections_of(
-    engine: Engine, displacement: Sequence[FloatArray], turned: FloatArray | None = None
-) -> FloatArray:
+def deflections_of(engine: Engine, displacement: Sequence[FloatArray]) -> FloatArray:
     """Deflection of every link at its probe, positive along the link frame's y axis.
 
     Of the middle from the straight line between the link's own ends, or of a clamped link's
@@ -60,8 +57,6 @@ def deflections_of(
     engine : Engine
     displacement : sequence of ndarray, shape (N, n_link)
         Of each link in the frame of its rigid motion.
-    turned : ndarray, shape (N,), optional
-        Rotation of a free shaft in rad, which turns the clamped tangent.
 
     Returns
     -------
@@ -76,12 +71,7 @@ def deflections_of(
         stations = [0, len(link.shape) // 2, -1]
         start, middle, end = np.einsum("scn,bn->sbc", link.shape[stations], q)
         if place == "tip":
-            chord = end - start
-            if turned is None:
-                parts.append(chord[:, 1])
-                continue
-            reach = body.length + chord[:, 0]
-            parts.append(np.cos(turned) * chord[:, 1] - np.sin(turned) * reach)
+            parts.append(end[:, 1] - start[:, 1])
         else:
             parts.append(_off_chord(start, middle, end, body.length))
     return np.stack(parts, axis=1)
@@ -145,12 +135,7 @@ def ground_displacements(engine: Engine, trajectory: Trajectory, motion: RigidMo
     return np.stack(parts, axis=1)
 
 
-def constraint_drift(
-    engine: Engine,
-    displacement: FloatArray,
-    motion: RigidMotion,
-    turned: FloatArray | None = None,
-) -> float:
+def constraint_drift(engine: Engine, displacement: FloatArray, motion: RigidMotion) -> float:
     """Greatest distance by which pins gape and held ends leave their place, in m.
 
     Parameters
@@ -160,8 +145,6 @@ def constraint_drift(
         Of :func:`ground_displacements`.
     motion : RigidMotion
         At the N samples.
-    turned : ndarray, shape (N,), optional
-        Rotation of a free shaft in rad, which takes the clamped ends with it.
 
     Returns
     -------
@@ -178,11 +161,6 @@ def constraint_drift(
         return elastic(end) + motion.position(link, x)
 
     gaps = [place(pin.follower) - place(topology.leader_of(pin.leader)) for pin in topology.pins]
-    for clamp in topology.clamps:
-        there, moved = place(clamp.held), elastic(clamp.held)
-        if turned is not None:
-            before = there - moved
-            moved = there - before[:, :1] * direction(turned) - before[:, 1:] * normal(turned)
-        gaps.append(moved)
+    gaps += [elastic(clamp.held) for clamp in topology.clamps]
     gaps += [elastic(pivot.held) for pivot in topology.pivots]
     return float(max(np.hypot(gap[:, 0], gap[:, 1]).max() for gap in gaps))

@@ -77,7 +77,7 @@ class ResponseRequest:
     integrator: choices.Integrator = "trapezoidal"
     prestress: choices.Prestress = "equilibrium"
     modes: int = choices.MODES
-    shaft: choices.ShaftChoice | None = None
+    shaft: choices.ShaftChoice | None = field(default=None, repr=False)
     speed_unit: str = field(default="rad/s", repr=False)
 
     def __post_init__(self) -> None:
