@@ -2,6 +2,7 @@
 
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.linear_system.body_couples import BodyCouples
+from flexmech.linear_system.carried_inertia import CarriedInertia
 from flexmech.linear_system.checks import checked_mechanism
 from flexmech.linear_system.component_modes import (
     GREAT_DETAIL,
@@ -69,6 +70,7 @@ __all__ = [
     "ROUND_OFF",
     "BodyCouples",
     "BodyMatrices",
+    "CarriedInertia",
     "ComponentModes",
     "Engine",
     "FollowingRows",

@@ -1,16 +1,20 @@
-"""Loads of a quasi-static equilibrium in which springs and turning forces depend on displacements.
+"""Loads of a quasi-static equilibrium that depend on its displacements.
 
-An engine's solver displaces the links under given forces. Those of the connectors are sought that
-are theirs at that displacement: from the last one a step of Newton's method with the links' tangent
-stiffness predicts where the links will be, and what the connectors do there is the next load.
+These are the forces of springs, forces that turn with links, and the inertia forces of links that
+turn as one body (:mod:`flexmech.linear_system.carried_inertia`). An engine's solver displaces the
+links under given forces. Those are sought that are the right ones at that displacement: from the
+last one a step of Newton's method with the links' tangent stiffness predicts where the links will
+be, and the forces there are the next load.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.linear_system.carried_inertia import CarriedInertia
 from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.position_errors import refuse_positions
@@ -34,8 +38,11 @@ def balanced_loads(
     loads: Sequence[FloatArray],
     solve: Callable[[list[FloatArray]], list[FloatArray]],
     tangents: Callable[[list[FloatArray]], list[FloatArray]],
+    *,
+    carried: CarriedInertia | None = None,
+    solve_connects: bool = False,
 ) -> list[FloatArray]:
-    """Loads on the links with those of connectors.
+    """Loads on the links with those that depend on where the links are.
 
     Parameters
     ----------
@@ -50,6 +57,10 @@ def balanced_loads(
         Displacements (B, n_link) at equilibrium under loads.
     tangents : callable
         Tangent stiffness (B, n_link, n_link) at displacements.
+    carried : CarriedInertia, optional
+        Inertia forces by which the displacement of the links changes those among ``loads``.
+    solve_connects : bool
+        Whether ``solve`` counts the connectors, whose forces are then not among the result.
 
     Returns
     -------
@@ -58,36 +69,108 @@ def balanced_loads(
     Raises
     ------
     ComputationError
-        Where no forces of the connectors are found; names the crank angle.
+        Where no such forces are found, or inertia forces grow faster with the displacement than
+        the links' forces; names the crank angle.
     """
-    acting = connectors.forces(motion)
-    if not connectors.depend_on_displacement:
-        return _sum(loads, acting)
-    stiffness = [link.stiffness for link in frames.links]
-    displacement = [np.zeros_like(force) for force in acting]
-    gap = frames.gather(motion, _sum(loads, acting))
-    for number in range(MOST_PASSES):
-        links = frames.assemble(motion, stiffness, STILL)
-        held = connectors.added(frames, motion, links, STILL, "equilibrium", displacement)
-        step = frames.link_coordinates(motion, np.linalg.solve(held.stiffness, gap[..., None]))
-        moved = [q + change[..., 0] for q, change in zip(displacement, step, strict=True)]
-        before, acting = acting, connectors.forces(motion, moved)
-        apart = greatest([b - a for a, b in zip(before, acting, strict=True)])
-        size = np.maximum(greatest(acting), greatest(loads))
-        if number and not np.any(apart > LAST_PASS * size):
-            return _sum(loads, acting)
-        displacement = solve(_sum(loads, acting))
+    acting = _Acting(connectors, carried, motion, connects=not solve_connects)
+    force = acting.forces(None)
+    if carried is None and not connectors.depend_on_displacement:
+        return _sum(loads, force)
+    stiffness: Sequence[FloatArray] = [link.stiffness for link in frames.links]
+    displacement = [np.zeros_like(load) for load in loads]
+    gap = frames.gather(motion, _sum(loads, force))
+    if carried is not None:
+        # Near its first frequency a body is held by its tension alone, which it has then.
+        displacement = solve(_sum(loads, force))
         stiffness = tangents(displacement)
-        there = connectors.forces(motion, displacement)
-        gap = frames.gather(motion, [b - a for a, b in zip(acting, there, strict=True)])
+        gap = frames.gather(motion, acting.beyond(force, displacement))
+    for number in range(MOST_PASSES):
+        held = acting.stiffness(frames, stiffness, displacement)
+        step = frames.link_coordinates(motion, np.linalg.solve(held, gap[..., None]))
+        moved = [q + change[..., 0] for q, change in zip(displacement, step, strict=True)]
+        before, force = force, acting.forces(moved)
+        apart = greatest([b - a for a, b in zip(before, force, strict=True)])
+        size = np.maximum(greatest(force), greatest(loads))
+        if number and not np.any(apart > LAST_PASS * size):
+            if carried is not None:
+                _refuse_instability(motion, held)
+            return _sum(loads, force)
+        displacement = solve(_sum(loads, force))
+        stiffness = tangents(displacement)
+        gap = frames.gather(motion, acting.beyond(force, displacement))
     refuse_positions(
         motion,
         apart > LAST_PASS * size,
-        "no equilibrium with the springs and the forces that turn with the links",
-        f": their forces still change by {float((apart / size).max()):.3g} of the greatest after "
-        f"{MOST_PASSES} passes; use softer springs or smaller loads, or prestress 'axial'",
+        "no equilibrium with the forces that depend on the displacement of the links",
+        f": they still change by {float((apart / size).max()):.3g} of the greatest after "
+        f"{MOST_PASSES} passes; use softer springs, smaller loads or a lower crank speed, or "
+        "prestress 'axial'",
     )
-    return _sum(loads, acting)
+    return _sum(loads, force)
+
+
+@dataclass(frozen=True)
+class _Acting:
+    """Forces on the links that depend on where they are.
+
+    Parameters
+    ----------
+    connectors : Connectors
+    carried : CarriedInertia or None
+    motion : RigidMotion
+        Batch of shape (B,).
+    connects : bool
+        Whether the connectors' forces are among them.
+    """
+
+    connectors: Connectors
+    carried: CarriedInertia | None
+    motion: RigidMotion
+    connects: bool
+
+    def forces(self, displacement: Sequence[FloatArray] | None) -> list[FloatArray]:
+        """Forces (B, n_link) at a displacement; of links where they are drawn where it is None."""
+        batch = len(self.motion.crank_angle)
+        total = (
+            self.connectors.forces(self.motion, displacement)
+            if self.connects
+            else [np.zeros((batch, link.size)) for link in self.connectors.links]
+        )
+        if self.carried is None or displacement is None:
+            return total
+        return _sum(total, self.carried.forces(displacement))
+
+    def beyond(
+        self, counted: Sequence[FloatArray], displacement: Sequence[FloatArray]
+    ) -> list[FloatArray]:
+        """By how much forces at a displacement are beyond those that it was found under."""
+        return [b - a for a, b in zip(counted, self.forces(displacement), strict=True)]
+
+    def stiffness(
+        self,
+        frames: LinkFrames,
+        stiffness: Sequence[FloatArray],
+        displacement: Sequence[FloatArray],
+    ) -> FloatArray:
+        """Stiffness of the linkage against such forces, (B, size, size), from its links'."""
+        if self.carried is not None:
+            pairs = zip(stiffness, self.carried.matrices, strict=True)
+            stiffness = [tangent - matrix for tangent, matrix in pairs]
+        links = frames.assemble(self.motion, stiffness, STILL)
+        held = self.connectors.added(frames, self.motion, links, STILL, "equilibrium", displacement)
+        return held.stiffness
+
+
+def _refuse_instability(motion: RigidMotion, stiffness: FloatArray) -> None:
+    """Refuse a body that its own inertia forces drive away from where it would stand."""
+    symmetric = (stiffness + np.swapaxes(stiffness, 1, 2)) / 2
+    refuse_positions(
+        motion,
+        np.linalg.eigvalsh(symmetric)[:, 0] <= 0,
+        "the linkage buckles under the inertia forces of its own displacement",
+        ": they grow faster with it than the forces of its links; lower the crank speed or "
+        "stiffen the links",
+    )
 
 
 def _sum(loads: Sequence[FloatArray], others: Sequence[FloatArray]) -> list[FloatArray]:

@@ -59,7 +59,7 @@ class Connectors:
 
     def __init__(self, mechanism: Mechanism, links: Sequence[LinkModel]) -> None:
         self._mechanism = mechanism
-        self._links = links
+        self.links = links
         self._topology = mechanism.linkage.topology
         self.loads: tuple[Load, ...] = tuple(x for x in mechanism.loads if x.over != "time")
 
@@ -102,7 +102,7 @@ class Connectors:
         -------
         list of ndarray, shape (B, n_link)
         """
-        total = [np.zeros((len(motion.crank_angle), link.size)) for link in self._links]
+        total = [np.zeros((len(motion.crank_angle), link.size)) for link in self.links]
         for push in self._pushes(motion, displacement):
             total[push.point.link] += push.point.force(motion, push.force, push.torque)
         return total
@@ -128,8 +128,8 @@ class Connectors:
             In N m; zero of flexible links. See :func:`flexmech.linear_system.dead_virial`.
         """
         total = np.zeros(motion.angle.shape)
-        for one in self.applied(motion) if any(link.rigid for link in self._links) else ():
-            if self._links[one.link].rigid:
+        for one in self.applied(motion) if any(link.rigid for link in self.links) else ():
+            if self.links[one.link].rigid:
                 total[:, one.link] += np.sum(one.force * one.arm(motion), axis=1)
         return total
 
@@ -271,7 +271,7 @@ class Connectors:
     def _end(self, end: LinkEnd) -> AttachedPoint:
         number = self._topology.index(end.link)
         x = 0.0 if end.end == "start" else self._topology.links[number].length
-        return self._at(self._links, number, x)
+        return self._at(self.links, number, x)
 
     def _at(self, links: Sequence[LinkModel], number: int, x: float) -> AttachedPoint:
         length = self._topology.links[number].length
@@ -280,7 +280,7 @@ class Connectors:
     def _point(self, point: LinkPoint) -> AttachedPoint | None:
         if point.link == GROUND:
             return None
-        return self._at(self._links, self._topology.index(point.link), point.x)
+        return self._at(self.links, self._topology.index(point.link), point.x)
 
     def _spring_state(
         self, spring: Spring, motion: RigidMotion, displacement: Sequence[FloatArray] | None

@@ -303,7 +303,7 @@ class Engine(EngineLinks):
             else self.running_links(motion, running)
         )
         connect = self._connect(terms, prestress, stressed.displacement)
-        if not self.component_modes or self.turns_freely_as_one_body:
+        if not self.component_modes or self.turns_as_one_body:
             system = unreduced_system(self.topology, self.links, motion, stressed, terms, connect)
             if system.size < modes:
                 raise InputError(

@@ -13,13 +13,13 @@ import numpy as np
 from flexmech.choices import Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system.balanced_loads import balanced_loads
+from flexmech.linear_system.carried_inertia import CarriedInertia, turns_as_one_body
 from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.element_kinds import ElementKinds
 from flexmech.linear_system.free_shaft import FreeShaft
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel, inertia_loads
 from flexmech.linear_system.link_stretch import LinkStretch
-from flexmech.linear_system.quasi_static import steady_loads
 from flexmech.linear_system.rigid_link import dead_virial
 from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.stressed_links import StressedLinks
@@ -204,17 +204,26 @@ class EngineLinks(ElementKinds):
     ) -> list[FloatArray]:
         """Loads (B, n_link) on the held links, which ``solve`` displaces under them."""
         loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
-        if self.turns_freely_as_one_body:
-            loads = steady_loads(self.held_links, motion, loads, solve)
+        topology = self.mechanism.linkage.topology
+        carried = CarriedInertia.of(topology, self.held_links, motion)
         connectors = self.held_connectors
-        if self.solves_connectors or not connectors.any:
+        if carried is None and (self.solves_connectors or not connectors.any):
             return loads
         frames = LinkFrames(self.tied_topology, self.held_links)
 
         def tangents(displacement: list[FloatArray]) -> list[FloatArray]:
             return self.running_held_links(motion, displacement).tangent
 
-        return balanced_loads(connectors, frames, motion, loads, solve, tangents)
+        return balanced_loads(
+            connectors,
+            frames,
+            motion,
+            loads,
+            solve,
+            tangents,
+            carried=carried,
+            solve_connects=self.solves_connectors,
+        )
 
     def _is_straight(self, motion: RigidMotion, prestress: Prestress) -> bool:
         """Whether the links are taken as straight and without stress."""
@@ -370,13 +379,14 @@ class EngineLinks(ElementKinds):
             )
 
     @property
-    def turns_freely_as_one_body(self) -> bool:
-        """Whether the shaft is free and nothing moves against what it turns.
+    def turns_as_one_body(self) -> bool:
+        """Whether nothing moves against what the shaft turns.
 
-        The body is not reduced: component modes of a straight link do not show how one that is
-        stretched turns as a whole, and a turn would meet a force.
+        The body is not reduced. Component modes of straight links do not show how a free one that
+        is stretched turns as a whole, and a turn would meet a force; nor how one that bows far
+        goes on bending without stretch.
         """
-        return self._free_shaft is not None and self._free_shaft.turns_one_body(self.topology)
+        return turns_as_one_body(self.mechanism.linkage.topology)
 
     @property
     def rigid_modes(self) -> int:

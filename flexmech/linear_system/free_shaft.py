@@ -140,10 +140,6 @@ class FreeShaft:
         basis[[x, y], turned] = -self.lever[1], self.lever[0]
         return basis
 
-    def turns_one_body(self, topology: Topology) -> bool:
-        """Whether all links turn with the shaft and nothing else holds them."""
-        return not (topology.pins or topology.sliders or len(topology.pivots) > 1)
-
     def reaction(
         self, links: tuple[LinkModel, ...], motion: RigidMotion, loads: list[FloatArray]
     ) -> FloatArray:

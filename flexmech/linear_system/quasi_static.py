@@ -6,7 +6,7 @@ balance and which equilibria it must not find are the same for all.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -24,7 +24,6 @@ __all__ = [
     "free_load",
     "greatest",
     "refuse_large_displacements",
-    "steady_loads",
 ]
 
 
@@ -42,12 +41,6 @@ ROUND_OFF = 8 * float(np.finfo(float).eps)
 # A link displaced by more than this part of its length is no longer near the rigid linkage,
 # about whose motion vibrations are asked for; Newton's method may have found any equilibrium.
 FARTHEST = 0.5
-# Of a body that turns as a whole: passes in which its inertia forces are found, and the greatest
-# change of its displacement in the last one, relative to its greatest.
-MOST_PASSES = 100
-LAST_PASS = 1e-11
-# Of the longest link: what a static solver's round-off moves displacements by.
-LEAST_MOVE = 1e-13
 
 
 def free_load(section: BeamSection, length: float) -> float:
@@ -91,59 +84,6 @@ def refuse_large_displacements(
             ": that equilibrium is not near the rigid linkage; lower the crank speed or stiffen "
             "the links",
         )
-
-
-def steady_loads(
-    links: Sequence[LinkModel],
-    motion: RigidMotion,
-    loads: Sequence[FloatArray],
-    solve: Callable[[list[FloatArray]], list[FloatArray]],
-) -> list[FloatArray]:
-    """Inertia forces of links that turn as one body, their displacements included.
-
-    Such a body stands still in its frame. A turn of its shaft meets no force only if it is in
-    equilibrium with the inertia forces at the places to which they have moved it.
-
-    Parameters
-    ----------
-    links : sequence of LinkModel
-        Unreduced.
-    motion : RigidMotion
-        Batch of shape (B,).
-    loads : sequence of ndarray, shape (B, n_link)
-        Inertia forces of the undisplaced links, and weight.
-    solve : callable
-        Displacements (B, n_link) at equilibrium under loads.
-
-    Returns
-    -------
-    list of ndarray, shape (B, n_link)
-
-    Raises
-    ------
-    ComputationError
-        Where no displacement is in balance with its own inertia forces; names the crank angle.
-    """
-    found, before = list(loads), [np.zeros_like(load) for load in loads]
-    least = LEAST_MOVE * max(float(link.readings.nodes[-1]) for link in links)
-    for _ in range(MOST_PASSES):
-        displacement = solve(found)
-        apart = greatest(a - b for a, b in zip(displacement, before, strict=True))
-        moving = apart > np.maximum(LAST_PASS * greatest(displacement), least)
-        if not np.any(moving):
-            return found
-        before = displacement
-        found = []
-        for number, (link, load, q) in enumerate(zip(links, loads, displacement, strict=True)):
-            speed = motion.angular_velocity[:, number, None]
-            found.append(load + speed**2 * (q @ link.translational_mass))
-    refuse_positions(
-        motion,
-        moving,
-        "the linkage finds no balance with the inertia forces of its own displacement",
-        ": at this crank speed they are as great as its stiffness; lower the crank speed",
-    )
-    return found
 
 
 def greatest(vectors: Iterable[FloatArray]) -> FloatArray:

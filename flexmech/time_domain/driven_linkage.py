@@ -186,6 +186,14 @@ class DrivenLinkage:
             following,
         )
 
+    def standing(self, time: FloatArray) -> Equations:
+        """Equations at times of shape (m,) of which the quasi-static state is wanted.
+
+        Without the rotation terms, but of links that turn as one body: their displacement stands
+        still in the frame, and its inertia forces are then among the terms.
+        """
+        return self.equations(time, still=not self.engine.turns_as_one_body)
+
     def stress(self, time: FloatArray) -> list[LinkStress]:
         """Stress of each reduced link at times of shape (m,)."""
         return self._stress.at(time)
@@ -299,7 +307,7 @@ class DrivenLinkage:
             If Newton's method does not converge.
         """
         assert self.stretch is not None
-        equations = self.equations(np.array([time]), still=True)
+        equations = self.standing(np.array([time]))
         turns = self.stretch.pin_turns(equations.motion)
         moved = np.flatnonzero(self._axial()) if axial_only else np.arange(self.size)
         stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)

@@ -17,6 +17,7 @@ import scipy.linalg
 from scipy.interpolate import CubicSpline
 
 from flexmech.linear_system import (
+    CarriedInertia,
     Engine,
     Prestress,
     RotationTerms,
@@ -294,12 +295,20 @@ def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[F
     """
     forces = inertia_loads(engine.links, turn.motion, engine.mechanism.gravity)
     if stressed.displacement is not None:
-        inner: Sequence[FloatArray | None] = stressed.internal_force or [None] * len(forces)
-        # An engine that does not tell the internal force is in balance with the loads there.
+        if stressed.internal_force is not None:
+            pairs = zip(forces, stressed.internal_force, strict=True)
+            beside = [load - own for load, own in pairs]
+        else:
+            # Such an engine's links are in balance with the loads, and with what they carry along.
+            topology = engine.mechanism.linkage.topology
+            carried = CarriedInertia.of(topology, engine.links, turn.motion)
+            beside = [np.zeros_like(load) for load in forces]
+            if carried is not None:
+                beside = [-force for force in carried.forces(stressed.displacement)]
         forces = [
-            (tangent @ q[..., None])[..., 0] + (0.0 if own is None else load - own)
-            for tangent, q, load, own in zip(
-                stressed.tangent, stressed.displacement, forces, inner, strict=True
+            (tangent @ q[..., None])[..., 0] + more
+            for tangent, q, more in zip(
+                stressed.tangent, stressed.displacement, beside, strict=True
             )
         ]
     return [force @ basis for force, basis in zip(forces, turn.bases, strict=True)]

@@ -14,8 +14,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from flexmech.linear_system import Engine, Prestress, StressedLinks
-from flexmech.linkages import CrankDrive
+from flexmech.linear_system import CarriedInertia, Engine, Prestress, StressedLinks
+from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.link_stress import LinkStress, StressShapes
 from flexmech.types import FloatArray
 
@@ -47,8 +47,8 @@ class StressHistory:
     ----------
     tells_forces : bool
         Whether ``prestress`` contains the internal forces of the stressed state. If not it
-        is ``-stiffness @ displacement`` alone, and the loads that they balance must be left
-        out with them.
+        is ``-stiffness @ displacement`` and the inertia forces of that displacement alone, and
+        the loads that they balance must be left out with them.
 
     Raises
     ------
@@ -182,7 +182,7 @@ class StressHistory:
             batch = slice(start, start + self._engine.batch_size)
             motion = linkage.motion(*(v[batch] for v in motion_of))
             stressed = self._engine.stressed_links(motion, self._prestress)
-            packed.append(self._packed(stressed, len(motion.crank_angle)))
+            packed.append(self._packed(stressed, motion))
             if stressed.displacement is not None and stressed.internal_force is None:
                 self.tells_forces = False
             if self._with_energy and stressed.internal_force is not None:
@@ -193,9 +193,14 @@ class StressHistory:
             self._add_bending_work(values, where, np.concatenate(forces), np.concatenate(places))
         return values
 
-    def _packed(self, stressed: StressedLinks, batch: int) -> FloatArray:
+    def _packed(self, stressed: StressedLinks, motion: RigidMotion) -> FloatArray:
         """Stiffness, prestress and offset of all links side by side, (B, total)."""
-        columns = []
+        columns, batch = [], len(motion.crank_angle)
+        beside = None
+        if stressed.displacement is not None and stressed.internal_force is None:
+            topology = self._engine.mechanism.linkage.topology
+            carried = CarriedInertia.of(topology, self._engine.links, motion)
+            beside = None if carried is None else carried.forces(stressed.displacement)
         for number, basis in enumerate(self._bases):
             tangent = stressed.tangent[number]
             prestress, offset = np.zeros((batch, basis.shape[1])), np.zeros((batch, 1))
@@ -203,7 +208,8 @@ class StressHistory:
                 q = stressed.displacement[number]
                 held = (tangent @ q[..., None])[..., 0]
                 force = stressed.internal_force
-                prestress = ((0.0 if force is None else force[number]) - held) @ basis
+                told = beside if force is None else force
+                prestress = ((0.0 if told is None else told[number]) - held) @ basis
                 offset = np.sum(q * held, axis=1, keepdims=True) / 2
                 if force is not None:
                     offset -= np.sum(q * force[number], axis=1, keepdims=True)

@@ -188,7 +188,7 @@ def quasi_static_peaks(linkage: DrivenLinkage) -> FloatArray:
     """Greatest deflections over a turn if nothing vibrated, in m, shape (n_links,)."""
     turn = linkage.drive.revolution_time
     time = turn * np.arange(QUASI_STATIC_ANGLES) / QUASI_STATIC_ANGLES
-    equations = linkage.equations(time, still=True)
+    equations = linkage.standing(time)
     position = equations.quasi_static()
     at_rest = VibrationState(position, np.zeros_like(position), np.zeros_like(position))
     links = linkage.link_motion(equations, at_rest)
