@@ -250,7 +250,7 @@ def _refuse(system: LinearSystem, failed: NDArray[np.bool_], what: str) -> None:
     remedy = "; lower the crank speed, ask for fewer modes, or stiffen the links"
     if not system.motion.crank_speed[failed].any():
         remedy = (
-            "; at rest only gravity, heat or water can do that, or links whose lengths, "
-            "stiffnesses and masses differ beyond all proportion: check their units"
+            "; at rest only gravity, loads, springs, heat or water can do that, or links "
+            "whose lengths, stiffnesses and masses differ beyond all proportion: check their units"
         )
     refuse_positions(system.motion, failed, what, remedy)
