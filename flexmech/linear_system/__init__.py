@@ -1,6 +1,7 @@
 """Linear systems in link frames: the contract between engines and analyses."""
 
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
+from flexmech.linear_system.attached_points import AttachedPoint
 from flexmech.linear_system.body_couples import BodyCouples
 from flexmech.linear_system.carried_inertia import CarriedInertia
 from flexmech.linear_system.checks import checked_mechanism
@@ -9,7 +10,8 @@ from flexmech.linear_system.component_modes import (
     ComponentModes,
     component_modes,
 )
-from flexmech.linear_system.connectors import acts_still
+from flexmech.linear_system.connector_forces import Push
+from flexmech.linear_system.connectors import Connectors, acts_still
 from flexmech.linear_system.engine import Engine
 from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.link_bodies import (
@@ -68,10 +70,12 @@ __all__ = [
     "PRESTRESS_LEVELS",
     "RELATIVE_RESIDUAL",
     "ROUND_OFF",
+    "AttachedPoint",
     "BodyCouples",
     "BodyMatrices",
     "CarriedInertia",
     "ComponentModes",
+    "Connectors",
     "Engine",
     "FollowingRows",
     "LinearSystem",
@@ -84,6 +88,7 @@ __all__ = [
     "PoseStiffness",
     "PosedTies",
     "Prestress",
+    "Push",
     "RefusedPositionsError",
     "RigidFields",
     "RotationTerms",

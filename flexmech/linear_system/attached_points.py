@@ -82,6 +82,14 @@ class AttachedPoint:
         ground = moved[:, :1] * direction(angle) + moved[:, 1:2] * normal(angle)
         return np.concatenate([ground, moved[:, 2:]], axis=1)
 
+    def displacement_rate(self, motion: RigidMotion, q: FloatArray, rate: FloatArray) -> FloatArray:
+        """Time derivative of :meth:`displacement`, (B, 3); ``rate`` (B, n_link) is in the frame."""
+        moved, found = self.displacement(motion, q), self.displacement(motion, rate)
+        speed = motion.angular_velocity[:, self.link]
+        found[:, 0] -= speed * moved[:, 1]
+        found[:, 1] += speed * moved[:, 0]
+        return found
+
 
 @dataclass(frozen=True)
 class MovedPoint:

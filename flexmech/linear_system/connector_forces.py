@@ -32,12 +32,15 @@ class Answer:
     first, second : AttachedPoint or None
     stiffness, damping : ndarray, shape (B, 3, 3)
         By the displacement (ground axes) and rotation of the second against the first.
+    in_joint : bool
+        Whether it is that of the springs in a joint, whose radial force the joint carries.
     """
 
     first: AttachedPoint | None
     second: AttachedPoint | None
     stiffness: FloatArray
     damping: FloatArray
+    in_joint: bool = False
 
 
 @dataclass(frozen=True)

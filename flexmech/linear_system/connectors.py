@@ -87,7 +87,10 @@ class Connectors:
         return turning or any(spring.damping for spring in self._mechanism.springs)
 
     def forces(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None = None
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray] | None = None,
+        time: FloatArray | None = None,
     ) -> list[FloatArray]:
         """Forces on the links in their frames.
 
@@ -97,13 +100,15 @@ class Connectors:
             Batch of shape (B,).
         displacement : sequence of ndarray, shape (B, n_link), optional
             Of the links; they are straight where it is left out.
+        time : ndarray, shape (B,), optional
+            In s; loads over time are left out without it.
 
         Returns
         -------
         list of ndarray, shape (B, n_link)
         """
         total = [np.zeros((len(motion.crank_angle), link.size)) for link in self.links]
-        for push in self._pushes(motion, displacement):
+        for push in self.pushes(motion, displacement, time):
             total[push.point.link] += push.point.force(motion, push.force, push.torque)
         return total
 
@@ -111,7 +116,7 @@ class Connectors:
         """The same forces on straight links, each by itself, for a batch of shape (B,)."""
         return tuple(
             ForceOnLink(push.point.link, push.point.x, push.force, push.torque)
-            for push in self._pushes(motion, None)
+            for push in self.pushes(motion)
         )
 
     def virial(self, motion: RigidMotion) -> FloatArray:
@@ -141,6 +146,7 @@ class Connectors:
         terms: RotationTerms,
         prestress: Prestress,
         displacement: Sequence[FloatArray] | None = None,
+        time: FloatArray | None = None,
     ) -> SystemMatrices:
         """Matrices of the linkage with those of the connectors.
 
@@ -157,12 +163,15 @@ class Connectors:
             ``none`` leaves out what comes from forces that connectors carry.
         displacement : sequence of ndarray, shape (B, n_link), optional
             Of the state that the system is about.
+        time : ndarray, shape (B,), optional
+            In s; loads over time are left out without it.
 
         Returns
         -------
         SystemMatrices
         """
-        if not self.any:
+        answers = self.answers(motion, displacement, time, stressed=prestress != "none")
+        if not answers:
             return matrices
         following = frames.following_rows(motion)
         maps: dict[tuple[int, float], MovedPoint] = {}
@@ -175,7 +184,7 @@ class Connectors:
             return maps[key]
 
         stiffness, damping = matrices.stiffness.copy(), np.array(matrices.damping)
-        for answer in self._answers(motion, displacement, stressed=prestress != "none"):
+        for answer in answers:
             shape = (len(motion.crank_angle), 3, frames.size)
             value, rate = np.zeros((2, *shape))
             for point, sign in ((answer.second, 1.0), (answer.first, -1.0)):
@@ -190,13 +199,33 @@ class Connectors:
                     stiffness += across @ (answer.damping @ rate)
         return SystemMatrices(matrices.mass, damping, stiffness)
 
-    def _pushes(self, motion: RigidMotion, displacement: Sequence[FloatArray] | None) -> list[Push]:
+    def pushes(
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray] | None = None,
+        time: FloatArray | None = None,
+    ) -> list[Push]:
+        """Forces on points of the links, one by one.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link), optional
+            Of the links; they are straight where it is left out.
+        time : ndarray, shape (B,), optional
+            In s; loads over time are left out without it.
+
+        Returns
+        -------
+        list of Push
+            First those of loads, then those of springs.
+        """
         pushes = []
-        for load in self.loads:
-            point = self._point(load.point)
-            assert point is not None
-            force = self._load_force(load, motion, point, displacement)
-            pushes.append(Push(point, force, load.values(motion.crank_angle)[:, 2]))
+        for load in self._acting(time):
+            at, values = self.point_of(load), self._values(load, motion, time)
+            force = self._load_force(load, values, motion, at, displacement)
+            pushes.append(Push(at, force, values[:, 2]))
         for spring in self._mechanism.springs:
             state = self._spring_state(spring, motion, displacement)
             force = state.line.tension[:, None] * state.line.along
@@ -207,15 +236,38 @@ class Connectors:
             pushes += self._joint_pushes(own, motion, displacement)
         return pushes
 
-    def _answers(
-        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None, *, stressed: bool
+    def answers(
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray] | None = None,
+        time: FloatArray | None = None,
+        *,
+        stressed: bool = True,
     ) -> list[Answer]:
+        """How the forces change with displacements of their points.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link), optional
+            Of the links in the state that this is about.
+        time : ndarray, shape (B,), optional
+            In s; loads over time are left out without it.
+        stressed : bool
+            Whether what comes from forces that connectors carry counts.
+
+        Returns
+        -------
+        list of Answer
+            Empty where loads in ground axes alone act.
+        """
         answers, batch = [], len(motion.crank_angle)
-        for load in self.loads if stressed else ():
+        for load in self._acting(time) if stressed else ():
             if load.axes == "link":
-                point = self._point(load.point)
-                assert point is not None
-                force = self._load_force(load, motion, point, displacement)
+                point = self.point_of(load)
+                values = self._values(load, motion, time)
+                force = self._load_force(load, values, motion, point, displacement)
                 turned = np.zeros((batch, 3, 3))
                 turned[:, 0, 2], turned[:, 1, 2] = force[:, 1], -force[:, 0]
                 answers.append(Answer(None, point, turned, np.zeros((batch, 3, 3))))
@@ -223,19 +275,31 @@ class Connectors:
             state = self._spring_state(spring, motion, displacement)
             answers.append(state.answer(spring, stressed=stressed))
         for own in self._mechanism.joint_springs:
-            second, first = self._joint_points(own)
-            by_size = np.array([own.radial_stiffness or 0.0] * 2 + [own.torsional_stiffness])
-            damps = np.array([own.radial_damping] * 2 + [own.torsional_damping])
-            answers.append(
-                Answer(
-                    first, second, *(np.tile(np.diag(x), (batch, 1, 1)) for x in (by_size, damps))
-                )
-            )
+            second, first = self.joint_points(own)
+            holds, damps = np.zeros((2, batch, 3, 3))
+            holds[:] = np.diag([own.radial_stiffness or 0.0] * 2 + [own.torsional_stiffness])
+            damps[:] = np.diag([own.radial_damping] * 2 + [own.torsional_damping])
+            answers.append(Answer(first, second, holds, damps, in_joint=True))
         return answers
 
+    def _acting(self, time: FloatArray | None) -> tuple[Load, ...]:
+        return self.loads if time is None else self._mechanism.loads
+
+    @staticmethod
+    def _values(load: Load, motion: RigidMotion, time: FloatArray | None) -> FloatArray:
+        """Force and torque of a load in its axes, (B, 3)."""
+        return load.values(motion.crank_angle, 0.0 if time is None else time)
+
+    def point_of(self, load: Load) -> AttachedPoint:
+        """Where a load acts."""
+        point = self._point(load.point)
+        assert point is not None
+        return point
+
+    @staticmethod
     def _load_force(
-        self,
         load: Load,
+        values: FloatArray,
         motion: RigidMotion,
         point: AttachedPoint,
         displacement: Sequence[FloatArray] | None,
@@ -244,13 +308,13 @@ class Connectors:
         angle = motion.angle[:, point.link]
         if displacement is not None:
             angle = angle + displacement[point.link] @ point.rows[2]
-        return load.in_ground_axes(load.values(motion.crank_angle), angle)
+        return load.in_ground_axes(values, angle)
 
     def _joint_pushes(
         self, own: JointSpring, motion: RigidMotion, displacement: Sequence[FloatArray] | None
     ) -> list[Push]:
         """Torques of a joint's torsional spring; a radial one carries what the joint carries."""
-        second, first = self._joint_points(own)
+        second, first = self.joint_points(own)
         sides = [(point, sign) for point, sign in ((second, 1.0), (first, -1.0)) if point]
         angles = continuous_angles(self._mechanism.linkage, motion)
         opening = sum(sign * angles[:, point.link] for point, sign in sides)
@@ -263,7 +327,8 @@ class Connectors:
         nothing = np.zeros((len(torque), 2))
         return [Push(point, nothing, sign * torque) for point, sign in sides]
 
-    def _joint_points(self, own: JointSpring) -> tuple[AttachedPoint, AttachedPoint | None]:
+    def joint_points(self, own: JointSpring) -> tuple[AttachedPoint, AttachedPoint | None]:
+        """Ends of the following and the leading link of a joint; None on the ground."""
         follower, leader = self._topology.pinned_ends[own.joint]
         first = None if leader is None else self._end(leader)
         return self._end(follower), first
@@ -286,12 +351,35 @@ class Connectors:
         self, spring: Spring, motion: RigidMotion, displacement: Sequence[FloatArray] | None
     ) -> SpringState:
         size = max(link.length for link in self._topology.links)
-        first, second = (
-            self._spring_end(end, motion, displacement) for end in (spring.first, spring.second)
-        )
+        first, second = self.spring_ends(spring, motion, displacement)
         places, velocities = (first.place, second.place), (first.velocity, second.velocity)
         line = SpringLine.of(spring, motion.crank_angle, places, velocities, size)
         return SpringState(first.point, second.point, line)
+
+    def spring_ends(
+        self,
+        spring: Spring,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray] | None = None,
+    ) -> tuple[SpringEnd, SpringEnd]:
+        """First and second end of a spring.
+
+        Parameters
+        ----------
+        spring : Spring
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link), optional
+            Of the links; they are straight where it is left out.
+
+        Returns
+        -------
+        tuple of SpringEnd
+        """
+        return (
+            self._spring_end(spring.first, motion, displacement),
+            self._spring_end(spring.second, motion, displacement),
+        )
 
     def _spring_end(
         self, point: LinkPoint, motion: RigidMotion, displacement: Sequence[FloatArray] | None

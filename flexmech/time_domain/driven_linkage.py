@@ -28,10 +28,12 @@ from flexmech.linear_system import (
     LinkFrames,
     Prestress,
     RotationTerms,
+    SystemMatrices,
     condense,
     inertia_loads,
 )
 from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.time_domain.driven_connectors import DrivenConnectors
 from flexmech.time_domain.equations import Equations, Following
 from flexmech.time_domain.link_stress import LinkStress
 from flexmech.time_domain.linkage_stretch import LinkageStretch
@@ -75,6 +77,8 @@ class DrivenLinkage:
     bases : tuple of ndarray, shape (n_full, n)
         From each reduced link's coordinates to the engine's.
     frames : LinkFrames
+    connectors : DrivenConnectors
+        Loads and springs.
     stretch : LinkageStretch or None
         What comes on top of the linear equations.
     """
@@ -91,7 +95,6 @@ class DrivenLinkage:
         stretches: bool = False,
     ) -> None:
         engine.require_prescribed_shaft("a run of linear equations")
-        engine.require_no_connectors("a run in time")
         self.engine = engine
         self.drive = drive
         self.prestress = prestress
@@ -102,11 +105,22 @@ class DrivenLinkage:
         )
         self.links, self.bases = reduced.models, reduced.bases
         self.frames = LinkFrames(engine.topology, self.links)
+        self.connectors = DrivenConnectors(engine, self.frames, drive)
         self._condensed = np.zeros(self.frames.size, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.follows, strict=True):
             self._condensed[target[condensed]] = True
-        level: Prestress = "none" if stretches else prestress
-        self._stress = StressHistory(engine, self.bases, drive, level, with_energy=with_energy)
+        moving_bodies = bool(self.frames.rigid.size)
+        level: Prestress = prestress
+        if stretches:
+            level = "axial" if moving_bodies else "none"
+        self._stress = StressHistory(
+            engine,
+            self.bases,
+            drive,
+            level,
+            with_energy=with_energy,
+            rigid_links_only=stretches and moving_bodies,
+        )
         self.stretch: LinkageStretch | None = None
         if stretches:
             assert engine.stretches is not None
@@ -138,6 +152,7 @@ class DrivenLinkage:
         *,
         still: bool = False,
         load: Sequence[FloatArray] | None = None,
+        tables: bool = True,
     ) -> Equations:
         """Equations of motion.
 
@@ -149,23 +164,67 @@ class DrivenLinkage:
             Leave out the rotation terms: what the loads would do if nothing moved.
         load : sequence of ndarray, shape (n_link,), optional
             Forces on the reduced links in their frames, in place of all others.
+        tables : bool
+            Whether the tables of loads count; see :meth:`DrivenConnectors.unit_forces`.
 
         Returns
         -------
         Equations
         """
         motion, stress = self.motion(time), self._stress.at(time)
+        if load is None:
+            force = self._force(motion, stress)
+            if self.connectors.any:
+                force = force + self.connectors.force(motion, time, tables=tables)
+        else:
+            force = self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load])
+        matrices = self._matrices(time, motion, stress, still=still)
+        return self._condense(motion, matrices, force)
+
+    def unit_equations(self, time: FloatArray) -> list[Equations]:
+        """Equations of motion under a unit of each load with a table in place of all forces.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+            In s.
+
+        Returns
+        -------
+        list of Equations
+        """
+        if not self.connectors.table_count:
+            return []
+        motion = self.motion(time)
+        matrices = self._matrices(time, motion, self._stress.at(time))
+        units = self.connectors.unit_forces(motion)
+        return [self._condense(motion, matrices, force) for force in units]
+
+    def _matrices(
+        self,
+        time: FloatArray,
+        motion: RigidMotion,
+        stress: list[LinkStress],
+        *,
+        still: bool = False,
+    ) -> SystemMatrices:
+        """Matrices of all coordinates of the frames."""
+        terms = RotationTerms.all_or_none(not still)
         matrices = self.frames.assemble(
             motion,
             [s.stiffness for s in stress],
-            RotationTerms.all_or_none(not still),
+            terms,
             [LinkDamping(s.damping, s.damping) for s in stress],
             self._stress.guiding(time),
         )
-        if load is None:
-            force = self._force(motion, stress)
-        else:
-            force = self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load])
+        if self.connectors.any:
+            return self.connectors.added(motion, matrices, terms, time)
+        return matrices
+
+    def _condense(
+        self, motion: RigidMotion, matrices: SystemMatrices, force: FloatArray
+    ) -> Equations:
+        """Equations of what does not follow statically."""
         gone, kept = np.flatnonzero(self._condensed), np.flatnonzero(~self._condensed)
         following = Following.of_all(self.frames.size)
         if self.is_condensed:

@@ -13,6 +13,7 @@ import numpy as np
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.linkages.connection_forces import connections, line_normal, solve_connections
 from flexmech.linkages.motion import direction, normal
+from flexmech.time_domain.driven_connectors import ActingForces, LinkMotion
 from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations import Following
 from flexmech.time_domain.link_inertia import LinkInertia, MovingLink, dot
@@ -71,6 +72,7 @@ class LinkageDynamics:
         unit_following = frames.following_rows(unit)
         totals = np.zeros((6, len(time)))
         ends, fields = [], []
+        acting = self._acting(time, motion, elastic, unit, coordinates[0])
         for number, (inertia, link, stress) in enumerate(
             zip(self._inertias, moving, linkage.stress(time), strict=True)
         ):
@@ -83,8 +85,8 @@ class LinkageDynamics:
                 strain = strain + second.energy(link.displacement)
             shapes = inertia.shape_forces(link) + inner + damping
             rigid = inertia.field_forces(link)
-            ends.append(shapes)
-            fields.append(rigid)
+            ends.append(shapes if acting is None else shapes - acting.shapes[number])
+            fields.append(rigid if acting is None else rigid - acting.fields[number])
             # Virtual power at unit crank speed: the rigid link, its pins' displacements as
             # they turn, and the rest of its displacement as it turns with the frame.
             torque = dot(link.virtual_velocity, rigid) + link.virtual_turn * inertia.turning_power(
@@ -107,6 +109,11 @@ class LinkageDynamics:
                 ]
             )
         torque, kinetic, strain, weight, dissipated, prestress = totals
+        if acting is not None:
+            torque = torque - acting.virtual_power
+            strain = strain + acting.work.stored
+            dissipated = dissipated + acting.work.dissipation
+            prestress = prestress + acting.work.power
         return StepBlock(
             time=time,
             crank_speed=motion.crank_speed,
@@ -120,6 +127,22 @@ class LinkageDynamics:
             dissipation_power=dissipated,
             prestress_power=prestress,
         )
+
+    def _acting(
+        self,
+        time: FloatArray,
+        motion: RigidMotion,
+        elastic: LinkMotion,
+        unit: RigidMotion,
+        position: FloatArray,
+    ) -> ActingForces | None:
+        """Forces of loads and springs; None where there are none."""
+        linkage = self.linkage
+        if not linkage.connectors.any:
+            return None
+        still = np.zeros_like(position)
+        unit_elastic = linkage.frames.link_motion(unit, position, still, still)
+        return linkage.connectors.acting(time, motion, elastic, unit, unit_elastic)
 
     def _joint_forces(
         self, motion: RigidMotion, ends: list[FloatArray], fields: list[FloatArray]

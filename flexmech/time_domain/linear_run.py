@@ -143,7 +143,7 @@ def march_on(
     histories, expansions, offsets = [], [], []
     for first in range(0, len(time) - 1, CACHED_STEPS):
         some = slice(first + 1, first + 1 + CACHED_STEPS)
-        rows = table.rows(time[some]).under(acting[some])
+        rows = table.rows(time[some], acting[some])
         if rows.stretch is None or linkage.stretch is None:
             history = march(rows.linear, state)
         else:
@@ -162,7 +162,7 @@ def march_on(
     )
     if not linkage.is_condensed:
         return whole, Following.of_all(linkage.size), course
-    start = table.rows(time[:1]).under(acting[:1]).following
+    start = table.rows(time[:1], acting[:1]).following
     following = Following(
         np.concatenate([start.expansion, *expansions]), np.concatenate([start.offset, *offsets])
     )

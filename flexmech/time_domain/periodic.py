@@ -64,7 +64,7 @@ def turn_map(linkage: DrivenLinkage, steps: int) -> TurnMap:
     Raises
     ------
     InputError
-        If the crank speed is not constant.
+        If the crank speed is not constant, or loads do not repeat themselves with the turn.
     """
     state = None
     for _, _, history in _all_motions(linkage, steps):
@@ -91,7 +91,7 @@ def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
     Raises
     ------
     InputError
-        If the crank speed is not constant.
+        If the crank speed is not constant, or loads do not repeat themselves with the turn.
     ComputationError
         If a free vibration fits a turn exactly, so that without damping the forced motion
         grows without limit.
@@ -154,10 +154,11 @@ def _all_motions(
     Raises
     ------
     InputError
-        If the crank speed is not constant.
+        If the crank speed is not constant, or loads do not repeat themselves with the turn.
     """
     if not linkage.drive.is_constant:
         raise InputError("a periodic motion needs a constant crank speed: leave out the run-up")
+    linkage.connectors.require_periodic()
     n, step = linkage.size, linkage.drive.revolution_time / steps
     table = StepTable(linkage, step)
     starts = np.concatenate([np.zeros((2 * n, 1)), np.eye(2 * n)], axis=1)

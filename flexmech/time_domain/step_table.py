@@ -46,10 +46,10 @@ class StepRows:
     linear : StepOperators
     stretch : StretchOperators or None
     following : Following
-    pushed : ndarray, shape (m, n), or None
-        By how much a unit of the load at the step's end moves the next prediction.
-    pushed_offset : ndarray, shape (m, size), or None
-        What a unit of the load adds to coordinates that follow statically.
+    pushed : ndarray, shape (m, k, n), or None
+        By how much a unit of each load at the step's end moves the next prediction.
+    pushed_offset : ndarray, shape (m, k, size), or None
+        What a unit of each load adds to coordinates that follow statically.
     """
 
     linear: StepOperators
@@ -59,13 +59,13 @@ class StepRows:
     pushed_offset: FloatArray | None = None
 
     def under(self, force: FloatArray) -> StepRows:
-        """The same instants with so much of the load, (m,), besides all other forces."""
+        """The same instants with so much of each load, (m, k), besides all other forces."""
         if self.pushed is None or self.pushed_offset is None or not force.any():
             return self
-        forced = self.linear.forced + force[:, None] * self.pushed
+        forced = self.linear.forced + np.einsum("mk,mkn->mn", force, self.pushed)
         following = self.following
         if following.expansion.shape[1] != following.expansion.shape[2]:
-            offset = following.offset + force[:, None] * self.pushed_offset
+            offset = following.offset + np.einsum("mk,mkn->mn", force, self.pushed_offset)
             following = replace(following, offset=offset)
         return replace(self, linear=replace(self.linear, forced=forced), following=following)
 
@@ -80,7 +80,7 @@ class StepTable:
         In s.
     load : sequence of ndarray, shape (n_link,), optional
         Forces on the reduced links in their frames, of which a run can take any part at any
-        time: see :meth:`StepRows.under`.
+        time: see :meth:`rows`. The loads of the mechanism over tables act besides.
     """
 
     def __init__(
@@ -102,19 +102,43 @@ class StepTable:
         self._solved = np.zeros(self._count, dtype=bool)
         self._parts = _Parts()
 
-    def rows(self, time: FloatArray) -> StepRows:
-        """Operators and what follows at times of shape (m,); the operators until the next call."""
+    def rows(self, time: FloatArray, force: FloatArray | None = None) -> StepRows:
+        """Operators and what follows at some times; the operators until the next call.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+            In s.
+        force : ndarray, shape (m,), optional
+            How much of the table's load acts at these times.
+
+        Returns
+        -------
+        StepRows
+        """
+        rows = self._unpacked(self._packed(time))
+        if rows.pushed is None:
+            return rows
+        acting = self._linkage.connectors.histories(time)
+        if self._load is not None:
+            own = np.zeros(len(time)) if force is None else force
+            acting = np.column_stack([acting, own])
+        return rows.under(acting)
+
+    def _packed(self, time: FloatArray) -> FloatArray:
+        if not self._linkage.connectors.is_interpolated:
+            return self._solve(time)
         drive = self._linkage.drive
         steady = time >= drive.run_up_time
         place = (time - drive.run_up_time) / drive.revolution_time * self._count
         if steady.all():
-            return self._unpacked(self._interpolated(place))
+            return self._interpolated(place)
         direct = self._solve(time[~steady])
         values = np.empty((len(time), direct.shape[1]))
         values[~steady] = direct
         if steady.any():
             values[steady] = self._interpolated(place[steady])
-        return self._unpacked(values)
+        return values
 
     def _interpolated(self, place: FloatArray) -> FloatArray:
         before = np.floor(place).astype(np.intp)
@@ -152,7 +176,7 @@ class StepTable:
 
     def _solve(self, time: FloatArray) -> FloatArray:
         linkage = self._linkage
-        equations = linkage.equations(time)
+        equations = linkage.equations(time, tables=False)
         following = equations.following
         linear, answer = step_operators(equations, self._step, forces=linkage.stretch is not None)
         parts = [linear.advance, linear.forced]
@@ -163,18 +187,21 @@ class StepTable:
             answer = linkage.stretch.gathered(turns, answer)
             yielding = linkage.stretch.yielding(turns, answer, self._step)
             parts += [answer, yielding, turns.turn, turns.rate]
+        loaded = linkage.unit_equations(time)
         if self._load is not None:
-            loaded = linkage.equations(time, load=self._load)
-            pushed, _ = step_operators(loaded, self._step)
-            offset = loaded.following.offset
-            parts += [pushed.forced, np.broadcast_to(offset, (len(time), offset.shape[1]))]
+            loaded.append(linkage.equations(time, load=self._load))
+        if loaded:
+            pushed = [step_operators(one, self._step)[0].forced for one in loaded]
+            size = linkage.frames.size
+            offsets = [np.broadcast_to(one.following.offset, (len(time), size)) for one in loaded]
+            parts += [np.stack(pushed, axis=1), np.stack(offsets, axis=1)]
         return self._parts.packed(parts)
 
     def _unpacked(self, values: FloatArray) -> StepRows:
         linkage, parts = self._linkage, self._parts.taken_apart(values)
         linear = StepOperators(self._step, parts[0], parts[1])
         pushed = pushed_offset = None
-        if self._load is not None:
+        if self._load is not None or linkage.connectors.table_count:
             pushed, pushed_offset = parts[-2:]
             parts = parts[:-2]
         following = Following.of_all(linkage.size)

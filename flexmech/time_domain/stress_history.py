@@ -9,12 +9,19 @@ distributions (:class:`LinkStress`), whose shares alone are interpolated.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from flexmech.linear_system import CarriedInertia, Engine, Prestress, StressedLinks
+from flexmech.linear_system import (
+    CarriedInertia,
+    Engine,
+    Prestress,
+    StressedLinks,
+    inertia_loads,
+)
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.link_stress import LinkStress, StressShapes
 from flexmech.types import FloatArray
@@ -42,6 +49,10 @@ class StressHistory:
     with_energy : bool
         Whether the potential's part that does not depend on the links' coordinates is
         wanted; an engine must tell its internal forces for that.
+    rigid_links_only : bool
+        Whether the stress counts in rigid links and sliders alone, and elastic links are
+        straight and without stress. They stretch by themselves, but a rigid link has no strain
+        that would tell what the forces of its joints are against a turn.
 
     Attributes
     ----------
@@ -66,8 +77,10 @@ class StressHistory:
         prestress: Prestress,
         *,
         with_energy: bool = True,
+        rigid_links_only: bool = False,
     ) -> None:
         self._engine = engine
+        self._rigid_only = rigid_links_only
         self._bases = tuple(bases)
         self._drive = drive
         self._prestress = prestress
@@ -182,6 +195,11 @@ class StressHistory:
             batch = slice(start, start + self._engine.batch_size)
             motion = linkage.motion(*(v[batch] for v in motion_of))
             stressed = self._engine.stressed_links(motion, self._prestress)
+            if self._rigid_only:
+                pairs = zip(stressed.tangent, self._engine.links, strict=True)
+                own = [tangent if link.rigid else link.stiffness for tangent, link in pairs]
+                stressed = replace(stressed, tangent=own)
+            stressed = self._told(motion, stressed)
             packed.append(self._packed(stressed, motion))
             if stressed.displacement is not None and stressed.internal_force is None:
                 self.tells_forces = False
@@ -193,14 +211,35 @@ class StressHistory:
             self._add_bending_work(values, where, np.concatenate(forces), np.concatenate(places))
         return values
 
+    def _told(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
+        """With internal forces where loads and springs act and the engine tells none.
+
+        They are what inertia, weight, loads and springs are in balance with, but for the forces
+        in joints.
+        """
+        connectors, place = self._engine.connectors, stressed.displacement
+        if not connectors.any or place is None or stressed.internal_force is not None:
+            return stressed
+        inertia = inertia_loads(self._engine.links, motion, self._engine.mechanism.gravity)
+        acting = connectors.forces(motion, place)
+        forces = [a + b for a, b in zip(inertia, acting, strict=True)]
+        beside = self._carried(motion, place)
+        if beside is not None:
+            forces = [a + b for a, b in zip(forces, beside, strict=True)]
+        return replace(stressed, internal_force=forces)
+
+    def _carried(self, motion: RigidMotion, place: list[FloatArray]) -> list[FloatArray] | None:
+        """Inertia forces of displacements in the equilibrium of links that turn as one body."""
+        topology = self._engine.mechanism.linkage.topology
+        carried = CarriedInertia.of(topology, self._engine.links, motion)
+        return None if carried is None else carried.forces(place)
+
     def _packed(self, stressed: StressedLinks, motion: RigidMotion) -> FloatArray:
         """Stiffness, prestress and offset of all links side by side, (B, total)."""
         columns, batch = [], len(motion.crank_angle)
         beside = None
         if stressed.displacement is not None and stressed.internal_force is None:
-            topology = self._engine.mechanism.linkage.topology
-            carried = CarriedInertia.of(topology, self._engine.links, motion)
-            beside = None if carried is None else carried.forces(stressed.displacement)
+            beside = self._carried(motion, stressed.displacement)
         for number, basis in enumerate(self._bases):
             tangent = stressed.tangent[number]
             prestress, offset = np.zeros((batch, basis.shape[1])), np.zeros((batch, 1))

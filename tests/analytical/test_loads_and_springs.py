@@ -12,17 +12,14 @@ from scipy.optimize import brentq
 
 from flexmech import (
     BeamSection,
-    CrankDrive,
     ExudynEngine,
     InputError,
     Material,
     Mechanism,
     ReferenceEngine,
-    ResponseRequest,
     RotatingArm,
     load_mechanism,
     natural_frequencies,
-    response,
     stability,
 )
 from flexmech.analyses import solve_modes
@@ -271,8 +268,3 @@ def test_dampers_are_refused_where_they_are_not_counted() -> None:
     spring = Spring("damped", TIP, LinkPoint(GROUND, 0.0, 0.5), 10.0, 0.2, damping=1.0)
     with pytest.raises(InputError, match="does not count dampers of springs"):
         stability(ReferenceEngine(arm(springs=(spring,)), 2), [10.0], modes=2)
-    with pytest.raises(InputError, match="a run in time does not count loads and springs yet"):
-        response(
-            ReferenceEngine(arm(springs=(spring,)), 2),
-            ResponseRequest(CrankDrive(10.0), revolutions=0.1),
-        )

@@ -1,0 +1,140 @@
+"""Runs in time with loads and springs: energy, forces, limits, and one engine against the other."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexmech import (
+    CrankDrive,
+    ExudynEngine,
+    InputError,
+    Mechanism,
+    ReferenceEngine,
+    ResponseRequest,
+    RotatingArm,
+    response,
+)
+from flexmech.analyses.response.measurements import deflections_of
+from flexmech.linear_system import Engine
+from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring
+from flexmech.time_domain import DrivenLinkage
+from flexmech.time_domain.step_table import StepTable
+from flexmech.time_domain.trapezoidal import step_operators
+from tests.cross_engine.joined_linkages import SliderCrank, Ternary
+from tests.cross_engine.test_exudyn_connectors import strips
+from tests.cross_engine.test_exudyn_joints import FOUR_BAR
+
+TABLE = Load(
+    "table",
+    LinkPoint("rocker", 0.1),
+    ((0.0, 0.0), (-2.0, 1.0), (0.0, 0.0)),
+    (0.0, 0.05, 0.0),
+    over="crank_angle",
+    at=(0.3, 0.35, 0.5),
+)
+PUSH = Load(
+    "push", LinkPoint("coupler", 0.1), ((0.0, 0.0), (0.0, -1.0)), (0.0, 0.0), "ground", "time",
+    (0.005, 0.01),
+)  # fmt: skip
+TURNING = Load("turning", LinkPoint("crank", 0.05), ((0.0, 1.0),), axes="link")
+RETURN = Spring("return", LinkPoint(GROUND, 0.1, -0.1), LinkPoint("rocker", 0.15), 20.0, 0.1, 0.5)
+HINGE = JointSpring("B", 0.05, 0.002, 1.0)
+SPEED = 20.0
+
+
+def four_bar() -> Mechanism:
+    """A ternary coupler and all that can act on it."""
+    loads = (TABLE, PUSH, TURNING)
+    return strips(Ternary(FOUR_BAR), loads=loads, springs=(RETURN,), joint_springs=(HINGE,))
+
+
+def test_both_engines_run_alike_and_account_for_all_energy() -> None:
+    """The reference's equations are linear in the displacement, here up to 4e-3 of a link."""
+    mechanism = four_bar()
+    request = ResponseRequest(CrankDrive(SPEED), 0.06, step=1e-4, start="equilibrium")
+    first, second = (
+        response(engine, request).dataset
+        for engine in (ReferenceEngine(mechanism, 4, "euler"), ExudynEngine(mechanism, 4, "ancf"))
+    )
+
+    def gap(name: str) -> float:
+        values, others = first[name].values[0], second[name].values[0]
+        return float(np.abs(values - others).max() / np.abs(values).max())
+
+    for found in (first, second):
+        assert float(found["energy_error"].max()) < 1e-5
+        assert np.abs(found["prestress_work"]).max() > 1e-3 * found["kinetic_energy"].max()
+    assert gap("deflection") < 1e-3
+    assert gap("driving_torque") < 2e-4
+    assert gap("strain_energy") < 1e-5
+    assert gap("dissipated_energy") < 2e-5
+
+
+@pytest.mark.parametrize("engine", [ReferenceEngine, ExudynEngine])
+def test_a_force_in_axes_of_its_link(engine: type[Engine]) -> None:
+    """Across the tip of an arm it bends it always alike, and the shaft holds it."""
+    force, length = 0.05, 0.3
+    load = Load("tip", LinkPoint("arm", length), ((0.0, force),), axes="link")
+    section = strips(SliderCrank()).sections["crank"]
+    mechanism = Mechanism(RotatingArm(length), {"arm": section}, loads=(load,))
+    request = ResponseRequest(CrankDrive(0.05), 0.02, step=5e-3, start="equilibrium")
+    found = response(engine(mechanism, 4), request).dataset
+    deflection = found["deflection"].values.ravel()
+    wanted = force * length**3 / (3 * section.bending_stiffness)
+    assert deflection == pytest.approx(wanted, rel=1e-3)
+    assert found["driving_torque"].values == pytest.approx(-force * length, rel=1e-3)
+    angle = 0.05 * found["time"].values
+    held = force * np.stack([np.sin(angle), -np.cos(angle)], axis=1)
+    assert found["joint_force"].values[0, :, 0] == pytest.approx(held, abs=2e-3 * force)
+
+
+def test_a_slow_run_tends_to_the_equilibria_at_its_angles() -> None:
+    """What it is off by is inertia of the displacement: second order in the speed."""
+    tip, rows = LinkPoint("arm", 0.3), ((0.0, 0.0), (2e-3, 4e-3), (0.0, 0.0))
+    load = Load("tip", tip, rows, (0.0, 2e-4, 0.0), over="crank_angle", at=(-0.5, 1.5, 3.0))
+    spring = Spring("hold", LinkPoint(GROUND, 0.2, 0.3), tip, 0.03, 0.1, 0.001)
+    section = strips(SliderCrank()).sections["crank"]
+    mechanism = Mechanism(RotatingArm(0.3), {"arm": section}, loads=(load,), springs=(spring,))
+    engine = ReferenceEngine(mechanism, 3, "euler", component_modes=False)
+    gaps = []
+    for speed in (2.0, 0.5):
+        drive = CrankDrive(speed)
+        request = ResponseRequest(drive, 0.2, step=2e-3 / speed, start="equilibrium", modes=2)
+        found = response(engine, request).dataset
+        motion = drive.motion(mechanism.linkage, found["time"].values)
+        still = engine.stressed_links(motion, "equilibrium").displacement
+        assert still is not None
+        wanted = deflections_of(engine, still)
+        gaps.append(np.abs(found["deflection"].values[0] - wanted).max() / np.abs(wanted).max())
+    assert gaps[1] < 2e-4
+    assert gaps[0] / gaps[1] == pytest.approx(16.0, rel=0.15)
+
+
+def test_tables_of_loads_are_not_smoothed_by_the_interpolation_of_steps() -> None:
+    """A step between positions is that of the equations themselves, kinks of loads included."""
+    linkage = DrivenLinkage(ReferenceEngine(four_bar(), 3, "euler"), CrankDrive(SPEED), "none")
+    time = np.linspace(0.28, 0.52, 41) / SPEED
+    table = StepTable(linkage, 1e-4)
+    assert linkage.connectors.is_interpolated
+    found = table.rows(time).linear.forced
+    wanted = step_operators(linkage.equations(time), 1e-4)[0].forced
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-5 * np.abs(wanted).max())
+
+
+def test_a_spring_that_is_wound_up_counts_turns() -> None:
+    spring = JointSpring("A", 2.0, 0.01, -0.6)
+    engine = ReferenceEngine(strips(SliderCrank(), joint_springs=(spring,)), 2, "euler")
+    linkage = DrivenLinkage(engine, CrankDrive(SPEED), "none")
+    turn = linkage.drive.revolution_time
+    time = 0.01 + np.array([0.0, turn])
+    force = linkage.connectors.force(linkage.motion(time), time)
+    assert np.abs(force[1] - force[0]).max() > 0.9 * 2.0 * 2 * np.pi
+    with pytest.raises(InputError, match="wound up further with every turn"):
+        response(engine, ResponseRequest(CrankDrive(SPEED), 0.1, start="periodic"))
+
+
+def test_no_motion_is_periodic_under_a_load_over_time() -> None:
+    engine = ReferenceEngine(strips(Ternary(FOUR_BAR), loads=(PUSH,)), 2, "euler")
+    with pytest.raises(InputError, match="under a load over time no motion repeats itself"):
+        response(engine, ResponseRequest(CrankDrive(SPEED), 0.1, start="periodic"))
