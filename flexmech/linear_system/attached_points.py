@@ -83,7 +83,19 @@ class AttachedPoint:
         return np.concatenate([ground, moved[:, 2:]], axis=1)
 
     def displacement_rate(self, motion: RigidMotion, q: FloatArray, rate: FloatArray) -> FloatArray:
-        """Time derivative of :meth:`displacement`, (B, 3); ``rate`` (B, n_link) is in the frame."""
+        """Time derivative of :meth:`displacement`.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        q, rate : ndarray, shape (B, n_link)
+            Coordinates of the link and their rates in its frame.
+
+        Returns
+        -------
+        ndarray, shape (B, 3)
+        """
         moved, found = self.displacement(motion, q), self.displacement(motion, rate)
         speed = motion.angular_velocity[:, self.link]
         found[:, 0] -= speed * moved[:, 1]
