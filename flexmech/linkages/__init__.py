@@ -6,6 +6,7 @@ from flexmech.linkages.coupler_curve import CouplerCurve, CouplerPoint
 from flexmech.linkages.coupler_sextic import coupler_sextic
 from flexmech.linkages.cusp_transitions import CuspTransition, cusp_transitions
 from flexmech.linkages.double_points import DoublePoint, double_points
+from flexmech.linkages.drawing import drawn_joints
 from flexmech.linkages.drive import CrankDrive, LockedCrank
 from flexmech.linkages.fourbar import Branch, FourBar, GrashofClass
 from flexmech.linkages.inverse_dynamics import InverseDynamics, inverse_dynamics
@@ -66,6 +67,7 @@ __all__ = [
     "coupler_sextic",
     "cusp_transitions",
     "double_points",
+    "drawn_joints",
     "inverse_dynamics",
     "linkage_positions",
     "lumped_elements",

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexmech.errors import InputError
+from flexmech.linkages.drawing import drawn_joints
 from flexmech.linkages.linkage import Linkage
-from flexmech.linkages.motion import RigidMotion
-from flexmech.linkages.topology import Topology
 from flexmech.types import FloatArray
 
 if TYPE_CHECKING:
@@ -36,8 +36,7 @@ def linkage_positions(linkage: Linkage, crank_angle: float) -> xr.Dataset:
     xarray.Dataset
         ``rigid_position`` (link, station, component) at both ends of each link and
         ``joint_position`` (joint, component) in m, ``joint_kind`` (joint): clamp, pivot, pin,
-        weld or slider, ``joint_direction`` (joint) of a slider's line in rad to the ground's x
-        axis, ``rigid`` (link), and ``shaft_position`` (component) of the driven shaft's axis.
+        weld or slider; and the attribute ``drawing``, what :func:`drawn_joints` gives as JSON.
 
     Raises
     ------
@@ -61,9 +60,6 @@ def linkage_positions(linkage: Linkage, crank_angle: float) -> xr.Dataset:
         {
             "rigid_position": (("link", "station", "component"), ends, {"units": "m"}),
             "joint_position": (("joint", "component"), np.array(joints), {"units": "m"}),
-            "joint_direction": ("joint", _directions(topology, motion), {"units": "rad"}),
-            "rigid": ("link", [link.rigid for link in topology.links]),
-            "shaft_position": ("component", _shaft(topology, motion), {"units": "m"}),
         },
         coords={
             "link": list(topology.link_names),
@@ -71,26 +67,8 @@ def linkage_positions(linkage: Linkage, crank_angle: float) -> xr.Dataset:
             "joint": list(topology.joint_names),
             "joint_kind": ("joint", list(topology.joint_kinds)),
         },
+        attrs={"drawing": json.dumps(drawn_joints(topology))},
     )
-
-
-def _directions(topology: Topology, motion: RigidMotion) -> list[float]:
-    """Angle of the line of each joint in rad, of one position; not a number without a line."""
-    lines = {}
-    for slider in topology.sliders:
-        turned = motion.angle[topology.index(slider.guide)] if slider.guide else 0.0
-        lines[slider.joint] = float(slider.direction + turned)
-    return [lines.get(name, np.nan) for name in topology.joint_names]
-
-
-def _shaft(topology: Topology, motion: RigidMotion) -> FloatArray:
-    """Where the axis of the driven shaft is, of one position."""
-    if not topology.clamps:
-        return np.zeros(2)
-    clamp = topology.clamps[0]
-    number = topology.index(clamp.held.link)
-    x = 0.0 if clamp.held.end == "start" else topology.links[number].length
-    return motion.position(number, x - clamp.hub)
 
 
 def shown_crank_angle(linkage: Linkage) -> float:

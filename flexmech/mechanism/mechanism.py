@@ -35,6 +35,7 @@ from flexmech.mechanism.checks import (
     check_point_masses,
     check_springs,
 )
+from flexmech.mechanism.drawing import drawing
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
 from flexmech.mechanism.tables import (
     environment_table,
@@ -209,7 +210,9 @@ class Mechanism:
         from flexmech.plots import figure_html, plot_linkage
 
         dataset = linkage_positions(self.linkage, shown_crank_angle(self.linkage))
-        figure = plot_linkage(dataset.assign_attrs(mechanism=self.provenance.name))
+        figure = plot_linkage(
+            dataset.assign_attrs(mechanism=self.provenance.name, drawing=drawing(self))
+        )
         headings = ("link", "length (mm)", "mass (g)", "EA (N)", "EI (N m²)", "thickness (mm)")
         rows: list[tuple[str, ...]] = [headings]
         for link in self.linkage.topology.links:

@@ -7,15 +7,19 @@ from typing import Any, cast
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from flexmech.plots import linkage, style
+from flexmech.plots import style
 from flexmech.plots.labels import engine_label, speed_text
 from flexmech.plots.layout import grid, sheet
+from flexmech.plots.linkage_parts import LinkageParts, extent_of, parts_of
+from flexmech.plots.linkage_sketch import RIGID, LinkageSketch, height_of
+from flexmech.plots.linkage_symbols import add_symbols, move_symbols
 from flexmech.plots.reading import names_of, values_of
-from flexmech.plots.series import series_style
+from flexmech.plots.series import Look, line_handle, series_style
 from flexmech.types import FloatArray
 
 __all__ = ["DOTS_AN_INCH", "FRAMES_A_SECOND", "EnlargedMotion", "Scene"]
@@ -45,6 +49,8 @@ class EnlargedMotion:
         In s and rad.
     rigid, deflected : ndarray, shape (n, link, station, 2)
         In m, the latter with enlarged displacements.
+    parts : LinkageParts
+        What belongs to the linkage besides its links.
     path : ndarray, shape (n, 2)
         Places of the point whose path is drawn, in m, its displacement as it is.
     trace_name, run_name : str
@@ -57,6 +63,7 @@ class EnlargedMotion:
     angle: FloatArray
     rigid: FloatArray
     deflected: FloatArray
+    parts: LinkageParts
     path: FloatArray
     trace_name: str
     run_name: str
@@ -89,7 +96,7 @@ class EnlargedMotion:
         rigid = values_of(turn["rigid_position"], *order)
         elastic = values_of(turn["displacement"], *order)
         if enlargement is None:
-            enlargement = _round_enlargement(linkage.extent_of(rigid), elastic)
+            enlargement = _round_enlargement(extent_of(rigid), elastic)
         links = names_of(turn, "link")
         path, traced = _true_path(turn, rigid + elastic, links)
         name = str(dataset.attrs["mechanism"])
@@ -99,6 +106,7 @@ class EnlargedMotion:
             angle=angle[shown],
             rigid=rigid,
             deflected=rigid + enlargement * elastic,
+            parts=parts_of(dataset, rigid, _at_rest(rigid)),
             path=path,
             trace_name=f"true path of the {traced}",
             run_name=f"{name} at {speed_text(dataset)}, {engine_label(dataset)}",
@@ -118,7 +126,8 @@ class EnlargedMotion:
         """What is running, and how much slower than real it is shown."""
         seconds = float(np.ptp(self.time))
         slower = self.frames.size / FRAMES_A_SECOND / seconds if seconds > 0 else 1.0
-        pace = f", {slower:.2g} times slower than real" if slower > 1.05 else ""
+        digits = f"{slower:.2g}" if slower < 100 else f"{float(f'{slower:.2g}'):.0f}"
+        pace = f", {digits} times slower than real" if slower > 1.05 else ""
         return self.run_name + pace
 
 
@@ -150,6 +159,13 @@ def _true_path(turn: xr.Dataset, places: FloatArray, links: list[str]) -> tuple[
     return places[:, link, station], f"{links[link]}'s {probe}"
 
 
+def _at_rest(rigid: FloatArray) -> NDArray[np.bool_]:
+    """Which ends of links stay in place; of a single sample nothing can be told."""
+    ends = rigid[:, :, [0, -1]]
+    rests = np.ptp(ends, axis=0).max(axis=-1) <= SAME_PLACE * extent_of(ends)
+    return np.asarray(rests & (len(ends) > 1))
+
+
 def _round_enlargement(extent: float, elastic: FloatArray) -> float:
     """1, 2 or 5 times a power of ten, at least 1: the nearest in ratio to what is wanted."""
     greatest = float(np.nanmax(np.hypot(elastic[..., 0], elastic[..., 1]), initial=0.0))
@@ -173,32 +189,33 @@ class Scene:
         self._motion = motion
         blue, orange = series_style(0).color, series_style(1).color
         enlarged = f"displacement enlarged {_times(motion.enlargement)}"
-        self._rigid = self._lines(label="rigid linkage", **linkage.RIGID, zorder=1)
+        sketch = LinkageSketch(motion.rigid[0], motion.parts, travel=motion.rigid)
+        self._rigid = self._lines(sketch, RIGID | {"zorder": 1})
         self._trace = Line2D([], [], label=motion.trace_name, color=orange, lw=1.0, zorder=2)
-        self._deflected = self._lines(label=enlarged, color=blue, lw=2.2, zorder=3)
+        self._deflected = self._lines(sketch, {"color": blue, "lw": 2.2, "zorder": 2.1})
         self._point = Line2D([], [], color="black", marker="o", ms=3.5, ls="", zorder=5)
-        self._joints = Line2D([], [], **(linkage.JOINT | {"ms": 5}), zorder=4)
-        ends = motion.rigid[:, :, [0, -1]]
-        rests = np.ptp(ends, axis=0).max(axis=-1) <= SAME_PLACE * linkage.extent_of(ends)
-        # Of a single sample nothing can be told.
-        joints = linkage.joint_ends(motion.rigid, rests & (len(ends) > 1))
-        self._ends = [end for group in joints for end in group]
-        pins, supports = (linkage.places_of(motion.rigid[0], group) for group in joints)
-        sketch = linkage.LinkageSketch(
-            motion.rigid[0], pins, supports, linkage.shaft_of(motion.rigid)
-        )
-        self._open(sketch, [self._rigid[0], self._deflected[0], self._trace])
+        handles = [
+            line_handle("rigid linkage", **RIGID),
+            line_handle(enlarged, color=blue, lw=2.2),
+            self._trace,
+            *sketch.handles(),
+        ]
+        self._open(sketch, handles)
 
-    def _lines(self, **look: Any) -> list[Line2D]:
+    @staticmethod
+    def _lines(sketch: LinkageSketch, look: Look) -> list[Line2D]:
         """One line a link."""
-        return [Line2D([], [], **look) for _ in range(self._motion.rigid.shape[1])]
+        return [Line2D([], [], **one) for one in sketch.link_looks(look)]
 
-    def _open(self, sketch: linkage.LinkageSketch, handles: list[Line2D]) -> None:
+    def _open(self, sketch: LinkageSketch, handles: list[Artist]) -> None:
         """Draw what does not move, with room for the whole motion, the legend and the title."""
         motion = self._motion
-        shown = (motion.rigid, motion.deflected, motion.path)
+        shown = [motion.rigid, motion.deflected, motion.path]
+        for sample in motion.frames:
+            here = LinkageSketch(motion.deflected[sample], motion.parts).on_links()
+            shown += [symbol.places for symbol in here]
         limits = sketch.limits(np.concatenate([places.reshape(-1, 2) for places in shown]))
-        height = linkage.height_of(limits, style.figure_width(), 2.0, 5.2) + TITLE_HEIGHT
+        height = height_of(limits, style.figure_width(), 2.0, 5.2) + TITLE_HEIGHT
         with sheet(grid(1, 1, height)) as drawn:
             drawn.header(handles, motion.title)
         figure, (self._axes,) = drawn.figure, drawn.panels
@@ -208,13 +225,13 @@ class Scene:
         figure.set_size_inches(*(pixels / DOTS_AN_INCH))
         sketch.frame(self._axes, limits)
         sketch.draw_ground(self._axes)
-        if sketch.hub_radius:
-            self._axes.plot(0, 0, **linkage.JOINT, zorder=4)
+        self._on_links = add_symbols(self._axes, sketch.on_links())
         self._clock = self._axes.set_title("time")
-        lines = [*self._rigid, self._trace, *self._deflected, self._joints, self._point]
+        lines = [*self._rigid, self._trace, *self._deflected, self._point]
         for line in lines:
             self._axes.add_line(line)
-        self._moving = [*lines, self._clock]
+        moving = [*lines, *self._on_links]
+        self._moving = [*sorted(moving, key=lambda artist: artist.get_zorder()), self._clock]
         for artist in self._moving:
             # Left out of the drawing of the ground.
             artist.set_animated(True)
@@ -232,7 +249,7 @@ class Scene:
                 line.set_data(*link.T)
         self._trace.set_data(*motion.path[: sample + 1].T)
         self._point.set_data(*motion.path[sample : sample + 1].T)
-        self._joints.set_data(*linkage.places_of(deflected, self._ends).T)
+        move_symbols(self._on_links, LinkageSketch(deflected, motion.parts).on_links())
         turned = round(float(np.degrees(motion.angle[sample]))) % 360
         angle = str(turned).rjust(3, FIGURE_SPACE)
         self._clock.set_text(f"time {motion.time[sample]:.4f} s    crank angle {angle}°")

@@ -14,7 +14,8 @@ from matplotlib.transforms import Bbox
 
 from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, Layout, sheet
-from flexmech.plots.linkage import LinkageSketch, height_of, name_joints, round_length
+from flexmech.plots.linkage import name_joints
+from flexmech.plots.linkage_sketch import LinkageSketch, height_of, round_length
 from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.series import Look, line_handle, series_style
 from flexmech.types import FloatArray
@@ -39,9 +40,7 @@ POINTS = ("coupler point", "coupler's middle")
 """Names of paths that are of points of the coupler, not of its pins."""
 POINT_PATH: Look = {"color": series_style(0).color, "lw": 1.3}
 COUPLER: Look = {"fc": series_style(0).color, "alpha": 0.12, "lw": 0, "zorder": 0.6}
-MASS: Look = {"color": series_style(1).color, "marker": "o", "alpha": 0.75}
-# Area of the greatest point mass's mark in square points.
-LARGEST_MARK = 110.0
+MASS_COLOR = series_style(1).color
 # Greys of plies in the order in which they come, apart enough to be told.
 PLY_GREYS = ("0.92", "0.72", "0.52", "0.82", "0.62")
 WHOLE_FRAME: Look = {"fc": "none", "ec": "0.35", "lw": 0.7}
@@ -75,12 +74,12 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     joints = values_of(dataset["joint_position"], "joint", "component")
     is_pin = ~np.isin(dataset["joint_kind"].values, ["clamp", "pivot"])
     links = values_of(dataset["rigid_position"], "link", "station", "component")
-    sketch = LinkageSketch.of(dataset)
+    sketch = LinkageSketch.of(dataset, mass_color=MASS_COLOR)
     limits = _limits(sketch, dataset, joints)
     stacks = _Stacks.of(dataset.assign(grey=_greys(dataset)))
     turns = "transmission_angle" in dataset
     with sheet(_layout(limits, stacks.height, turns), ax=ax) as drawn:
-        drawn.header(_handles(dataset), of=dataset)
+        drawn.header(_handles(dataset, sketch), of=dataset)
         posture, sections, *rest = drawn.panels
         angle = np.degrees(dataset["posture_angle"].item())
         posture.set_title(f"Posture at crank angle {angle:.4g}°")
@@ -88,7 +87,6 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
         _draw_links(posture, dataset, links, RIGID_WIDTH * sketch.size)
         _draw_paths(posture, dataset)
         sketch.draw(posture, **AXIS)
-        _draw_masses(posture, dataset, joints)
         sketch.draw_scale_bar(posture)
         name_joints(posture, sketch, names_of(dataset, "joint"), joints, is_pin)
         _draw_sections(sections, stacks)
@@ -131,22 +129,19 @@ def _layout(limits: Bbox, sections: float, turns: bool) -> Layout:
     return Layout(1 + len(below), sum(rows), make)
 
 
-def _handles(dataset: xr.Dataset) -> list[Artist]:
-    """Legend entries of paths, masses, plies and the usual transmission angles."""
+def _handles(dataset: xr.Dataset, sketch: LinkageSketch) -> list[Artist]:
+    """Legend entries of paths, parts, plies and the usual transmission angles."""
     handles: list[Artist] = []
     names = names_of(dataset, "path_name") if "path" in dataset else []
     pins = [name for name in names if not _is_point(name)]
     if pins:
-        what = f"path of the {pins[0]}" if pins == ["tip"] else f"paths of {' and '.join(pins)}"
-        handles.append(line_handle(what, **PIN_PATH))
+        handles.append(line_handle(_paths_of(pins), **PIN_PATH))
     handles += [
         line_handle(f"path of the {name}", marker="o", markersize=4, **POINT_PATH)
         for name in names
         if _is_point(name)
     ]
-    if (masses := _masses(dataset)).any():
-        largest = f"point mass (largest {1e3 * masses.max():.4g} g)"
-        handles.append(line_handle(largest, ls="", markersize=6, mew=0, **MASS))
+    handles += sketch.handles()
     plies = _plies(dataset)
     for ply, grey in plies.items() if len(plies) > 1 else ():
         handles.append(Patch(fc=grey, ec=style.MID_GREY, lw=0.6, label=ply.replace("$", r"\$")))
@@ -155,6 +150,14 @@ def _handles(dataset: xr.Dataset) -> list[Artist]:
         usual = f"usual transmission angle, {low:g}° to {high:g}°"
         handles.append(Patch(color=style.LIGHT_GREY, lw=0, label=usual))
     return handles
+
+
+def _paths_of(pins: list[str]) -> str:
+    """What the paths of pins and tips are called together."""
+    names = [f"the {name}" if name.startswith("tip") else name for name in pins]
+    if len(names) == 1:
+        return f"path of {names[0]}"
+    return f"paths of {', '.join(names[:-1])} and {names[-1]}"
 
 
 def _is_point(name: str) -> bool:
@@ -187,28 +190,6 @@ def _draw_paths(axes: Axes, dataset: xr.Dataset) -> None:
         pins = dataset["rigid_position"].sel(link="coupler").values[[0, -1]]
         axes.add_patch(Polygon([*pins, place], **COUPLER))
         axes.plot(*place, "o", color=POINT_PATH["color"], ms=4, zorder=5)
-
-
-def _masses(dataset: xr.Dataset) -> FloatArray:
-    """All point masses in kg: of the joints, then along links."""
-    masses = [dataset["joint_mass"].values.astype(float)]
-    if "point_mass" in dataset:
-        masses.append(dataset["point_mass"].values.astype(float))
-    return np.concatenate(masses)
-
-
-def _draw_masses(axes: Axes, dataset: xr.Dataset, joints: FloatArray) -> None:
-    """Point masses as discs whose areas are as the masses."""
-    masses = _masses(dataset)
-    places = joints
-    if "point_mass" in dataset:
-        along = values_of(dataset["point_mass_position"], "mass", "component")
-        places = np.vstack([joints, along])
-    there = masses > 0
-    if there.any():
-        areas = LARGEST_MARK * masses[there] / masses.max()
-        x, y = places[there].T
-        axes.scatter(x, y, s=areas, linewidths=0, zorder=3, **MASS)
 
 
 @dataclass(frozen=True)
@@ -327,7 +308,8 @@ def _draw_sections(axes: Axes, stacks: _Stacks) -> None:
     axes.set(xlim=(0.0, across), ylim=(0.0, top), aspect="equal", anchor="NW")
     axes.set_axis_off()
     axes.set_title("Sections, the plane's thickness upward")
-    beside = (DRAWN + 0.04) * across
+    widths = [row.width if np.isfinite(row.width) else DRAWN * across for row in stacks.rows]
+    beside = max(widths, default=0.0) + 0.04 * across
     for row, height in zip(stacks.rows, stacks.heights(), strict=True):
         middle, known = top - height / 2, np.isfinite(row.width)
         drawn, lowest = row.width if known else DRAWN * across, row.layers[0][0]

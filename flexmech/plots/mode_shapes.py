@@ -12,14 +12,8 @@ from scipy.interpolate import CubicSpline
 from flexmech.plots import angle_panels, style
 from flexmech.plots.labels import engine_label, mode_label, speed_texts
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
-from flexmech.plots.linkage import (
-    RIGID,
-    LinkageSketch,
-    height_of,
-    joint_ends,
-    places_of,
-    shaft_of,
-)
+from flexmech.plots.linkage_parts import parts_of
+from flexmech.plots.linkage_sketch import RIGID, LinkageSketch, height_of
 from flexmech.plots.reading import highest_speed, values_of
 from flexmech.plots.series import line_handle, series_handle, series_line
 from flexmech.plots.speed_colours import has_many_speeds
@@ -31,6 +25,10 @@ PANELS_A_ROW, NARROW_ROW = 4, 2
 POINTS_A_STATION = 4
 # Largest displacement as drawn, over the linkage's size.
 ENLARGED_TO = 0.14
+# Marks of masses and bodies over those in a picture of one linkage.
+SMALL = 0.6
+# Of the scale bar with its words over the linkage's size.
+BAR_ROOM = 0.14
 # An end that moves less than this part of the largest displacement in every mode is held.
 AT_REST = 1e-6
 NOT_SHOWN = ["crank_angle", "check_angle", "shape_angle"]
@@ -75,13 +73,11 @@ def plot_mode_shapes(
     frequency, stored = shown["frequency"], shown["shape"]
     real, imaginary = (values_of(stored.sel(part=part), *SHAPE) for part in ("real", "imaginary"))
     shapes = _real_shapes(real + 1j * imaginary)
-    # Ends that are together in every position are a joint.
     rigid = values_of(shown["position"], "place", *SHAPE[2:])
     held = np.abs(shapes[..., [0, -1], :]).max(axis=(0, 1, -1)) <= AT_REST
-    pins, supports = (places_of(rigid[0], ends) for ends in joint_ends(rigid, held))
-    sketch = LinkageSketch(rigid[0], pins, supports, shaft_of(rigid))
+    sketch = LinkageSketch(rigid[0], parts_of(dataset, rigid, held), mark_size=SMALL)
     deflected = _smooth(sketch.links + ENLARGED_TO * sketch.size * shapes)
-    limits = sketch.limits(deflected)
+    limits = sketch.limits(deflected, BAR_ROOM)
     n_speeds, n_modes = shapes.shape[:2]
     widths = _line_widths(n_speeds)
     with sheet(_layout(limits, n_modes, n_speeds), ax=ax, fewer=angle_panels.ONE_MODE) as drawn:
@@ -93,7 +89,7 @@ def plot_mode_shapes(
             f"Mode shapes at {speed}crank angle {np.degrees(shown.attrs['angle']):.4g}° by "
             f"{engine_label(dataset)}, displacement enlarged"
         )
-        handles.append(line_handle("rigid linkage", **RIGID))
+        handles += [line_handle("rigid linkage", **RIGID), *sketch.handles()]
         drawn.header(handles, title, of=dataset)
         texts = [_frequencies_text(one) for one in values_of(frequency, "mode", "crank_speed")]
         for mode, axes in enumerate(drawn.panels):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from flexmech.linkages import FourBar, Linkage, RotatingArm
+from flexmech.linkages import FourBar, Linkage, RotatingArm, drawn_joints
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -85,6 +86,7 @@ def frequency_dataset(
             "part": ["real", "imaginary"],
             "term": list(TERMS),
         },
+        attrs={"drawing": json.dumps(drawn_joints(linkage.topology))},
     )
 
 
@@ -568,13 +570,23 @@ def linkage_dataset(linkage: Linkage = FOURBAR, degrees: float = 60.0) -> xr.Dat
             "joint": list(joints),
             "joint_kind": ("joint", [KINDS[name] for name in joints]),
         },
-        attrs={"mechanism": "test linkage"},
+        attrs={
+            "mechanism": "test linkage",
+            "drawing": json.dumps(drawn_joints(linkage.topology)),
+        },
     )
 
 
 def mechanism_dataset(linkage: Linkage = FOURBAR, degrees: float = 60.0) -> xr.Dataset:
     """A linkage with everything that a picture of a mechanism shows."""
-    dataset = linkage_dataset(linkage, degrees).drop_attrs().assign_attrs(mechanism="test linkage")
+    dataset = linkage_dataset(linkage, degrees)
+    drawn = json.loads(dataset.attrs["drawing"])
+    drawn["masses"] = [{"at": [dataset.sizes["link"] - 1, 0.5], "kg": 0.02}]
+    if dataset.sizes["joint"] > 1:
+        places = {joint["name"]: joint["at"] for joint in drawn["joints"]}
+        joints = [{"at": places["A"], "kg": 0.04}, {"at": places["B"], "kg": 0.01}]
+        drawn["masses"] = joints + drawn["masses"]
+    dataset = dataset.assign_attrs(drawing=json.dumps(drawn))
     turn = np.radians(np.arange(0.0, 361.0, 5.0))
     links, whole = dataset.sizes["link"], _rigid(linkage, turn)[0]
     first = whole[:, 0, -1]

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon, Rectangle
 
 from flexmech.linkages import FourBar
-from flexmech.plots import page_width, plot_mechanism
+from flexmech.plots import SERIES_STYLES, page_width, plot_mechanism
 from tests.unit.figure_checks import check_layout, legend_texts, panels
 from tests.unit.plot_data import ARM, mechanism_dataset
 
@@ -54,11 +54,11 @@ def test_paths_are_the_dataset_s_and_the_point_is_on_the_coupler(dataset: xr.Dat
 
 def test_discs_have_areas_as_the_masses(dataset: xr.Dataset) -> None:
     posture = plot_mechanism(dataset).axes[0]
-    (discs,) = posture.collections
-    areas = discs.get_sizes()
+    discs = [line for line in posture.lines if line.get_color() == SERIES_STYLES[1].color]
+    areas = np.array([disc.get_markersize() for disc in discs]) ** 2
     np.testing.assert_allclose(areas / areas[0], [1.0, 0.25, 0.5])
     np.testing.assert_allclose(
-        discs.get_offsets(),
+        np.vstack([disc.get_xydata() for disc in discs]),
         [*dataset["joint_position"].values[1:3], dataset["point_mass_position"].values[0]],
     )
     assert "point mass (largest 40 g)" in legend_texts(plot_mechanism(dataset))

@@ -10,7 +10,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle
 
 from flexmech.analyses import MovingFrequencies
 from flexmech.errors import InputError
@@ -348,8 +347,9 @@ class TestModeShapes:
         figure = plot_mode_shapes(arm_dataset(hub_radius))
         axes = figure.axes[0]
         assert len(figure.axes) == 3
-        (hub,) = [patch for patch in axes.patches if isinstance(patch, Circle)]
-        assert hub.get_radius() == hub_radius
+        # A disc shows the shaft, as large as its hub where that can be seen.
+        (disc,) = [patch.get_xy() for patch in axes.patches if len(patch.get_xy()) > 10]
+        assert np.hypot(*disc.T) == pytest.approx(hub_radius or 0.026 * 0.4)
         joints = [line.get_xydata() for line in axes.lines if line.get_marker() == "o"]
         assert np.concatenate(joints).tolist() == [[0.0, 0.0]]
         check_layout(figure)

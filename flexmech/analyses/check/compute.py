@@ -93,7 +93,8 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
         dataset.attrs["without_frequencies"] = str(error)
     with suppress(InputError):  # it stands at no angle that is tried: there is nothing to draw
         posture = shown_crank_angle(mechanism.linkage) if crank_angle is None else at
-        dataset = dataset.merge(drawn_mechanism(mechanism, posture))
+        drawn = drawn_mechanism(mechanism, posture)
+        dataset = dataset.merge(drawn).assign_attrs(drawn.attrs)
     dataset.attrs["remarks"] = "\n".join(remarks(mechanism, frequency))
     return ModelCheck(with_units(dataset, "check"))
 

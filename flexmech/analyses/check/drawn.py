@@ -17,7 +17,7 @@ from flexmech.linkages import (
     standing,
 )
 from flexmech.linkages.topology import End
-from flexmech.mechanism import Mechanism
+from flexmech.mechanism import Mechanism, drawing
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
@@ -57,7 +57,7 @@ def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
         If the linkage cannot stand at the crank angle.
     """
     linkage = mechanism.linkage
-    dataset = linkage_positions(linkage, crank_angle)
+    dataset = linkage_positions(linkage, crank_angle).assign_attrs(drawing=drawing(mechanism))
     joints = [float(mechanism.joint_masses.get(str(name), 0.0)) for name in dataset["joint"].values]
     dataset["joint_mass"] = ("joint", joints)
     dataset["posture_angle"] = crank_angle

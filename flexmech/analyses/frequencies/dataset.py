@@ -13,6 +13,7 @@ from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.analyses.provenance import provenance, with_units
 from flexmech.analyses.stations import rigid_positions
 from flexmech.linear_system import Engine
+from flexmech.mechanism import drawing
 from flexmech.types import FloatArray
 
 __all__ = ["joined", "with_states"]
@@ -70,6 +71,7 @@ def joined(
         dataset = dataset.merge(part)
     return with_units(dataset, "frequencies").assign_attrs(
         provenance(engines),
+        drawing=drawing(first.mechanism),
         prestress=formulation.prestress,
         rotation_terms="on" if formulation.rotation_terms else "off",
         speed_unit=request.speed_unit,

@@ -23,6 +23,7 @@ from flexmech.analyses.response.spectra import (
 from flexmech.analyses.stations import rigid_positions
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.mechanism import drawing
 from flexmech.time_domain import Trajectory
 from flexmech.types import FloatArray
 
@@ -95,6 +96,7 @@ def build_dataset(
         dataset = dataset.assign_attrs(place)
     return dataset.assign_attrs(
         provenance(engines),
+        drawing=drawing(first.mechanism),
         crank_speed=request.drive.speed,
         speed_unit=request.speed_unit,
         run_up_time=request.drive.run_up_time,

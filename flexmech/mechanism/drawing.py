@@ -1,0 +1,99 @@
+"""What a picture of a mechanism shows besides its links: plain data, the same in every posture."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from flexmech.linkages import LinkPoint, Load, Topology, drawn_joints
+
+if TYPE_CHECKING:
+    from flexmech.mechanism.mechanism import Mechanism
+
+__all__ = ["drawing", "drawn_parts"]
+
+
+def drawn_parts(mechanism: Mechanism) -> dict[str, Any]:
+    """Joints, masses, bodies, springs and loads as a picture shows them.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+
+    Returns
+    -------
+    dict
+        Of :func:`flexmech.linkages.drawn_joints`, and ``masses`` (``at``, ``kg``), ``bodies``
+        (``at``, ``offset`` in m, ``kg``), ``springs`` (``name``, ``ends``), ``joint_springs``
+        (``joint``, whether ``torsional`` and ``radial``) and ``loads`` (``name``, ``at``,
+        ``axes``, ``over``, ``force`` in N and ``torque`` in N m where they are largest). A place
+        ``at`` is the number of a link and how far along it from 0 to 1; the end of a spring on
+        the ground is ``ground``, x and y in m.
+    """
+    topology = mechanism.linkage.topology
+
+    def at(link: str, x: float) -> list[float]:
+        number = topology.index(link)
+        return [number, x / topology.links[number].length]
+
+    parts = drawn_joints(topology)
+    places = {joint["name"]: joint["at"] for joint in parts["joints"]}
+    masses = [
+        {"at": places[joint], "kg": mass}
+        for joint, mass in mechanism.joint_masses.items()
+        if mass > 0
+    ]
+    masses += [
+        {"at": at(point.link, point.position), "kg": point.mass}
+        for point in mechanism.link_masses
+        if point.mass > 0
+    ]
+    return parts | {
+        "masses": masses,
+        "bodies": [
+            {"at": at(body.link, body.position), "offset": list(body.offset), "kg": body.mass}
+            for body in mechanism.bodies
+        ],
+        "springs": [
+            {"name": one.name, "ends": [_end(topology, one.first), _end(topology, one.second)]}
+            for one in mechanism.springs
+        ],
+        "joint_springs": [
+            {
+                "joint": one.joint,
+                "torsional": one.torsional_stiffness > 0,
+                "radial": one.radial_stiffness is not None,
+            }
+            for one in mechanism.joint_springs
+        ],
+        "loads": [
+            {"at": at(load.point.link, load.point.x), **_largest(load)} for load in mechanism.loads
+        ],
+    }
+
+
+def drawing(mechanism: Mechanism) -> str:
+    """The parts of :func:`drawn_parts` as the text of a dataset's attribute ``drawing``."""
+    return json.dumps(drawn_parts(mechanism))
+
+
+def _end(topology: Topology, point: LinkPoint) -> dict[str, Any]:
+    if point.is_ground:
+        return {"ground": [point.x, point.y]}
+    number = topology.index(point.link)
+    return {"at": [number, point.x / topology.links[number].length]}
+
+
+def _largest(load: Load) -> dict[str, Any]:
+    """A load where its force, and where its torque is largest."""
+    force = load.force[int(np.argmax(np.hypot(*np.transpose(load.force))))]
+    torque = load.torque[int(np.argmax(np.abs(load.torque)))]
+    return {
+        "name": load.name,
+        "axes": load.axes,
+        "over": load.over,
+        "force": list(force),
+        "torque": torque,
+    }
