@@ -3,19 +3,45 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any, Protocol
 
 import numpy as np
 
-from flexmech.linkages import LinkPoint, Load, Topology, drawn_joints
-
-if TYPE_CHECKING:
-    from flexmech.mechanism.mechanism import Mechanism
+from flexmech.linkages import (
+    JointSpring,
+    Linkage,
+    LinkPoint,
+    Load,
+    Spring,
+    Topology,
+    drawn_joints,
+)
+from flexmech.mechanism.parts import AttachedBody, PointMass
 
 __all__ = ["drawing", "drawn_parts"]
 
 
-def drawn_parts(mechanism: Mechanism) -> dict[str, Any]:
+class Drawable(Protocol):
+    """What a picture asks of a mechanism."""
+
+    @property
+    def linkage(self) -> Linkage: ...
+    @property
+    def joint_masses(self) -> Mapping[str, float]: ...
+    @property
+    def link_masses(self) -> tuple[PointMass, ...]: ...
+    @property
+    def bodies(self) -> tuple[AttachedBody, ...]: ...
+    @property
+    def loads(self) -> tuple[Load, ...]: ...
+    @property
+    def springs(self) -> tuple[Spring, ...]: ...
+    @property
+    def joint_springs(self) -> tuple[JointSpring, ...]: ...
+
+
+def drawn_parts(mechanism: Drawable) -> dict[str, Any]:
     """Joints, masses, bodies, springs and loads as a picture shows them.
 
     Parameters
@@ -74,7 +100,7 @@ def drawn_parts(mechanism: Mechanism) -> dict[str, Any]:
     }
 
 
-def drawing(mechanism: Mechanism) -> str:
+def drawing(mechanism: Drawable) -> str:
     """The parts of :func:`drawn_parts` as the text of a dataset's attribute ``drawing``."""
     return json.dumps(drawn_parts(mechanism))
 

@@ -110,14 +110,13 @@ class LinkageSketch:
     travel: FloatArray | None = None
 
     @classmethod
-    def of(cls, dataset: xr.Dataset, **options: Any) -> LinkageSketch:
+    def of(cls, dataset: xr.Dataset, mass_color: str = MASS_COLOR) -> LinkageSketch:
         """Sketch of a dataset with ``rigid_position`` (link, station, component) of one posture.
 
         Parameters
         ----------
         dataset : Dataset
-        options : dict
-            Of the other fields.
+        mass_color : str
 
         Returns
         -------
@@ -125,7 +124,7 @@ class LinkageSketch:
         """
         links = values_of(dataset["rigid_position"], "link", "station", "component")
         held = np.zeros((len(links), 2), dtype=bool)
-        return cls(links, parts_of(dataset, links[None], held), **options)
+        return cls(links, parts_of(dataset, links[None], held), mass_color)
 
     @property
     def posture(self) -> Posture:

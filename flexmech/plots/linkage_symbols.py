@@ -103,7 +103,19 @@ def move_symbols(artists: Iterable[Artist], symbols: Iterable[Symbol]) -> None:
 
 
 def marks(what: str, places: list[FloatArray], look: Look) -> list[Symbol]:
-    """A mark at each place; none where there is no place."""
+    """A mark at each place; none where there is no place.
+
+    Parameters
+    ----------
+    what : str
+    places : list of ndarray, shape (2,)
+        In m.
+    look : dict
+
+    Returns
+    -------
+    list of Symbol
+    """
     return [Symbol(what, np.array(places), {"ls": ""} | look)] if len(places) else []
 
 
@@ -124,7 +136,20 @@ def clamp(place: FloatArray, radius: float) -> list[Symbol]:
 
 
 def support(place: FloatArray, half: float, deep: float, wide: float, hatch: float) -> list[Symbol]:
-    """A triangle on a hatched ground line, its tip at a place; sizes in m."""
+    """A triangle on a hatched ground line, its tip at a place; sizes in m.
+
+    Parameters
+    ----------
+    place : ndarray, shape (2,)
+    half, deep : float
+        Half the width of the triangle and its depth in m.
+    wide, hatch : float
+        Half the length of the ground line and the depth of its hatching in m.
+
+    Returns
+    -------
+    list of Symbol
+    """
     foot = place - [0.0, deep]
     along = np.array([1.0, 0.0])
     corners = np.array([place, foot - half * along, foot + half * along])
@@ -134,7 +159,19 @@ def support(place: FloatArray, half: float, deep: float, wide: float, hatch: flo
 
 
 def wall(place: FloatArray, away: FloatArray, half: float, hatch: float) -> list[Symbol]:
-    """A hatched ground line across a direction, hatched on the side to which that points."""
+    """A hatched ground line across a direction, hatched on the side to which that points.
+
+    Parameters
+    ----------
+    place, away : ndarray, shape (2,)
+        Middle of the line in m, and the unit vector that points into the ground.
+    half, hatch : float
+        Half the length of the line and the depth of its hatching in m.
+
+    Returns
+    -------
+    list of Symbol
+    """
     across = np.array([away[1], -away[0]])
     ends = np.array([place - half * across, place + half * across])
     return _ground("wall", ends, hatch)
@@ -190,7 +227,21 @@ def _ground(what: str, ends: FloatArray, hatch: float) -> list[Symbol]:
 
 
 def block(place: FloatArray, line: float, half: float) -> Symbol:
-    """What slides on a line: a rectangle on it, of half a length and 0.6 times that in height."""
+    """What slides on a line: a rectangle on it, of half a length and 0.6 times that in height.
+
+    Parameters
+    ----------
+    place : ndarray, shape (2,)
+        In m.
+    line : float
+        Angle of the line in rad.
+    half : float
+        In m.
+
+    Returns
+    -------
+    Symbol
+    """
     along = np.array([np.cos(line), np.sin(line)])
     across = np.array([-along[1], along[0]])
     signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))
@@ -200,7 +251,19 @@ def block(place: FloatArray, line: float, half: float) -> Symbol:
 
 
 def zigzag(first: FloatArray, second: FloatArray, half: float) -> Symbol:
-    """A spring between two places, as wide as twice a half width in m."""
+    """A spring between two places, as wide as twice a half width in m.
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (2,)
+        In m.
+    half : float
+        In m.
+
+    Returns
+    -------
+    Symbol
+    """
     along = second - first
     length = np.hypot(*along)
     normal = np.array([-along[1], along[0]]) / length if length else np.zeros(2)
@@ -221,7 +284,21 @@ def spiral(place: FloatArray, radius: float) -> Symbol:
 
 
 def body(place: FloatArray, centre: FloatArray, look: Look, size: float) -> list[Symbol]:
-    """An attached body: a crossed circle at its centre of mass, joined to its section."""
+    """An attached body: a crossed circle at its centre of mass, joined to its section.
+
+    Parameters
+    ----------
+    place, centre : ndarray, shape (2,)
+        Where the body is fixed, and its centre of mass, in m.
+    look : dict
+        With its ``color``.
+    size : float
+        Of the mark over the usual one.
+
+    Returns
+    -------
+    list of Symbol
+    """
     mark: Look = {"ls": "", "ms": 7.0 * size, "mew": 0.9, "zorder": 3.5}
     circle, cross = mark | {"marker": "o", "mfc": "white"}, mark | {"marker": "+"}
     return [
@@ -232,7 +309,20 @@ def body(place: FloatArray, centre: FloatArray, look: Look, size: float) -> list
 
 
 def arrow(tip: FloatArray, along: FloatArray, length: float, *, varies: bool) -> list[Symbol]:
-    """A force: an arrow in a direction up to its tip, dashed and hollow if it varies."""
+    """A force: an arrow in a direction up to its tip, dashed and hollow if it varies.
+
+    Parameters
+    ----------
+    tip, along : ndarray, shape (2,)
+        In m, and a unit vector.
+    length : float
+        In m.
+    varies : bool
+
+    Returns
+    -------
+    list of Symbol
+    """
     head = min(0.38 * length, 0.05 * length / 0.12)
     across = np.array([-along[1], along[0]])
     back = tip - head * along
@@ -241,7 +331,21 @@ def arrow(tip: FloatArray, along: FloatArray, length: float, *, varies: bool) ->
 
 
 def torque_arrow(place: FloatArray, radius: float, sign: float, *, varies: bool) -> list[Symbol]:
-    """A torque: three quarters of a circle around a place, positive to the left."""
+    """A torque: three quarters of a circle around a place, positive to the left.
+
+    Parameters
+    ----------
+    place : ndarray, shape (2,)
+        In m.
+    radius : float
+        In m.
+    sign : float
+    varies : bool
+
+    Returns
+    -------
+    list of Symbol
+    """
     turn = sign * np.radians(np.linspace(-60.0, 180.0, 40))
     out = np.column_stack([np.cos(turn), np.sin(turn)])
     along = sign * np.array([-out[-1, 1], out[-1, 0]])
