@@ -11,14 +11,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.path import Path
 from matplotlib.transforms import Bbox
 
 from flexmech.plots import linkage_symbols as symbols
+from flexmech.plots.linkage_legend import MASS, part_handles
 from flexmech.plots.linkage_parts import SAME_PLACE, LinkageParts, Part, Posture, parts_of
 from flexmech.plots.linkage_symbols import OUTLINE, Symbol, add_symbols
 from flexmech.plots.reading import values_of
-from flexmech.plots.series import Look, line_handle
+from flexmech.plots.series import Look
 from flexmech.types import FloatArray
 
 __all__ = ["JOINT", "RIGID", "LinkageSketch", "clearance", "height_of", "round_length"]
@@ -30,7 +30,6 @@ JOINT: Look = {"ls": "", "marker": "o", "ms": 3.6, "mfc": "white", "mec": OUTLIN
 BEARING: Look = {"marker": "o", "ms": 7.0, "mfc": "none", "mec": OUTLINE, "mew": 0.6, "zorder": 3.9}
 WELD: Look = {"marker": "s", "ms": 4.8, "mfc": OUTLINE, "mec": OUTLINE, "mew": 0.0, "zorder": 3.7}
 GUIDE: Look = {"color": "0.5", "lw": 0.8, "ls": (0.0, (4.0, 2.0)), "zorder": 0.88}
-MASS: Look = {"marker": "o", "mew": 0.0, "alpha": 0.75, "zorder": 3.0}
 MASS_COLOR = "0.45"
 # Area of the greatest point mass's mark in square points.
 LARGEST_MARK = 110.0
@@ -53,14 +52,6 @@ CLEAR = np.radians(20.0)
 BELOW_HUB, SLENDER, GROUND_WIDTH = 1.4, 0.4, 1.7
 # Room around the sketch, and below it for the scale bar, over the linkage's extent.
 ROOM, BAR_ROOM = 0.02, 0.06
-
-ZIGZAG = Path(symbols.zigzag(np.array([-1.0, 0.0]), np.array([1.0, 0.0]), 0.22).places)
-"""Marks of springs and bodies in a legend."""
-COIL = Path(symbols.spiral(np.zeros(2), 1.0).places)
-CROSSED = Path.make_compound_path(
-    Path.unit_circle(), Path([[-1, 0], [1, 0]]), Path([[0, -1], [0, 1]])
-)
-OVER = {"constant": "load", "crank_angle": "load over the crank angle", "time": "load over time"}
 
 
 def height_of(limits: Bbox, width: float, least: float, most: float) -> float:
@@ -245,29 +236,7 @@ class LinkageSketch:
 
     def handles(self) -> list[Artist]:
         """Legend entries of what is not told by its symbol alone: masses, springs and loads."""
-        found: list[Artist] = []
-        if masses := [mass["kg"] for mass in self.parts.masses]:
-            disc: Look = MASS | {"ls": "", "ms": 6, "color": self.mass_color}
-            found.append(line_handle(f"point mass (largest {1e3 * max(masses):.4g} g)", **disc))
-        if self.parts.springs:
-            zigzag: Look = {"ls": "", "marker": ZIGZAG, "ms": 16, "mew": 0.9, "mfc": "none"}
-            found.append(line_handle("spring", color="0.25", **zigzag))
-        if any(one["torsional"] for one in self.parts.joint_springs):
-            coil: Look = {"ls": "", "marker": COIL, "ms": 9, "mew": 0.7, "mfc": "none"}
-            found.append(line_handle("torsional spring", color="0.25", **coil))
-        if self.parts.bodies:
-            look: Look = {"ls": "", "marker": CROSSED, "ms": 7, "mew": 0.9, "mfc": "none"}
-            found.append(line_handle("centre of a body", color=self.mass_color, **look))
-        for over, words in OVER.items():
-            names = [load["name"] for load in self.parts.loads if load["over"] == over]
-            if names:
-                varies = over != "constant"
-                arrow: Look = {"color": "black", "lw": 1.2, "marker": ">", "ms": 5, "mew": 0.8}
-                if varies:
-                    arrow |= {"ls": (0.0, (3.0, 1.5)), "mfc": "white"}
-                label = f"{words}: {', '.join(names)}".replace("$", r"\$")
-                found.append(line_handle(label, **arrow))
-        return found
+        return part_handles(self.parts, self.mass_color)
 
     def draw_scale_bar(self, axes: Axes) -> None:
         """Draw a bar of a round length in mm below the linkage, within the axes' limits."""
