@@ -16,10 +16,11 @@ from flexmech.plots import style
 from flexmech.plots.labels import engine_label, speed_text
 from flexmech.plots.layout import grid, sheet
 from flexmech.plots.linkage_parts import LinkageParts, extent_of, parts_of
-from flexmech.plots.linkage_sketch import RIGID, LinkageSketch, height_of
+from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
 from flexmech.plots.linkage_symbols import add_symbols, move_symbols
 from flexmech.plots.reading import names_of, values_of
 from flexmech.plots.series import Look, line_handle, series_style
+from flexmech.plots.to_scale import height_of
 from flexmech.types import FloatArray
 
 __all__ = ["DOTS_AN_INCH", "FRAMES_A_SECOND", "EnlargedMotion", "Scene"]

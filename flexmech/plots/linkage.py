@@ -12,9 +12,10 @@ from flexmech.plots import style
 from flexmech.plots.labels import mechanism_name
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.linkage_parts import SAME_PLACE
-from flexmech.plots.linkage_sketch import LinkageSketch, clearance, height_of
+from flexmech.plots.linkage_sketch import LinkageSketch, clearance
 from flexmech.plots.reading import names_of, values_of
 from flexmech.plots.series import Look
+from flexmech.plots.to_scale import height_of
 from flexmech.types import FloatArray
 
 __all__ = ["name_joints", "plot_linkage"]

@@ -19,9 +19,10 @@ from flexmech.plots.linkage_parts import SAME_PLACE, LinkageParts, Part, Posture
 from flexmech.plots.linkage_symbols import OUTLINE, Symbol, add_symbols
 from flexmech.plots.reading import values_of
 from flexmech.plots.series import Look
+from flexmech.plots.to_scale import round_length
 from flexmech.types import FloatArray
 
-__all__ = ["JOINT", "RIGID", "LinkageSketch", "clearance", "height_of", "round_length"]
+__all__ = ["JOINT", "RIGID", "LinkageSketch", "clearance"]
 
 RIGID: Look = {"color": "0.65", "lw": 0.9}
 """Look of undeformed links."""
@@ -52,28 +53,6 @@ CLEAR = np.radians(20.0)
 BELOW_HUB, SLENDER, GROUND_WIDTH = 1.4, 0.4, 1.7
 # Room around the sketch, and below it for the scale bar, over the linkage's extent.
 ROOM, BAR_ROOM = 0.02, 0.06
-
-
-def height_of(limits: Bbox, width: float, least: float, most: float) -> float:
-    """Height of a panel of a width that shows what is within limits at one scale.
-
-    Parameters
-    ----------
-    limits : Bbox
-    width, least, most : float
-        Width of the panel, and what its height may be, in inches.
-
-    Returns
-    -------
-    float
-    """
-    return float(min(max(width * limits.height / limits.width, least), most))
-
-
-def round_length(most: float) -> float:
-    """Longest of 1, 2 and 5 times a power of ten that is not above a length."""
-    decade = 10.0 ** np.floor(np.log10(most))
-    return float(decade * max(step for step in (1, 2, 5) if step * decade <= most * (1 + 1e-9)))
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,10 @@ from matplotlib.transforms import Bbox
 from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, Layout, sheet
 from flexmech.plots.linkage import name_joints
-from flexmech.plots.linkage_sketch import LinkageSketch, height_of, round_length
+from flexmech.plots.linkage_sketch import LinkageSketch
 from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.series import Look, line_handle, series_style
+from flexmech.plots.to_scale import height_of, round_length
 from flexmech.types import FloatArray
 
 __all__ = ["plot_mechanism"]

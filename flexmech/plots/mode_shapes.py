@@ -13,10 +13,11 @@ from flexmech.plots import angle_panels, style
 from flexmech.plots.labels import engine_label, mode_label, speed_texts
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
 from flexmech.plots.linkage_parts import parts_of
-from flexmech.plots.linkage_sketch import RIGID, LinkageSketch, height_of
+from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
 from flexmech.plots.reading import highest_speed, values_of
 from flexmech.plots.series import line_handle, series_handle, series_line
 from flexmech.plots.speed_colours import has_many_speeds
+from flexmech.plots.to_scale import height_of
 from flexmech.types import FloatArray
 
 __all__ = ["plot_mode_shapes"]
