@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from matplotlib.transforms import Bbox
 
 __all__ = ["height_of", "round_length"]
