@@ -2,6 +2,7 @@
 
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.linear_system.attached_points import AttachedPoint
+from flexmech.linear_system.balanced_loads import BalancedLoads
 from flexmech.linear_system.body_couples import BodyCouples
 from flexmech.linear_system.carried_inertia import CarriedInertia
 from flexmech.linear_system.checks import checked_mechanism
@@ -71,6 +72,7 @@ __all__ = [
     "RELATIVE_RESIDUAL",
     "ROUND_OFF",
     "AttachedPoint",
+    "BalancedLoads",
     "BodyCouples",
     "BodyMatrices",
     "CarriedInertia",

@@ -28,12 +28,16 @@ class AttachedPoint:
     x : float
         Distance from the link's start in m.
     rows : ndarray, shape (3, n_link)
-        Displacement along and across the link's frame, and rotation, by the link's coordinates.
+        Displacement along and across the link's frame, and rotation, by the link's coordinates;
+        of a rigid link as long as its rotation is small.
+    rigid : bool
+        Whether the link is rigid.
     """
 
     link: int
     x: float
     rows: FloatArray
+    rigid: bool = False
 
     @classmethod
     def of(
@@ -54,10 +58,22 @@ class AttachedPoint:
         readings = links[link].readings
         moved = readings.displacement_at(np.array([fraction]))[0]
         turned = readings.rotation_at(fraction)
-        return cls(link, fraction * length, np.concatenate([moved, turned[None]]))
+        rows = np.concatenate([moved, turned[None]])
+        return cls(link, fraction * length, rows, links[link].rigid)
 
-    def force(self, motion: RigidMotion, force: FloatArray, torque: FloatArray) -> FloatArray:
+    def force(
+        self,
+        motion: RigidMotion,
+        force: FloatArray,
+        torque: FloatArray,
+        q: FloatArray | None = None,
+    ) -> FloatArray:
         """Force on the link's coordinates.
+
+        The moment of a rigid link that has turned by phi is
+        ``cos(phi) moment - sin(phi) virial`` (see :mod:`flexmech.linear_system.dead_forces`).
+        A torque is the same however far it has turned: its part of the moment is
+        ``torque cos(phi)``, and of the virial ``-torque sin(phi)``.
 
         Parameters
         ----------
@@ -66,15 +82,54 @@ class AttachedPoint:
         force : ndarray, shape (B, 2)
             In ground axes.
         torque : ndarray, shape (B,)
+        q : ndarray, shape (B, n_link), optional
+            Displacement of the link; zero where it is left out.
 
         Returns
         -------
         ndarray, shape (B, n_link)
         """
         angle = motion.angle[:, self.link]
+        if self.rigid and q is not None:
+            torque = torque * np.cos(q[:, 2])
         along = np.sum(force * direction(angle), axis=1)
         across = np.sum(force * normal(angle), axis=1)
         return np.asarray(np.stack([along, across, torque], axis=1) @ self.rows)
+
+    def virial(
+        self,
+        motion: RigidMotion,
+        force: FloatArray,
+        torque: FloatArray,
+        q: FloatArray | None = None,
+    ) -> FloatArray:
+        """Product of a force on a rigid link and its place from the start, (B,), in N m.
+
+        See :meth:`force`, of which the parameters are.
+        """
+        along = np.sum(force * direction(motion.angle[:, self.link]), axis=1)
+        turned = np.zeros_like(along) if q is None else torque * np.sin(q[:, 2])
+        return np.asarray(self.x * along - turned)
+
+    def place(self, motion: RigidMotion, q: FloatArray | None) -> FloatArray:
+        """Where the point is, (B, 2): on a rigid link that has turned however far.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,), not displaced.
+        q : ndarray, shape (B, n_link), or None
+            Displacement of the link; zero where it is None.
+        """
+        place = motion.position(self.link, self.x)
+        if q is None:
+            return place
+        place = place + self.displacement(motion, q)[:, :2]
+        if self.rigid:
+            angle, turn = motion.angle[:, self.link], q[:, 2:3]
+            back = (np.cos(turn) - 1.0) * direction(angle)
+            place = place + self.x * (back + (np.sin(turn) - turn) * normal(angle))
+        return place
 
     def displacement(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
         """Displacement in ground axes and rotation, (B, 3), at coordinates (B, n_link)."""

@@ -23,7 +23,7 @@ from flexmech.linear_system.rotation_terms import RotationTerms
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
 
-__all__ = ["balanced_loads"]
+__all__ = ["BalancedLoads", "Solve", "balanced_loads"]
 
 MOST_PASSES = 60
 # Greatest change of a load in the last pass, relative to the greatest.
@@ -31,17 +31,36 @@ LAST_PASS = 1e-10
 STILL = RotationTerms.all_or_none(False)
 
 
+@dataclass(frozen=True)
+class BalancedLoads:
+    """Loads on the links, and where the links are that they belong to.
+
+    Parameters
+    ----------
+    loads : list of ndarray, shape (B, n_link)
+    at : list of ndarray, shape (B, n_link), or None
+        Displacement of the links at which the loads are these; None of links as drawn.
+    """
+
+    loads: list[FloatArray]
+    at: list[FloatArray] | None
+
+
+Solve = Callable[[BalancedLoads], list[FloatArray]]
+"""From loads to the displacements (B, n_link) of the links at equilibrium under them."""
+
+
 def balanced_loads(
     connectors: Connectors,
     frames: LinkFrames,
     motion: RigidMotion,
     loads: Sequence[FloatArray],
-    solve: Callable[[list[FloatArray]], list[FloatArray]],
+    solve: Solve,
     tangents: Callable[[list[FloatArray]], list[FloatArray]],
     *,
     carried: CarriedInertia | None = None,
     solve_connects: bool = False,
-) -> list[FloatArray]:
+) -> BalancedLoads:
     """Loads on the links with those that depend on where the links are.
 
     Parameters
@@ -54,7 +73,7 @@ def balanced_loads(
     loads : sequence of ndarray, shape (B, n_link)
         Others.
     solve : callable
-        Displacements (B, n_link) at equilibrium under loads.
+        Displacements (B, n_link) at equilibrium under :class:`BalancedLoads`.
     tangents : callable
         Tangent stiffness (B, n_link, n_link) at displacements.
     carried : CarriedInertia, optional
@@ -64,7 +83,7 @@ def balanced_loads(
 
     Returns
     -------
-    list of ndarray, shape (B, n_link)
+    BalancedLoads
 
     Raises
     ------
@@ -75,13 +94,13 @@ def balanced_loads(
     acting = _Acting(connectors, carried, motion, connects=not solve_connects)
     force = acting.forces(None)
     if carried is None and not connectors.depend_on_displacement:
-        return _sum(loads, force)
+        return BalancedLoads(_sum(loads, force), None)
     stiffness: Sequence[FloatArray] = [link.stiffness for link in frames.links]
     displacement = [np.zeros_like(load) for load in loads]
     gap = frames.gather(motion, _sum(loads, force))
     if carried is not None:
         # Near its first frequency a body is held by its tension alone, which it has then.
-        displacement = solve(_sum(loads, force))
+        displacement = solve(BalancedLoads(_sum(loads, force), None))
         stiffness = tangents(displacement)
         gap = frames.gather(motion, acting.beyond(force, displacement))
     for number in range(MOST_PASSES):
@@ -94,8 +113,8 @@ def balanced_loads(
         if number and not np.any(apart > LAST_PASS * size):
             if carried is not None:
                 _refuse_instability(motion, held)
-            return _sum(loads, force)
-        displacement = solve(_sum(loads, force))
+            return BalancedLoads(_sum(loads, force), moved)
+        displacement = solve(BalancedLoads(_sum(loads, force), moved))
         stiffness = tangents(displacement)
         gap = frames.gather(motion, acting.beyond(force, displacement))
     refuse_positions(
@@ -106,7 +125,7 @@ def balanced_loads(
         f"{MOST_PASSES} passes; use softer springs, smaller loads or a lower crank speed, or "
         "prestress 'axial'",
     )
-    return _sum(loads, force)
+    return BalancedLoads(_sum(loads, force), moved)
 
 
 @dataclass(frozen=True)
@@ -162,13 +181,13 @@ class _Acting:
 
 
 def _refuse_instability(motion: RigidMotion, stiffness: FloatArray) -> None:
-    """Refuse a body that its own inertia forces drive away from where it would stand."""
+    """Refuse a body that forces drive away from where it would stand."""
     symmetric = (stiffness + np.swapaxes(stiffness, 1, 2)) / 2
     refuse_positions(
         motion,
         np.linalg.eigvalsh(symmetric)[:, 0] <= 0,
-        "the linkage buckles under the inertia forces of its own displacement",
-        ": they grow faster with it than the forces of its links; lower the crank speed or "
+        "the linkage buckles: the inertia forces and springs on its displaced links",
+        " grow faster with the displacement than the links' own forces; lower the crank speed or "
         "stiffen the links",
     )
 

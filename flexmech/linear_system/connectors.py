@@ -20,6 +20,7 @@ import numpy as np
 from flexmech.choices import Prestress
 from flexmech.linear_system.attached_points import AttachedPoint, MovedPoint
 from flexmech.linear_system.connector_forces import Answer, Push, SpringEnd, SpringState
+from flexmech.linear_system.displaced_motion import DisplacedMotion
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
@@ -109,7 +110,9 @@ class Connectors:
         """
         total = [np.zeros((len(motion.crank_angle), link.size)) for link in self.links]
         for push in self.pushes(motion, displacement, time):
-            total[push.point.link] += push.point.force(motion, push.force, push.torque)
+            link = push.point.link
+            q = None if displacement is None else displacement[link]
+            total[link] += push.point.force(motion, push.force, push.torque, q)
         return total
 
     def applied(self, motion: RigidMotion) -> tuple[ForceOnLink, ...]:
@@ -119,23 +122,21 @@ class Connectors:
             for push in self.pushes(motion)
         )
 
-    def virial(self, motion: RigidMotion) -> FloatArray:
+    def virial(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray] | None = None
+    ) -> FloatArray:
         """Products of forces on rigid links with their places from the links' starts.
 
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-
-        Returns
-        -------
-        ndarray, shape (B, n_links)
-            In N m; zero of flexible links. See :func:`flexmech.linear_system.dead_virial`.
+        As :meth:`forces`, in N m by link (B, n_links); zero of flexible ones. See
+        :func:`flexmech.linear_system.dead_virial`.
         """
         total = np.zeros(motion.angle.shape)
-        for one in self.applied(motion) if any(link.rigid for link in self.links) else ():
-            if self.links[one.link].rigid:
-                total[:, one.link] += np.sum(one.force * one.arm(motion), axis=1)
+        rigid = any(link.rigid for link in self.links)
+        for push in self.pushes(motion, displacement) if rigid else ():
+            point = push.point
+            if point.rigid:
+                q = None if displacement is None else displacement[point.link]
+                total[:, point.link] += point.virial(motion, push.force, push.torque, q)
         return total
 
     def added(
@@ -155,7 +156,7 @@ class Connectors:
         frames : LinkFrames
             Of these links, reduced or not.
         motion : RigidMotion
-            Batch of shape (B,).
+            Batch of shape (B,); its rigid links may be displaced.
         matrices : SystemMatrices
             Of the links.
         terms : RotationTerms
@@ -170,7 +171,8 @@ class Connectors:
         -------
         SystemMatrices
         """
-        answers = self.answers(motion, displacement, time, stressed=prestress != "none")
+        drawn = motion.undisplaced if isinstance(motion, DisplacedMotion) else motion
+        answers = self.answers(drawn, displacement, time, stressed=prestress != "none")
         if not answers:
             return matrices
         following = frames.following_rows(motion)
@@ -388,7 +390,5 @@ class Connectors:
         if found is None:
             still = np.broadcast_to((point.x, point.y), (len(motion.crank_angle), 2))
             return SpringEnd(None, still, np.zeros_like(still))
-        place = motion.position(found.link, point.x)
-        if displacement is not None:
-            place = place + found.displacement(motion, displacement[found.link])[:, :2]
+        place = found.place(motion, None if displacement is None else displacement[found.link])
         return SpringEnd(found, place, motion.velocity(found.link, point.x))

@@ -50,6 +50,13 @@ class DisplacedMotion(RigidMotion):
         own["angle"] = motion.angle + turn
         return cls(**own, turn=turn, slide=slide)
 
+    @property
+    def undisplaced(self) -> RigidMotion:
+        """The rigid motion itself."""
+        own = {field.name: getattr(self, field.name) for field in fields(RigidMotion)}
+        own["angle"] = self.angle - self.turn
+        return RigidMotion(**own)
+
     def at(self, which: NDArray[np.bool_] | IntArray | slice) -> DisplacedMotion:
         """See :meth:`RigidMotion.at`."""
         return type(self)(*(getattr(self, field.name)[which] for field in fields(self)))

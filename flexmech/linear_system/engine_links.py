@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
@@ -12,7 +12,7 @@ import numpy as np
 
 from flexmech.choices import Prestress
 from flexmech.errors import InputError
-from flexmech.linear_system.balanced_loads import balanced_loads
+from flexmech.linear_system.balanced_loads import BalancedLoads, Solve, balanced_loads
 from flexmech.linear_system.carried_inertia import CarriedInertia, turns_as_one_body
 from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.element_kinds import ElementKinds
@@ -194,21 +194,21 @@ class EngineLinks(ElementKinds):
         acting = self.held_connectors.forces(motion, displacement)
         return [a + b for a, b in zip(loads, acting, strict=True)]
 
-    def _virial(self, motion: RigidMotion) -> FloatArray:
-        """Products of forces on rigid links with their places, (B, n_links)."""
+    def _virial(self, motion: RigidMotion, displacement: Sequence[FloatArray] | None) -> FloatArray:
+        """Products of forces on rigid links with their places, (B, n_links), at a displacement."""
         virial = dead_virial(self.held_links, motion, self.mechanism.gravity)
-        return virial + self.held_connectors.virial(motion) if self.held_connectors.any else virial
+        if not self.held_connectors.any:
+            return virial
+        return virial + self.held_connectors.virial(motion, displacement)
 
-    def _quasi_static_loads(
-        self, motion: RigidMotion, solve: Callable[[list[FloatArray]], list[FloatArray]]
-    ) -> list[FloatArray]:
-        """Loads (B, n_link) on the held links, which ``solve`` displaces under them."""
+    def _quasi_static_loads(self, motion: RigidMotion, solve: Solve) -> BalancedLoads:
+        """Loads on the held links, which ``solve`` displaces under them."""
         loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
         topology = self.mechanism.linkage.topology
         carried = CarriedInertia.of(topology, self.held_links, motion)
         connectors = self.held_connectors
         if carried is None and (self.solves_connectors or not connectors.any):
-            return loads
+            return BalancedLoads(loads, None)
         frames = LinkFrames(self.tied_topology, self.held_links)
 
         def tangents(displacement: list[FloatArray]) -> list[FloatArray]:

@@ -21,6 +21,7 @@ from flexmech.choices import (
 )
 from flexmech.errors import InputError
 from flexmech.linear_system import (
+    BalancedLoads,
     BodyCouples,
     Engine,
     LinkFrames,
@@ -147,10 +148,10 @@ class ExudynEngine(Engine):
         if prestress == "axial":
             return self._axial(motion)
 
-        def displaced(loads: list[FloatArray]) -> list[FloatArray]:
-            return static_equilibrium(self.model, motion, loads).displacement
+        def displaced(under: BalancedLoads) -> list[FloatArray]:
+            return static_equilibrium(self.model, motion, under.loads).displacement
 
-        loads = self._quasi_static_loads(motion, displaced)
+        loads = self._quasi_static_loads(motion, displaced).loads
         equilibrium = static_equilibrium(self.model, motion, loads)
         topology = self.mechanism.linkage.topology
         refuse_large_displacements(topology, self.held_links, motion, equilibrium.displacement)

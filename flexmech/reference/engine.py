@@ -14,6 +14,7 @@ from flexmech.beams.link_matrices import Chain, assemble_chain, build_chain
 from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.choices import ELEMENTS, MASSES, MassChoice
 from flexmech.linear_system import (
+    BalancedLoads,
     BodyCouples,
     Engine,
     LinkFrames,
@@ -23,6 +24,7 @@ from flexmech.linear_system import (
     StressedLinks,
     TheoryComparison,
     element_tensions,
+    inertia_loads,
     refuse_large_displacements,
     rigid_link,
     straight_forces,
@@ -154,14 +156,14 @@ class ReferenceEngine(Engine):
 
     def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
         varying = self._varying(motion)
-        virial = self._virial(motion)
         bodies = self._bodies(motion)
 
-        def displaced(loads: list[FloatArray]) -> list[FloatArray]:
-            return self.equilibrium.solve(motion, loads, varying, near, virial, bodies)
+        def displaced(under: BalancedLoads) -> list[FloatArray]:
+            virial = self._virial(motion, under.at)
+            return self.equilibrium.solve(motion, under.loads, varying, near, virial, bodies)
 
-        loads = self._quasi_static_loads(motion, displaced)
-        displacement = displaced(loads)
+        under = self._quasi_static_loads(motion, displaced)
+        displacement, loads = displaced(under), under.loads
         topology = self.mechanism.linkage.topology
         refuse_large_displacements(topology, self.held_links, motion, displacement)
         return replace(self._displaced(motion, displacement, varying, loads), loads=loads)
@@ -176,7 +178,8 @@ class ReferenceEngine(Engine):
         of the element length. Their mean is that of the state.
         """
         varying = self._varying(motion)
-        loads = self._straight_loads(motion)
+        inertia = inertia_loads(self.held_links, motion, self.mechanism.gravity)
+        loads = self._with_connectors(inertia, motion, displacement)
         return self._displaced(motion, displacement, varying, loads)
 
     def _displaced(
@@ -194,7 +197,7 @@ class ReferenceEngine(Engine):
             bodies.resist(force, displacement)
         found = None
         if frames.rigid.size:
-            virial = self._virial(motion)
+            virial = self._virial(motion, displacement)
             found = self.equilibrium.stiffness_of_rigid(motion, displacement, force, loads, virial)
         stressed = with_rigid_links(frames, motion, of_chains, found)
         damping = None

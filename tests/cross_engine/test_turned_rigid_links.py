@@ -1,0 +1,52 @@
+"""Rigid links that springs and loads turn far: places and forces on them are not linear."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from flexmech import ExudynEngine, Mechanism, ReferenceEngine, natural_frequencies
+from flexmech.linkages import JointSpring, LinkPoint, Load, Spring
+from tests.cross_engine.joined_linkages import LArm, Ternary
+from tests.cross_engine.test_exudyn_connectors import strips
+from tests.cross_engine.test_exudyn_joints import FOUR_BAR
+
+ANGLE = np.array([2.27])
+
+ROCKER = strips(
+    Ternary(FOUR_BAR, rigid=("rocker",)),
+    loads=(Load("push", LinkPoint("rocker", 0.1), ((2.0, 1.0),), (20.0,), axes="link"),),
+    springs=(
+        Spring("return", LinkPoint("ground", 0.1, -0.1), LinkPoint("rocker", 0.15), 5e3, 0.1),
+    ),
+    joint_springs=(JointSpring("O4", 6.0, 0.0, 0.1), JointSpring("A", 0.4, 0.0, -1.0)),
+)
+LEG = strips(
+    LArm(rigid=("leg",)),
+    loads=(Load("push", LinkPoint("leg", 0.1), ((3.0, 2.0),), (-0.5,), axes="link"),),
+    springs=(
+        Spring("ground", LinkPoint("ground", 0.3, 0.4), LinkPoint("leg", 0.2), 40.0, 0.05, 0.3),
+    ),
+)
+
+
+@pytest.mark.parametrize(
+    ("mechanism", "link", "turn"), [(ROCKER, "rocker", 0.109), (LEG, "leg", -0.184)]
+)
+def test_springs_and_loads_turn_a_rigid_link(mechanism: Mechanism, link: str, turn: float) -> None:
+    """With places linear in the rotation the rocker's frequencies were 9e-3 apart."""
+    number = mechanism.linkage.topology.index(link)
+    engines = (
+        ReferenceEngine(mechanism, 12, "euler", component_modes=False),
+        ExudynEngine(mechanism, 12, "ancf", component_modes=False),
+    )
+    turned = []
+    for engine in engines:
+        motion = mechanism.linkage.motion(ANGLE, 20.0)
+        displacement = engine.stressed_links(motion, "equilibrium").displacement
+        assert displacement is not None
+        turned.append(float(displacement[number][0, 2]))
+    assert turned[0] == pytest.approx(turn, rel=0.05)
+    assert turned[1] == pytest.approx(turned[0], rel=3e-6)
+    first, second = (natural_frequencies(engine, ANGLE, 20.0, modes=3) for engine in engines)
+    np.testing.assert_allclose(second, first, rtol=1e-4)
