@@ -103,9 +103,22 @@ class AttachedPoint:
         torque: FloatArray,
         q: FloatArray | None = None,
     ) -> FloatArray:
-        """Product of a force on a rigid link and its place from the start, (B,), in N m.
+        """Product of a force on a rigid link and its place from the start; see :meth:`force`.
 
-        See :meth:`force`, of which the parameters are.
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        force : ndarray, shape (B, 2)
+            In ground axes.
+        torque : ndarray, shape (B,)
+        q : ndarray, shape (B, n_link), optional
+            Displacement of the link; zero where it is left out.
+
+        Returns
+        -------
+        ndarray, shape (B,)
+            In N m.
         """
         along = np.sum(force * direction(motion.angle[:, self.link]), axis=1)
         turned = np.zeros_like(along) if q is None else torque * np.sin(q[:, 2])
