@@ -96,7 +96,9 @@ STARTS: tuple[Start, ...] = get_args(Start)
 TemplateKind = Literal["four-bar", "composite-four-bar", "rotating-arm", "slider-crank", "planar"]
 """Model files to start from."""
 
-ReportPart = Literal["frequencies", "campbell", "response", "coupler-curve", "section", "moisture"]
+ReportPart = Literal[
+    "frequencies", "campbell", "response", "kinematics", "coupler-curve", "section", "moisture"
+]
 """What can go into a report."""
 REPORT_PARTS: tuple[ReportPart, ...] = get_args(ReportPart)
 

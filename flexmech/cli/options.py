@@ -24,8 +24,8 @@ ReportFile = Annotated[Path, Option("--out", help="HTML file to write.", metavar
 Include = Annotated[
     str | None,
     Option(
-        help="What goes in, a comma list: frequencies, campbell, response, coupler-curve, section, "
-        "moisture. Left out: all that the model has; the coupler curve where it names a coupler "
+        help="What goes in, a comma list: frequencies, campbell, response, kinematics, "
+        "coupler-curve, section, moisture. Left out: all that the model has; the coupler curve where it names a coupler "
         "point, moisture with --relative-humidity and --time.",
         metavar="LIST",
     ),

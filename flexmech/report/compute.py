@@ -54,8 +54,8 @@ class ReportRequest:
     crank_angles : array_like, shape (A,)
         Of the frequencies, increasing, in rad.
     include : tuple of str, optional
-        Of ``"frequencies"``, ``"campbell"``, ``"response"``, ``"section"``, ``"coupler-curve"``
-        and ``"moisture"``. Left out: all that the mechanism has; a coupler curve where it names a
+        Of ``"frequencies"``, ``"campbell"``, ``"response"``, ``"kinematics"``, ``"section"``,
+        ``"coupler-curve"`` and ``"moisture"``. Left out: all that the mechanism has; a coupler curve where it names a
         coupler point, moisture where the environment is an exposure that links answer.
     campbell_speeds : array_like, optional
         rad/s. Left out: from zero to twice the greatest crank speed.
@@ -137,6 +137,7 @@ def report_results(
         "frequencies": lambda: [_frequencies(engines, speeds, request, progress)],
         "campbell": lambda: [_campbell(engines[0], speeds, request, progress)],
         "response": lambda: _responses(engines[0], speeds, request, progress),
+        "kinematics": lambda: _kinematics(mechanism, speeds, request),
         "section": lambda: [section_profiles(mechanism, environment=request.environment)],
         "coupler-curve": lambda: [
             coupler_paths(mechanism, PATH_ANGLES, environment=request.environment)
@@ -256,6 +257,19 @@ def _responses(
         for state in states
         for speed in speeds
         if speed
+    ]
+
+
+def _kinematics(mechanism: Mechanism, speeds: FloatArray, request: ReportRequest) -> list[Result]:
+    """Of the rigid linkage at each speed at which it turns; at rest if it turns at none."""
+    from flexmech.analyses.kinematics import KinematicsRequest, kinematics
+
+    return [
+        kinematics(
+            mechanism,
+            KinematicsRequest(crank_speed=float(speed), speed_unit=request.speed_unit),
+        )
+        for speed in (speeds[speeds != 0] if np.any(speeds) else speeds[:1])
     ]
 
 

@@ -7,7 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flexmech import Kinematics, load_mechanism, section_profiles, stored_results
+from flexmech import (
+    Kinematics,
+    KinematicsRequest,
+    ReferenceEngine,
+    ReportRequest,
+    kinematics,
+    load_mechanism,
+    report_results,
+    section_profiles,
+    stored_results,
+)
 from flexmech.example_models import example_model
 from flexmech.report.panels.kinematics import kinematics_panel
 from flexmech.report.results import Results
@@ -40,6 +50,33 @@ def test_without_lumped_masses_there_is_one_line_a_joint() -> None:
     panel = kinematics_panel(Results.of(kinematics_result(None)))
     assert panel is not None
     assert {trace.name for trace in panel.plots[1].traces} == {"distributed masses"}
+
+
+def test_a_report_computes_them_at_each_speed_but_zero() -> None:
+    """For the reader to choose among."""
+    engine = ReferenceEngine(load_mechanism(example_model("slider_crank")), elements=2)
+    results = report_results([engine], ReportRequest([0.0, 75.0, 150.0], include=("kinematics",)))
+    speeds = [one.dataset.attrs["crank_speed"] for one in results.of_kind(Kinematics)]
+    assert speeds == [75.0, 150.0]
+    panel = kinematics_panel(results)
+    assert panel is not None
+    torque = {
+        trace.when["speed"]: np.abs(trace.y).max()
+        for trace in panel.plots[1].traces
+        if trace.axis == 3
+    }
+    # No gravity: forces of inertia grow as the square of the speed.
+    assert torque["150 rad/s"] == pytest.approx(4 * torque["75 rad/s"])
+    assert all(line.startswith(("75 rad/s: ", "150 rad/s: ")) for line in panel.lines)
+
+
+def test_a_zero_in_the_table_has_no_sign() -> None:
+    request = KinematicsRequest(np.radians([0.0, 30.0]), 150.0)
+    found = kinematics(load_mechanism(example_model("slider_crank")), request)
+    moment = found.dataset["inertia_moment"].values
+    assert np.signbit(moment[moment == 0]).any()
+    numbers = found.tables()["kinematics"].select_dtypes("number").to_numpy()
+    assert not np.signbit(numbers[numbers == 0]).any()
 
 
 def test_other_results_have_no_such_panel() -> None:

@@ -8,20 +8,35 @@ import xarray as xr
 from flexmech.analyses import Kinematics
 from flexmech.report.panel import Choice, Panel, Plot, Trace, YAxis
 from flexmech.report.results import Results
-from flexmech.report.words import crank_degrees
+from flexmech.report.words import crank_degrees, speed_name, speed_unit_of
 from flexmech.types import FloatArray
 
 __all__ = ["kinematics_panel"]
 
 
 def kinematics_panel(results: Results) -> Panel | None:
-    """Angular velocities and accelerations, sizes of joint forces, torque and power."""
-    result = results.first(Kinematics)
-    if result is None:
+    """Angular velocities and accelerations, sizes of joint forces, torque and power.
+
+    Of several speeds those at the one that the reader has chosen.
+    """
+    found = results.of_kind(Kinematics)
+    if not found:
         return None
-    data, said = result.dataset, result.summary()
-    angle = crank_degrees(data["crank_angle"].values)
-    links, joints = ([str(name) for name in data[what].values] for what in ("link", "joint"))
+    motion: list[Trace] = []
+    forces: list[Trace] = []
+    lines: list[str] = []
+    links, joints = (
+        [str(name) for name in found[0].dataset[what].values] for what in ("link", "joint")
+    )
+    for result in found:
+        data = result.dataset
+        speed = speed_name(float(data.attrs["crank_speed"]), speed_unit_of(results))
+        when = {"speed": speed} if len(found) > 1 else {}
+        angle = crank_degrees(data["crank_angle"].values)
+        motion += _motion(data, angle, links, when)
+        forces += _forces(data, angle, joints, when)
+        at = f"{speed}: " if len(found) > 1 else ""
+        lines += [f"{at}{line}" for line in result.summary().lines]
     return Panel(
         name="kinematics",
         title="Motion of the rigid linkage, joint forces and drive",
@@ -37,19 +52,7 @@ def kinematics_panel(results: Results) -> Panel | None:
                 "link-motion",
                 "Crank angle (deg)",
                 (YAxis("velocity (rad/s)"), YAxis("acceleration (rad/s²)")),
-                tuple(
-                    Trace(
-                        link,
-                        angle,
-                        data[name].sel(link=link).values,
-                        number,
-                        followed={},
-                        axis=axis,
-                        legend=axis == 0,
-                    )
-                    for axis, name in enumerate(("angular_velocity", "angular_acceleration"))
-                    for number, link in enumerate(links)
-                ),
+                tuple(motion),
                 f"Angular velocity and acceleration of {', '.join(links)} over the crank angle",
                 "angle",
                 tick=60.0,
@@ -60,7 +63,7 @@ def kinematics_panel(results: Results) -> Panel | None:
                 "rigid-forces",
                 "Crank angle (deg)",
                 (*(YAxis(f"{joint} (N)") for joint in joints), YAxis("torque (N m)")),
-                tuple(_forces(data, angle, joints)),
+                tuple(forces),
                 "Size of the force of each joint and driving torque over the crank angle, rigid "
                 "links",
                 "angle",
@@ -69,12 +72,30 @@ def kinematics_panel(results: Results) -> Panel | None:
                 title="Joint forces (N) and driving torque (N m)",
             ),
         ),
-        tables=said.tables,
-        lines=said.lines,
+        tables=tuple(table for result in found for table in result.summary().tables),
+        lines=tuple(lines),
     )
 
 
-def _forces(data: xr.Dataset, angle: FloatArray, joints: list[str]) -> list[Trace]:
+def _motion(data: xr.Dataset, angle: FloatArray, links: list[str], when: Choice) -> list[Trace]:
+    """Angular velocities above angular accelerations."""
+    return [
+        Trace(
+            link,
+            angle,
+            data[name].sel(link=link).values,
+            number,
+            when=when,
+            followed={},
+            axis=axis,
+            legend=axis == 0,
+        )
+        for axis, name in enumerate(("angular_velocity", "angular_acceleration"))
+        for number, link in enumerate(links)
+    ]
+
+
+def _forces(data: xr.Dataset, angle: FloatArray, joints: list[str], when: Choice) -> list[Trace]:
     """Sizes of joint forces and the torque, distributed and lumped."""
     traces = []
     for number, (of, name) in enumerate((("", "distributed masses"), ("lumped_", "lumped masses"))):
@@ -90,6 +111,7 @@ def _forces(data: xr.Dataset, angle: FloatArray, joints: list[str]) -> list[Trac
                 line,
                 number,
                 "dot" if number else "solid",
+                when=when,
                 followed=followed,
                 axis=axis,
                 legend=axis == 0,
