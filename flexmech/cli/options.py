@@ -25,8 +25,8 @@ Include = Annotated[
     str | None,
     Option(
         help="What goes in, a comma list: frequencies, campbell, response, kinematics, "
-        "coupler-curve, section, moisture. Left out: all that the model has; the coupler curve where it names a coupler "
-        "point, moisture with --relative-humidity and --time.",
+        "coupler-curve, section, moisture. Left out: all that the model has; the coupler curve "
+        "where it names a coupler point, moisture with --relative-humidity and --time.",
         metavar="LIST",
     ),
 ]

@@ -55,8 +55,9 @@ class ReportRequest:
         Of the frequencies, increasing, in rad.
     include : tuple of str, optional
         Of ``"frequencies"``, ``"campbell"``, ``"response"``, ``"kinematics"``, ``"section"``,
-        ``"coupler-curve"`` and ``"moisture"``. Left out: all that the mechanism has; a coupler curve where it names a
-        coupler point, moisture where the environment is an exposure that links answer.
+        ``"coupler-curve"`` and ``"moisture"``. Left out: all that the mechanism has; a coupler
+        curve where it names a coupler point, moisture where the environment is an exposure that
+        links answer.
     campbell_speeds : array_like, optional
         rad/s. Left out: from zero to twice the greatest crank speed.
     modes : int
