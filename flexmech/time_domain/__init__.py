@@ -40,6 +40,7 @@ from flexmech.time_domain.shaft_motion import ShaftMotion
 from flexmech.time_domain.shaft_torque import rigid_torque
 from flexmech.time_domain.simulator import Simulator, simulator
 from flexmech.time_domain.state import LinkState, VibrationState
+from flexmech.time_domain.stretch_march import UnbalancedStepError
 from flexmech.time_domain.struck_run import StruckLinkage
 
 __all__ = [
@@ -74,6 +75,7 @@ __all__ = [
     "StruckLinkage",
     "Trajectory",
     "TurnMap",
+    "UnbalancedStepError",
     "VibrationState",
     "balanced_response",
     "can_stretch",

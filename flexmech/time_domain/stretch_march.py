@@ -22,7 +22,7 @@ from flexmech.time_domain.state import VibrationState
 from flexmech.time_domain.trapezoidal import StepOperators, consecutive, predicted, settled
 from flexmech.types import FloatArray
 
-__all__ = ["Course", "StretchOperators", "march_stretching"]
+__all__ = ["Course", "StretchOperators", "UnbalancedStepError", "march_stretching"]
 
 logger = logging.getLogger(__name__)
 
@@ -44,6 +44,10 @@ NEWTON_CHANGE = 1e-9
 EXTRAPOLATE = np.array([1.0, -3.0, 3.0])
 # Four times the position is the next prediction and this of the last two.
 LAST_TWO = np.array([1.0, 2.0])
+
+
+class UnbalancedStepError(ComputationError):
+    """No balance is found in a step of this length; there may be one in a shorter step."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +114,7 @@ def march_stretching(
 
     Raises
     ------
-    ComputationError
+    UnbalancedStepError
         If Newton's method does not converge in a step.
     """
     steps, size = linear.forced.shape
@@ -254,7 +258,7 @@ def _newton(
             if np.abs(change).max() <= NEWTON_CHANGE * np.abs(new - 2 * now + last).max():
                 break
         else:
-            raise ComputationError(
+            raise UnbalancedStepError(
                 f"links that bow deeply have no balance in a time step of {linear.step:.4g} s; "
                 "choose a smaller --step (of a hammer test: a wider --bandwidth)"
             )

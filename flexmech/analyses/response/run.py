@@ -18,6 +18,7 @@ from flexmech.time_domain import (
     DETAIL,
     DrivenLinkage,
     Trajectory,
+    UnbalancedStepError,
     can_stretch,
     is_reduced,
     linear_run,
@@ -137,18 +138,26 @@ def run_engine(
         progress = partial(report, engine.name)
         return _run(engine, request, sample_time, step, band, progress, detail)
 
-    if request.step is None:
-        interval = float(sample_time[1] - sample_time[0])
-        step = interval / np.ceil(interval * highest * STEPS_PER_PERIOD)
-        trajectory, step_error = _with_halved_steps(engine, run, step)
-    else:
+    def judged(trajectory: Trajectory, step_error: RunError) -> EngineRun:
+        reduction_error = NO_ERROR
+        if not engine.simulates and is_reduced(engine):
+            finer = run(trajectory.step, 2 * DETAIL)
+            reduction_error = _difference(engine, trajectory, finer)
+        return EngineRun(engine, trajectory, band, step_error, reduction_error)
+
+    if request.step is not None:
         trajectory, finer = run(request.step), run(request.step / 2)
         # Second order: the asked run is off by 4/3 of what halving changes.
-        step_error = _difference(engine, trajectory, finer) * (4 / 3)
-    reduction_error = NO_ERROR
-    if not engine.simulates and is_reduced(engine):
-        reduction_error = _difference(engine, trajectory, run(trajectory.step, 2 * DETAIL))
-    return EngineRun(engine, trajectory, band, step_error, reduction_error)
+        return judged(trajectory, _difference(engine, trajectory, finer) * (4 / 3))
+    interval = float(sample_time[1] - sample_time[0])
+    step = interval / np.ceil(interval * highest * STEPS_PER_PERIOD)
+    for _ in range(MOST_HALVINGS):
+        try:
+            return judged(*_with_halved_steps(engine, run, step))
+        except UnbalancedStepError:
+            step /= 2
+            logger.info("%s: no balance in a step; begins with %.3g s", engine.name, step)
+    return judged(*_with_halved_steps(engine, run, step))
 
 
 def _with_halved_steps(
