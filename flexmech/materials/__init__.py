@@ -18,6 +18,7 @@ from flexmech.materials.plies_in_state import (
     through_thickness_strain,
 )
 from flexmech.materials.ply import Ply, PlyDamping
+from flexmech.materials.solid_layer import solid_stiffness
 from flexmech.materials.uncertainty import propagated_uncertainty
 
 __all__ = [
@@ -42,6 +43,7 @@ __all__ = [
     "ply_in_state",
     "propagated_uncertainty",
     "published_constituents",
+    "solid_stiffness",
     "through_thickness_strain",
     "woven_ply",
 ]

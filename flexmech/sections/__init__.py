@@ -11,6 +11,7 @@ from flexmech.sections.laminate_section import (
     ShearTheory,
     ThroughThickness,
 )
+from flexmech.sections.solid_section import SolidSection, solid_section
 from flexmech.sections.third_order import ThirdOrder
 from flexmech.sections.twist import TWISTS, Twist
 from flexmech.sections.zigzag import WARPINGS, Zigzag
@@ -26,6 +27,7 @@ __all__ = [
     "LaminateSection",
     "Reduction",
     "ShearTheory",
+    "SolidSection",
     "SpecificDamping",
     "SwollenSection",
     "ThirdOrder",
@@ -33,5 +35,6 @@ __all__ = [
     "Twist",
     "Zigzag",
     "sections_between_joints",
+    "solid_section",
     "swollen_section",
 ]

@@ -1,106 +1,33 @@
 """From a laminate to a beam: what is free across the link, and the stiffness along it.
 
 ``narrow``: the stress resultants across the link and in shear of its plies vanish (plane
-stress); ``wide``: their strains do (plane strain, cylindrical bending). For Reddy's theory
-the higher-order resultants and strains are treated alike.
+stress), and free edges let plies at different angles go
+(:mod:`flexmech.sections.free_edges`); ``wide``: the strains across do (plane strain,
+cylindrical bending). For Reddy's theory the higher-order resultants and strains are treated
+alike.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from flexmech.materials import Laminate
+from flexmech.sections.plane_state import PlaneState, energy_by_direction, gauss_points
 from flexmech.types import FloatArray
 
-__all__ = [
-    "REDUCTIONS",
-    "Reduction",
-    "Strained",
-    "WarpingParts",
-    "laminate_strains",
-    "reduced_stiffness",
-    "shear_across",
-    "stiffness_by_powers",
-    "warping_parts",
-]
+__all__ = ["REDUCTIONS", "Reduction", "Strained", "Strip", "WarpingParts", "shear_across"]
 
 Reduction = Literal["narrow", "wide"]
 REDUCTIONS: tuple[Reduction, ...] = ("narrow", "wide")
-
-
-def reduced_stiffness(
-    laminate: Laminate, reduction: Reduction, powers: Sequence[int], restraint: float = 0.0
-) -> FloatArray:
-    """Stiffness along the link by the strains k_p of ``sum(k_p y**p)``, over the width.
-
-    Powers 0 and 1 are the classical theory (matrices A, B, D), powers 0, 1 and 3 Reddy's
-    (A, B, D, E, F, H; Reddy, *Mechanics of Laminated Composite Plates and Shells*,
-    sec. 11.2). What the narrow link lets go is condensed from all of them at once.
-
-    Parameters
-    ----------
-    laminate : Laminate
-    reduction : {"narrow", "wide"}
-    powers : sequence of int
-        Of y in the strain, P of them.
-    restraint : float
-        Of the twist; see :func:`laminate_strains`.
-
-    Returns
-    -------
-    ndarray, shape (P, P)
-        In N/m times m to the two powers.
-    """
-    matrix = stiffness_by_powers(laminate, powers)
-    along = np.arange(0, len(matrix), 3)
-    every = laminate_strains(laminate, reduction, np.eye(len(along)), powers, restraint)
-    reduced = matrix[along] @ every.reshape(len(along), -1).T
-    return np.asarray((reduced + reduced.T) / 2)
-
-
-def laminate_strains(
-    laminate: Laminate,
-    reduction: Reduction,
-    strains: FloatArray,
-    powers: Sequence[int] = (0, 1),
-    restraint: float = 0.0,
-) -> FloatArray:
-    """In-plane strains of the laminate that go with strains along the link.
-
-    Parameters
-    ----------
-    laminate : Laminate
-    reduction : {"narrow", "wide"}
-    strains : ndarray, shape (..., P)
-        Along the link, by powers of y.
-    powers : sequence of int
-        Of y in the strain, P of them.
-    restraint : float
-        Of a narrow link's twist, the gradient in y of the shear strain: 0 leaves it free, 1
-        holds it.
-
-    Returns
-    -------
-    ndarray, shape (..., P, 3)
-        Strains x, z and xz by powers of y.
-    """
-    size = 3 * len(powers)
-    along = np.arange(0, size, 3)
-    every = np.zeros((*strains.shape[:-1], size))
-    every[..., along] = strains
-    if reduction == "narrow":
-        matrix = stiffness_by_powers(laminate, powers)
-        others = np.setdiff1d(np.arange(size), along)
-        for held, share in (([], 1 - restraint), ([3 * list(powers).index(1) + 2], restraint)):
-            if share:
-                free = np.setdiff1d(others, held)
-                moved = np.linalg.solve(matrix[np.ix_(free, free)], matrix[np.ix_(free, along)])
-                every[..., free] -= share * strains @ moved.T
-    return every.reshape(*strains.shape, 3)
+# Among the strains x, z and xz at the mid-plane and their gradients: those along the link, all
+# others, and these without the twist.
+ALONG = np.array([0, 3])
+OTHERS = np.array([1, 2, 4, 5])
+TWIST_HELD = np.array([1, 2, 4])
 
 
 @dataclass(frozen=True)
@@ -129,8 +56,8 @@ class WarpingParts:
     classical : ndarray, shape (2, 2)
         Stiffness along the link by mid-plane strain and its gradient, in N, N m and N m^2 for
         each metre of width.
-    coupling : ndarray, shape (2,)
-        Of these with the warping.
+    held : ndarray, shape (2,)
+        Mid-plane strain and gradient that the warping brings along.
     residual : ndarray, shape (N, m, 3)
         What is left of the warping's strains without the stretching and bending that it holds.
     stiffness : float
@@ -138,67 +65,173 @@ class WarpingParts:
     """
 
     classical: FloatArray
-    coupling: FloatArray
+    held: FloatArray
     residual: FloatArray
     stiffness: float
 
     @property
     def matrix(self) -> FloatArray:
         """Stiffness by mid-plane strain, its gradient and the warping, (3, 3)."""
-        held = np.linalg.solve(self.classical, self.coupling)
-        column = self.coupling[:, None]
+        coupling = self.classical @ self.held
+        column = coupling[:, None]
         return np.block(
-            [[self.classical, column], [column.T, self.coupling @ held + self.stiffness]]
+            [[self.classical, column], [column.T, coupling @ self.held + self.stiffness]]
         )
 
 
-def warping_parts(
-    laminate: Laminate, reduction: Reduction, warped: Strained, restraint: float = 0.0
-) -> WarpingParts:
-    """Split the strains of warping cross-sections from stretching and bending.
-
-    Stretching and bending are those of classical theory. If a free edge let go strains of higher
-    order with them, they would be too soft however slender the link; so what warping lets go of
-    its own belongs to the warping alone.
+@dataclass(frozen=True, eq=False)
+class Strip:
+    """A laminate as a beam: its strains and its stiffness for each metre of width.
 
     Parameters
     ----------
     laminate : Laminate
     reduction : {"narrow", "wide"}
-    warped : Strained
-        Strains of a unit change of the warping along the link.
+    relaxation : ndarray, shape (2, 2), optional
+        Of a narrow link's free edges: what part of mid-plane strain and gradient finds each ply
+        free of all others. Left out: none.
     restraint : float
-        Of the twist; see :func:`laminate_strains`.
-
-    Returns
-    -------
-    WarpingParts
+        Of a narrow link's twist, the gradient in y of the shear strain: 0 leaves it free, 1
+        holds it.
     """
-    y, stiffness = warped.place, laminate.transformed_stiffness
-    bent = laminate_strains(laminate, reduction, np.eye(2), restraint=restraint)
-    mean, gradient = np.moveaxis(bent, 1, 0)
-    classical = mean[:, None, None] + gradient[:, None, None] * y[..., None]
 
-    def products(left: FloatArray, right: FloatArray) -> FloatArray:
-        """Integrals of fields (a, N, m, 3) with the stress of fields (b, N, m, 3)."""
-        stress = np.einsum("nij,bnmj->bnmi", stiffness, right)
-        return np.asarray(np.einsum("nm,anmi,bnmi->ab", warped.weight, left, stress))
+    laminate: Laminate
+    reduction: Reduction
+    relaxation: FloatArray | None = None
+    restraint: float = 0.0
 
-    own = reduced_stiffness(laminate, reduction, (0, 1), restraint)
-    coupling = products(classical, warped.strain[None])[:, 0]
-    residual = warped.strain - np.tensordot(np.linalg.solve(own, coupling), classical, axes=1)
-    if reduction == "narrow":
-        # Of like size, whatever the units of the warping.
-        shapes = np.stack([np.ones_like(y), y, residual[..., 0]])
-        shapes /= np.abs(shapes).max(axis=(1, 2))[:, None, None]
-        free = np.zeros((2, *shapes.shape, 3))
-        free[0, ..., 1] = free[1, ..., 2] = shapes
-        free = free.reshape(6, *residual.shape)
-        amount = np.linalg.solve(products(free, free), products(free, residual[None]))[:, 0]
-        residual = residual - np.tensordot(amount, free, axes=1)
-    return WarpingParts(
-        own, coupling, residual, float(products(residual[None], residual[None])[0, 0])
-    )
+    @property
+    def joined(self) -> Strip:
+        """The same without free edges."""
+        return replace(self, relaxation=None)
+
+    @cached_property
+    def strains(self) -> FloatArray:
+        """Strains x, z and xz of each layer at the mid-plane, and their gradients in y.
+
+        By mid-plane strain and gradient along the link: (2, N, 2, 3). Of what happens side by side
+        along the width, the mean.
+        """
+        mean = sum(np.einsum("qp,qnij->pnij", share, fields) for fields, share in self._parts)
+        return np.asarray(mean)
+
+    @cached_property
+    def _parts(self) -> list[tuple[FloatArray, FloatArray]]:
+        """What happens side by side: strains (2, N, 2, 3), and of what part of theirs (2, 2)."""
+        every = np.zeros((2, 6))
+        every[:, ALONG] = np.eye(2)
+        count = len(self.laminate.layers)
+
+        def of_all_layers(strains: FloatArray) -> FloatArray:
+            return np.repeat(strains.reshape(2, 1, 2, 3), count, axis=1)
+
+        if self.reduction == "wide":
+            return [(of_all_layers(every), np.eye(2))]
+        joined, held = every.copy(), every.copy()
+        for strains, others in ((joined, OTHERS), (held, TWIST_HELD)):
+            moved = np.linalg.solve(
+                self._stiffness[np.ix_(others, others)], self._stiffness[np.ix_(others, ALONG)]
+            )
+            strains[:, others] -= moved.T
+        twists = 1 - self.restraint
+        relaxation = np.zeros((2, 2)) if self.relaxation is None else self.relaxation
+        parts = [(of_all_layers(joined), twists * (np.eye(2) - relaxation))]
+        if relaxation.any():
+            compliance = np.linalg.inv(self.laminate.transformed_stiffness)
+            # Each ply strains as if it were alone, by its strain at each place.
+            alone = np.einsum("pq,nj->pnqj", np.eye(2), compliance[:, 0] / compliance[:, :1, 0])
+            parts.append((alone, twists * relaxation))
+        if self.restraint:
+            parts.append((of_all_layers(held), self.restraint * np.eye(2)))
+        return parts
+
+    @cached_property
+    def stiffness(self) -> FloatArray:
+        """By mid-plane strain and its gradient in y, (2, 2), in N/m, N and N m."""
+        stress = np.einsum("nj,pnij->pni", self.laminate.transformed_stiffness[:, 0], self.strains)
+        faces = self.laminate.boundaries
+        sums = [np.diff(faces**order) / order for order in (1, 2, 3)]
+        powers = np.stack([[sums[0], sums[1]], [sums[1], sums[2]]])
+        reduced = np.einsum("qin,pni->qp", powers, stress)
+        return np.asarray((reduced + reduced.T) / 2)
+
+    def energy_by_direction(self, strains: FloatArray) -> FloatArray:
+        """Twice the strain energy of each layer by the material's axes, (N, 3), in N/m.
+
+        Parameters
+        ----------
+        strains : ndarray, shape (2,)
+            Mid-plane strain and its gradient in y, along the link.
+        """
+        every = np.arange(len(self.laminate.layers))[:, None]
+        places, weights = gauss_points(self.laminate)
+
+        def at_points(fields: FloatArray, amounts: FloatArray) -> FloatArray:
+            state = PlaneState(self.laminate, np.tensordot(amounts, fields, axes=1))
+            return state.strain(places, every)
+
+        return np.asarray(
+            sum(
+                energy_by_direction(
+                    self.laminate,
+                    at_points(fields, strains),
+                    weights,
+                    at_points(fields, share @ strains),
+                )
+                for fields, share in self._parts
+            )
+        )
+
+    def warping_parts(self, warped: Strained) -> WarpingParts:
+        """Split the strains of warping cross-sections from stretching and bending.
+
+        Stretching and bending are those of slender beams. If a free edge let go strains of higher
+        order with them, they would be too soft however slender the link; so what warping lets go
+        of its own belongs to the warping alone. It warps as it does away from the edges.
+
+        Parameters
+        ----------
+        warped : Strained
+            Strains of a unit change of the warping along the link.
+
+        Returns
+        -------
+        WarpingParts
+        """
+        y, stiffness = warped.place, self.laminate.transformed_stiffness
+        joined = self.joined
+        mean, gradient = joined.strains[:, :, None, 0], joined.strains[:, :, None, 1]
+        slender = mean + gradient * y[..., None]
+
+        def products(left: FloatArray, right: FloatArray) -> FloatArray:
+            """Integrals of fields (a, N, m, 3) with the stress of fields (b, N, m, 3)."""
+            stress = np.einsum("nij,bnmj->bnmi", stiffness, right)
+            return np.asarray(np.einsum("nm,anmi,bnmi->ab", warped.weight, left, stress))
+
+        coupling = products(slender, warped.strain[None])[:, 0]
+        held = np.asarray(np.linalg.solve(joined.stiffness, coupling), dtype=float)
+        residual = warped.strain - np.tensordot(held, slender, axes=1)
+        if self.reduction == "narrow":
+            # Of like size, whatever the units of the warping.
+            shapes = np.stack([np.ones_like(y), y, residual[..., 0]])
+            shapes /= np.abs(shapes).max(axis=(1, 2))[:, None, None]
+            free = np.zeros((2, *shapes.shape, 3))
+            free[0, ..., 1] = free[1, ..., 2] = shapes
+            free = free.reshape(6, *residual.shape)
+            amount = np.linalg.solve(products(free, free), products(free, residual[None]))[:, 0]
+            residual = residual - np.tensordot(amount, free, axes=1)
+        return WarpingParts(
+            self.stiffness,
+            held,
+            residual,
+            float(products(residual[None], residual[None])[0, 0]),
+        )
+
+    @cached_property
+    def _stiffness(self) -> FloatArray:
+        """By the strains x, z and xz at the mid-plane and their gradients in y, (6, 6)."""
+        moments = [self.laminate.stiffness_moment(order) for order in range(3)]
+        return np.block([[moments[0], moments[1]], [moments[1], moments[2]]])
 
 
 def shear_across(stiffness: FloatArray, reduction: Reduction) -> float:
@@ -209,20 +242,3 @@ def shear_across(stiffness: FloatArray, reduction: Reduction) -> float:
     if reduction == "wide":
         return 0.0
     return float(-stiffness[0, 1] / stiffness[0, 0])
-
-
-def stiffness_by_powers(laminate: Laminate, powers: Sequence[int]) -> FloatArray:
-    """Stiffness by the strains x, z and xz, each times powers of y.
-
-    Parameters
-    ----------
-    laminate : Laminate
-    powers : sequence of int
-        P of them.
-
-    Returns
-    -------
-    ndarray, shape (3 P, 3 P)
-        Of 3x3 blocks, in N/m times m to the two powers.
-    """
-    return np.block([[laminate.stiffness_moment(p + q) for q in powers] for p in powers])

@@ -7,7 +7,7 @@ mid-plane, where the pins sit. Strains along the link are ``e - y kappa``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, get_args
 
@@ -20,15 +20,14 @@ from flexmech.numbers import POSITIVE, check_choice, check_instance, check_numbe
 from flexmech.sections.beam_reduction import (
     REDUCTIONS,
     Reduction,
-    laminate_strains,
-    reduced_stiffness,
+    Strip,
     shear_across,
-    stiffness_by_powers,
 )
 from flexmech.sections.damping import SpecificDamping
+from flexmech.sections.free_edges import FreeEdges, free_edges
 from flexmech.sections.plane_state import PlaneState, gauss_points, layer_of
 from flexmech.sections.third_order import ThirdOrder, parabolic_shear, third_order_of
-from flexmech.sections.twist import TWISTS, Twist, twist_restraint
+from flexmech.sections.twist import FIRST_MODE, TWISTS, Twist
 from flexmech.sections.zigzag import Zigzag, zigzag_of
 from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray
@@ -169,32 +168,23 @@ class LaminateSection:
     @cached_property
     def third_order(self) -> ThirdOrder:
         """Integrals for Reddy's theory, reduced like the classical ones."""
-        return third_order_of(self.laminate, self.width, self.reduction, self.twist_restraint)
+        return third_order_of(self._strip, self.width)
 
     @property
     def twists(self) -> bool:
         """Whether bending twists the section, so that joints matter which hold the twist."""
-        return replace(self, twist="held").twist_restraint > 0
+        return self._free_edges is not None and self._free_edges.torsion > 0
 
     @cached_property
     def twist_restraint(self) -> float:
         """Where the section is between twist that is free (0) and none at all (1)."""
-        if self.twist != "held" or self.reduction == "wide":
-            return 0.0
-        matrix = stiffness_by_powers(self.laminate, (0, 1))
-        kept, free = [0, 3, 5], [1, 2, 4]
-        moved = np.linalg.solve(matrix[np.ix_(free, free)], matrix[np.ix_(free, kept)])
-        stiffness = matrix[np.ix_(kept, kept)] - matrix[np.ix_(kept, free)] @ moved
-        thickness = self.laminate.thickness
-        # A solid rectangle's kGA is 5/6 of G times its area.
-        shear = 1.2 * replace(self, twist="free").shear_stiffness / (self.width * thickness)
-        return twist_restraint(stiffness, thickness, self.width, shear)
+        edges = self._free_edges
+        return 0.0 if self.twist != "held" or edges is None else FIRST_MODE * edges.torsion
 
     @cached_property
     def zigzag(self) -> Zigzag:
         """Integrals for the zigzag beam, reduced like the classical ones."""
-        bent = self._state(self._strains(0.0, 1.0))
-        return zigzag_of(self.laminate, self.reduction, bent, self.twist_restraint)
+        return zigzag_of(self._strip, self._bent_inside)
 
     @cached_property
     def specific_damping(self) -> SpecificDamping:
@@ -208,8 +198,8 @@ class LaminateSection:
         capacity = np.array([layer.ply.specific_damping.by_direction for layer in layers])
         sheared = np.zeros_like(capacity)
         sheared[:, 2] = self._shear_flexibility
-        stretched = self._state(self._strains(1.0, 0.0)).energy_by_direction()
-        bent = self._state(self._strains(0.0, 1.0)).energy_by_direction()
+        stretched = self._strip.energy_by_direction(self._strains(1.0, 0.0))
+        bent = self._strip.energy_by_direction(self._strains(0.0, 1.0))
         # Poisson's contraction can give a direction a share below zero.
         axial, bending, shear = (
             max(0.0, float(np.sum(capacity * energy) / energy.sum()))
@@ -314,11 +304,20 @@ class LaminateSection:
         }
 
     @cached_property
+    def _free_edges(self) -> FreeEdges | None:
+        """Edges of a narrow section whose plies are at angles."""
+        return None if self.reduction == "wide" else free_edges(self.laminate, self.width)
+
+    @cached_property
+    def _strip(self) -> Strip:
+        edges = self._free_edges
+        relaxation = None if edges is None else edges.relaxation
+        return Strip(self.laminate, self.reduction, relaxation, self.twist_restraint)
+
+    @cached_property
     def _classical(self) -> FloatArray:
         """Stiffness by mid-plane strain and its gradient in y, (2, 2)."""
-        restraint = self.twist_restraint
-        reduced = reduced_stiffness(self.laminate, self.reduction, (0, 1), restraint)
-        matrix = self.width * reduced
+        matrix = self.width * self._strip.stiffness
         # What rounding leaves of a symmetric stack's coupling would move its axis off the pins.
         if abs(matrix[0, 1]) < 1e-12 * np.sqrt(matrix[0, 0] * matrix[1, 1]):
             matrix[0, 1] = matrix[1, 0] = 0.0
@@ -332,16 +331,21 @@ class LaminateSection:
 
     def _state(self, strains: FloatArray) -> PlaneState:
         """The laminate under strain along the link and its gradient in y."""
-        restraint = self.twist_restraint
-        every = laminate_strains(self.laminate, self.reduction, strains, restraint=restraint)
-        return PlaneState(self.laminate, every)
+        return PlaneState(self.laminate, np.tensordot(strains, self._strip.strains, axes=1))
+
+    @property
+    def _bent_inside(self) -> PlaneState:
+        """The laminate away from its edges under a unit bending moment."""
+        inside = self._strip.joined
+        strains = np.linalg.solve(self.width * inside.stiffness, np.array([0.0, -1.0]))
+        return PlaneState(self.laminate, np.tensordot(strains, inside.strains, axes=1))
 
     @cached_property
     def _shear_flexibility(self) -> FloatArray:
         """Share of each layer in 1 / kGA, (N,), in 1/N."""
         places, weights = gauss_points(self.laminate)
         every = np.arange(len(places))[:, None]
-        stress = self._state(self._strains(0.0, 1.0)).balancing_shear(places, every)
+        stress = self._bent_inside.balancing_shear(places, every)
         stiffness = self.laminate.transformed_shear_stiffness
         if self.reduction == "wide":
             squares = stress[..., 1] ** 2 / stiffness[:, 1, 1, None]

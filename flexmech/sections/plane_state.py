@@ -23,21 +23,23 @@ class PlaneState:
     Parameters
     ----------
     laminate : Laminate
-    strains : ndarray, shape (2, 3)
-        Strains x, z and xz at the mid-plane, and their gradients in y.
+    strains : ndarray, shape (N, 2, 3)
+        Strains x, z and xz of each layer at the mid-plane, and their gradients in y. Plies at
+        free edges strain each in its own way.
     """
 
     laminate: Laminate
     strains: FloatArray
 
-    def strain(self, place: FloatArray) -> FloatArray:
-        """Strains x, z and xz at places (...), (..., 3)."""
-        return np.asarray(self.strains[0] + place[..., None] * self.strains[1])
+    def strain(self, place: FloatArray, layer: IntArray) -> FloatArray:
+        """Strains x, z and xz at places (...) of layers, (..., 3)."""
+        strains = self.strains[layer]
+        return np.asarray(strains[..., 0, :] + place[..., None] * strains[..., 1, :])
 
     def stress(self, place: FloatArray, layer: IntArray) -> FloatArray:
         """Stresses x, z and xz at places (...) of layers, (..., 3), in Pa."""
         stiffness = self.laminate.transformed_stiffness[layer]
-        return np.asarray(np.einsum("...ij,...j->...i", stiffness, self.strain(place)))
+        return np.asarray(np.einsum("...ij,...j->...i", stiffness, self.strain(place, layer)))
 
     def balancing_shear(self, place: FloatArray, layer: IntArray) -> FloatArray:
         """Shear stresses zy and xy that balance a loss of this state per metre of the link.
@@ -69,13 +71,10 @@ class PlaneState:
         depth = (place - faces[layer])[..., None]
         return np.asarray(below[layer] + start[layer] * depth + slope[layer] * depth**2 / 2)
 
-    def energy_by_direction(self) -> FloatArray:
-        """Twice the strain energy of each layer by the material's axes, (N, 3), in N/m."""
-        places, weights = gauss_points(self.laminate)
-        return energy_by_direction(self.laminate, self.strain(places), weights)
 
-
-def energy_by_direction(laminate: Laminate, strain: FloatArray, weights: FloatArray) -> FloatArray:
+def energy_by_direction(
+    laminate: Laminate, strain: FloatArray, weights: FloatArray, other: FloatArray | None = None
+) -> FloatArray:
     """Twice the strain energy of each layer by the material's axes.
 
     Half the product of stress and strain along the fibres, across them and in shear, over the
@@ -88,6 +87,8 @@ def energy_by_direction(laminate: Laminate, strain: FloatArray, weights: FloatAr
         Strains x, z and xz at points in each layer.
     weights : ndarray, shape (N, m)
         Of the points in an integral over the layer, in m.
+    other : ndarray, shape (N, m, 3), optional
+        Strains of the stress, where it is that of another state.
 
     Returns
     -------
@@ -98,7 +99,8 @@ def energy_by_direction(laminate: Laminate, strain: FloatArray, weights: FloatAr
     turns = np.stack([layer.strain_turn for layer in layers])
     stiffness = np.stack([layer.ply.reduced_stiffness for layer in layers])
     turned = np.einsum("nij,nmj->nmi", turns, strain)
-    stress = np.einsum("nij,nmj->nmi", stiffness, turned)
+    other = turned if other is None else np.einsum("nij,nmj->nmi", turns, other)
+    stress = np.einsum("nij,nmj->nmi", stiffness, other)
     return np.asarray(np.einsum("nm,nmi,nmi->ni", weights, stress, turned))
 
 

@@ -7,12 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.materials import Laminate
-from flexmech.sections.beam_reduction import (
-    Reduction,
-    Strained,
-    shear_across,
-    warping_parts,
-)
+from flexmech.sections.beam_reduction import Reduction, Strained, Strip, shear_across
 from flexmech.sections.plane_state import gauss_points
 from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray, IntArray
@@ -61,9 +56,7 @@ class ThirdOrder:
         return float(self.shear_stiffness @ np.array([1.0, -6 * c, 9 * c**2]))
 
 
-def third_order_of(
-    laminate: Laminate, width: float, reduction: Reduction, restraint: float = 0.0
-) -> ThirdOrder:
+def third_order_of(strip: Strip, width: float) -> ThirdOrder:
     """Integrals of a laminate, reduced as for the classical theory.
 
     Stretching and bending are those of that theory: slender links of all theories are alike.
@@ -72,34 +65,32 @@ def third_order_of(
 
     Parameters
     ----------
-    laminate : Laminate
+    strip : Strip
     width : float
         Along the joint axes, in m.
-    reduction : {"narrow", "wide"}
-    restraint : float
-        Of the twist; see :func:`flexmech.sections.beam_reduction.laminate_strains`.
 
     Returns
     -------
     ThirdOrder
     """
+    laminate, reduction = strip.laminate, strip.reduction
     tilt = _tilt(laminate, reduction)
     moments = [laminate.shear_moment(power) for power in (0, 2, 4)]
     shear = [m[1, 1] + 2 * tilt * m[0, 1] + tilt**2 * m[0, 0] for m in moments]
     return ThirdOrder(
         thickness=laminate.thickness,
-        stiffness=width * _stiffness(laminate, reduction, restraint),
+        stiffness=width * _stiffness(strip),
         shear_stiffness=width * np.array(shear),
         inertia=width * np.array([laminate.mass_moment(power) for power in range(7)]),
     )
 
 
-def _stiffness(laminate: Laminate, reduction: Reduction, restraint: float) -> FloatArray:
+def _stiffness(strip: Strip) -> FloatArray:
     """By the strains of e0 + y k1 + y^3 k3, (3, 3), of each metre of width."""
-    places, weights = gauss_points(laminate, 4)
+    places, weights = gauss_points(strip.laminate, 4)
     strain = np.zeros((*places.shape, 3))
     strain[..., 0] = places**3
-    return warping_parts(laminate, reduction, Strained(places, weights, strain), restraint).matrix
+    return strip.warping_parts(Strained(places, weights, strain)).matrix
 
 
 def parabolic_shear(

@@ -25,7 +25,7 @@ import numpy as np
 import scipy.linalg
 
 from flexmech.materials import Laminate, Layer, Material, Ply
-from flexmech.sections.beam_reduction import Reduction, Strained, warping_parts
+from flexmech.sections.beam_reduction import Reduction, Strained, Strip
 from flexmech.sections.plane_state import PlaneState, energy_by_direction, gauss_points
 from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray
@@ -84,24 +84,20 @@ class Zigzag:
         return short_repr(self, *shapes(self))
 
 
-def zigzag_of(
-    laminate: Laminate, reduction: Reduction, bent: PlaneState, restraint: float = 0.0
-) -> Zigzag:
+def zigzag_of(strip: Strip, bent: PlaneState) -> Zigzag:
     """Integrals of a laminate, reduced as for the classical theory.
 
     Parameters
     ----------
-    laminate : Laminate
-    reduction : {"narrow", "wide"}
+    strip : Strip
     bent : PlaneState
         Under a bending moment, at whose loss along the link the section warps.
-    restraint : float
-        Of the twist; see :func:`flexmech.sections.beam_reduction.laminate_strains`.
 
     Returns
     -------
     Zigzag
     """
+    laminate, reduction = strip.laminate, strip.reduction
     place, weight = gauss_points(laminate, len(_POINTS))
     every = np.arange(len(place))[:, None]
     stress = bent.stress(place, every)
@@ -114,8 +110,8 @@ def zigzag_of(
         moved = _from_lowest_face(laminate, angle)
         strain = np.zeros((*place.shape, 3))
         strain[..., 0], strain[..., 2] = moved[..., 1], moved[..., 0]
-        parts = warping_parts(laminate, reduction, Strained(place, weight, strain), restraint)
-        held.append(np.linalg.solve(parts.classical, parts.coupling)[1])
+        parts = strip.warping_parts(Strained(place, weight, strain))
+        held.append(parts.held[1])
         stress = np.einsum("nij,nmj->nmi", laminate.transformed_stiffness, parts.residual)
         scale = np.abs(stress[..., 0]).max()
         shears.append(shear)
@@ -146,7 +142,8 @@ def zigzag_of(
 def _unit_rectangle() -> Zigzag:
     """Of a rectangle 1 m thick with ``EI / kGA`` of 0.2 m^2."""
     laminate = Laminate((Layer(Ply.isotropic(Material(1.0, 1.0, poisson_ratio=0.0)), 1.0),))
-    return zigzag_of(laminate, "wide", PlaneState(laminate, np.array([[0, 0, 0], [1.0, 0, 0]])))
+    strip = Strip(laminate, "wide")
+    return zigzag_of(strip, PlaneState(laminate, strip.strains[1]))
 
 
 def rectangular_zigzag(thickness: float, bending_over_shear: float) -> Zigzag:

@@ -93,7 +93,7 @@ def test_energies_of_pure_states_are_those_of_the_stiffness(section: LaminateSec
         energy = resultant(section, found.strain * found.normal_stress)
         assert energy == pytest.approx(1 / stiffness, rel=1e-9)
         strains = section._strains(load.get("axial_force", 0.0), load.get("bending_moment", 0.0))
-        energies = section._state(strains).energy_by_direction()
+        energies = section._strip.energy_by_direction(strains)
         assert section.width * energies.sum() == pytest.approx(1 / stiffness, rel=1e-9)
 
 
@@ -158,7 +158,7 @@ def test_a_stack_turned_over_has_its_axes_on_the_other_side(section: LaminateSec
     over = replace(section, laminate=Laminate(section.laminate.layers[::-1]))
     h = section.laminate.thickness
     for name in ("neutral_axis", "mass_axis"):
-        assert getattr(over, name) == pytest.approx(-getattr(section, name), abs=1e-12 * h)
+        assert getattr(over, name) == pytest.approx(-getattr(section, name), abs=1e-10 * h)
     for name in ("axial_stiffness", "bending_stiffness", "shear_stiffness", "rotary_inertia"):
         assert getattr(over, name) == pytest.approx(getattr(section, name), rel=1e-9)
     third, turned = section.third_order, over.third_order
@@ -221,8 +221,9 @@ def test_thin_links_keep_their_digits_in_third_order_theory() -> None:
     """Powers of y up to the sixth span 18 orders of magnitude in a thickness of 1 mm."""
     whole = Laminate((Layer(CARBON, 0.6, 0.3), Layer(GLASS, 0.4, -1.0)))
     thin = Laminate(tuple(replace(x, thickness=1e-3 * x.thickness) for x in whole.layers))
-    unit, small = (LaminateSection(x, 1.0).third_order.stiffness for x in (whole, thin))
-    scale = 1e-3 ** np.array([0.5, 1.5, 3.5])
+    sections = LaminateSection(whole, 2.0), LaminateSection(thin, 2e-3)
+    unit, small = (section.third_order.stiffness for section in sections)
+    scale = 1e-3 ** np.array([1.0, 2.0, 4.0])
     np.testing.assert_allclose(small / np.outer(scale, scale), unit, rtol=1e-11)
 
 
@@ -382,5 +383,6 @@ def test_places_need_both_faces() -> None:
 
 def test_state_is_linear_through_the_thickness() -> None:
     strains = np.array([[1.0, 2.0, 3.0], [10.0, 20.0, 30.0]])
-    state = PlaneState(BIMETAL.laminate, strains)
-    np.testing.assert_allclose(state.strain(np.array([0.0, 0.1])), [[1, 2, 3], [2, 4, 6]])
+    state = PlaneState(BIMETAL.laminate, np.stack([strains, 2 * strains]))
+    places, layers = np.array([0.0, 0.1, 0.1]), np.array([0, 0, 1])
+    np.testing.assert_allclose(state.strain(places, layers), [[1, 2, 3], [2, 4, 6], [4, 8, 12]])

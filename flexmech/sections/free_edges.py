@@ -1,0 +1,186 @@
+"""What free edges do to a narrow link of plies at different angles.
+
+Plies at angles against the link's axis shear and contract each in its own way as they are
+stretched. Inside a wide laminate they hold each other: of all plies together, no force acts across
+and no shear. At the edges of its width each ply is free, and the stress between plies that brings
+one state into the other acts within about the thickness of equal plies (Pipes & Pagano,
+*J. Composite Materials* 4 (1970) 538). A link as wide as thick is mostly edge: its bending
+stiffness is well below that of classical laminate theory.
+
+Between the two, plies that hold each other and plies that are free, the cross-section in three
+dimensions tells the stiffness (:mod:`flexmech.sections.solid_section`). ``R`` of the strains
+along the link, mid-plane strain and gradient, belongs to free plies such that it comes out::
+
+    K = K_joined (1 - R) + K_free R
+
+Plies along and across the link alone, and one angle alone, need none of it. What a torque along
+the link adds where it takes the twist of bending back comes from the same section.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import scipy.linalg
+
+from flexmech.materials import Laminate, solid_stiffness
+from flexmech.sections.beam_reduction import ALONG, OTHERS, TWIST_HELD
+from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST, solid_section
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["FreeEdges", "free_edges"]
+
+# Strains x, z and xz among those of a solid.
+IN_PLANE = np.array([0, 2, 4])
+COLUMNS = 12
+"""Elements along the width, narrow towards the edges."""
+# Rows of elements in each run of equal plies, where so many runs are few; and through the whole
+# thickness at least.
+ROWS, FEW_RUNS, ROWS_IN_ALL = 2, 8, 8
+# Widths over the thickness that are computed. In wider links the edges stay as they are; of
+# narrower ones every ply is free.
+NARROWEST, WIDEST = 0.01, 12.0
+# Layers at one angle that differ less belong to one run: the slices of a moist ply.
+ALIKE = 0.2
+# Shear of a ply that is stretched, of what a ply may have, below which it is along the link.
+ON_AXIS = 1e-9
+# Part of the joined plies' stiffness that free ones lack, below which both are the same.
+NEGLIGIBLE = 1e-6
+# Part of stretching and bending that edges take away, below which they do not couple these.
+UNCOUPLED = 1e-6
+# Part of the bending stiffness below which twist takes nothing.
+ROUNDING = 1e-8
+
+
+@dataclass(frozen=True)
+class FreeEdges:
+    """Edges of a section whose plies are at angles against the link.
+
+    Parameters
+    ----------
+    relaxation : ndarray, shape (2, 2)
+        R by mid-plane strain and its gradient in y.
+    torsion : float
+        What a torque that takes the twist back adds to the bending stiffness, of what no twist
+        at all adds: from 0, also where bending does not twist, to 1.
+    """
+
+    relaxation: FloatArray
+    torsion: float
+
+
+def free_edges(laminate: Laminate, width: float) -> FreeEdges | None:
+    """Find what free edges do; None where all plies are along or across the link.
+
+    Parameters
+    ----------
+    laminate : Laminate
+    width : float
+        In m.
+
+    Returns
+    -------
+    FreeEdges, optional
+
+    Raises
+    ------
+    ComputationError
+        If the cross-section cannot be solved.
+    """
+    plies = laminate.transformed_stiffness
+    sheared = np.abs(plies[:, 0, 2]) + np.abs(plies[:, 1, 2])
+    if not np.any(sheared > ON_AXIS * (plies[:, 0, 0] + plies[:, 1, 1])):
+        return None
+    ratio = width / laminate.thickness
+    known = _free_edges(laminate, float(np.clip(ratio, NARROWEST, WIDEST)))
+    if ratio <= WIDEST:
+        return known
+    rest = WIDEST / ratio
+    torsion = 1 - rest * (1 - known.torsion) if known.torsion else 0.0
+    return FreeEdges(rest * known.relaxation, torsion)
+
+
+@lru_cache(maxsize=256)
+def _free_edges(laminate: Laminate, ratio: float) -> FreeEdges:
+    """Of a width over the thickness."""
+    faces, solids = _runs(laminate)
+    width = ratio * laminate.thickness
+    least = ROWS if len(solids) <= FEW_RUNS else 1
+    shares = np.diff(faces) / laminate.thickness
+    rows = np.maximum(least, np.ceil(ROWS_IN_ALL * shares * (1 - NEGLIGIBLE)).astype(int))
+    ends = np.concatenate([[0], np.cumsum(rows)])
+    lines = np.interp(np.arange(ends[-1] + 1), ends, faces)
+    sides = width / 2 * np.sin(np.pi / 2 * np.linspace(-1, 1, COLUMNS + 1))
+    found = solid_section(lines, np.repeat(solids, rows, axis=0), sides)
+    # From the curvature to the gradient of the strain.
+    signs = np.array([[1.0, -1.0], [-1.0, 1.0]]) / width
+    free = signs * found.stiffness_of([STRETCH, CURVATURE])
+    held = signs * found.stiffness_of([STRETCH, CURVATURE, TWIST])[:2, :2]
+    plate = _plate(faces, _plane_stress(solids))
+    bending, resisted, none = (
+        _about_neutral_axis(m) for m in (free, held, _by_strains_along(plate, TWIST_HELD))
+    )
+    twists = resisted - bending > ROUNDING * bending and none > bending
+    torsion = min(1.0, (resisted - bending) / (none - bending)) if twists else 0.0
+    lacking = _by_strains_along(plate, OTHERS) - free
+    # What rounding leaves of a symmetric stack's coupling would move its axis off the pins.
+    if abs(lacking[0, 1]) < UNCOUPLED * np.sqrt(abs(lacking[0, 0] * lacking[1, 1])):
+        lacking[0, 1] = lacking[1, 0] = 0.0
+    return FreeEdges(_relaxation(laminate, lacking), torsion)
+
+
+def _about_neutral_axis(stiffness: FloatArray) -> float:
+    return float(stiffness[1, 1] - stiffness[0, 1] ** 2 / stiffness[0, 0])
+
+
+def _runs(laminate: Laminate) -> tuple[FloatArray, FloatArray]:
+    """Faces (n + 1,) of runs of like layers, and their stiffness (n, 6, 6)."""
+    own = np.stack([solid_stiffness(layer) for layer in laminate.layers])
+    angles = np.array([layer.angle for layer in laminate.layers])
+    change = np.abs(np.diff(own, axis=0)).max(axis=(1, 2), initial=0.0)
+    size = np.abs(own).max(axis=(1, 2))
+    differ = (change > ALIKE * np.minimum(size[1:], size[:-1])) | (np.diff(angles) != 0)
+    starts = np.concatenate([[0], 1 + np.flatnonzero(differ)])
+    faces = laminate.boundaries
+    sums = np.add.reduceat(np.diff(faces)[:, None, None] * own, starts)
+    faces = faces[[*starts, len(own)]]
+    return faces, sums / np.diff(faces)[:, None, None]
+
+
+def _plane_stress(solids: FloatArray) -> FloatArray:
+    """Stiffness (n, 3, 3) by strains x, z and xz where nothing presses through the thickness."""
+    planes = solids[:, IN_PLANE[:, None], IN_PLANE]
+    through = solids[:, IN_PLANE, 1, None]
+    return np.asarray(planes - through @ np.swapaxes(through, 1, 2) / solids[:, 1, 1, None, None])
+
+
+def _plate(faces: FloatArray, planes: FloatArray) -> FloatArray:
+    """By strains x, z and xz at the mid-plane and their gradients in y, (6, 6)."""
+    moments = np.einsum("kn,nij->kij", _powers(faces), planes)
+    return np.block([[moments[0], moments[1]], [moments[1], moments[2]]])
+
+
+def _powers(faces: FloatArray) -> FloatArray:
+    """Integrals of 1, y and y^2 over each run, (3, n)."""
+    return np.stack([np.diff(faces**order) / order for order in (1, 2, 3)])
+
+
+def _by_strains_along(plate: FloatArray, others: IntArray) -> FloatArray:
+    """Stiffness (2, 2) along the link where some other strains are free."""
+    coupling = plate[np.ix_(others, ALONG)]
+    moved = np.linalg.solve(plate[np.ix_(others, others)], coupling)
+    return np.asarray(plate[np.ix_(ALONG, ALONG)] - coupling.T @ moved)
+
+
+def _relaxation(laminate: Laminate, lacking: FloatArray) -> FloatArray:
+    """R (2, 2) with which joined plies lack so much stiffness (2, 2) for each metre of width."""
+    faces, planes = laminate.boundaries, laminate.transformed_stiffness
+    joined = _by_strains_along(_plate(faces, planes), OTHERS)
+    sums = _powers(faces) @ (1 / np.linalg.inv(planes)[:, 0, 0])
+    most, vectors = scipy.linalg.eigh(joined - sums[[[0, 1], [1, 2]]], joined)
+    matters = most > NEGLIGIBLE
+    vectors = vectors[:, matters]
+    parts = vectors.T @ lacking @ vectors / most[matters, None]
+    return np.asarray(vectors @ parts @ vectors.T @ joined)
