@@ -11,6 +11,7 @@ from flexmech.mechanism import Mechanism
 __all__ = [
     "ends_of_joint",
     "gripped_places",
+    "hanging_on",
     "held_places",
     "leading_end",
     "sprung_joints",
@@ -115,6 +116,33 @@ def leading_end(topology: Topology, end: LinkEnd) -> LinkEnd:
     while end in leaders:
         end = leaders[end]
     return end
+
+
+def hanging_on(topology: Topology, end: LinkEnd) -> list[str]:
+    """Joints whose leading link ends in another joint's follower and is placed by its leader.
+
+    What they put on that leader in a model of :func:`leading_end`, they put on the follower's link.
+
+    Parameters
+    ----------
+    topology : Topology
+    end : LinkEnd
+        Follower of a rigid pin or weld.
+
+    Returns
+    -------
+    list of str
+    """
+    sprung = {pin.joint for pin in topology.pins if pin.sprung}
+    leaders = {tie.follower: tie.leader for tie in topology.ties if tie.joint not in sprung}
+    found = []
+    for tie in topology.ties:
+        place: LinkEnd | None = tie.leader
+        while place is not None and place != end:
+            place = leaders.get(place)
+        if place is not None:
+            found.append(tie.joint)
+    return found
 
 
 def sprung_joints(topology: Topology) -> set[str]:

@@ -19,6 +19,7 @@ from flexmech.linkages.motion import normal
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import Connectors
+from flexmech.multibody.gripped_nodes import hanging_on
 from flexmech.multibody.impacts import add_impacts
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import add_sliders, add_ties
@@ -68,7 +69,8 @@ class RunningModel:
         The constraint on the hub's angle, which carries the driving torque; None where the
         shaft is free.
     constraints : dict of str to list of ItemNumber
-        Of each joint, without what keeps clamps and welds from turning.
+        Of each joint, without what keeps clamps and welds from turning; of a tie also those of
+        joints that hang on its following end.
     sliders : dict of str to SliderJoint
         By their joints.
     connectors : RunningConnectors
@@ -110,8 +112,13 @@ class RunningModel:
         clamps = assembly.topology.clamps
         self.constraints = {clamp.joint: [self._add_clamp(hub, clamp)] for clamp in clamps}
         self.constraints |= self._add_pivots(fixed)
-        for tie in add_ties(assembly, self._start.angle):
-            self.constraints[tie.tie.joint] = [tie.position]
+        ties = {tie.tie.joint: tie for tie in add_ties(assembly, self._start.angle)}
+        self._hanging = {
+            joint: hanging_on(assembly.topology, tie.tie.follower) for joint, tie in ties.items()
+        }
+        for joint, tie in ties.items():
+            others = [ties[name].position for name in self._hanging[joint] if name in ties]
+            self.constraints[joint] = [tie.position, *others]
         self.sliders = {line.slider.joint: line for line in add_sliders(assembly)}
         self.constraints |= {joint: [line.constraint] for joint, line in self.sliders.items()}
         connectors = Connectors(assembly, fixed, runs=True)
@@ -141,13 +148,14 @@ class RunningModel:
         """
         names = self.assembly.topology.joint_names
         force = np.zeros((len(multiplier), len(names), 2))
-        for joint, values in self.connectors.joint_forces(position, velocity).items():
+        sprung = self.connectors.joint_forces(position, velocity)
+        for joint, values in sprung.items():
             force[:, names.index(joint)] = values
         for joint, constraints in self.constraints.items():
             number = names.index(joint)
             rows = np.concatenate([self._multipliers(c) for c in constraints])
             if joint not in self.sliders:
-                force[:, number] = -multiplier[:, rows]
+                force[:, number] = -multiplier[:, rows].reshape(len(multiplier), -1, 2).sum(axis=1)
                 continue
             slider = self.sliders[joint].slider
             angle = np.full(len(multiplier), slider.direction)
@@ -155,6 +163,9 @@ class RunningModel:
                 guide = self.assembly.topology.index(slider.guide)
                 angle += position[:, self.assembly.parts[guide].coordinates][:, 2]
             force[:, number] = multiplier[:, rows[:1]] * normal(angle)
+        for joint, hanging in self._hanging.items():
+            for name in sprung.keys() & hanging:
+                force[:, names.index(joint)] += sprung[name]
         return force
 
     @property

@@ -231,9 +231,10 @@ def middle_deflection(
 def constraint_force(
     mbs: Any, t: float, sensors: Any, factors: Any, configuration: Any
 ) -> list[float]:
-    """Sensor: forces of the constraints whose numbers the factors are.
+    """Sensor: sum of the forces of the constraints whose numbers the factors are.
 
     They act on the held or following link, in ground axes: minus the multipliers.
+    A force has two of them in turn, a torque one.
 
     Parameters
     ----------
@@ -243,7 +244,10 @@ def constraint_force(
     multipliers = mbs.systemData.GetAECoordinates()
     numbers = [int(number) for number in factors]
     rows = [row for number in numbers for row in mbs.systemData.GetObjectLTGAE(number)]
-    return [-float(multipliers[row]) for row in rows]
+    force = [0.0] * min(2, len(rows))
+    for count, row in enumerate(rows):
+        force[count % len(force)] -= float(multipliers[row])
+    return force
 
 
 def guide_line_force(

@@ -13,6 +13,7 @@ __all__ = [
     "MAP",
     "Units",
     "at_highest_speed",
+    "bending_links",
     "cell_edges",
     "degrees",
     "fitting_unit",
@@ -38,6 +39,15 @@ def values_of(array: xr.DataArray, *order: str) -> FloatArray:
 def names_of(dataset: xr.Dataset | xr.DataArray, coordinate: str) -> list[str]:
     """Names along a coordinate such as ``link``."""
     return [str(name) for name in dataset[coordinate].values]
+
+
+def bending_links(dataset: xr.Dataset) -> list[str]:
+    """Links of a response that deflect at all, which rigid ones do not; all where none does."""
+    deflected = abs(dataset["deflection"]).max(
+        [d for d in dataset["deflection"].dims if d != "link"]
+    )
+    names = names_of(dataset, "link")
+    return [n for n in names if float(deflected.sel(link=n)) > 0] or names
 
 
 def degrees(angle: xr.DataArray) -> FloatArray:

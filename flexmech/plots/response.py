@@ -11,7 +11,14 @@ from matplotlib.figure import Figure
 from flexmech.plots import scales, style, time_axis
 from flexmech.plots.labels import engine_label, link_label, run_title
 from flexmech.plots.layout import AxesLike, sheet
-from flexmech.plots.reading import LENGTH_UNITS, Units, fitting_unit, names_of, values_of
+from flexmech.plots.reading import (
+    LENGTH_UNITS,
+    Units,
+    bending_links,
+    fitting_unit,
+    names_of,
+    values_of,
+)
 from flexmech.plots.series import Look, line_handle, series_handles, series_line
 from flexmech.types import FloatArray
 
@@ -37,10 +44,10 @@ LEAST_VEILED = 100
 def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw the deflection of each link, and bending strains in the middle, against time.
 
-    One panel a link for the deflections: of a link's middle from the line between its pins,
-    or of a clamped link's tip. Under them the bending strain of those links whose middle is
-    watched, and the rotation and speed of a shaft that is free, against what is prescribed.
-    The axis on top gives the crank angle.
+    One panel for the deflection of each link that is not rigid: of its middle from the line
+    between its pins, or of a clamped link's tip. Under them the bending strain of those links
+    whose middle is watched, and the rotation and speed of a shaft that is free, against what is
+    prescribed. The axis on top gives the crank angle.
 
     Parameters
     ----------
@@ -53,7 +60,7 @@ def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    links = names_of(dataset, "link")
+    links = bending_links(dataset)
     strained = [name for name in links if dataset["probe"].sel(link=name) == "middle"]
     watched = [("deflection", name, LENGTH_UNITS) for name in links]
     watched += [("strain", name, STRAIN_UNITS) for name in strained]

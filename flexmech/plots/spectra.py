@@ -15,7 +15,14 @@ from flexmech.errors import InputError
 from flexmech.plots import scales, style, time_axis
 from flexmech.plots.labels import engine_label, link_label, run_title, spread
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
-from flexmech.plots.reading import LENGTH_UNITS, cell_edges, fitting_unit, names_of, values_of
+from flexmech.plots.reading import (
+    LENGTH_UNITS,
+    bending_links,
+    cell_edges,
+    fitting_unit,
+    names_of,
+    values_of,
+)
 from flexmech.plots.response import engine_lines
 from flexmech.plots.series import Look, line_handle, series_line, series_style
 from flexmech.types import FloatArray
@@ -73,7 +80,7 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """
     limit = _highest_frequency(dataset, "spectrum_frequency")
     within = dataset.sel(spectrum_frequency=slice(0.0, limit))
-    bands, links = _bands(dataset), names_of(dataset, "link")
+    bands, links = _bands(dataset), bending_links(dataset)
     with sheet(_layout(len(links), 1.5, 2.2), ax=ax, fewer=ONE_LINK) as drawn:
         turns = int(dataset.attrs.get("spectrum_turns", 0))
         handles = _stem_handles(dataset) if turns else engine_lines(dataset)
@@ -114,7 +121,7 @@ def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     """
     if "spectrogram" not in dataset:
         raise InputError("this response is too short for a spectrogram: ask for more revolutions")
-    first, links = dataset.isel(engine=0), names_of(dataset, "link")
+    first, links = dataset.isel(engine=0), bending_links(dataset)
     time = first["window_time"].values
     with sheet(_layout(len(links), 1.75, 2.4), ax=ax, fewer=ONE_LINK) as drawn:
         title = f"{run_title(dataset)}, by {engine_label(dataset)}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from flexmech import (
     ReferenceEngine,
     ResponseRequest,
     RotatingArm,
+    load_mechanism,
     response,
 )
 from flexmech.analyses.response.measurements import deflections_of
@@ -69,6 +72,23 @@ def test_both_engines_run_alike_and_account_for_all_energy() -> None:
     assert gap("driving_torque") < 2e-4
     assert gap("strain_energy") < 1e-5
     assert gap("dissipated_energy") < 2e-5
+
+
+def test_joint_forces_of_a_chain_of_followers() -> None:
+    """The rocker of two beams follows the coupler at B; the second beam hangs on the first."""
+    mechanism = load_mechanism(Path(__file__).parents[2] / "models" / "carton_pusher.toml")
+    request = ResponseRequest(CrankDrive(6.0), 0.02, step=1e-4, start="equilibrium", modes=2)
+    first, second = (
+        response(engine, request)
+        for engine in (ReferenceEngine(mechanism, 3, "euler"), ExudynEngine(mechanism, 3, "ancf"))
+    )
+    force, other = (found.dataset["joint_force"].values[0] for found in (first, second))
+    size = np.linalg.norm(force, axis=-1).max(axis=0)
+    assert size.min() > 1.0
+    assert (np.linalg.norm(other - force, axis=-1).max(axis=0) / size).max() < 1e-2
+    for found in (first, second):
+        assert not found.dataset["deflection"].sel(link="crank").any()
+        assert "crank" not in [row[1] for row in found.summary().parts[0].groups[0]]
 
 
 @pytest.mark.parametrize("engine", [ReferenceEngine, ExudynEngine])

@@ -49,6 +49,13 @@ class TestResponse:
         assert figure.axes[-1].get_xlabel() == "Time (s)"
         assert legend_texts(figure) == ["reference (euler)", "exudyn (ancf)"]
 
+    def test_a_rigid_link_has_no_panel(self, dataset: xr.Dataset) -> None:
+        elastic = dataset["link"] != "crank"
+        rigid = dataset.assign(deflection=dataset["deflection"].where(elastic, 0.0))
+        labels = y_labels(plot_response(rigid))
+        assert len(labels) == 4
+        assert not any("Crank" in label for label in labels)
+
     def test_lines_are_the_dataset_s(self, dataset: xr.Dataset) -> None:
         figure = plot_response(dataset)
         wanted = [1e3 * dataset["deflection"].sel(link=link) for link in dataset["link"].values]

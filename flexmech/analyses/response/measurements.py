@@ -68,6 +68,9 @@ def deflections_of(engine: Engine, displacement: Sequence[FloatArray]) -> FloatA
     for body, link, place, q in zip(
         bodies, engine.links, probes(engine), displacement, strict=True
     ):
+        if link.rigid:
+            parts.append(np.zeros(len(q)))
+            continue
         stations = [0, len(link.shape) // 2, -1]
         start, middle, end = np.einsum("scn,bn->sbc", link.shape[stations], q)
         if place == "tip":

@@ -51,7 +51,7 @@ def peak_table(
     Returns
     -------
     Table
-        One row for each engine and link.
+        One row for each engine and link that is not rigid.
     """
 
     def row(engine: str, label: str, link: str) -> tuple[str, ...]:
@@ -64,7 +64,8 @@ def peak_table(
         return (label, link, place, deflection, f"{degrees:.1f}", str(turn), strain)
 
     headings = ("engine", "link", "place", "deflection mm", "at deg", "turn", "strain 1e-6")
-    links = [str(link) for link in peaks["link"].values]
+    bent = peaks.sel(link=(peaks["deflection"] > 0).any("engine"))
+    links = [str(link) for link in (bent if bent.sizes["link"] else peaks)["link"].values]
     shown = [trusted] if trusted else [(str(e), str(e)) for e in peaks["engine"].values]
     groups = tuple(tuple(row(*engine, link) for link in links) for engine in shown)
     return Table(title, headings, groups, text_columns=3)
