@@ -15,7 +15,7 @@ from flexmech.analyses import MovingFrequencies, Response
 from flexmech.analyses.response.stored import needed
 from flexmech.errors import InputError
 from flexmech.linkages import CouplerCurve, FourBar, LinkEnd, Topology, standing
-from flexmech.mechanism import Mechanism
+from flexmech.mechanism import Mechanism, drawn_parts
 from flexmech.modelfile import mechanism_from_toml
 from flexmech.report.arrays import Arrays, thinning
 from flexmech.report.last_turn import over_a_turn
@@ -30,6 +30,8 @@ __all__ = ["mechanism_of", "moving_linkage"]
 MOST_FRAMES = 120
 # Largest displacement as drawn, over the linkage's extent.
 ENLARGED_TO = 0.12
+# What the ground holds is drawn so, whatever else is joined there.
+HELD = ("clamp", "pivot")
 
 
 def mechanism_of(results: Results) -> Mechanism | None:
@@ -52,7 +54,8 @@ def moving_linkage(mechanism: Mechanism, results: Results, arrays: Arrays) -> di
     -------
     dict
         ``angle`` in degrees, ``links`` with ``origin`` and ``turn`` of their frames, ``joints``,
-        ``box`` in m, ``shapes`` and ``runs`` with displacements in link frames, and ``path``.
+        ``parts`` of :func:`flexmech.mechanism.drawn_parts`, ``box`` in m, ``shapes`` and ``runs``
+        with displacements in link frames, and ``path``.
     """
     degrees = _standing(mechanism)
     linkage, topology = mechanism.linkage, mechanism.linkage.topology
@@ -62,7 +65,11 @@ def moving_linkage(mechanism: Mechanism, results: Results, arrays: Arrays) -> di
         [motion.position(n, x) for n, one in enumerate(topology.links) for x in (0.0, one.length)],
         axis=1,
     )
-    places = ends.reshape(-1, 2)
+    parts = drawn_parts(mechanism)
+    held = [
+        end["ground"] for spring in parts["springs"] for end in spring["ends"] if "ground" in end
+    ]
+    places = np.vstack([ends.reshape(-1, 2), np.reshape(held, (-1, 2))])
     low, high = np.minimum(places.min(axis=0), 0.0), np.maximum(places.max(axis=0), 0.0)
     extent = float(np.hypot(*(high - low)))
     unit = speed_unit_of(results)
@@ -79,6 +86,7 @@ def moving_linkage(mechanism: Mechanism, results: Results, arrays: Arrays) -> di
             for number, link in enumerate(topology.links)
         ],
         "joints": _joints(topology),
+        "parts": parts,
         "box": [*low.tolist(), *high.tolist()],
         "extent": extent,
         "shapes": _mode_shapes(results, unit, arrays),
@@ -91,20 +99,22 @@ def moving_linkage(mechanism: Mechanism, results: Results, arrays: Arrays) -> di
 def _joints(topology: Topology) -> list[dict[str, Any]]:
     """Joints with what they are: each place once, by its shortest name."""
     lines = {slider.joint: slider for slider in topology.sliders}
+    kind_of = dict(zip(topology.joint_names, topology.joint_kinds, strict=True))
     places: dict[LinkEnd, list[str]] = {}
     for name, place in topology.joints.items():
         places.setdefault(topology.leader_of(place), []).append(name)
-    shown = {min(names, key=len) for names in places.values()}
     found = []
-    for (name, place), kind in zip(topology.joints.items(), topology.joint_kinds, strict=True):
-        if name not in shown:
-            continue
-        line = lines.get(name)
+    for names in places.values():
+        name = min(names, key=len)
+        place, kinds = topology.joints[name], {kind_of[each] for each in names}
+        line = next((lines[each] for each in names if each in lines), None)
         guide = line.guide if line is not None else ""
         found.append(
             {
                 "name": name,
-                "kind": kind,
+                "kind": next((kind for kind in HELD if kind in kinds), kind_of[name]),
+                "welded": "weld" in kinds,
+                "turns": kinds != {"weld"},
                 "link": topology.index(place.link),
                 "end": place.end,
                 "direction": None if line is None else line.direction,

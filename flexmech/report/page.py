@@ -32,7 +32,7 @@ __all__ = ["check_extra", "write_report"]
 
 EXTRA = 'a report needs plotly and jinja2, which are not installed: pip install "flexmech[report]"'
 CHOICES = ("speed", "mode", "engine", "state")
-SCRIPTS = ("page.js", "linkage.js", "plots.js", "controls.js")
+SCRIPTS = ("page.js", "linkage.js", "parts.js", "plots.js", "controls.js")
 SETTINGS = (
     "elements",
     "prestress",

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexmech import MovingFrequencies, Response
+from flexmech import MovingFrequencies, ReferenceEngine, Response, load_mechanism
+from flexmech.example_models import example_model
+from flexmech.report import ReportRequest, report_results, write_report
 
 WIDE, PHONE = {"width": 1400, "height": 900}, {"width": 390, "height": 800}
 READY = "html[data-ready=yes]"
@@ -202,3 +204,23 @@ def test_names_of_a_model_are_text(evil: Any, opened: Open) -> None:
     assert evil.name in page.text_content("pre")
     for place in ("#readings td", "#response td"):
         assert any(evil.name in text for text in page.locator(place).all_text_contents())
+
+
+@pytest.mark.thorough
+def test_welds_springs_and_loads_are_drawn_and_move(
+    tmp_path_factory: pytest.TempPathFactory, opened: Open
+) -> None:
+    engine = ReferenceEngine(load_mechanism(example_model("carton_pusher")), 2)
+    results = report_results([engine], ReportRequest([6.0], include=("kinematics",)))
+    page = opened(write_report(results.all, tmp_path_factory.mktemp("pusher") / "report.html"))
+    count = {
+        kind: page.locator(f"#linkage .{kind}").count()
+        for kind in ("weld", "body", "mass", "varies", "stiff")
+    }
+    assert count == {"weld": 1, "body": 2, "mass": 4, "varies": 1, "stiff": 1}
+    spring = page.locator("#linkage polyline.spring").first
+    before = str(spring.get_attribute("points")).split()
+    turn(page, 200.0)
+    after = str(spring.get_attribute("points")).split()
+    assert before[-1] == after[-1] == "0.800000,-0.380000"
+    assert before[0] != after[0]

@@ -254,9 +254,23 @@ class TestPictures:
             np.testing.assert_allclose(block[:4].mean(axis=0), wanted, atol=1e-12)
             assert limits[0] < block[:, 0].min() < block[:, 0].max() < limits[1]
 
-    def test_the_report_shows_each_place_once_and_what_slides(self):
+    def test_the_report_shows_each_place_once_and_what_it_is(self):
         check = check_mechanism(ReferenceEngine(PUSHER, 2))
-        joints = moving_linkage(PUSHER, Results((check,)), Arrays())["joints"]
-        assert [joint["name"] for joint in joints] == ["O2", "A", "B", "D", "E", "O4"]
+        given = moving_linkage(PUSHER, Results((check,)), Arrays())
+        joints = given["joints"]
+        assert sorted(joint["name"] for joint in joints) == ["A", "B", "D", "E", "O2", "O4"]
         (slider,) = (joint for joint in joints if joint["direction"] is not None)
         assert (slider["name"], slider["direction"], slider["guide"]) == ("E", 0.0, None)
+        told = {joint["name"]: (joint["kind"], joint["welded"], joint["turns"]) for joint in joints}
+        assert told["B"] == ("pin", True, True)
+        assert told["O4"] == ("pivot", False, True)
+        assert given["parts"]["loads"][0]["over"] == "crank_angle"
+        # The wall of the spring is within the picture.
+        assert given["box"][2] == pytest.approx(0.8)
+
+    def test_the_report_shows_a_bell_crank_s_weld_on_its_ground_pivot(self):
+        watt = load_mechanism(MODELS / "watt_six_bar.toml")
+        check = check_mechanism(ReferenceEngine(watt, 2))
+        joints = moving_linkage(watt, Results((check,)), Arrays())["joints"]
+        (pivot,) = (joint for joint in joints if joint["name"] == "O4")
+        assert (pivot["kind"], pivot["welded"], pivot["turns"]) == ("pivot", True, True)

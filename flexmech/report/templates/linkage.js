@@ -11,20 +11,25 @@
     linkage = { given, root, size: given.extent, letters: 0.045 * Math.max(size[0], size[1]) };
     drawSupports();
     if (given.path) element("path", { class: "path", d: pathOf(arrays[given.path.places]) }, root);
+    const blocks = given.joints.map((joint) => (joint.direction === null ? null : makeBlock(root, joint)));
     for (const kind of ["rigid", "run", "shape"]) {
       linkage[kind] = given.links.map((link) => {
         const look = kind === "rigid" && link.rigid ? "rigid stiff" : kind;
         return element("polyline", { class: look }, root);
       });
     }
-    linkage.joints = given.joints.map((joint) => {
-      const kind = joint.kind === "clamp" ? "joint clamp" : "joint";
-      const block = joint.direction === null ? null : makeBlock(root, joint.guide === null);
+    const parts = makeParts(root);
+    linkage.joints = given.joints.map((joint, n) => {
+      const kind = joint.kind === "clamp" ? "joint clamp" : joint.turns ? "joint" : "hidden";
+      const half = 0.017 * linkage.size;
+      const weld = joint.welded ? element("rect", { class: "weld", x: -half, y: -half, width: 2 * half, height: 2 * half }, root) : null;
       const circle = element("circle", { class: kind, r: 0.013 * linkage.size }, root);
       const name = element("text", { "font-size": linkage.letters }, root);
       name.textContent = joint.name;
-      return { ...joint, circle, name, block };
+      const at = [joint.link, joint.end === "start" ? 0 : 1];
+      return { ...joint, circle, name, block: blocks[n], weld, loaded: given.parts.loads.some((load) => `${load.at}` === `${at}`) };
     });
+    linkage.parts = [...parts, ...makeLoads(root)];
     const bar = roundLength(0.25 * linkage.size);
     const [x, y] = [left - room / 2, -low + 0.75 * room];
     element("path", { class: "bar", d: `M${x} ${y}h${bar}` }, root);
@@ -32,11 +37,15 @@
     words.textContent = `${Number((1e3 * bar).toPrecision(3))} mm`;
   }
 
-  // What slides on a line, with a piece of the line where the ground carries it.
-  function makeBlock(root, onGround) {
-    const [long, high] = [0.03 * linkage.size, 0.018 * linkage.size];
+  // What slides on a line, with a piece of the line: hatched below where the ground carries it.
+  function makeBlock(root, joint) {
+    const [long, high] = [SIZES.block * linkage.size, 0.6 * SIZES.block * linkage.size];
     const block = element("g", {}, root);
-    if (onGround) element("path", { class: "ground", d: `M${-4 * long} 0h${8 * long}` }, block);
+    if (joint.guide === null) {
+      const side = Math.cos(joint.direction) < -1e-9 ? -1 : 1;
+      const rail = `M${-4 * long} ${high}h${8 * long}${hatching(-4 * long, 4 * long, high, 0.8 * high)}`;
+      element("path", { class: "ground", d: rail, transform: `scale(${side})` }, block);
+    } else element("path", { class: "guide", d: `M${-4 * long} 0h${8 * long}` }, block);
     element("rect", { class: "joint", x: -long, y: -high, width: 2 * long, height: 2 * high }, block);
     return block;
   }
@@ -59,7 +68,9 @@
       const frame = frameOf(given.links[joint.link], place);
       const [x, y] = pointOf(frame, joint.end === "start" ? 0 : given.links[joint.link].length, 0);
       const [half, deep] = [0.028 * size, 0.05 * size];
-      element("path", { class: "ground", d: `M${x} ${-y}l${-half} ${deep}h${2 * half}zm${-1.8 * half} ${deep}h${3.6 * half}` }, root);
+      const ground = `M${x} ${-y}l${-half} ${deep}h${2 * half}zm${-1.8 * half} ${deep}h${3.6 * half}`;
+      element("path", { class: "ground", d: ground + hatching(x - 1.8 * half, x + 1.8 * half, -y + deep, 0.025 * size) }, root);
+      if (joint.kind === "clamp") element("circle", { class: "shaft", cx: x, cy: -y, r: 0.026 * size }, root);
     }
   }
 
@@ -116,11 +127,18 @@
         const turned = Math.atan2(frame.sin, frame.cos) + joint.direction;
         joint.block.setAttribute("transform", `translate(${x} ${-y}) rotate(${(-turned * 180) / Math.PI})`);
       }
+      if (joint.weld) {
+        const { cos, sin } = frames[joint.link];
+        moveTo(joint.weld, [x, y], Math.atan2(sin, cos));
+      }
       joint.circle.setAttribute("cx", x);
       joint.circle.setAttribute("cy", -y);
-      joint.name.setAttribute("x", x + 0.022 * linkage.size);
-      joint.name.setAttribute("y", -y - 0.022 * linkage.size);
+      // Beside the arrows of loads.
+      joint.name.setAttribute("text-anchor", joint.loaded ? "end" : "start");
+      joint.name.setAttribute("x", x + (joint.loaded ? -0.022 : joint.kind === "clamp" ? 0.034 : 0.022) * linkage.size);
+      joint.name.setAttribute("y", -y - (joint.loaded ? 0.035 : 0.022) * linkage.size);
     }
+    for (const move of linkage.parts) move(frames);
   }
 
   function drawDisplaced(kind, frames, stored, factor) {
@@ -139,6 +157,12 @@
     const run = linkage.given.runs.find((each) => isChosen(each.when));
     if (run && byId("show-run").checked) parts.push(`<b class="run">dashed: deflection</b>, enlarged ${run.enlargement} times`);
     else if (linkage.given.runs.length) parts.push("no run at this choice");
+    for (const [kind, words] of [["bodies", "crossed circle: centre of a body"], ["masses", "disc: point mass"]]) {
+      if (linkage.given.parts[kind].length) parts.push(words);
+    }
+    const [fixed, varying] = [false, true].map((varies) => linkage.given.parts.loads.some((load) => (load.over !== "constant") === varies));
+    if (fixed) parts.push("black arrow: load");
+    if (varying) parts.push("dashed arrow: load that varies, where it is largest");
     byId("linkage-legend").innerHTML = parts.join("; ");
   }
 
