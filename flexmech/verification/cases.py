@@ -17,6 +17,7 @@ __all__ = ["verification_case", "verification_cases"]
 FILES = (
     "four_bars",
     "rotating_arm",
+    "drawn_linkages",
     "running",
     "floquet",
     "engines",

@@ -26,6 +26,7 @@ NAMES = [
     "coupler_curves",
     "critical_speeds",
     "damping_found_back",
+    "flexible_slider_crank",
     "frames_and_stability",
     "hammer_noise",
     "hammer_twelve_positions",
@@ -289,6 +290,33 @@ def test_critical_speeds(scenario, held_number, tmp_path, capsys):
     assert float(low) == held_number("critical_speeds")
     assert "rings most at" in capsys.readouterr().out
     assert_pictures(tmp_path, *(f"{m}_critical_speeds.png" for m in answers))
+
+
+def test_flexible_slider_crank(scenario, held_number, tmp_path, capsys):
+    """The engines on few elements; the small models are cases of the verification."""
+    module = scenario("flexible_slider_crank")
+    answer = module.main(tmp_path, small=(), elements=4, step=2e-5)
+    assert 1e3 * answer.peak("reference") == held_number("flexible_slider_crank")
+    assert answer.apart("exudyn", "reference") < 1e-3
+    assert "they agree" in capsys.readouterr().out
+    assert_pictures(tmp_path, "deflection.png")
+
+
+def test_verdicts_on_the_slider_crank_are_computed(scenario):
+    """By made-up peaks: what is off is said to be."""
+    module = scenario("flexible_slider_crank")
+    peaks = {"linear": 1.9e-4, "third order": 2.3174e-3, "whole": 1.57e-3}
+    curves = {name: np.array([0.0, peak]) for name, peak in peaks.items()}
+    good = curves | dict.fromkeys(("reference", "exudyn"), np.array([0.0, 1.56e-3]))
+    lines = module.told(module.RodAnswer(np.array([0.0, 0.1]), good))
+    verdicts = [line.rpartition(": ")[2] for line in lines[5:]]
+    agrees = ["not reproduced", "reproduced", "they agree", "not borne out", "borne out"]
+    assert verdicts == agrees
+    bad = good | {"exudyn": np.array([0.0, 1.6e-3]), "third order": np.array([0.0, 1.56e-3])}
+    lines = module.told(module.RodAnswer(np.array([0.0, 0.1]), bad))
+    verdicts = [line.rpartition(": ")[2] for line in lines[5:]]
+    others = ["not reproduced", "not reproduced", "they do not agree", "borne out", "borne out"]
+    assert verdicts == others
 
 
 def test_lumped_masses(scenario, held_number, tmp_path, capsys):

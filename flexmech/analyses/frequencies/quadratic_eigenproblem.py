@@ -134,7 +134,8 @@ def _no_modes(system: LinearSystem) -> NDArray[np.complex128]:
 def _of(unit: FloatArray, inverse: NDArray[Any], order: IntArray) -> NDArray[np.complex128]:
     """Eigenvalues in an order; zero ones of the inverse are no modes."""
     chosen = np.take_along_axis(inverse, order, axis=1).astype(complex)
-    return np.asarray(unit / np.where(chosen == 0, np.finfo(float).tiny, chosen))
+    with np.errstate(over="ignore"):
+        return np.asarray(unit / np.where(chosen == 0, np.finfo(float).tiny, chosen))
 
 
 def _clear_modes(inverse: NDArray[Any], count: int) -> tuple[IntArray, NDArray[np.bool_]]:

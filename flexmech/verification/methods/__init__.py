@@ -12,7 +12,14 @@ from flexmech.verification.methods.composites import (
     lowest_case,
     order_of_laminates,
 )
+from flexmech.verification.methods.drawn_linkages import (
+    free_shaft_decay_rates,
+    free_shaft_frequencies,
+    rod_peak,
+    running_rod_peak,
+)
 from flexmech.verification.methods.elasticity import four_bar_by_plane_elasticity
+from flexmech.verification.methods.floating_rod import rod_at_end, rod_first_sine
 from flexmech.verification.methods.frequencies import (
     cantilever_frequencies,
     four_bar_frequencies,
@@ -48,6 +55,7 @@ from flexmech.verification.methods.running import (
     spin_up_time,
     stored_deflection,
 )
+from flexmech.verification.methods.still_frames import exact_frame_frequencies, frame_frequencies
 
 __all__ = ["METHODS"]
 
@@ -62,9 +70,13 @@ METHODS: dict[str, Callable[..., FloatArray]] = {
         cusp_angles,
         cusp_moistures,
         diffused_uptake,
+        exact_frame_frequencies,
         flexural_moduli,
         four_bar_by_plane_elasticity,
         four_bar_frequencies,
+        frame_frequencies,
+        free_shaft_decay_rates,
+        free_shaft_frequencies,
         half_time,
         khdeir_reddy_beams,
         known_exponents,
@@ -75,7 +87,11 @@ METHODS: dict[str, Callable[..., FloatArray]] = {
         order_of_laminates,
         periodic_deflection,
         resonance_modulus,
+        rod_at_end,
+        rod_first_sine,
+        rod_peak,
         rotating_arm_frequencies,
+        running_rod_peak,
         running_deflection,
         series_uptake,
         settled_deflection,
