@@ -11,8 +11,16 @@ from flexmech.linear_system.component_modes import (
     ComponentModes,
     component_modes,
 )
-from flexmech.linear_system.connector_forces import Push
-from flexmech.linear_system.connectors import Connectors, acts_still
+from flexmech.linear_system.connected_matrices import ConnectedMatrices
+from flexmech.linear_system.connector_forces import Push, acts_still
+from flexmech.linear_system.connectors import Connectors
+from flexmech.linear_system.constant_turn import (
+    is_constant_turn,
+    same_answers,
+    stressed_along_turn,
+    turns_or_slides,
+    unchanged,
+)
 from flexmech.linear_system.engine import Engine
 from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.link_bodies import (
@@ -77,6 +85,7 @@ __all__ = [
     "BodyMatrices",
     "CarriedInertia",
     "ComponentModes",
+    "ConnectedMatrices",
     "Connectors",
     "Engine",
     "FollowingRows",
@@ -111,15 +120,20 @@ __all__ = [
     "forces_of_links",
     "free_load",
     "inertia_loads",
+    "is_constant_turn",
     "off_axis_inertia",
     "point_rows",
     "refuse_large_displacements",
     "refuse_positions",
     "rigid_link",
     "rigid_tangent",
+    "same_answers",
     "static_displacement",
     "straight_forces",
+    "stressed_along_turn",
     "ties_beyond_pins",
+    "turns_or_slides",
+    "unchanged",
     "with_bodies",
     "with_rigid_links",
 ]

@@ -10,7 +10,7 @@ import numpy as np
 from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel
-from flexmech.linkages import RigidMotion
+from flexmech.linkages import Load, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray
 
@@ -143,6 +143,35 @@ class AttachedPoint:
             back = (np.cos(turn) - 1.0) * direction(angle)
             place = place + self.x * (back + (np.sin(turn) - turn) * normal(angle))
         return place
+
+    def load_force(
+        self,
+        load: Load,
+        values: FloatArray,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray] | None,
+    ) -> FloatArray:
+        """Force of a load that acts here.
+
+        Parameters
+        ----------
+        load : Load
+        values : ndarray, shape (B, 3)
+            Force and torque in the load's own axes.
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (B, n_link), or None
+            Of the links; None where they are straight.
+
+        Returns
+        -------
+        ndarray, shape (B, 2)
+            In ground axes.
+        """
+        angle = motion.angle[:, self.link]
+        if displacement is not None:
+            angle = angle + displacement[self.link] @ self.rows[2]
+        return load.in_ground_axes(values, angle)
 
     def displacement(self, motion: RigidMotion, q: FloatArray) -> FloatArray:
         """Displacement in ground axes and rotation, (B, 3), at coordinates (B, n_link)."""

@@ -3,15 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
 from flexmech.linear_system.attached_points import AttachedPoint
-from flexmech.linkages import Spring
+from flexmech.linkages import JointSpring, Spring
 from flexmech.linkages.spring_line import SpringLine
+from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["Answer", "Push", "SpringEnd", "SpringState"]
+__all__ = ["Answer", "Push", "SpringEnd", "SpringState", "acts_still"]
+
+
+def acts_still(mechanism: Mechanism) -> bool:
+    """Whether loads or springs act on a linkage that stands still."""
+    loads = any(load.over != "time" for load in mechanism.loads)
+    return bool(loads or mechanism.springs or mechanism.joint_springs)
 
 
 @dataclass(frozen=True)
@@ -41,6 +49,48 @@ class Answer:
     stiffness: FloatArray
     damping: FloatArray
     in_joint: bool = False
+
+    @classmethod
+    def of_turning_force(cls, point: AttachedPoint, force: FloatArray) -> Self:
+        """Of a force that turns with its link's section.
+
+        Parameters
+        ----------
+        point : AttachedPoint
+            Where it acts.
+        force : ndarray, shape (B, 2)
+            In ground axes.
+
+        Returns
+        -------
+        Answer
+        """
+        turned = np.zeros((len(force), 3, 3))
+        turned[:, 0, 2], turned[:, 1, 2] = force[:, 1], -force[:, 0]
+        return cls(None, point, turned, np.zeros_like(turned))
+
+    @classmethod
+    def of_joint(
+        cls, first: AttachedPoint | None, second: AttachedPoint, own: JointSpring, batch: int
+    ) -> Self:
+        """Of the springs and dampers in a joint.
+
+        Parameters
+        ----------
+        first, second : AttachedPoint or None
+            Ends of the leading and the following link.
+        own : JointSpring
+        batch : int
+            Number of positions.
+
+        Returns
+        -------
+        Answer
+        """
+        holds, damps = np.zeros((2, batch, 3, 3))
+        holds[:] = np.diag([own.radial_stiffness or 0.0] * 2 + [own.torsional_stiffness])
+        damps[:] = np.diag([own.radial_damping] * 2 + [own.torsional_damping])
+        return cls(first, second, holds, damps, in_joint=True)
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmech.choices import Prestress
-from flexmech.linear_system.attached_points import AttachedPoint, MovedPoint
-from flexmech.linear_system.connector_forces import Answer, Push, SpringEnd, SpringState
+from flexmech.linear_system.attached_points import AttachedPoint
+from flexmech.linear_system.connected_matrices import ConnectedMatrices, connected_matrices
+from flexmech.linear_system.connector_forces import (
+    Answer,
+    Push,
+    SpringEnd,
+    SpringState,
+    acts_still,
+)
 from flexmech.linear_system.displaced_motion import DisplacedMotion
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel
@@ -39,13 +46,7 @@ from flexmech.linkages.spring_line import SpringLine
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["Connectors", "acts_still"]
-
-
-def acts_still(mechanism: Mechanism) -> bool:
-    """Whether loads or springs act on a linkage that stands still."""
-    loads = any(load.over != "time" for load in mechanism.loads)
-    return bool(loads or mechanism.springs or mechanism.joint_springs)
+__all__ = ["Connectors"]
 
 
 class Connectors:
@@ -86,6 +87,13 @@ class Connectors:
         """Whether forces depend on displacements as those of no potential do."""
         turning = any(load.axes == "link" for load in self.loads)
         return turning or any(spring.damping for spring in self._mechanism.springs)
+
+    @property
+    def is_conservative(self) -> bool:
+        """Whether the forces have a potential at each crank angle: nothing damps or follows."""
+        joints = self._mechanism.joint_springs
+        damped = any(own.torsional_damping or own.radial_damping for own in joints)
+        return not (damped or self.follows)
 
     def forces(
         self,
@@ -171,35 +179,45 @@ class Connectors:
         -------
         SystemMatrices
         """
+        if not (self.any or self._acting(time)):
+            return matrices
+        own = self.matrices(frames, motion, prestress, displacement, time)
+        stiffness = matrices.stiffness + own.stiffness
+        if terms.coriolis:
+            stiffness = stiffness + own.turning
+        return SystemMatrices(matrices.mass, matrices.damping + own.damping, stiffness)
+
+    def matrices(
+        self,
+        frames: LinkFrames,
+        motion: RigidMotion,
+        prestress: Prestress,
+        displacement: Sequence[FloatArray] | None = None,
+        time: FloatArray | None = None,
+    ) -> ConnectedMatrices:
+        """Stiffness and damping of the connectors.
+
+        Parameters
+        ----------
+        frames : LinkFrames
+            Of these links, reduced or not.
+        motion : RigidMotion
+            Batch of shape (B,); its rigid links may be displaced.
+        prestress : {"none", "axial", "equilibrium"}
+            ``none`` leaves out what comes from forces that connectors carry.
+        displacement : sequence of ndarray, shape (B, n_link), optional
+            Of the unreduced links in the state that the matrices are about.
+        time : ndarray, shape (B,), optional
+            In s; loads over time are left out without it.
+
+        Returns
+        -------
+        ConnectedMatrices
+            In the coordinates of ``frames``.
+        """
         drawn = motion.undisplaced if isinstance(motion, DisplacedMotion) else motion
         answers = self.answers(drawn, displacement, time, stressed=prestress != "none")
-        if not answers:
-            return matrices
-        following = frames.following_rows(motion)
-        maps: dict[tuple[int, float], MovedPoint] = {}
-
-        def moved(point: AttachedPoint) -> MovedPoint:
-            key = (point.link, point.x)
-            if key not in maps:
-                own = self._at(frames.links, point.link, point.x)
-                maps[key] = MovedPoint.of(own, frames, motion, following[point.link])
-            return maps[key]
-
-        stiffness, damping = matrices.stiffness.copy(), np.array(matrices.damping)
-        for answer in answers:
-            shape = (len(motion.crank_angle), 3, frames.size)
-            value, rate = np.zeros((2, *shape))
-            for point, sign in ((answer.second, 1.0), (answer.first, -1.0)):
-                if point is not None:
-                    value += sign * moved(point).value
-                    rate += sign * moved(point).rate
-            across = np.swapaxes(value, 1, 2)
-            stiffness += across @ (answer.stiffness @ value)
-            if answer.damping.any():
-                damping += across @ (answer.damping @ value)
-                if terms.coriolis:
-                    stiffness += across @ (answer.damping @ rate)
-        return SystemMatrices(matrices.mass, damping, stiffness)
+        return connected_matrices(frames, motion, answers, is_conservative=self.is_conservative)
 
     def pushes(
         self,
@@ -226,7 +244,7 @@ class Connectors:
         pushes = []
         for load in self._acting(time):
             at, values = self.point_of(load), self._values(load, motion, time)
-            force = self._load_force(load, values, motion, at, displacement)
+            force = at.load_force(load, values, motion, displacement)
             pushes.append(Push(at, force, values[:, 2]))
         for spring in self._mechanism.springs:
             state = self._spring_state(spring, motion, displacement)
@@ -264,24 +282,19 @@ class Connectors:
         list of Answer
             Empty where loads in ground axes alone act.
         """
-        answers, batch = [], len(motion.crank_angle)
+        answers = []
         for load in self._acting(time) if stressed else ():
             if load.axes == "link":
                 point = self.point_of(load)
                 values = self._values(load, motion, time)
-                force = self._load_force(load, values, motion, point, displacement)
-                turned = np.zeros((batch, 3, 3))
-                turned[:, 0, 2], turned[:, 1, 2] = force[:, 1], -force[:, 0]
-                answers.append(Answer(None, point, turned, np.zeros((batch, 3, 3))))
+                force = point.load_force(load, values, motion, displacement)
+                answers.append(Answer.of_turning_force(point, force))
         for spring in self._mechanism.springs:
             state = self._spring_state(spring, motion, displacement)
             answers.append(state.answer(spring, stressed=stressed))
         for own in self._mechanism.joint_springs:
             second, first = self.joint_points(own)
-            holds, damps = np.zeros((2, batch, 3, 3))
-            holds[:] = np.diag([own.radial_stiffness or 0.0] * 2 + [own.torsional_stiffness])
-            damps[:] = np.diag([own.radial_damping] * 2 + [own.torsional_damping])
-            answers.append(Answer(first, second, holds, damps, in_joint=True))
+            answers.append(Answer.of_joint(first, second, own, len(motion.crank_angle)))
         return answers
 
     def _acting(self, time: FloatArray | None) -> tuple[Load, ...]:
@@ -297,20 +310,6 @@ class Connectors:
         point = self._point(load.point)
         assert point is not None
         return point
-
-    @staticmethod
-    def _load_force(
-        load: Load,
-        values: FloatArray,
-        motion: RigidMotion,
-        point: AttachedPoint,
-        displacement: Sequence[FloatArray] | None,
-    ) -> FloatArray:
-        """Force of a load in ground axes, (B, 2)."""
-        angle = motion.angle[:, point.link]
-        if displacement is not None:
-            angle = angle + displacement[point.link] @ point.rows[2]
-        return load.in_ground_axes(values, angle)
 
     def _joint_pushes(
         self, own: JointSpring, motion: RigidMotion, displacement: Sequence[FloatArray] | None
@@ -338,16 +337,16 @@ class Connectors:
     def _end(self, end: LinkEnd) -> AttachedPoint:
         number = self._topology.index(end.link)
         x = 0.0 if end.end == "start" else self._topology.links[number].length
-        return self._at(self.links, number, x)
+        return self._at(number, x)
 
-    def _at(self, links: Sequence[LinkModel], number: int, x: float) -> AttachedPoint:
+    def _at(self, number: int, x: float) -> AttachedPoint:
         length = self._topology.links[number].length
-        return AttachedPoint.of(links, number, x / length, length)
+        return AttachedPoint.of(self.links, number, x / length, length)
 
     def _point(self, point: LinkPoint) -> AttachedPoint | None:
         if point.link == GROUND:
             return None
-        return self._at(self.links, self._topology.index(point.link), point.x)
+        return self._at(self._topology.index(point.link), point.x)
 
     def _spring_state(
         self, spring: Spring, motion: RigidMotion, displacement: Sequence[FloatArray] | None

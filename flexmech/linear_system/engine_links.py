@@ -8,12 +8,11 @@ from dataclasses import replace
 from functools import cached_property
 from typing import ClassVar
 
-import numpy as np
-
 from flexmech.choices import Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system.balanced_loads import BalancedLoads, Solve, balanced_loads
 from flexmech.linear_system.carried_inertia import CarriedInertia, turns_as_one_body
+from flexmech.linear_system.connected_matrices import ConnectedMatrices
 from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.element_kinds import ElementKinds
 from flexmech.linear_system.free_shaft import FreeShaft
@@ -21,7 +20,6 @@ from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel, inertia_loads
 from flexmech.linear_system.link_stretch import LinkStretch
 from flexmech.linear_system.rigid_link import dead_virial
-from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.mechanism import Mechanism
@@ -162,6 +160,14 @@ class EngineLinks(ElementKinds):
         ComputationError
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
+
+    @property
+    def axial_modes_of_bows(self) -> int:
+        """Axial modes of a link without which its elements stretch where a bowed link bends.
+
+        Zero where few smooth ones do, which is where elements stretch by their ends alone.
+        """
+        return 0
 
     @property
     def prestress_at_rest(self) -> Prestress:
@@ -311,30 +317,14 @@ class EngineLinks(ElementKinds):
                 "them out of the model, or ask for natural frequencies or stability"
             )
 
-    def require_conservative_connectors(self) -> None:
-        """Refuse dampers of springs and forces that turn with links.
-
-        Raises
-        ------
-        InputError
-            If there are some.
-        """
-        springs = self.mechanism.joint_springs
-        damped = any(own.torsional_damping or own.radial_damping for own in springs)
-        if self.connectors.follows or damped:
-            raise InputError(
-                "the linkage in its moving modes does not count dampers of springs and joints or "
-                "forces in axes of links yet, and this mechanism has some; leave them out"
-            )
-
-    def connected_stiffness(
+    def connected_matrices(
         self,
         frames: LinkFrames,
         motion: RigidMotion,
         prestress: Prestress,
         displacement: Sequence[FloatArray] | None,
-    ) -> FloatArray | None:
-        """Stiffness of loads and springs.
+    ) -> ConnectedMatrices | None:
+        """Stiffness and damping of loads and springs.
 
         Parameters
         ----------
@@ -348,16 +338,12 @@ class EngineLinks(ElementKinds):
 
         Returns
         -------
-        ndarray, shape (B, size, size), or None
-            None where there are no loads and springs.
+        ConnectedMatrices or None
+            In the coordinates of ``frames``; None where there are no loads and springs.
         """
         if not self.connectors.any:
             return None
-        nothing = np.zeros((len(motion.crank_angle), frames.size, frames.size))
-        matrices = SystemMatrices(nothing, nothing, nothing)
-        still = RotationTerms.all_or_none(False)
-        added = self.connectors.added(frames, motion, matrices, still, prestress, displacement)
-        return added.stiffness
+        return self.connectors.matrices(frames, motion, prestress, displacement)
 
     def require_prescribed_shaft(self, what: str = "this computation") -> None:
         """Refuse a free shaft where the crank's motion is prescribed.

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
+import numpy as np
+
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.types import FloatArray
 
@@ -48,3 +50,28 @@ class StressedLinks:
     def unloaded(cls, links: Sequence[LinkModel]) -> Self:
         """Straight links without stress."""
         return cls([link.stiffness for link in links])
+
+    def repeated(self, count: int) -> StressedLinks:
+        """The state of one position at so many.
+
+        Parameters
+        ----------
+        count : int
+            Number B of positions.
+
+        Returns
+        -------
+        StressedLinks
+        """
+
+        def every(arrays: list[FloatArray] | None) -> list[FloatArray] | None:
+            return None if arrays is None else [np.repeat(each, count, axis=0) for each in arrays]
+
+        return StressedLinks(
+            [t if t.ndim == 2 else np.repeat(t, count, axis=0) for t in self.tangent],
+            every(self.displacement),
+            every(self.internal_force),
+            every(self.damping),
+            every(self.loads),
+            None if self.guiding is None else np.repeat(self.guiding, count, axis=0),
+        )

@@ -28,7 +28,7 @@ from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError
 from flexmech.time_domain.matrix_exponential import matrix_exponentials
-from flexmech.time_domain.periodic_system import PeriodicSystem, exponents
+from flexmech.time_domain.periodic_system import PeriodicSystem, SampledPeriodicSystem, exponents
 from flexmech.types import FloatArray
 
 __all__ = ["FloquetModes", "floquet_modes"]
@@ -88,6 +88,14 @@ class FloquetModes:
         defect = abs(float(self.log_modulus.sum()) - self.trace_integral)
         return defect / max(1.0, float(np.abs(self.log_modulus).sum()))
 
+    @property
+    def whole_turns(self) -> FloatArray | None:
+        """Whole turns a period of each shape of a constant system, (n,); None of other systems.
+
+        Such a shape is one harmonic: eigenvectors whose phase turns.
+        """
+        return self._propagated.turns if isinstance(self._propagated, _Turning) else None
+
     def shapes(self, every: int = 1) -> NDArray[np.complex128]:
         """Shapes ``phi`` at the starts of the N steps, (N, n, n): (step, state, mode).
 
@@ -118,11 +126,13 @@ def floquet_modes(system: PeriodicSystem, steps: int) -> FloquetModes:
         If the steps are so few that their transition matrices overflow, or if the multipliers
         do not part into groups.
     """
+    if isinstance(system, SampledPeriodicSystem) and system.is_constant:
+        return _constant_modes(system.matrices(1, 0.0)[0], system.period, steps)
     trace = system.traces(2 * steps)
     integral = float(trace.mean() * system.period)
     exponent = exponents(system, steps)
     if not np.ptp(exponent, axis=0).any():
-        return _constant_modes(exponent, system.period)
+        return _constant_modes(exponent[0] * (steps / system.period), system.period, steps)
     spread = float(np.abs(trace).mean() * system.period)
     chunks, products = _short_products(exponent, spread)
     triangular = _triangular_form(products)
@@ -152,16 +162,16 @@ class _Turning:
         return np.asarray(self.vectors * np.exp(phase * self.turns)[:, None])
 
 
-def _constant_modes(exponent: FloatArray, period: float) -> FloquetModes:
+def _constant_modes(matrix: FloatArray, period: float, steps: int) -> FloquetModes:
     """Modes of a constant system, by its eigenvalues: some may die out within any step."""
-    steps = len(exponent)
-    values, vectors = np.linalg.eig(exponent[0])
+    values, vectors = np.linalg.eig(matrix)
     order = np.argsort(-values.real, kind="stable")
-    log = steps * values[order].astype(complex)
+    log = period * values[order].astype(complex)
     turns = np.round(log.imag / (2 * np.pi))
     shapes = _Turning(steps, vectors[:, order].astype(complex), turns)
-    trace = steps * float(np.trace(exponent[0]))
-    return FloquetModes(period, (log - 2j * np.pi * turns) / period, trace, shapes)
+    trace = period * float(np.trace(matrix))
+    exponent = ((log - 2j * np.pi * turns) / period).astype(np.complex128)
+    return FloquetModes(period, exponent, trace, shapes)
 
 
 @dataclass(frozen=True)

@@ -106,7 +106,7 @@ class ForcedModes:
         -------
         FreeAndForced
         """
-        matrix = self.moving.conservative
+        matrix = self.moving.with_undamped_links
         for series, factor in zip(self.damping, factors, strict=True):
             matrix = matrix.plus(series, factor)
         n = self.size

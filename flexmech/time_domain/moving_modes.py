@@ -12,6 +12,10 @@ frames gives::
 and with the momentum ``p = y. + B y`` the equations of motion are those of the Hamilton function
 ``H = |p - B y|^2 / 2 + y' Q y / 2`` and of the damping forces ``-P' D (P y. + P. y)``.
 
+Connectors move by ``d = E(t) W(t) y`` with the basis W in the linkage's coordinates. Their
+stiffness ``E' K E`` stands in Q by its symmetric part; what has no potential, the skew part and
+the dampers, gives the forces ``-W' (E' K E - (E' K E)') W y / 2 - (E W)' C (E W y.+ (E W). y)``.
+
 The subspace is smooth where its highest mode stays apart from the next one; modes may cross within
 it. At each crank angle its basis is the one nearest to a fixed basis, so that it returns after a
 turn.
@@ -56,6 +60,8 @@ class MovingModes:
     conservative, dissipative : FourierSeries
         Of the system's matrix (2 m, 2 m): without damping, and what damping adds to it, which is
         proportional to the damping.
+    attached : FourierSeries
+        What dampers of springs and joints and forces that follow add to the system's matrix.
     stiffness : ndarray, shape (N, m, m)
         Q in (rad/s)^2, as sampled.
     fixed : ndarray, shape (n, m)
@@ -67,6 +73,7 @@ class MovingModes:
     scale: FloatArray
     conservative: FourierSeries
     dissipative: FourierSeries
+    attached: FourierSeries
     stiffness: FloatArray
     fixed: FloatArray
 
@@ -93,9 +100,14 @@ class MovingModes:
         return int(np.ceil(len(self.basis) * np.log(tolerance) / np.log(self.series_error)))
 
     def system(self, damping: float = 1.0) -> SampledPeriodicSystem:
-        """Periodic system with the damping times a factor; 0 leaves it out."""
-        matrix = self.conservative.plus(self.dissipative, damping)
+        """Periodic system with the damping of links times a factor; 0 leaves it out."""
+        matrix = self.with_undamped_links.plus(self.dissipative, damping)
         return SampledPeriodicSystem(matrix, self.turn.period)
+
+    @property
+    def with_undamped_links(self) -> FourierSeries:
+        """The system's matrix without the damping of links, that of connectors included."""
+        return self.conservative.plus(self.attached, 1.0)
 
 
 def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
@@ -113,11 +125,11 @@ def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
     -------
     list of int
         Increasing. Where fewer are smooth, the smoothest ones above them follow. All coordinates,
-        if nothing turns or there are no more than are asked for.
+        if nothing changes along the turn or there are no more than are asked for.
     """
     squares, largest = turn.frozen_squares, turn.frames.size
     modes += turn.rigid_modes
-    if not turn.turns_pins:
+    if turn.is_constant:
         return [largest]
     counts: list[int] = []
     smoothness: dict[int, float] = {}
@@ -166,23 +178,22 @@ def moving_modes(
         scale, fixed = like.scale, like.fixed
         alignment = turn.aligned(count, fixed)[0]
     basis = modes @ alignment
-    skew, stiffness, damping, moving_damping = _projected(turn, basis, frame)
+    skew, stiffness, links = _projected(turn, basis, frame)
     root = np.sqrt(scale)
-    matrix, damped = np.zeros((2, len(basis), 2 * count, 2 * count))
+    matrix = np.zeros((len(basis), 2 * count, 2 * count))
     y, p = slice(0, count), slice(count, None)
     across = np.swapaxes(skew, 1, 2)
     matrix[:, y, y] = -skew * root[:, None] / root
     matrix[:, y, p] = np.diag(scale)
     matrix[:, p, y] = -(stiffness + across @ skew) / root[:, None] / root
     matrix[:, p, p] = across / root[:, None] * root
-    damped[:, p, y] = (damping @ skew - moving_damping) / root[:, None] / root
-    damped[:, p, p] = -damping / root[:, None] * root
     return MovingModes(
         turn,
         basis,
         scale,
         _series(turn, matrix),
-        _series(turn, damped),
+        _series(turn, links.matrix(skew, root)),
+        _series(turn, _of_connectors(turn, basis).matrix(skew, root)),
         stiffness,
         fixed,
     )
@@ -210,10 +221,39 @@ def _scale_and_fixed_basis(
     return scale, own.fixed @ turned, own.alignment @ turned
 
 
+@dataclass(frozen=True)
+class _Forces:
+    """Forces ``-damping y. - stiffness y`` without a potential, each (N, m, m)."""
+
+    damping: FloatArray
+    stiffness: FloatArray
+
+    def matrix(self, skew: FloatArray, root: FloatArray) -> FloatArray:
+        """Part of the system's matrix (N, 2 m, 2 m), by B and the roots of the scale."""
+        samples, count, _ = skew.shape
+        matrix = np.zeros((samples, 2 * count, 2 * count))
+        y, p = slice(0, count), slice(count, None)
+        matrix[:, p, y] = (self.damping @ skew - self.stiffness) / root[:, None] / root
+        matrix[:, p, p] = -self.damping / root[:, None] * root
+        return matrix
+
+
+def _of_connectors(turn: SampledTurn, basis: FloatArray) -> _Forces:
+    """Forces of dampers of springs and joints, and of forces that follow."""
+    connected, across = turn.connected, np.swapaxes(basis, 1, 2)
+    if connected is None or connected.is_conservative:
+        nothing = np.zeros_like(across @ basis)
+        return _Forces(nothing, nothing)
+    forces = across @ connected.damping
+    rates = FourierSeries.through(basis).rate().samples(len(basis)) / turn.period
+    answers = across @ ((connected.turning + connected.circulatory) @ basis)
+    return _Forces(forces @ basis, forces @ rates + answers)
+
+
 def _projected(
     turn: SampledTurn, basis: FloatArray, frame: MovingFrame
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """B, Q, ``P' D P`` and ``P' D P.``, each (N, m, m)."""
+) -> tuple[FloatArray, FloatArray, _Forces]:
+    """B and Q, each (N, m, m), and ``P' D P`` with ``P' D P.`` of links."""
     count, _, size = basis.shape
     skew, stiffness, damping, moving_damping = np.zeros((4, count, size, size))
     for number, shapes in enumerate(turn.frames.link_coordinates(turn.motion, basis)):
@@ -226,11 +266,12 @@ def _projected(
         damping += forces @ shapes
         moving_damping += forces @ rates
     if turn.connected is not None:
-        stiffness += np.swapaxes(basis, 1, 2) @ (turn.connected @ basis)
+        stiffness += np.swapaxes(basis, 1, 2) @ (turn.connected.potential @ basis)
     # What round-off and the missing harmonics leave of the other part would not be Hamiltonian.
     skew = (skew - np.swapaxes(skew, 1, 2)) / 2
     stiffness = (stiffness + np.swapaxes(stiffness, 1, 2)) / 2
-    return skew, stiffness, (damping + np.swapaxes(damping, 1, 2)) / 2, moving_damping
+    damping = (damping + np.swapaxes(damping, 1, 2)) / 2
+    return skew, stiffness, _Forces(damping, moving_damping)
 
 
 @dataclass(frozen=True)

@@ -90,6 +90,11 @@ class SampledPeriodicSystem:
         """Number of states n."""
         return int(self.matrix.coefficients.shape[-1])
 
+    @property
+    def is_constant(self) -> bool:
+        """Whether the series is of one value."""
+        return not self.matrix.harmonics
+
     def matrices(self, count: int, shift: float) -> FloatArray:
         """A at the times ``(k + shift) period / count``, shape (count, n, n)."""
         return self.matrix.samples(count, shift)

@@ -156,6 +156,6 @@ def prestressed_links(
             float(np.abs(motion.angular_velocity).max()),
             couples_axially=prestress == "equilibrium",
             detail=detail,
-            axial_modes=AXIAL_MODES,
+            axial_modes=max(AXIAL_MODES, engine.axial_modes_of_bows),
         )
     )

@@ -9,14 +9,19 @@ from typing import Self
 import numpy as np
 
 from flexmech.linear_system import (
+    ConnectedMatrices,
     Engine,
     LinkFrames,
     LinkModel,
     Prestress,
     RotationTerms,
     StressedLinks,
+    is_constant_turn,
+    same_answers,
+    turns_or_slides,
+    unchanged,
 )
-from flexmech.linkages import CrankDrive, RigidMotion, Topology
+from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.reduced_links import ReducedLinks, prestressed_links
 from flexmech.types import FloatArray
 
@@ -24,8 +29,6 @@ __all__ = ["FrozenSubspace", "SampledTurn"]
 
 # Times the frequency up to which component modes are kept for the natural frequencies alone.
 DETAIL = 2.0
-# Relative change of a matrix along the turn that round-off makes.
-UNCHANGED = 1e-13
 
 
 @dataclass(frozen=True)
@@ -68,9 +71,8 @@ class SampledTurn:
         In rad/s.
     rigid_modes : int
         How many of the natural modes, the first ones, deform nothing: that of a free shaft.
-    connected : ndarray, shape (N, n, n), or None
-        Stiffness of springs, loads and guides in the coordinates of ``frames``; None without
-        them.
+    connected : ConnectedMatrices or None
+        Of springs, loads and guides in the coordinates of ``frames``; None without them.
     """
 
     motion: RigidMotion
@@ -82,7 +84,7 @@ class SampledTurn:
     frames: LinkFrames
     crank_speed: float
     rigid_modes: int = 0
-    connected: FloatArray | None = None
+    connected: ConnectedMatrices | None = None
 
     @classmethod
     def of(
@@ -114,15 +116,10 @@ class SampledTurn:
         Returns
         -------
         SampledTurn
-
-        Raises
-        ------
-        InputError
-            If springs have dampers or forces turn with links: these have no potential.
         """
-        engine.require_conservative_connectors()
         speed = float(motion.crank_speed[0])
-        turns_pins = _turns(engine.topology)
+        # What is constant is solved exactly, in all coordinates.
+        reduces = not (is_constant_turn(engine, motion) or engine.turns_as_one_body)
         reduced = (
             prestressed_links(
                 engine,
@@ -131,16 +128,20 @@ class SampledTurn:
                 modes + engine.rigid_modes,
                 DETAIL,
             )
-            if turns_pins
+            if reduces
             else ReducedLinks.all_of(engine)
         )
         frames = LinkFrames(engine.topology, reduced.models)
         pairs = list(zip(reduced.bases, engine.links, strict=True))
         damping = stressed.damping or [link.damping for link in engine.links]
-        connected = engine.connected_stiffness(frames, motion, prestress, stressed.displacement)
+        connected = engine.connected_matrices(frames, motion, prestress, stressed.displacement)
         if stressed.guiding is not None and stressed.guiding.any():
             guided = frames.guided(motion, stressed.guiding)
-            connected = guided if connected is None else connected + guided
+            connected = (
+                ConnectedMatrices.of_stiffness(guided)
+                if connected is None
+                else connected.plus_stiffness(guided)
+            )
         return cls(
             motion=motion,
             models=reduced.models,
@@ -160,19 +161,19 @@ class SampledTurn:
     @property
     def turns_pins(self) -> bool:
         """Whether a link turns against another one, so that shapes change along the turn."""
-        return _turns(self.frames.topology)
+        return turns_or_slides(self.frames.topology)
 
-    @property
+    @cached_property
     def is_constant(self) -> bool:
-        """Whether nothing changes along the turn: no link turns against another, nor its stress."""
-        return (
-            self.connected is None
-            and not self.turns_pins
-            and all(
-                matrix.ndim == 2 or np.ptp(matrix, axis=0).max() <= UNCHANGED * np.abs(matrix).max()
-                for matrix in (*self.tangent, *self.damping)
-            )
-        )
+        """Whether nothing changes along the turn: no link turns against another, nor its stress.
+
+        Nor what springs, loads and guides answer.
+        """
+        if self.turns_pins:
+            return False
+        if not unchanged(m for m in (*self.tangent, *self.damping) if m.ndim == 3):
+            return False
+        return self.connected is None or same_answers(self.connected, self.motion)
 
     @property
     def period(self) -> float:
@@ -191,6 +192,25 @@ class SampledTurn:
         Negative where the linkage is statically unstable.
         """
         return self._frozen[1]
+
+    @cached_property
+    def static_squares(self) -> FloatArray:
+        """Least square of a natural frequency at each crank angle, (N,) in (rad/s)^2.
+
+        Beyond rigid modes. It is negative where the linkage is statically unstable: where forces
+        follow, the least real eigenvalue of their unsymmetric stiffness counts.
+        """
+        if self.connected is None or self.connected.is_conservative:
+            return np.asarray(self.frozen_squares[:, self.rigid_modes])
+        modes, own = self.frozen_modes, self.connected.circulatory
+        squares = np.swapaxes(modes, 1, 2) @ (own @ modes)
+        every = np.arange(squares.shape[1])
+        squares[:, every, every] += self.frozen_squares
+        values = np.linalg.eigvals(squares).astype(complex)
+        order = np.argsort(np.abs(values), axis=1)[:, self.rigid_modes :]
+        values = np.take_along_axis(values, order, axis=1)
+        # Pairs of complex eigenvalues vibrate.
+        return np.asarray(np.where(np.imag(values) == 0, np.real(values), np.inf).min(axis=1))
 
     @property
     def frozen_modes(self) -> FloatArray:
@@ -248,13 +268,9 @@ class SampledTurn:
         still = RotationTerms.all_or_none(False)
         matrices = self.frames.assemble(self.motion, self.tangent, still)
         if self.connected is not None:
-            matrices = replace(matrices, stiffness=matrices.stiffness + self.connected)
+            potential = self.connected.potential
+            matrices = replace(matrices, stiffness=matrices.stiffness + potential)
         half = np.linalg.inv(np.linalg.cholesky(matrices.mass))
         across = np.swapaxes(half, 1, 2)
         squares, vectors = np.linalg.eigh(half @ matrices.stiffness @ across)
         return matrices.mass, squares, across @ vectors
-
-
-def _turns(topology: Topology) -> bool:
-    """Whether a link turns against another one or slides."""
-    return bool(topology.pins or topology.sliders)

@@ -13,7 +13,6 @@ from scipy.optimize import brentq
 from flexmech import (
     BeamSection,
     ExudynEngine,
-    InputError,
     Material,
     Mechanism,
     ReferenceEngine,
@@ -262,9 +261,3 @@ def test_floquet_modes_of_an_arm_with_a_spring_to_its_axis(prestress: str) -> No
     assert floquet == pytest.approx(frozen, rel=1e-6)
     free = natural_frequencies(ReferenceEngine(arm(), 4, "euler"), 0.3, 40.0, modes=1)
     assert frozen[0] < 0.9 * free[0]  # it presses the arm, along a line through its root
-
-
-def test_dampers_are_refused_where_they_are_not_counted() -> None:
-    spring = Spring("damped", TIP, LinkPoint(GROUND, 0.0, 0.5), 10.0, 0.2, damping=1.0)
-    with pytest.raises(InputError, match="does not count dampers of springs"):
-        stability(ReferenceEngine(arm(springs=(spring,)), 2), [10.0], modes=2)

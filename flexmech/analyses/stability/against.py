@@ -20,8 +20,9 @@ from flexmech.analyses.damping_ratios import (
 from flexmech.analyses.stability.dataset import NO, NO_EQUILIBRIUM, NOT_COMPUTED, YES
 from flexmech.analyses.stability.parallel import in_order
 from flexmech.analyses.stability.request import StabilityRequest
-from flexmech.analyses.stability.solver import LinkageSolver, step_error
+from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.speed_window import NODES
+from flexmech.analyses.stability.step_errors import step_error
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.analyses.stability.window_range import (
     joined_windows,

@@ -206,7 +206,7 @@ def met(
             centre, strength = _middle(solver, meeting, FAR**2 * least_ratio * for_ratio)
             ratio = strength / for_ratio
             hopeless = 0 if ratio > FAR * least_ratio else hopeless + 1
-            if ratio < least_ratio * (FAR if solver.is_damped else 1.0):
+            if ratio < least_ratio * (1.0 if solver.is_hamiltonian else FAR):
                 narrower += strength > 0
                 continue
             found.append(_sampled(solver, centre, strength / abs(meeting.slope)))
@@ -269,8 +269,8 @@ def _by_three_speeds(
 
 
 def _square(solver: LinkageSolver, meeting: Meeting, crank_speed: float) -> float:
-    """``((lambda_a - conj(lambda_b)) / 2)^2`` without damping at a crank speed."""
-    modes = solver.solve(solver.moving(crank_speed), damping=0.0)
+    """``((lambda_a - conj(lambda_b)) / 2)^2`` at a crank speed, by forces with a potential."""
+    modes = solver.solve(solver.moving(crank_speed).with_potential_alone(), damping=0.0)
     a, b = _places(modes, meeting.frequencies(crank_speed))
     apart = (modes.exponent[a].real - modes.exponent[b].real) / 2
     turn = modes.angle[a] - modes.angle[b]

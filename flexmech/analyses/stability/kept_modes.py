@@ -98,9 +98,14 @@ def kept_modes(linkage: VibratingLinkage, damping: float, steps: int) -> KeptMod
     KeptModes
     """
     found = floquet_modes(linkage.system(damping), steps)
-    states = found.shapes()
-    largest, shares = _largest_harmonic(states)
-    sampled = _about_harmonic(states[:: steps // SHAPE_ANGLES], largest, linkage)
+    if found.whole_turns is None:
+        states = found.shapes()
+        largest, shares = _largest_harmonic(states)
+        states = states[:: steps // SHAPE_ANGLES]
+    else:
+        states = found.shapes(steps // SHAPE_ANGLES)
+        largest, shares = _one_harmonic(found.whole_turns)
+    sampled = _about_harmonic(states, largest, linkage)
     kept = _within(linkage.lowest, sampled)
     rigid = _within(linkage.rigid, sampled)
     weighted = linkage.weighted @ sampled[..., kept]
@@ -165,6 +170,13 @@ def _largest_harmonic(states: NDArray[np.complex128]) -> tuple[IntArray, FloatAr
     shares = size[near, np.arange(count)] / size.sum(axis=0)
     number = np.where(place < steps / 2, place, place - steps)
     return number.astype(np.intp), shares
+
+
+def _one_harmonic(turns: FloatArray) -> tuple[IntArray, FloatArray]:
+    """As :func:`_largest_harmonic`, of shapes that are one harmonic each."""
+    shares = np.zeros((2 * HARMONICS + 1, len(turns)))
+    shares[HARMONICS] = 1.0
+    return turns.astype(np.intp), shares
 
 
 def _about_harmonic(

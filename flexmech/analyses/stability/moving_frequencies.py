@@ -13,7 +13,7 @@ import numpy as np
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.choices import Prestress
 from flexmech.errors import ComputationError
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, stressed_along_turn
 from flexmech.time_domain import SampledTurn
 from flexmech.types import FloatArray
 
@@ -73,7 +73,7 @@ def _frequencies(engine: Engine, speed: float, prestress: Prestress, modes: int)
     """Of the lowest modes at evenly spaced crank angles, (ANGLES, m)."""
     angle = 2 * np.pi / ANGLES * np.arange(ANGLES)
     motion = engine.mechanism.linkage.motion(angle, speed)
-    stressed = engine.stressed_links(motion, prestress)
+    stressed = stressed_along_turn(engine, motion, prestress)
     turn = SampledTurn.of(engine, motion, stressed, prestress, modes)
     squares = turn.frozen_squares[:, turn.rigid_modes :][:, :modes]
     return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi))

@@ -20,9 +20,9 @@ __all__ = ["SignedGrowth"]
 class SignedGrowth:
     """Positive where a vibration grows, negative where none does, zero at the edge of a band.
 
-    With damping it is the greatest growth rate in 1/s. Without, that is zero outside of bands;
-    but where modes a and b meet, ``((lambda_a - conj(lambda_b)) / 2)^2`` is the square of the
-    growth rate in the band, negative beside it, and smooth.
+    With damping or forces that follow it is the greatest growth rate in 1/s. Without, that is
+    zero outside of bands; but where modes a and b meet, ``((lambda_a - conj(lambda_b)) / 2)^2``
+    is the square of the growth rate in the band, negative beside it, and smooth.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ class SignedGrowth:
     def sample(self, crank_speed: float) -> Sample:
         """Measure and growth rate at a crank speed in rad/s."""
         moving = self.solver.moving(crank_speed)
-        if self.solver.is_damped:
+        if not self.solver.is_hamiltonian:
             growth = self.solver.growth_at(moving)
             return Sample(crank_speed, growth, growth)
         modes = self.solver.solve(moving)
@@ -46,7 +46,7 @@ class SignedGrowth:
 
     def at(self, moving: VibratingLinkage) -> float:
         """Measure of a linkage in its moving modes."""
-        if self.solver.is_damped:
+        if not self.solver.is_hamiltonian:
             return self.solver.growth_at(moving)
         return self._of(self.solver.solve(moving))
 
@@ -56,7 +56,7 @@ class SignedGrowth:
     def of_exponents(self, exponent: NDArray[np.complex128], period: float) -> float:
         """Measure of exponents (k,) in 1/s that are known, of a turn's time in s."""
         growth = float(exponent.real.max())
-        if self.solver.is_damped:
+        if not self.solver.is_hamiltonian:
             return growth
         if growth * period > GROWS:
             return growth**2

@@ -6,27 +6,26 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexmech.analyses.stability.exponents import wrapped
 from flexmech.analyses.stability.following import BranchShapes
-from flexmech.analyses.stability.kept_modes import KeptModes, kept_growth, kept_modes, matched
+from flexmech.analyses.stability.kept_modes import KeptModes, kept_growth, kept_modes
 from flexmech.analyses.stability.known_equilibria import KnownEquilibria
 from flexmech.analyses.stability.speed_window import SpeedWindow, chebyshev_nodes
+from flexmech.analyses.stability.step_errors import step_error
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
 from flexmech.choices import MapPrestress, MovingFrame
 from flexmech.errors import CRANK_SPEED, ComputationError
-from flexmech.linear_system import Engine, Prestress
+from flexmech.linear_system import Engine, Prestress, is_constant_turn, stressed_along_turn
 from flexmech.time_domain import (
     MovingModes,
     NonlinearOrbit,
     SampledTurn,
     counts_of_modes,
-    floquet_modes,
     moving_modes,
     nonlinear_orbit,
 )
 from flexmech.types import FloatArray
 
-__all__ = ["BY_REFINEMENT", "LinkageSolver", "SolvedSpeed", "step_error"]
+__all__ = ["BY_REFINEMENT", "LinkageSolver", "SolvedSpeed"]
 
 BY_REFINEMENT = 4 / 3
 """Error by the mesh over what half the element length changes: of second order, or less."""
@@ -53,9 +52,10 @@ class SolvedSpeed:
     modes : KeptModes
     step_error : ndarray, shape (k,)
         Change of the logarithm of each multiplier, modulus and angle together, when the steps
-        are halved in number.
+        are halved in number; of a constant system what round-off puts it off.
     krein_signature : ndarray, shape (k,)
-        Of the mode of the undamped linkage that is most like each of them.
+        Of the mode that is most like each of them, of the linkage without damping and without
+        forces that follow.
     moving_modes : int
         Number of moving modes.
     is_definite : bool
@@ -85,27 +85,6 @@ class _SampledState:
     orbit: NonlinearOrbit | None
 
 
-def step_error(moving: VibratingLinkage, modes: KeptModes, damping: float) -> FloatArray:
-    """Change of the logarithms of multipliers (k,) when the steps are halved in number.
-
-    Parameters
-    ----------
-    moving : VibratingLinkage
-    modes : KeptModes
-        Found with all steps.
-    damping : float
-        Factor on the damping, with which they were found.
-
-    Returns
-    -------
-    ndarray, shape (k,)
-    """
-    coarse = floquet_modes(moving.system(damping), modes.steps // 2)
-    log, other = modes.exponent * modes.period, coarse.exponent * coarse.period
-    gap = log - other[matched(log, other)]
-    return np.hypot(gap.real, wrapped(gap.imag))
-
-
 @dataclass(frozen=True)
 class LinkageSolver:
     """What it takes to solve for the Floquet modes at a crank speed.
@@ -117,7 +96,7 @@ class LinkageSolver:
     modes : int
         Number of natural modes whose Floquet modes are kept.
     damping : float
-        Factor on the damping of the engine's links.
+        Factor on the damping of the engine's links; that of connectors stays as it is.
     steps : int, optional
         A turn, a multiple of :data:`SHAPE_ANGLES`; chosen by the fastest mode where it is left
         out.
@@ -265,9 +244,10 @@ class LinkageSolver:
             samples = more[0] if more else self.samples[-1]
 
     @property
-    def is_damped(self) -> bool:
-        """Whether a link is damped."""
-        return self.damping > 0 and any(link.damping.any() for link in self.engine.links)
+    def is_hamiltonian(self) -> bool:
+        """Whether all forces have a potential: no link or connector is damped, no force follows."""
+        damped = self.damping > 0 and any(link.damping.any() for link in self.engine.links)
+        return not damped and self.engine.connectors.is_conservative
 
     def sampled_coarsely(self) -> LinkageSolver:
         """The same from few crank angles: enough to tell what another mesh changes."""
@@ -341,11 +321,11 @@ class LinkageSolver:
         )
 
     def _signature(self, moving: VibratingLinkage, modes: KeptModes) -> FloatArray:
-        """Krein signatures (k,) of the undamped linkage's modes, in the order of others."""
-        if not self.is_damped:
+        """Krein signatures (k,) of the Hamiltonian linkage's modes, in the order of others."""
+        if self.is_hamiltonian:
             return modes.signature
         # A sign asks for no more than half the steps.
-        undamped = self.with_half_the_steps(moving).solve(moving, 0.0)
+        undamped = self.with_half_the_steps(moving).solve(moving.with_potential_alone(), 0.0)
         shapes = BranchShapes(modes.shape.astype(np.complex64), modes.exponent.imag / (2 * np.pi))
         return undamped.signature[shapes.order_of(undamped)[0]]
 
@@ -359,12 +339,16 @@ class LinkageSolver:
         angle = 2 * np.pi / samples * order
         motion = self.engine.mechanism.linkage.motion(angle, crank_speed)
         orbit = None
+        if self.prestress != "trajectory" and is_constant_turn(self.engine, motion):
+            # All that is asked of a constant system besides its eigenvalues.
+            order = order[:: samples // SHAPE_ANGLES]
+            motion, samples = motion.at(order), len(order)
         if self.prestress == "trajectory":
             orbit = nonlinear_orbit(self._moving_engine, crank_speed, samples)
             stressed = self.engine.running_links(motion, [q[order] for q in orbit.displacement])
         else:
             near = None if self.known is None else self.known.near(crank_speed, samples)
-            stressed = self.engine.stressed_links(motion, self.prestress, near)
+            stressed = stressed_along_turn(self.engine, motion, self.prestress, near)
             if self.known is not None:
                 self.known.add(crank_speed, stressed.displacement)
         turn = SampledTurn.of(self.engine, motion, stressed, self.quasi_static, self.modes, fastest)

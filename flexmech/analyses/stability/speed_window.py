@@ -56,6 +56,7 @@ class SpeedWindow:
             crank_speed=crank_speed,
             conservative=_sum([node.conservative for node in self.nodes], weights),
             dissipative=_sum([node.dissipative for node in self.nodes], weights),
+            attached=_sum([node.attached for node in self.nodes], weights),
         )
 
     @property

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,7 +26,9 @@ class VibratingLinkage:
     scale : ndarray, shape (m,)
         See :class:`flexmech.time_domain.MovingModes`.
     conservative, dissipative : FourierSeries
-        Of the system's matrix (2 m, 2 m), and of what damping adds to it.
+        Of the system's matrix (2 m, 2 m), and of what damping of links adds to it.
+    attached : FourierSeries
+        What dampers of springs and joints and forces that follow add to it.
     weighted : ndarray, shape (SHAPE_ANGLES, N, m)
         From y to the coordinates of all unreduced links, weighted by their mass.
     lowest : ndarray, shape (SHAPE_ANGLES, modes, m)
@@ -48,6 +50,7 @@ class VibratingLinkage:
     scale: FloatArray
     conservative: FourierSeries
     dissipative: FourierSeries
+    attached: FourierSeries
     weighted: FloatArray
     lowest: FloatArray
     rigid: FloatArray
@@ -83,19 +86,20 @@ class VibratingLinkage:
         first = turn.rigid_modes
         natural = np.swapaxes(turn.frozen_modes[some, :, : first + modes], 1, 2)
         amplitude = natural @ turn.mass[some] @ basis
-        least = int(squares[:, first].argmin())
+        least = int(turn.static_squares.argmin())
         # A constant system is solved exactly, whatever else moves in it.
-        counted = moving.size if turn.turns_pins else min(first + modes, moving.size)
+        counted = min(first + modes, moving.size) if turn.is_constant else moving.size
         return cls(
             crank_speed=turn.crank_speed,
             scale=moving.scale,
             conservative=moving.conservative,
             dissipative=moving.dissipative,
+            attached=moving.attached,
             weighted=np.concatenate(weighted, axis=1),
             lowest=amplitude[:, first:],
             rigid=amplitude[:, :first],
-            fastest=float(np.sqrt(squares[:, counted - 1].max())),
-            least_square=float(squares[least, first]),
+            fastest=float(np.sqrt(max(squares[:, counted - 1].max(), 0.0))),
+            least_square=float(turn.static_squares[least]),
             least_angle=float(turn.motion.crank_angle[least]),
             is_definite=moving.is_definite,
         )
@@ -111,5 +115,10 @@ class VibratingLinkage:
         return 2 * np.pi / abs(self.crank_speed)
 
     def system(self, damping: float) -> SampledPeriodicSystem:
-        """Periodic system with the damping times a factor; 0 leaves it out."""
-        return SampledPeriodicSystem(self.conservative.plus(self.dissipative, damping), self.period)
+        """Periodic system with the damping of links times a factor; 0 leaves it out."""
+        matrix = self.conservative.plus(self.attached, 1.0).plus(self.dissipative, damping)
+        return SampledPeriodicSystem(matrix, self.period)
+
+    def with_potential_alone(self) -> VibratingLinkage:
+        """The linkage without dampers of springs and joints and without forces that follow."""
+        return replace(self, attached=FourierSeries(np.zeros_like(self.attached.coefficients)))
