@@ -127,11 +127,13 @@ class EngineLinks(ElementKinds):
         shaft = self._free_shaft
         if shaft is None:
             return held
-        reaction = None
-        if shaft.has_lever and not self._is_straight(motion, prestress):
-            assert held.loads is not None
-            reaction = shaft.reaction(self.held_links, motion, held.loads)
-        return shaft.stressed(self.held_links, held, reaction)
+        reaction = pull = None
+        if not self._is_straight(motion, prestress):
+            pull = shaft.pull(self.mechanism, motion)
+            if shaft.has_lever:
+                assert held.loads is not None
+                reaction = shaft.reaction(self.held_links, motion, held.loads)
+        return shaft.stressed(self.held_links, held, reaction, pull)
 
     @abstractmethod
     def stressed_held_links(
@@ -270,7 +272,9 @@ class EngineLinks(ElementKinds):
             return self.running_held_links(motion, displacement)
         clamped = shaft.displacements(self.held_links, list(displacement))
         held = self.running_held_links(motion, clamped)
-        return replace(shaft.stressed(self.held_links, held), displacement=list(displacement))
+        pull = shaft.pull(self.mechanism, motion)
+        free = shaft.stressed(self.held_links, held, pull=pull)
+        return replace(free, displacement=list(displacement))
 
     def running_held_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]

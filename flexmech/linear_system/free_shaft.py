@@ -164,11 +164,48 @@ class FreeShaft:
             total -= along[:, None] * direction(turn) + across[:, None] * normal(turn)
         return total
 
+    def pull(self, mechanism: Mechanism, motion: RigidMotion) -> FloatArray | None:
+        """What flexible links that a rigid clamped one leads add to its stiffness against a turn.
+
+        They pull with the forces of the rigid linkage. Where the shaft is held these are no
+        springs of the clamped link, as its far end does not move; where it is free that end
+        moves on a circle. A flexible clamped link has them in its tension.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+        motion : RigidMotion
+            Batch of shape (B,).
+
+        Returns
+        -------
+        ndarray, shape (B,), or None
+            In N m/rad; None where there are none.
+        """
+        topology = mechanism.linkage.topology
+        own = topology.links[self.link]
+        led = [
+            tie
+            for tie in topology.ties
+            if tie.leader.link == own.name
+            and not topology.links[topology.index(tie.follower.link)].rigid
+        ]
+        if not own.rigid or not led:
+            return None
+        forces = mechanism.inverse_dynamics(motion).joint_force
+        total = np.zeros(len(motion.crank_angle))
+        along = direction(motion.angle[:, self.link])
+        for tie in led:
+            side = (tie.leader.end == "end") - (self.clamp.held.end == "end")
+            total -= side * own.length * np.sum(forces[tie.joint] * along, axis=1)
+        return total
+
     def stressed(
         self,
         links: tuple[LinkModel, ...],
         stressed: StressedLinks,
         reaction: FloatArray | None = None,
+        pull: FloatArray | None = None,
     ) -> StressedLinks:
         """Stressed links with the clamped one released.
 
@@ -181,12 +218,15 @@ class FreeShaft:
         reaction : ndarray, shape (B, 2), optional
             Force of the clamp in that state. On a hub it is a spring against the shaft's
             rotation, as the clamped end moves on a circle.
+        pull : ndarray, shape (B,), optional
+            Stiffness against it by links that the clamped one leads; see :meth:`pull`.
 
         Returns
         -------
         StressedLinks
         """
         basis = self.basis(links[self.link])
+        turned = int(links[self.link].end_rotation_of(self.clamp.held.end)[0])
         tangent, force, damping = (
             None if values is None else list(values)
             for values in (stressed.tangent, stressed.internal_force, stressed.damping)
@@ -194,9 +234,11 @@ class FreeShaft:
         assert tangent is not None
         own = basis.T @ tangent[self.link] @ basis
         if reaction is not None:
-            turned = int(links[self.link].end_rotation_of(self.clamp.held.end)[0])
             own = np.array(np.broadcast_to(own, (len(reaction), *basis.shape)))
             own[:, turned, turned] -= reaction @ np.array(self.lever)
+        if pull is not None:
+            own = np.array(np.broadcast_to(own, (len(pull), *basis.shape)))
+            own[:, turned, turned] += pull
         tangent[self.link] = own
         if force is not None:
             force[self.link] = force[self.link] @ basis

@@ -29,12 +29,12 @@ from flexmech.linear_system import (
     Prestress,
     RotationTerms,
     SystemMatrices,
-    condense,
     inertia_loads,
 )
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.driven_connectors import DrivenConnectors
-from flexmech.time_domain.equations import Equations, Following
+from flexmech.time_domain.driven_shaft import DrivenShaft
+from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.link_stress import LinkStress
 from flexmech.time_domain.linkage_stretch import LinkageStretch
 from flexmech.time_domain.reduced_links import DETAIL, prestressed_links, stretching_links
@@ -81,6 +81,8 @@ class DrivenLinkage:
         Loads and springs.
     stretch : LinkageStretch or None
         What comes on top of the linear equations.
+    shaft : DrivenShaft or None
+        A shaft that is free.
     """
 
     def __init__(
@@ -94,7 +96,6 @@ class DrivenLinkage:
         with_energy: bool = True,
         stretches: bool = False,
     ) -> None:
-        engine.require_prescribed_shaft("a run of linear equations")
         self.engine = engine
         self.drive = drive
         self.prestress = prestress
@@ -109,6 +110,7 @@ class DrivenLinkage:
         self._condensed = np.zeros(self.frames.size, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.follows, strict=True):
             self._condensed[target[condensed]] = True
+        self.shaft = DrivenShaft.of(engine, drive, self.frames, self.links, self.bases)
         moving_bodies = bool(self.frames.rigid.size)
         level: Prestress = prestress
         if stretches:
@@ -131,6 +133,13 @@ class DrivenLinkage:
     def size(self) -> int:
         """Number of independent coordinates."""
         return int(np.sum(~self._condensed))
+
+    @property
+    def shaft_coordinates(self) -> list[int]:
+        """The independent coordinate that is a free shaft's rotation; none where it is not."""
+        if self.shaft is None:
+            return []
+        return [int(np.sum(~self._condensed[: self.shaft.column]))]
 
     @property
     def is_condensed(self) -> bool:
@@ -175,11 +184,12 @@ class DrivenLinkage:
         if load is None:
             force = self._force(motion, stress)
             if self.connectors.any:
-                force = force + self.connectors.force(motion, time, tables=tables)
+                pushed = self.connectors.force(motion, time, tables=tables)
+                force = force + self._with_torque(motion, pushed)
         else:
             force = self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load])
         matrices = self._matrices(time, motion, stress, still=still)
-        return self._condense(motion, matrices, force)
+        return Equations.condensed(motion, matrices, force, self._condensed)
 
     def unit_equations(self, time: FloatArray) -> list[Equations]:
         """Equations of motion under a unit of each load with a table in place of all forces.
@@ -198,7 +208,10 @@ class DrivenLinkage:
         motion = self.motion(time)
         matrices = self._matrices(time, motion, self._stress.at(time))
         units = self.connectors.unit_forces(motion)
-        return [self._condense(motion, matrices, force) for force in units]
+        return [
+            Equations.condensed(motion, matrices, self._with_torque(motion, force), self._condensed)
+            for force in units
+        ]
 
     def _matrices(
         self,
@@ -220,30 +233,6 @@ class DrivenLinkage:
         if self.connectors.any:
             return self.connectors.added(motion, matrices, terms, time)
         return matrices
-
-    def _condense(
-        self, motion: RigidMotion, matrices: SystemMatrices, force: FloatArray
-    ) -> Equations:
-        """Equations of what does not follow statically."""
-        gone, kept = np.flatnonzero(self._condensed), np.flatnonzero(~self._condensed)
-        following = Following.of_all(self.frames.size)
-        if self.is_condensed:
-            offset = np.zeros_like(force)
-            hold = matrices.stiffness[:, gone[:, None], gone]
-            offset[:, gone] = np.linalg.solve(hold, force[:, gone, None])[..., 0]
-            matrices, expansion = condense(matrices, self._condensed)
-            force = force[:, kept] + np.einsum(
-                "mgk,mg->mk", expansion[:, gone[:, None], np.arange(len(kept))], force[:, gone]
-            )
-            following = Following(expansion, offset)
-        return Equations(
-            motion,
-            matrices.mass,
-            matrices.damping,
-            matrices.stiffness,
-            force,
-            following,
-        )
 
     def standing(self, time: FloatArray) -> Equations:
         """Equations at times of shape (m,) of which the quasi-static state is wanted.
@@ -369,6 +358,7 @@ class DrivenLinkage:
         equations = self.standing(np.array([time]))
         turns = self.stretch.pin_turns(equations.motion)
         moved = np.flatnonzero(self._axial()) if axial_only else np.arange(self.size)
+        moved = np.setdiff1d(moved, self.shaft_coordinates)
         stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
         for _ in range(MOST_PASSES):
             pulled, tangent = self.stretch.still(turns, z)
@@ -392,7 +382,11 @@ class DrivenLinkage:
         return axial
 
     def _force(self, motion: RigidMotion, stress: list[LinkStress]) -> FloatArray:
-        parts = [-s.prestress for s in stress]
-        if self._stress.tells_forces:
-            parts = [p + load for p, load in zip(parts, self.loads(motion), strict=True)]
-        return self.frames.gather(motion, parts)
+        force = self.frames.gather(motion, [-s.prestress for s in stress])
+        if not self._stress.tells_forces:
+            return force
+        return force + self._with_torque(motion, self.frames.gather(motion, self.loads(motion)))
+
+    def _with_torque(self, motion: RigidMotion, force: FloatArray) -> FloatArray:
+        """Forces (m, size) of the frames, and the torque of a free shaft that balances them."""
+        return force if self.shaft is None else self.shaft.with_torque(motion, force)

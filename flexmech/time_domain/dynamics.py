@@ -114,7 +114,7 @@ class LinkageDynamics:
             strain = strain + acting.work.stored
             dissipated = dissipated + acting.work.dissipation
             prestress = prestress + acting.work.power
-        return StepBlock(
+        block = StepBlock(
             time=time,
             crank_speed=motion.crank_speed,
             displacement=[q for q, _, _ in elastic],
@@ -127,6 +127,9 @@ class LinkageDynamics:
             dissipation_power=dissipated,
             prestress_power=prestress,
         )
+        if linkage.shaft is None:
+            return block
+        return linkage.shaft.carried(block, motion, *coordinates[:2])
 
     def _acting(
         self,

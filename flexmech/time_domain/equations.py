@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
+from flexmech.linear_system import SystemMatrices, condense
 from flexmech.linkages import RigidMotion
 from flexmech.time_domain.state import VibrationState
 from flexmech.types import FloatArray
@@ -76,6 +79,56 @@ class Equations:
     force: FloatArray
     following: Following
 
-    def quasi_static(self) -> FloatArray:
-        """Displacement z that the loads would cause if nothing moved, (m, n)."""
-        return np.asarray(np.linalg.solve(self.stiffness, self.force[..., None])[..., 0])
+    @classmethod
+    def condensed(
+        cls,
+        motion: RigidMotion,
+        matrices: SystemMatrices,
+        force: FloatArray,
+        follows: NDArray[np.bool_],
+    ) -> Self:
+        """Equations of those coordinates that do not follow the others statically.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (m,).
+        matrices : SystemMatrices
+            Of all coordinates of the frames.
+        force : ndarray, shape (m, size)
+        follows : ndarray of bool, shape (size,)
+
+        Returns
+        -------
+        Equations
+        """
+        gone, kept = np.flatnonzero(follows), np.flatnonzero(~follows)
+        following = Following.of_all(len(follows))
+        if len(gone):
+            offset = np.zeros_like(force)
+            hold = matrices.stiffness[:, gone[:, None], gone]
+            offset[:, gone] = np.linalg.solve(hold, force[:, gone, None])[..., 0]
+            matrices, expansion = condense(matrices, follows)
+            force = force[:, kept] + np.einsum(
+                "mgk,mg->mk", expansion[:, gone[:, None], np.arange(len(kept))], force[:, gone]
+            )
+            following = Following(expansion, offset)
+        return cls(motion, matrices.mass, matrices.damping, matrices.stiffness, force, following)
+
+    def quasi_static(self, held: Sequence[int] = ()) -> FloatArray:
+        """Displacement z that the loads would cause if nothing moved, (m, n).
+
+        Parameters
+        ----------
+        held : sequence of int
+            Coordinates that stay where they are.
+
+        Returns
+        -------
+        ndarray, shape (m, n)
+        """
+        moved = np.setdiff1d(np.arange(self.force.shape[1]), held)
+        position = np.zeros_like(self.force)
+        stiffness = self.stiffness[:, moved[:, None], moved]
+        position[:, moved] = np.linalg.solve(stiffness, self.force[:, moved, None])[..., 0]
+        return position

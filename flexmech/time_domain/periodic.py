@@ -156,6 +156,7 @@ def _all_motions(
     InputError
         If the crank speed is not constant, or loads do not repeat themselves with the turn.
     """
+    linkage.engine.require_prescribed_shaft("a periodic motion")
     if not linkage.drive.is_constant:
         raise InputError("a periodic motion needs a constant crank speed: leave out the run-up")
     linkage.connectors.require_periodic()

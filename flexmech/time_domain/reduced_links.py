@@ -74,6 +74,8 @@ def is_reduced(engine: Engine) -> bool:
     Those of links that are bent without load are not: modes of straight links do not show
     the ends of a deep bow approach each other (2 % of the deflections of a coupler of
     280 mm that is bowed by 8 mm, of which doubling the detail tells a tenth).
+    Nor are those that a free shaft turns as one body: see
+    :attr:`flexmech.linear_system.Engine.turns_as_one_body`.
 
     Parameters
     ----------
@@ -83,12 +85,19 @@ def is_reduced(engine: Engine) -> bool:
     -------
     bool
     """
+    if engine.shaft == "free" and engine.turns_as_one_body:
+        return False
     return engine.component_modes and not engine.mechanism.is_free_strained
 
 
 def can_stretch(engine: Engine) -> bool:
-    """Whether an engine tells how its links stretch by the square of their slopes."""
-    return engine.stretches is not None
+    """Whether an engine tells how its links stretch by the square of their slopes.
+
+    What turns with a free shaft must be stiffened by what pulls at it, which rigid links do not
+    tell by a stretch.
+    """
+    rigid = any(link.rigid for link in engine.mechanism.linkage.topology.links)
+    return engine.stretches is not None and not (rigid and engine.shaft == "free")
 
 
 def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:

@@ -38,7 +38,7 @@ class StruckLinkage:
     Raises
     ------
     InputError
-        If the linkage has no such link.
+        If the linkage has no such link, or its shaft is free.
     """
 
     def __init__(
@@ -49,6 +49,7 @@ class StruckLinkage:
         seen: LinkPoint,
         direction: LinkDirection,
     ) -> None:
+        linkage.engine.require_prescribed_shaft("a run with impacts")
         self._linkage, self._step = linkage, step
         topology = linkage.frames.topology
         struck, self._place = hit.index(topology), seen.index(topology)

@@ -21,6 +21,9 @@ __all__ = [
     "probes",
 ]
 
+NO_DEFLECTION = 1e-12
+"""Part of the links' lengths below which deflections are the round-off of none at all."""
+
 
 def probes(engine: Engine) -> list[str]:
     """Where each link's deflection is read: the ``tip`` of a clamped link, else the ``middle``."""

@@ -78,7 +78,8 @@ def engines_in_state(
     ------
     InputError
         If the linkage locks in the course of a turn, no engine is given, links that bend
-        without load are to start straight, or a free shaft is to start on a periodic motion.
+        without load are to start straight, or a free shaft is to start on a periodic motion or
+        to run by linear equations without prestress.
     """
     chosen = engines_of(engines, request.modes)
     lines = environment_lines(chosen[0].mechanism, environment)
@@ -89,6 +90,13 @@ def engines_in_state(
         chosen = [engine.with_(shaft=request.shaft) for engine in chosen]
     if request.start == "periodic" and any(engine.shaft == "free" for engine in chosen):
         raise InputError(NO_PERIODIC_START)
+    linear = [engine.name for engine in chosen if not engine.simulates]
+    if linear and chosen[0].shaft == "free" and request.prestress == "none":
+        raise InputError(
+            f"a free shaft needs the tension of the links in the {linear[0]} engine's run: without "
+            "it a turn of the shaft would meet the centrifugal potential of straight links; use "
+            "prestress axial or equilibrium"
+        )
     mechanism = chosen[0].mechanism
     if request.start == "rigid" and mechanism.is_free_strained:
         raise InputError(

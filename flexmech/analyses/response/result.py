@@ -14,6 +14,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
 from flexmech.analyses.response import words
+from flexmech.analyses.response.measurements import NO_DEFLECTION
 from flexmech.analyses.response.stored import needed
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
@@ -95,7 +96,8 @@ class Response(Result):
             return None
         first, second = (deflection.isel(engine=i, drop=True) for i in (0, 1))
         peak = abs(second).max("time")
-        return (abs(first - second).max("time") / peak).where(peak > 0, 0.0)
+        nothing = NO_DEFLECTION * float(self.dataset["length"].sum())
+        return (abs(first - second).max("time") / peak).where(peak > nothing, 0.0)
 
     def force_agreement(self) -> xr.Dataset | None:
         """Greatest differences of two engines' joint forces and driving torque, over the peak.

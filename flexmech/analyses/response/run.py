@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from flexmech.analyses.response.measurements import deflections
+from flexmech.analyses.response.measurements import NO_DEFLECTION, deflections
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start, simulation_start
 from flexmech.errors import ComputationError
@@ -37,8 +37,6 @@ STEPS_PER_PERIOD = 40
 # halved until the estimated error of the deflections is below this part of their peak.
 STEP_TOLERANCE = 2e-2
 MOST_HALVINGS = 5
-# Deflections below this part of the links' lengths are the round-off of none at all.
-NO_DEFLECTION = 1e-12
 # Forces below this part of the greatest are the round-off of none.
 NO_FORCE = 1e-9
 

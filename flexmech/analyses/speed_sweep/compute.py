@@ -157,6 +157,7 @@ def vibrating_linkage(
         If there is no equilibrium.
     """
     drive = CrankDrive(speed)
+    engine.require_prescribed_shaft("a speed sweep")
     return DrivenLinkage(engine, drive, prestress, modes=modes, detail=DETAIL, with_energy=False)
 
 

@@ -1,0 +1,57 @@
+"""A shaft that is free in time: linear equations in its rotation beside Exudyn's simulation."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from flexmech import (
+    CrankDrive,
+    ExudynEngine,
+    ReferenceEngine,
+    Response,
+    ResponseRequest,
+    load_mechanism,
+    response,
+)
+
+
+def both(model: str, shaft_inertia: float, elements: int, request: ResponseRequest) -> Response:
+    mechanism = replace(load_mechanism(f"models/{model}.toml"), shaft_inertia=shaft_inertia)
+    engines = [ReferenceEngine(mechanism, elements, "euler")]
+    return response([*engines, ExudynEngine(mechanism, elements, "ancf")], request)
+
+
+def apart(run: Response, name: str) -> float:
+    """Greatest difference over the peak of the second engine."""
+    first, second = (run.dataset[name].isel(engine=i, drop=True) for i in (0, 1))
+    return float(abs(first - second).max() / abs(second).max())
+
+
+def test_a_four_bar_with_a_flywheel() -> None:
+    """The rotation by second-order effects that linear equations lack, which add up."""
+    request = ResponseRequest(CrankDrive(20.0), revolutions=0.25, step=1e-4, shaft="free")
+    run = both("aluminium_fourbar", 1e-2, 4, request)
+    agreement = run.agreement()
+    assert agreement is not None
+    assert float(agreement.max()) < 5e-3
+    assert apart(run, "crank_speed_fluctuation") < 1e-2
+    assert apart(run, "shaft_rotation") < 3e-2
+    assert apart(run, "displacement") < 5e-3
+    assert "shaft: free" in str(run.summary())
+
+
+@pytest.mark.parametrize(
+    "start", ["rigid", pytest.param("equilibrium", marks=pytest.mark.thorough)]
+)
+def test_a_slider_crank_whose_rod_bows_by_a_twentieth_of_its_length(start: str) -> None:
+    """Half a turn, in which the shaft leaves its prescribed angle by almost 5 degrees."""
+    request = ResponseRequest(CrankDrive(6.0), 0.5, start=start, step=2e-3, modes=2, shaft="free")
+    run = both("slider_crank_free_shaft", 0.0, 8, request)
+    agreement, peak = run.agreement(), run.dataset["peak_shaft_rotation"]
+    assert agreement is not None
+    assert float(agreement.sel(link="rod")) < 1.5e-2
+    assert (peak > 0.07).all()
+    assert apart(run, "shaft_rotation") < 4e-2
+    assert apart(run, "crank_speed_fluctuation") < 8e-2
