@@ -130,9 +130,7 @@ class EngineLinks(ElementKinds):
         reaction = pull = None
         if not self._is_straight(motion, prestress):
             pull = shaft.pull(self.mechanism, motion)
-            if shaft.has_lever:
-                assert held.loads is not None
-                reaction = shaft.reaction(self.held_links, motion, held.loads)
+            reaction = shaft.reaction(self.held_links, motion, held.loads)
         return shaft.stressed(self.held_links, held, reaction, pull)
 
     @abstractmethod
@@ -272,8 +270,7 @@ class EngineLinks(ElementKinds):
             return self.running_held_links(motion, displacement)
         clamped = shaft.displacements(self.held_links, list(displacement))
         held = self.running_held_links(motion, clamped)
-        pull = shaft.pull(self.mechanism, motion)
-        free = shaft.stressed(self.held_links, held, pull=pull)
+        free = shaft.stressed(self.held_links, held, pull=shaft.pull(self.mechanism, motion))
         return replace(free, displacement=list(displacement))
 
     def running_held_links(

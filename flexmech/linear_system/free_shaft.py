@@ -141,8 +141,8 @@ class FreeShaft:
         return basis
 
     def reaction(
-        self, links: tuple[LinkModel, ...], motion: RigidMotion, loads: list[FloatArray]
-    ) -> FloatArray:
+        self, links: tuple[LinkModel, ...], motion: RigidMotion, loads: list[FloatArray] | None
+    ) -> FloatArray | None:
         """Force of the clamp on links that turn as one body, in the clamped link's frame.
 
         Parameters
@@ -151,12 +151,17 @@ class FreeShaft:
             Unreduced and clamped.
         motion : RigidMotion
             Batch of shape (B,).
-        loads : list of ndarray, shape (B, n_link)
+        loads : list of ndarray, shape (B, n_link), optional
+            Told in states under load.
 
         Returns
         -------
-        ndarray, shape (B, 2)
+        ndarray, shape (B, 2), or None
+            None where the clamped end is on the shaft's axis.
         """
+        if not self.has_lever:
+            return None
+        assert loads is not None
         total = np.zeros((len(motion.crank_angle), 2))
         for number, (link, load) in enumerate(zip(links, loads, strict=True)):
             turn = motion.angle[:, number] - motion.angle[:, self.link]
