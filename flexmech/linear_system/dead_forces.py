@@ -88,6 +88,7 @@ class DeadForces:
         for link in self.rigid:
             turn = posed.pose.displaced.turn[:, link]
             turned = np.cos(turn) * self.moment[:, link] - np.sin(turn) * self.virial[:, link]
+            turned -= inner[link][:, 2]
             forces[link] = np.column_stack([forces[link][:, :2], turned])
         return forces
 

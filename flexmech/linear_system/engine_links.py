@@ -56,17 +56,15 @@ class EngineLinks(ElementKinds):
 
     @cached_property
     def tied_topology(self) -> Topology:
-        """Links and connections of equilibria: joints with radial springs hold as rigid ones do.
+        """Links and connections where forces in straight links are sought: all joints hold."""
+        return self.mechanism.linkage.topology.with_sprung(())
 
-        What such a spring gives way by under the joint's force is small against the links'
-        displacements, and left out of the state that a linear system is about.
-        """
-        topology = self.mechanism.linkage.topology
-        return replace(
-            topology,
-            pins=tuple(replace(pin, sprung=False) for pin in topology.pins),
-            pivots=tuple(replace(pivot, sprung=False) for pivot in topology.pivots),
-        )
+    @cached_property
+    def equilibrium_topology(self) -> Topology:
+        """Links and connections of equilibria: joints with radial springs come apart."""
+        springs = self.mechanism.joint_springs
+        held = [own.joint for own in springs if own.radial_stiffness]
+        return self.mechanism.linkage.topology.with_sprung(held)
 
     @cached_property
     def links(self) -> tuple[LinkModel, ...]:
@@ -215,7 +213,7 @@ class EngineLinks(ElementKinds):
         connectors = self.held_connectors
         if carried is None and (self.solves_connectors or not connectors.any):
             return BalancedLoads(loads, None)
-        frames = LinkFrames(self.tied_topology, self.held_links)
+        frames = LinkFrames(self.equilibrium_topology, self.held_links)
 
         def tangents(displacement: list[FloatArray]) -> list[FloatArray]:
             return self.running_held_links(motion, displacement).tangent

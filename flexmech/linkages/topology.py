@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from flexmech.errors import InputError
@@ -237,6 +237,17 @@ class Topology:
     def leader_of(self, place: LinkEnd) -> LinkEnd:
         """Follow pins and welds from a link end to the end that carries its displacement."""
         return leading_end(place, self.ties)
+
+    def with_sprung(self, joints: Collection[str]) -> Topology:
+        """The same, with springs alone holding no more than those of its sprung joints.
+
+        Parameters
+        ----------
+        joints : collection of str
+        """
+        pins = (replace(pin, sprung=pin.sprung and pin.joint in joints) for pin in self.pins)
+        pivots = (replace(own, sprung=own.sprung and own.joint in joints) for own in self.pivots)
+        return replace(self, pins=tuple(pins), pivots=tuple(pivots))
 
     @property
     def pinned_ends(self) -> dict[str, tuple[LinkEnd, LinkEnd | None]]:

@@ -117,7 +117,27 @@ class StaticConnectors:
             pull += assembly.mbs.GetObjectParameter(each.number, "force")
             add(spring.first, pull * along)
             add(spring.second, -pull * along)
+        for joint in self._all.joints:
+            force = self._radial_force(joint, state)
+            for end, sign in ((joint.follower, 1.0), (joint.leader, -1.0)):
+                if end is not None and joint.radial is not None:
+                    link = assembly.topology.links[assembly.topology.index(end.link)]
+                    x = 0.0 if end.end == "start" else link.length
+                    add(LinkPoint(end.link, x), sign * force)
         return total
+
+    def _radial_force(self, item: JointSpringItem, state: FloatArray) -> FloatArray:
+        """Force of a joint's radial spring on the following end in the model's axes, (2,)."""
+        if item.radial is None:
+            return np.zeros(2)
+        assembly = self._all.assembly
+        place = assembly.part_of(item.follower).end_place(item.follower.end, state)
+        if item.leader is not None:
+            before = assembly.part_of(item.leader).end_place(item.leader.end, state)
+        else:
+            ground = assembly.mbs.GetObjectParameter(item.ground, "referencePosition")
+            before = np.array(ground)[:2]
+        return -(item.spring.radial_stiffness or 0.0) * np.asarray(place - before)
 
     def _line(self, item: SpringItem) -> tuple[FloatArray, float]:
         """Direction from the first to the second end in the model's axes, and length in m."""

@@ -132,12 +132,20 @@ class ReferenceEngine(Engine):
         return [link.readings.nodes for link in self.held_links]
 
     @cached_property
+    def _tied_frames(self) -> LinkFrames:
+        """Frames of links whose sprung joints hold as rigid ones do."""
+        if self.tied_topology == self.equilibrium_topology:
+            return self.equilibrium.frames
+        return LinkFrames(self.tied_topology, self.held_links)
+
+    @cached_property
     def equilibrium(self) -> Equilibrium:
         """Solver for the quasi-static equilibrium on this mesh."""
-        frames = LinkFrames(self.tied_topology, self.held_links)
+        frames = LinkFrames(self.equilibrium_topology, self.held_links)
         return Equilibrium(
             frames,
             {n: chain.elements for n, chain in self.chains.items()},
+            self.mechanism.joint_springs,
             stable_alone=not self.connectors.depend_on_displacement,
         )
 
@@ -222,7 +230,7 @@ class ReferenceEngine(Engine):
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links in tension."""
-        frames = self.equilibrium.frames
+        frames = self._tied_frames
         loads = self._straight_loads(motion)
         straight = straight_forces(
             self.mechanism, frames, motion, loads, self._lumped, self.held_connectors
@@ -249,7 +257,7 @@ class ReferenceEngine(Engine):
         A corotational element knows its mean tension by itself; what inertia forces add
         inside it is the varying part.
         """
-        if ties_beyond_pins(self.equilibrium.frames):
+        if ties_beyond_pins(self._tied_frames):
             # What the joints carry changes the mean alone.
             nothing, gravity = np.zeros((*motion.angle.shape, 2)), self.mechanism.gravity
             forces = LinkForces(

@@ -14,7 +14,8 @@ which the step's own linear equations lead, as if tension were an unknown beside
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,10 +29,10 @@ from flexmech.linear_system import (
     refuse_positions,
 )
 from flexmech.linear_system.dead_forces import DeadForces
-from flexmech.linkages import RigidMotion
+from flexmech.linkages import JointSpring, RigidMotion
 from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements, LinearStrain
-from flexmech.reference.linkage_tangents import LinkageTangents, TangentEntries
+from flexmech.reference.linkage_tangents import LinkageTangents, TangentEntries, turned_by
 from flexmech.reference.newton_state import Imbalance, Problem, State
 from flexmech.reference.nodal_chains import (
     chain_matrix,
@@ -39,6 +40,7 @@ from flexmech.reference.nodal_chains import (
     node_forces,
     relative_coordinates,
 )
+from flexmech.reference.radial_springs import RadialSprings
 from flexmech.reference.turning_element import Ties
 from flexmech.types import FloatArray
 
@@ -68,22 +70,30 @@ class Equilibrium:
         Of the unreduced links.
     links : mapping of int to BeamElements
         Of each flexible link by its number, all of one kind.
+    springs : sequence of JointSpring
+        Of which the radial ones hold joints together that tie nothing in the frames.
     stable_alone : bool
         Whether links that are unstable without springs and turning forces are refused.
     """
 
     def __init__(
-        self, frames: LinkFrames, links: Mapping[int, BeamElements], *, stable_alone: bool = True
+        self,
+        frames: LinkFrames,
+        links: Mapping[int, BeamElements],
+        springs: Sequence[JointSpring] = (),
+        *,
+        stable_alone: bool = True,
     ) -> None:
         self._stable_alone = stable_alone
         self.frames = frames
         self._links = {n: CorotationalElements(elements) for n, elements in links.items()}
         self._per_node = next(iter(links.values())).shapes.per_node
-        self._tangents = LinkageTangents(frames, self._links)
+        self._springs = RadialSprings(frames, springs)
+        self._tangents = LinkageTangents(frames, self._links, self._springs.columns)
         self._force_scale = min(
             e.section.bending_stiffness / float(e.length.sum()) ** 2 for e in links.values()
         )
-        self._turned_by = _turns(frames, links)[:, None]
+        self._turned_by = turned_by(frames, links)[:, None]
 
     def solve(
         self,
@@ -133,6 +143,7 @@ class Equilibrium:
             if self._tangents.ties_move
             else None,
             bodies,
+            sprung=motion if self._springs.columns else None,
         )
         state = State.unloaded(*problem.outer.shape)
         if near is not None:
@@ -179,7 +190,11 @@ class Equilibrium:
         PoseStiffness
         """
         posed = self.frames.posed_by(motion, displacement)
-        return DeadForces.of(self.frames.links, motion, loads, virial).stiffness(posed, force)
+        inner = [each.T.copy() for each in force]
+        turning = self._springs.resist(motion, [q.T for q in displacement], inner)
+        dead = DeadForces.of(self.frames.links, motion, loads, virial)
+        found = dead.stiffness(posed, [each.T for each in inner])
+        return replace(found, turning=found.turning + turning)
 
     def _ties(self, z: FloatArray, problem: Problem) -> Ties:
         """Ties of the linkage displaced by z (size, B)."""
@@ -317,13 +332,21 @@ class Equilibrium:
             strains.append(strain)
         if problem.bodies is not None:
             self._turn_bodies(problem.bodies, displacement, inner, entries)
+        turning: FloatArray | None = None
+        springs: Iterable[FloatArray] = ()
+        if problem.sprung is not None:
+            turning = self._springs.resist(problem.sprung, displacement, inner)
+            springs = self._springs.tangents(problem.sprung, displacement, ties)
         if problem.dead is None or ties.posed is None:
             residual = problem.outer - self._tangents.gather(inner, ties)
-            return Imbalance(residual, self._tangents.band(entries, ties), strains)
+            band = self._tangents.band(entries, ties, springs=springs)
+            return Imbalance(residual, band, strains)
         unbalanced = problem.dead.unbalanced(ties.posed, [force.T for force in inner])
         residual = self._tangents.gather([force.T for force in unbalanced], ties)
         stiffness = problem.dead.stiffness(ties.posed, [force.T for force in inner])
-        band = self._tangents.band(entries, ties, ties.posed.matrix(stiffness))
+        if turning is not None:
+            stiffness = replace(stiffness, turning=stiffness.turning + turning)
+        band = self._tangents.band(entries, ties, ties.posed.matrix(stiffness), springs)
         return Imbalance(residual, band, strains)
 
     def _turn_bodies(
@@ -363,24 +386,3 @@ class Equilibrium:
             f": Newton's method left {worst:.3g} N out of balance, even in {LOAD_STEPS[-1]} load "
             "steps; lower the crank speed, or use prestress 'axial'",
         )
-
-
-def _turns(frames: LinkFrames, links: Mapping[int, BeamElements]) -> FloatArray:
-    """Angle in rad that a unit of each coordinate of z stands for, shape (size,).
-
-    A displacement stands for its part of the shortest link, a curvature for the turn over its
-    link.
-    """
-    lengths = [link.length for link in frames.topology.links]
-    shapes = next(iter(links.values())).shapes
-    scale = np.full(frames.size, 1.0 / min(lengths))
-    for link in frames.rigid.links:
-        turn = frames.targets[link][2]
-        scale[turn[turn >= 0]] = 1.0
-    for link in links:
-        target, length = frames.targets[link], lengths[link]
-        own = np.arange(len(target)) % shapes.per_node
-        angle = np.where(np.isin(own, shapes.angles), 1.0, length)
-        angle[own < 2] = 1.0 / min(lengths)
-        scale[target[target >= 0]] = angle[target >= 0]
-    return scale

@@ -7,20 +7,21 @@ that follows another link turn with the position.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import scipy.sparse
 
+from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import LinkFrames
 from flexmech.linkages import RigidMotion
 from flexmech.reference.corotational import CorotationalElements
 from flexmech.reference.turning_element import Ties, TurningElement
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LinkageTangents", "TangentEntries"]
+__all__ = ["LinkageTangents", "TangentEntries", "turned_by"]
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,8 @@ class LinkageTangents:
         Of the unreduced links.
     links : mapping of int to CorotationalElements
         The flexible ones, by their number.
+    springs : sequence of ndarray of int
+        Coordinates of z that each spring between links depends on.
 
     Attributes
     ----------
@@ -69,8 +72,14 @@ class LinkageTangents:
 
     order: IntArray
 
-    def __init__(self, frames: LinkFrames, links: Mapping[int, CorotationalElements]) -> None:
+    def __init__(
+        self,
+        frames: LinkFrames,
+        links: Mapping[int, CorotationalElements],
+        springs: Sequence[IntArray] = (),
+    ) -> None:
         self._frames = frames
+        self._springs = list(springs)
         self._links = dict(links)
         elements = next(iter(self._links.values()))
         self._per_node = elements.elements.shapes.per_node
@@ -163,7 +172,11 @@ class LinkageTangents:
         return TangentEntries(np.empty((self._count, batch)), self._shapes)
 
     def band(
-        self, entries: TangentEntries, ties: Ties, rigid: FloatArray | None = None
+        self,
+        entries: TangentEntries,
+        ties: Ties,
+        rigid: FloatArray | None = None,
+        springs: Iterable[FloatArray] = (),
     ) -> FloatArray:
         """Tangent in band form; see :mod:`flexmech.reference.banded`.
 
@@ -174,6 +187,8 @@ class LinkageTangents:
         ties : Ties
         rigid : ndarray, shape (B, n, n), optional
             What the coordinates of rigid links and sliders meet besides.
+        springs : iterable of ndarray, shape (m, m, B)
+            Stiffness of each spring by its coordinates.
 
         Returns
         -------
@@ -185,8 +200,12 @@ class LinkageTangents:
             turns = [ties.turns[turning.link][number] for number, _ in turning.ties]
             entries.block(turning.first, len(turning.columns))[:] = turning.turned(matrix, turns)
         if self._rigid_count:
-            block = entries.block(self._count - self._rigid_count**2, self._rigid_count)
+            block = entries.block(self._inner_count + self._turning_count, self._rigid_count)
             block[:] = 0.0 if rigid is None else np.moveaxis(rigid, 0, -1)
+        first = self._inner_count + self._turning_count + self._rigid_count**2
+        for columns, stiffness in zip(self._springs, springs, strict=True):
+            entries.block(first, len(columns))[:] = stiffness
+            first += len(columns) ** 2
         band: FloatArray = self._scatter @ entries.rows
         return band.reshape(self._frames.size, self._width + 1, -1)
 
@@ -195,9 +214,13 @@ class LinkageTangents:
         return sum(int(np.prod(shape)) for shape in self._shapes.values())
 
     @property
+    def _turning_count(self) -> int:
+        return sum(len(element.columns) ** 2 for element in self._turning)
+
+    @property
     def _count(self) -> int:
-        turning = sum(len(element.columns) ** 2 for element in self._turning)
-        return self._inner_count + turning + self._rigid_count**2
+        springs = sum(len(columns) ** 2 for columns in self._springs)
+        return self._inner_count + self._turning_count + self._rigid_count**2 + springs
 
     def _turning_elements(self) -> list[TurningElement]:
         """Elements of which a row follows, in the order of their entries."""
@@ -238,9 +261,43 @@ class LinkageTangents:
                 parts.append(_entries_of(own, source, sign))
             first += int(np.prod(shape))
         rigid = self._rigid_count
-        source = self._count - rigid**2 + np.arange(rigid**2)
-        parts.append(_entries_of(np.arange(rigid), source, np.ones(rigid**2)))
+        first = self._inner_count + self._turning_count
+        for columns in (np.arange(rigid), *self._springs):
+            size = len(columns) ** 2
+            parts.append(_entries_of(columns, first + np.arange(size), np.ones(size)))
+            first += size
         return _Entries(*(np.concatenate(x) for x in zip(*parts, strict=True)))
+
+
+def turned_by(frames: LinkFrames, links: Mapping[int, BeamElements]) -> FloatArray:
+    """Angle in rad that a unit of each coordinate of z stands for.
+
+    A displacement stands for its part of the shortest link, a curvature for the turn over its
+    link.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+    links : mapping of int to BeamElements
+        The flexible ones, by their number.
+
+    Returns
+    -------
+    ndarray, shape (size,)
+    """
+    lengths = [link.length for link in frames.topology.links]
+    shapes = next(iter(links.values())).shapes
+    scale = np.full(frames.size, 1.0 / min(lengths))
+    for link in frames.rigid.links:
+        turn = frames.targets[link][2]
+        scale[turn[turn >= 0]] = 1.0
+    for link in links:
+        target, length = frames.targets[link], lengths[link]
+        own = np.arange(len(target)) % shapes.per_node
+        angle = np.where(np.isin(own, shapes.angles), 1.0, length)
+        angle[own < 2] = 1.0 / min(lengths)
+        scale[target[target >= 0]] = angle[target >= 0]
+    return scale
 
 
 def _entries_of(own: IntArray, source: IntArray, sign: FloatArray) -> tuple[Any, ...]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from flexmech.linear_system.body_couples import BodyCouples
 from flexmech.linear_system.dead_forces import DeadForces
+from flexmech.linkages import RigidMotion
 from flexmech.reference.corotational import LinearStrain
 from flexmech.reference.turning_element import Ties
 from flexmech.types import FloatArray, IntArray
@@ -107,6 +108,8 @@ class Problem:
         Of bodies on flexible links.
     swelling : float
         Part of the swelling that has come on.
+    sprung : RigidMotion, optional
+        The positions, where joints have radial springs.
     """
 
     outer: FloatArray
@@ -115,13 +118,14 @@ class Problem:
     dead: DeadForces | None
     bodies: BodyCouples | None = None
     swelling: float = 1.0
+    sprung: RigidMotion | None = None
 
     def loaded(self, part: float) -> Problem:
         """With a part of the load, and of the swelling."""
         extra = [part * e for e in self.extra]
         dead = self.dead and self.dead.scaled(part)
         bodies = self.bodies and self.bodies.scaled(part)
-        return Problem(part * self.outer, extra, self.ties, dead, bodies, part)
+        return Problem(part * self.outer, extra, self.ties, dead, bodies, part, self.sprung)
 
     def at(self, which: NDArray[np.bool_] | IntArray) -> Problem:
         """That of some positions."""
@@ -132,4 +136,5 @@ class Problem:
             self.dead and self.dead.at(which),
             self.bodies and self.bodies.at(which),
             self.swelling,
+            self.sprung and self.sprung.at(which),
         )

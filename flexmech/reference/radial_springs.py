@@ -1,0 +1,183 @@
+"""Springs between the ends that a joint with a radial stiffness lets come apart.
+
+Such a spring carries the force of the joint by the gap d between its two ends, ``F = k d`` in
+ground axes, and the gap is part of the equilibrium. The force does not turn with the links. An end
+of a rigid link that has turned by phi is at ``u + R(phi) r``, by which the force is a spring
+against rotation as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.linear_system import LinkFrames
+from flexmech.linkages import JointSpring, LinkEnd, RigidMotion
+from flexmech.linkages.motion import direction, normal
+from flexmech.reference.turning_element import Ties
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["RadialSprings"]
+
+
+@dataclass(frozen=True)
+class _End:
+    """An end that a spring holds: sign, link, place on it, and rows (2,) of a flexible link."""
+
+    sign: float
+    link: int
+    x: float
+    rows: IntArray
+    rigid: bool
+
+
+class RadialSprings:
+    """Radial springs of the joints of one linkage.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+        Of the unreduced links; these joints tie nothing in them.
+    springs : sequence of JointSpring
+
+    Attributes
+    ----------
+    columns : list of ndarray of int
+        Independent coordinates that move the ends of each spring.
+    """
+
+    columns: list[IntArray]
+
+    def __init__(self, frames: LinkFrames, springs: Sequence[JointSpring]) -> None:
+        self._frames = frames
+        topology = frames.topology
+        sprung = {pin.joint for pin in topology.pins if pin.sprung}
+        sprung |= {pivot.joint for pivot in topology.pivots if pivot.sprung}
+        held = [own for own in springs if own.joint in sprung and own.radial_stiffness]
+        self._stiffness = [float(own.radial_stiffness or 0.0) for own in held]
+        self._ends = [
+            [self._end(sign, end) for sign, end in zip((1.0, -1.0), ends, strict=True) if end]
+            for ends in (topology.pinned_ends[own.joint] for own in held)
+        ]
+        self.columns = [self._columns(ends) for ends in self._ends]
+
+    def resist(
+        self,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        forces: Sequence[FloatArray],
+    ) -> FloatArray:
+        """Add the forces that the springs exert against the links; tell the rest.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement, forces : sequence of ndarray, shape (n_link, B)
+
+        Returns
+        -------
+        ndarray, shape (B, n_links)
+            Stiffness of rigid links against turning by forces that keep their direction.
+        """
+        turning = np.zeros(motion.angle.shape)
+        for stiffness, ends in zip(self._stiffness, self._ends, strict=True):
+            force = stiffness * self._gap(motion, displacement, ends)
+            for end in ends:
+                angle, own = motion.angle[:, end.link], forces[end.link]
+                own[end.rows[0]] += end.sign * np.sum(force * direction(angle), axis=1)
+                own[end.rows[1]] += end.sign * np.sum(force * normal(angle), axis=1)
+                if end.rigid:
+                    turned = angle + displacement[end.link][2]
+                    arm = end.sign * end.x
+                    own[2] += arm * np.sum(force * normal(turned), axis=1)
+                    turning[:, end.link] -= arm * np.sum(force * direction(turned), axis=1)
+        return turning
+
+    def tangents(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray], ties: Ties
+    ) -> Iterator[FloatArray]:
+        """Stiffness of each spring by its :attr:`columns`, (m, m, B), one after the other.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (B,).
+        displacement : sequence of ndarray, shape (n_link, B)
+        ties : Ties
+            Of the displaced links.
+        """
+        for stiffness, ends, columns in zip(self._stiffness, self._ends, self.columns, strict=True):
+            moved = np.zeros((2, self._frames.size, len(motion.crank_angle)))
+            for end in ends:
+                self._add_moved(moved, end, motion, displacement, ties)
+            own = moved[:, columns]
+            yield stiffness * np.einsum("cib,cjb->ijb", own, own)
+
+    def _end(self, sign: float, end: LinkEnd) -> _End:
+        topology = self._frames.topology
+        number = topology.index(end.link)
+        link = self._frames.links[number]
+        x = 0.0 if end.end == "start" else topology.links[number].length
+        rows = link.start if link.rigid else link.end_displacement(end.end)
+        return _End(sign, number, x, rows, link.rigid)
+
+    def _columns(self, ends: Sequence[_End]) -> IntArray:
+        """Coordinates that may move these ends."""
+        found = [np.zeros(0, dtype=np.intp)]
+        for end in ends:
+            if end.rigid:
+                found.append(np.arange(len(self._frames.rigid.independent)))
+                continue
+            target = self._frames.targets[end.link][end.rows]
+            found.append(target[target >= 0])
+            for rows, columns in self._frames.followed(end.link):
+                if np.isin(end.rows, rows).any():
+                    found.append(columns[columns >= 0])
+        return np.unique(np.concatenate(found))
+
+    def _gap(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray], ends: Sequence[_End]
+    ) -> FloatArray:
+        """By how far the ends are apart in ground axes, (B, 2)."""
+        gap = np.zeros((len(motion.crank_angle), 2))
+        for end in ends:
+            q, angle = displacement[end.link], motion.angle[:, end.link]
+            moved = q[end.rows[0], :, None] * direction(angle)
+            moved = moved + q[end.rows[1], :, None] * normal(angle)
+            if end.rigid:
+                moved = moved + end.x * (direction(angle + q[2]) - direction(angle))
+            gap += end.sign * moved
+        return gap
+
+    def _add_moved(
+        self,
+        moved: FloatArray,
+        end: _End,
+        motion: RigidMotion,
+        displacement: Sequence[FloatArray],
+        ties: Ties,
+    ) -> None:
+        """Add the derivative of an end's place by the coordinates to ``moved`` (2, size, B)."""
+        angle = motion.angle[:, end.link]
+        axes = end.sign * np.stack([direction(angle).T, normal(angle).T], axis=1)
+        if end.rigid:
+            assert ties.posed is not None
+            pose, among = ties.posed.pose, self._frames.rigid.of_link(end.link)
+            turned = normal(angle + displacement[end.link][2]).T
+            own = np.concatenate([axes, end.sign * end.x * turned[:, None]], axis=1)
+            by_y = pose.coordinates[:, among]
+            moved[:, : by_y.shape[2]] += np.einsum("cyb,byn->cnb", own, by_y)
+            return
+        following = self._frames.followed(end.link)
+        target = self._frames.targets[end.link][end.rows]
+        for number, (rows, columns) in enumerate(following):
+            place = np.flatnonzero(np.isin(end.rows, rows))
+            if len(place):
+                turn = ties.turns[end.link][number][np.searchsorted(rows, end.rows[place])]
+                moved[:, columns] += np.einsum("crb,rnb->cnb", axes[:, place], turn)
+                target = np.where(np.isin(np.arange(2), place), -1, target)
+        for row in np.flatnonzero(target >= 0):
+            moved[:, target[row]] += axes[:, row]
