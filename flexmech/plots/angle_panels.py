@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import accumulate
+from math import lcm
 
 import numpy as np
 import xarray as xr
@@ -51,6 +52,8 @@ WIDE = 4.0
 def angle_layout(sizes: Sequence[int], *, share_y: bool = False) -> Layout:
     """Panels over a shared crank-angle axis, in two columns from four panels on.
 
+    Panels of the lower column are taller, so that both end at one height.
+
     Parameters
     ----------
     sizes : sequence of int
@@ -66,13 +69,16 @@ def angle_layout(sizes: Sequence[int], *, share_y: bool = False) -> Layout:
     rows = max(sum(sizes[panel] for panel in column) for column in columns)
 
     def make(figure: Figure) -> list[Axes]:
-        cells = figure.add_gridspec(rows, len(columns))
+        units = [sum(sizes[panel] for panel in column) for column in columns]
+        whole = lcm(*units)
+        cells = figure.add_gridspec(whole, len(columns))
         panels: list[Axes] = []
         for place, column in enumerate(columns):
             ends = accumulate(sizes[panel] for panel in column)
+            of_unit = whole // units[place]
             for panel, end in zip(column, ends, strict=True):
                 first = panels[0] if panels else None
-                cell = cells[end - sizes[panel] : end, place]
+                cell = cells[of_unit * (end - sizes[panel]) : of_unit * end, place]
                 axes = figure.add_subplot(cell, sharex=first, sharey=first if share_y else None)
                 axes.tick_params(labelbottom=panel == column[-1])
                 panels.append(axes)

@@ -57,6 +57,8 @@ def grid(
 ) -> Layout:
     """Panels in rows and columns; options are those of ``Figure.subplots``, as ``sharex=True``.
 
+    A last row that is not full stands in the middle.
+
     Parameters
     ----------
     rows, columns : int
@@ -84,7 +86,18 @@ def grid(
         panels = list(figure.subplots(rows, columns, squeeze=False, **options).flat)
         for axes in panels[number:]:
             axes.remove()
-        return panels[:number]
+        panels, lacking = panels[:number], rows * columns - number
+        if lacking:
+            # Half columns, of which each panel takes two.
+            cells = figure.add_gridspec(rows, 2 * columns)
+            for place, axes in enumerate(panels):
+                row, column = divmod(place, columns)
+                start = 2 * column + (lacking if row == rows - 1 else 0)
+                axes.set_subplotspec(cells[row, start : start + 2])
+                if row == rows - 2:
+                    # Of the row below none stands in line, whose numbers could be read.
+                    axes.tick_params(labelbottom=True)
+        return panels
 
     return Layout(number, height, make)
 

@@ -387,3 +387,24 @@ def test_padding_of_a_section_is_left_out() -> None:
     assert first.get_ylim() == pytest.approx((-2.0, 2.0))
     assert len(first.patches) == 1
     assert "Coupler" in heading(figure)
+
+
+def test_columns_of_an_odd_number_of_panels_end_at_one_height() -> None:
+    figure = plots.plot_frequencies(frequency_dataset(modes=5))
+    figure.draw_without_rendering()
+    boxes = [axes.get_position() for axes in panels(figure)]
+    assert boxes[2].y0 == pytest.approx(boxes[4].y0, abs=1e-3)
+    assert boxes[0].y1 == pytest.approx(boxes[3].y1, abs=1e-3)
+    assert boxes[3].height > 1.2 * boxes[0].height
+
+
+@pytest.mark.parametrize("plot", [plots.plot_mode_shapes, plots.plot_impact_shapes])
+def test_a_last_row_that_is_not_full_stands_in_the_middle(plot: Plot) -> None:
+    dataset = frequency_dataset(modes=5) if plot is plots.plot_mode_shapes else roved_dataset()
+    figure = plot(dataset)
+    figure.draw_without_rendering()
+    middles = [(box.x0 + box.x1) / 2 for box in (axes.get_position() for axes in panels(figure))]
+    columns = len(middles) // 2 + 1
+    whole = (middles[0] + middles[columns - 1]) / 2
+    assert np.mean(middles[columns:]) == pytest.approx(whole, abs=0.02)
+    check_texts(figure)
