@@ -35,7 +35,11 @@ from flexmech.linear_system.link_points import LinkPoint, displacement_row, poin
 from flexmech.linear_system.link_readings import LinkReadings
 from flexmech.linear_system.link_stretch import LinkStretch
 from flexmech.linear_system.posed_ties import PosedTies
-from flexmech.linear_system.position_errors import RefusedPositionsError, refuse_positions
+from flexmech.linear_system.position_errors import (
+    OverdampedError,
+    RefusedPositionsError,
+    refuse_positions,
+)
 from flexmech.linear_system.quasi_static import (
     LOAD_STEPS,
     MAX_ITERATIONS,
@@ -96,6 +100,7 @@ __all__ = [
     "LinkPoint",
     "LinkReadings",
     "LinkStretch",
+    "OverdampedError",
     "PoseStiffness",
     "PosedTies",
     "Prestress",

@@ -9,7 +9,7 @@ from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
 
-__all__ = ["RefusedPositionsError", "refuse_positions"]
+__all__ = ["OverdampedError", "RefusedPositionsError", "refuse_positions"]
 
 
 class RefusedPositionsError(ComputationError):
@@ -39,8 +39,16 @@ class RefusedPositionsError(ComputationError):
         self.crank_speeds = none if crank_speeds is None else crank_speeds
 
 
+class OverdampedError(RefusedPositionsError):
+    """Damping keeps modes that are asked for from oscillating."""
+
+
 def refuse_positions(
-    motion: RigidMotion, refused: NDArray[np.bool_], what: str, advice: str
+    motion: RigidMotion,
+    refused: NDArray[np.bool_],
+    what: str,
+    advice: str,
+    error: type[RefusedPositionsError] = RefusedPositionsError,
 ) -> None:
     """Refuse a batch if some of its positions fail, and name the first of them.
 
@@ -53,6 +61,8 @@ def refuse_positions(
         What fails; crank angle and crank speed follow.
     advice : str
         What stands after them: the reason and the remedy.
+    error : type
+        Of the error.
 
     Raises
     ------
@@ -63,7 +73,7 @@ def refuse_positions(
         return
     first = int(np.argmax(refused))
     angle = np.degrees(motion.crank_angle[first])
-    raise RefusedPositionsError(
+    raise error(
         f"{what} at crank angle {angle:.6g} deg and crank speed {CRANK_SPEED}{advice}",
         crank_speed=float(motion.crank_speed[first]),
         crank_angles=motion.crank_angle[refused],

@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from flexmech import ComputationError, InputError, ReferenceEngine
+from flexmech import (
+    ComputationError,
+    CrankDrive,
+    InputError,
+    ReferenceEngine,
+    ResponseRequest,
+    response,
+)
 from flexmech.analyses import solve_frequencies, solve_modes
 
 
@@ -27,9 +34,21 @@ def test_overdamped_high_modes_do_not_hide_the_low_ones(unit_arm):
     modes = solve_modes(engine.linear_system(0.0), 2)
     np.testing.assert_allclose(modes.frequency, natural[:, :2], rtol=1e-9)
     with pytest.raises(
-        ComputationError, match=r"fewer than 3 of the lowest modes oscillate.*crank angle 0 deg"
+        ComputationError,
+        match=r"fewer than 3 of the lowest modes.*0 deg.*lower the damping of links",
     ):
         solve_modes(engine.linear_system(0.0), 3)
+
+
+def test_overdamped_links_run_in_time(unit_arm):
+    """What plans the run are the frequencies without damping; 12 rad/s is the first of them."""
+    engine, natural = (ReferenceEngine(damped(unit_arm(12), tau), 4, "euler") for tau in (0.5, 0.0))
+    request = ResponseRequest(CrankDrive(1.0), 0.2, step=1e-2, start="equilibrium", modes=3)
+    found = response(engine, request)
+    assert any("without damping" in str(part) for part in found.summary().parts)
+    top = solve_frequencies(natural.linear_system(0.0), 3)[0, -1]
+    # The last line of the spectrum, whose lines are 0.8 Hz apart.
+    assert found.dataset["spectrum_frequency"].max() == pytest.approx(1.5 * top, rel=0.12)
 
 
 def test_undamped_ratio_is_zero_at_rest(aluminium):

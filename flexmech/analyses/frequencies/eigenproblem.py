@@ -14,7 +14,7 @@ from flexmech.analyses.frequencies.quadratic_eigenproblem import (
     quadratic_modes,
 )
 from flexmech.errors import InputError
-from flexmech.linear_system import LinearSystem, refuse_positions
+from flexmech.linear_system import LinearSystem, OverdampedError, refuse_positions
 from flexmech.types import FloatArray
 
 __all__ = ["Modes", "solve_eigenvalues", "solve_frequencies", "solve_modes"]
@@ -243,7 +243,13 @@ def _general(system: LinearSystem, count: int, spare: int) -> Modes:
 
 def _refuse_unsteady(system: LinearSystem, found: QuadraticModes, count: int) -> None:
     _refuse(system, found.diverges, "the frozen linkage diverges without oscillating")
-    _refuse(system, found.creeps, f"fewer than {count} of the lowest modes oscillate (overdamped)")
+    refuse_positions(
+        system.motion,
+        found.creeps,
+        f"fewer than {count} of the lowest modes oscillate (overdamped)",
+        "; ask for fewer modes, or lower the damping of links, springs and joints",
+        OverdampedError,
+    )
 
 
 def _refuse(system: LinearSystem, failed: NDArray[np.bool_], what: str) -> None:

@@ -76,6 +76,8 @@ def response(
         dataset = build_dataset(runs, request, plan.refinement, plan.lowest, plan.highest)
         if check_mesh:
             add_mesh_errors(dataset, [mesh_error(run, request, report) for run in runs])
+    if plan.note:
+        dataset.attrs["prediction_note"] = plan.note
     dataset.attrs["environment_lines"] = "\n".join(lines)
     dataset.attrs |= theory_attributes(chosen, request.modes)
     return Response(with_units(dataset, "response"))

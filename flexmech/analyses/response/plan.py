@@ -11,6 +11,7 @@ from flexmech.analyses.environment import environment_lines
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.requests import engines_of
 from flexmech.analyses.response.dataset import SPECTRUM_REACH
+from flexmech.analyses.response.predicted import oscillating
 from flexmech.analyses.response.request import (
     MOST_SAMPLES,
     NO_PERIODIC_START,
@@ -47,6 +48,8 @@ class RunPlan:
         Natural frequencies between which the spectra are of interest, in Hz.
     band : float
         Frequency in Hz up to which forces and torque count.
+    note : str
+        What is to be said of the natural frequencies.
     """
 
     refinement: int
@@ -54,6 +57,7 @@ class RunPlan:
     lowest: float
     highest: float
     band: float
+    note: str = ""
 
 
 def engines_in_state(
@@ -127,25 +131,40 @@ def planned(engines: Sequence[Engine], request: ResponseRequest) -> RunPlan:
     ComputationError
         If there are no natural frequencies at this speed.
     """
-    lowest, highest = _predicted_range(engines, request)
+    lowest, highest, without_damping = _predicted_range(engines, request)
     refinement = _refinement(request, highest)
     turn = sampled_turn(request.drive.start_angle)
     band = FORCE_BAND * lowest_axial_frequency(engines[0], turn)
-    return RunPlan(refinement, request.sample_time(refinement), lowest, highest, band)
+    time, note = request.sample_time(refinement), ""
+    if without_damping:
+        note = (
+            f"natural frequencies are those without damping: with it fewer than {request.modes} "
+            "of the lowest modes oscillate"
+        )
+    return RunPlan(refinement, time, lowest, highest, band, note)
 
 
-def _predicted_range(engines: Sequence[Engine], request: ResponseRequest) -> tuple[float, float]:
-    """Lowest and highest natural frequency of interest, at rest over a turn, in Hz."""
+def _predicted_range(
+    engines: Sequence[Engine], request: ResponseRequest
+) -> tuple[float, float, bool]:
+    """Lowest and highest natural frequency of interest in Hz, and whether damping is left out."""
     first, turn = engines[0], sampled_turn(request.drive.start_angle)
-    frequency = natural_frequencies(
-        first, turn, modes=request.modes, prestress=first.prestress_at_rest, rotation_terms=False
-    )
+
+    def at_rest(engine: Engine) -> FloatArray:
+        level = engine.prestress_at_rest
+        return natural_frequencies(
+            engine, turn, modes=request.modes, prestress=level, rotation_terms=False
+        )
+
+    def at_speed(engine: Engine) -> FloatArray:
+        speed, level = request.drive.speed, request.prestress
+        return natural_frequencies(engine, turn, speed, modes=request.modes, prestress=level)
+
+    frequency, without_damping = oscillating(at_rest, first)
     for engine in engines:
         # Frequencies at speed that cannot be computed show themselves before the long run.
-        natural_frequencies(
-            engine, turn, request.drive.speed, modes=request.modes, prestress=request.prestress
-        )
-    return float(frequency.min()), float(frequency.max())
+        without_damping |= oscillating(at_speed, engine)[1]
+    return float(frequency.min()), float(frequency.max()), without_damping
 
 
 def _refinement(request: ResponseRequest, highest: float) -> int:

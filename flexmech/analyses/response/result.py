@@ -89,11 +89,13 @@ class Response(Result):
         Returns
         -------
         xarray.DataArray or None
-            Over (link); None with a single engine.
+            Over (link), without links that do not deflect; None with a single engine.
         """
         deflection = self.dataset["deflection"]
         if deflection.sizes["engine"] < 2:
             return None
+        bent = (deflection != 0).any(("engine", "time"))
+        deflection = deflection.sel(link=bent) if bent.any() else deflection
         first, second = (deflection.isel(engine=i, drop=True) for i in (0, 1))
         peak = abs(second).max("time")
         nothing = NO_DEFLECTION * float(self.dataset["length"].sum())

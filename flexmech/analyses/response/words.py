@@ -222,11 +222,16 @@ def supported(value: float, error: float) -> str:
 
 
 def spectrogram_lines(dataset: xr.Dataset) -> list[str]:
-    """Say what the spectrogram tells apart, or that there is none."""
+    """Say what the spectrogram tells apart, or that there is none, and what it is held against."""
+    predicted = dataset.attrs.get("prediction_note")
+    lines = [predicted] if predicted else []
     if "spectrogram" in dataset:
         note = dataset.attrs.get("spectrogram_note")
-        return [f"spectrogram: {note}"] if note else []
-    return ["spectrogram: none, the run is too short for its window; ask for more --revolutions"]
+        return [*lines, f"spectrogram: {note}"] if note else lines
+    return [
+        *lines,
+        "spectrogram: none, the run is too short for its window; ask for more --revolutions",
+    ]
 
 
 def _deflection_errors(dataset: xr.Dataset) -> xr.DataArray:
