@@ -265,6 +265,54 @@ def test_a_signal_while_pictures_are_drawn_leaves_the_earlier_set(
     assert {path.read_text() for path in tmp_path.iterdir()} == {"old"}
 
 
+BUSY = """
+import os, time
+from pathlib import Path
+import flexmech.analyses.stability.engine_map as engine_map
+from flexmech.cli import main
+def busy(solver, crank_speed):
+    # A worker does not answer signals, as in a long call of compiled code.
+    (Path("{folder}") / str(os.getpid())).touch()
+    time.sleep(600)
+engine_map._solution = busy
+main()
+"""
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux" or len(os.sched_getaffinity(0)) < 2, reason="one process does it all"
+)
+@pytest.mark.parametrize(
+    "number",
+    [
+        pytest.param(signal.SIGINT, marks=pytest.mark.thorough),
+        signal.SIGTERM,
+        pytest.param(signal.SIGKILL, marks=pytest.mark.thorough),
+    ],
+    ids=["SIGINT", "SIGTERM", "SIGKILL"],
+)
+def test_workers_that_are_busy_end_with_the_map(number: int, tmp_path: Path) -> None:
+    at_work = tmp_path / "at_work"
+    at_work.mkdir()
+    model = str(MODELS / "steel_fourbar.toml")
+    options = f"--speeds 20,25,30 --elements 1 --modes 2 --prestress axial --out {tmp_path / 'out'}"
+    script = BUSY.format(folder=at_work)
+    process = start([sys.executable, "-c", script, "stability", model, *options.split()])
+    while len(names(at_work)) < 2:
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.01)
+    since = time.monotonic()
+    process.send_signal(number)
+    _, stderr = process.communicate()
+    while any(Path(f"/proc/{worker}").exists() for worker in names(at_work)):
+        assert time.monotonic() - since < 3
+        time.sleep(0.01)
+    assert time.monotonic() - since < 3
+    if number != signal.SIGKILL:
+        assert (process.returncode, stderr.count("\n")) == (128 + number, 1), stderr
+        assert stderr.startswith(LINES[signal.Signals(number)])
+
+
 @contextmanager
 def writing(folder: Path, *marks: str) -> Iterator[list[subprocess.Popen[str]]]:
     """Programs that write sets into a folder, each at work."""

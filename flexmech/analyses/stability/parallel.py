@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
+import ctypes
 import multiprocessing
 import os
 import signal
 import sys
+import time
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from multiprocessing.process import BaseProcess
 from typing import Any, TypeVar
 
-from flexmech.interruption import STOPPING
+from flexmech.interruption import STOPPING, uninterrupted
 from flexmech.threads import one_thread
 
 __all__ = ["FEW", "in_order"]
 
 FEW = 2
 """Tasks that are not worth processes of their own."""
+
+# What processes that are at work when an interruption comes have to end in, in s: a long call of
+# compiled code would keep them for minutes.
+GRACE = 0.5
+# PR_SET_PDEATHSIG of <linux/prctl.h>: no process outlives the one that waits for it.
+ENDS_WITH_PARENT = 1
 
 _tasks: list[tuple[Callable[[Any], Any], Sequence[Any]]] = []
 
@@ -30,7 +39,7 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
 
     Processes are split off where the system does that safely, which is on Linux; elsewhere, and
     for few items, the tasks run one after the other. What an interruption leaves undone is not
-    begun.
+    begun, and processes that are still at work shortly afterwards are ended.
 
     Parameters
     ----------
@@ -49,20 +58,35 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
         return
     # What a process is split off with need not be sent to it: tasks and items may be large.
     _tasks.append((task, items))
+    others = set(multiprocessing.active_children())
     try:
         context = multiprocessing.get_context("fork")
-        with ProcessPoolExecutor(workers, context, _begin) as pool:
-            with warnings.catch_warnings():
-                # Progress runs in a thread of its own, which the processes do not use.
-                warnings.simplefilter("ignore", DeprecationWarning)
-                waiting = [pool.submit(_do, number) for number in range(len(items))]
+        with ProcessPoolExecutor(workers, context, _begin, (os.getpid(),)) as pool:
             try:
+                with warnings.catch_warnings():
+                    # Progress runs in a thread of its own, which the processes do not use.
+                    warnings.simplefilter("ignore", DeprecationWarning)
+                    waiting = [pool.submit(_do, number) for number in range(len(items))]
                 for future in waiting:
                     yield future.result()
-            finally:
-                pool.shutdown(wait=True, cancel_futures=True)
+            except BaseException:
+                with uninterrupted():
+                    pool.shutdown(wait=False, cancel_futures=True)
+                    _end(set(multiprocessing.active_children()) - others)
+                raise
     finally:
         _tasks.pop()
+
+
+def _end(processes: Iterable[BaseProcess]) -> None:
+    """End processes that do not end by themselves: nobody waits for their answers."""
+    last = time.monotonic() + GRACE
+    for process in processes:
+        process.join(max(0.0, last - time.monotonic()))
+    for process in processes:
+        if process.is_alive():
+            process.kill()
+        process.join()
 
 
 def _do(number: int) -> Any:
@@ -77,8 +101,11 @@ def _processors() -> int:
     return os.cpu_count() or 1
 
 
-def _begin() -> None:
-    """In a new process: the one that waits for it answers signals."""
+def _begin(parent: int) -> None:
+    """In a new process: the one that waits for it answers signals, and takes it along."""
     for number in STOPPING:
         signal.signal(number, signal.SIG_IGN)
+    ctypes.CDLL(None).prctl(ENDS_WITH_PARENT, signal.SIGKILL)
+    if os.getppid() != parent:  # it ended before that
+        os._exit(1)
     one_thread().__enter__()
