@@ -30,6 +30,8 @@ FRAMES_A_SECOND = 20
 # Wide enough to read, small enough for a web page: about 640 pixels.
 DOTS_AN_INCH = 90
 TITLE_HEIGHT = 0.35
+# Marks of joints over those of a figure, on wide lines.
+JOINT_SIZE = 1.4
 # Largest displacement as drawn, as a fraction of the linkage's extent.
 ENLARGED_TO = 0.1
 # Ends that move less than this fraction of the extent stay in place.
@@ -190,7 +192,9 @@ class Scene:
         self._motion = motion
         blue, orange = series_style(0).color, series_style(1).color
         enlarged = f"displacement enlarged {_times(motion.enlargement)}"
-        sketch = LinkageSketch(motion.rigid[0], motion.parts, travel=motion.rigid)
+        sketch = LinkageSketch(
+            motion.rigid[0], motion.parts, joint_size=JOINT_SIZE, travel=motion.rigid
+        )
         self._rigid = self._lines(sketch, RIGID | {"zorder": 1})
         self._trace = Line2D([], [], label=motion.trace_name, color=orange, lw=1.0, zorder=2)
         self._deflected = self._lines(sketch, {"color": blue, "lw": 2.2, "zorder": 2.1})

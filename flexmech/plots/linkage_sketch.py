@@ -69,6 +69,8 @@ class LinkageSketch:
         Of point masses and attached bodies.
     mark_size : float
         Of their marks over what it is in a picture of one linkage.
+    joint_size : float
+        Of the marks of pins and welds over the usual one.
     travel : ndarray, shape (posture, link, station, 2), optional
         Postures over which the lines of sliders reach; this one alone if left out.
     """
@@ -77,6 +79,7 @@ class LinkageSketch:
     parts: LinkageParts
     mass_color: str = MASS_COLOR
     mark_size: float = 1.0
+    joint_size: float = 1.0
     travel: FloatArray | None = None
 
     @classmethod
@@ -192,7 +195,7 @@ class LinkageSketch:
             *self._sliders(),
             *self._springs(),
             *self._masses(),
-            *symbols.marks("weld", list(self.places("weld")), WELD),
+            *symbols.marks("weld", list(self.places("weld")), self._sized(WELD)),
             *self._joint_springs(),
             *self._joints(),
             *self._loads(),
@@ -323,6 +326,9 @@ class LinkageSketch:
             found += symbols.marks("mass", [self.posture.place(mass["at"])], look)
         return found
 
+    def _sized(self, look: Look) -> Look:
+        return look | {"ms": self.joint_size * look["ms"]}
+
     def _joint_springs(self) -> list[Symbol]:
         at = {joint["name"]: joint["at"] for joint in self.parts.joints}
         found = []
@@ -331,14 +337,14 @@ class LinkageSketch:
             if one["torsional"]:
                 found.append(symbols.spiral(place, SPIRAL * self.size))
             if one["radial"]:
-                found += symbols.marks("bearing", [place], BEARING)
+                found += symbols.marks("bearing", [place], self._sized(BEARING))
         return found
 
     def _joints(self) -> list[Symbol]:
         """Circles where links turn; the driven shaft's is filled."""
         places = np.vstack([self.grounds, self.places("pin", "slider")])
         driven = [self._same(place, self.shaft) for place in places]
-        look = JOINT | {"zorder": 4}
+        look = self._sized(JOINT) | {"zorder": 4}
         pins = [place for place, is_shaft in zip(places, driven, strict=True) if not is_shaft]
         shafts = [place for place, is_shaft in zip(places, driven, strict=True) if is_shaft]
         return [
