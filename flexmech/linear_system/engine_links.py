@@ -313,7 +313,8 @@ class EngineLinks(ElementKinds):
         if mechanism.loads or mechanism.springs or mechanism.joint_springs:
             raise InputError(
                 f"{what} does not count loads and springs yet, and this mechanism has some; leave "
-                "them out of the model, or ask for natural frequencies or stability"
+                "them out of the model, or ask for natural frequencies, stability or a run in "
+                "time (flexmech response), which count them"
             )
 
     def connected_matrices(

@@ -34,6 +34,7 @@ def forced_linkage(
     hit: LinkPoint,
     seen: LinkPoint,
     direction: LinkDirection = "transverse",
+    connected: FloatArray | None = None,
 ) -> ForcedPeriodicSystem:
     """The linkage's periodic system with a force on it.
 
@@ -46,6 +47,8 @@ def forced_linkage(
         Where the force acts, and where the displacement is read.
     direction : {"transverse", "axial"}
         Of both, in the axes of their links' frames.
+    connected : ndarray, shape (N, size, size), optional
+        Stiffness of loads and springs in the coordinates of the unreduced links.
 
     Returns
     -------
@@ -63,7 +66,7 @@ def forced_linkage(
     root = np.sqrt(moving.scale)
     force[:, size:] = into / root
     reading[:, :size] = out / root
-    remainder = static_remainder(moving, stressed, hit, seen, direction)
+    remainder = static_remainder(moving, stressed, hit, seen, direction, connected)
     series = FourierSeries.through
     if turn.is_constant:
         return ForcedPeriodicSystem(
@@ -79,6 +82,7 @@ def static_remainder(
     hit: LinkPoint,
     seen: LinkPoint,
     direction: LinkDirection = "transverse",
+    connected: FloatArray | None = None,
 ) -> FloatArray:
     """Static answer of what the moving modes leave out, at each crank angle.
 
@@ -92,6 +96,8 @@ def static_remainder(
         The unreduced links at the crank angles of its turn.
     hit, seen : LinkPoint
     direction : {"transverse", "axial"}
+    connected : ndarray, shape (N, size, size), optional
+        Stiffness of loads and springs in the coordinates of the unreduced links.
 
     Returns
     -------
@@ -116,11 +122,14 @@ def static_remainder(
         tangent = [t[some] if t.ndim == 3 else t for t in stressed.tangent]
         still = RotationTerms.all_or_none(False)
         stiffness = frames.assemble(motion, tangent, still).stiffness
+        if connected is not None:
+            stiffness = stiffness + connected[some]
         loads = [np.zeros((len(stiffness), link.size)) for link in turn.unreduced]
         loads[places[0]][:] = rows[0]
         moved = np.linalg.solve(stiffness, frames.gather(motion, loads)[..., None])
         whole = frames.link_coordinates(motion, moved)[places[1]][..., 0] @ rows[1]
-        kept = np.linalg.solve(_stiffness(moving, tangent, some), into[some, :, None])[..., 0]
+        held = _stiffness(moving, tangent, some, connected=connected is not None)
+        kept = np.linalg.solve(held, into[some, :, None])[..., 0]
         answer[some] = whole - (out[some] * kept).sum(axis=1)
     return answer
 
@@ -132,10 +141,15 @@ def _shapes(moving: MovingModes, some: slice) -> list[FloatArray]:
     return [basis @ q for basis, q in zip(turn.bases, reduced, strict=True)]
 
 
-def _stiffness(moving: MovingModes, tangent: list[FloatArray], some: slice) -> FloatArray:
+def _stiffness(
+    moving: MovingModes, tangent: list[FloatArray], some: slice, *, connected: bool
+) -> FloatArray:
     """``P' K P`` at some crank angles, (B, m, m)."""
     shapes = _shapes(moving, some)
     parts = [np.swapaxes(q, 1, 2) @ (k @ q) for q, k in zip(shapes, tangent, strict=True)]
+    if connected and moving.turn.connected is not None:
+        basis = moving.basis[some]
+        parts.append(np.swapaxes(basis, 1, 2) @ (moving.turn.connected.stiffness[some] @ basis))
     return np.asarray(sum(parts))
 
 

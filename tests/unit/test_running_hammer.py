@@ -17,6 +17,7 @@ from flexmech import (
     ReferenceEngine,
     RunningHammerRequest,
     RunningHammerTest,
+    linkages,
     load_mechanism,
     running_hammer_test,
 )
@@ -48,6 +49,27 @@ def test_the_frozen_linkage_answers_otherwise(found: RunningHammerTest) -> None:
     frozen = found.dataset["frozen_real"] + 1j * found.dataset["frozen_imag"]
     largest = np.abs(frozen).max("frequency").values
     assert np.abs(largest / found.peaks()["predicted_m_N"] - 1).max() > 0.05
+
+
+def test_loads_and_springs_count_in_runs_and_in_what_is_predicted() -> None:
+    """A spring with damper at the coupler, one in a joint, and a load over the crank angle."""
+    middle = LinkPoint("rocker", 0.5)
+    place = linkages.LinkPoint("rocker", 0.5 * 0.2667)
+    spring = linkages.Spring("hold", linkages.LinkPoint("ground", 0.2, 0.5), place, 400.0, 0.3, 0.5)
+    hinge = linkages.JointSpring("B", 0.0, 0.002)
+    load = linkages.Load(
+        "press", place, ((0.0, 0.0), (2.0, 0.0)), (0.0, 0.0), "ground", "crank_angle", (0.5, 1.0)
+    )
+    bare = engine().mechanism
+    held = replace(bare, springs=(spring,), joint_springs=(hinge,), loads=(load,))
+    request = replace(REQUEST, impact=middle, response=middle, prestress="axial", bandwidth=40.0)
+    with_all, without = (running_hammer_test(ReferenceEngine(m, 2), request) for m in (held, bare))
+    peaks = with_all.peaks()
+    np.testing.assert_allclose(peaks["identified_m_N"], peaks["predicted_m_N"], rtol=0.02)
+    apart = peaks["predicted_m_N"] / without.peaks()["predicted_m_N"] - 1
+    assert np.abs(apart).max() > 0.2
+    with pytest.raises(InputError, match="by Exudyn's runs does not count loads and springs yet"):
+        running_hammer_test(ExudynEngine(held, 2), request)
 
 
 def test_impacts_are_small_and_have_decayed(found: RunningHammerTest) -> None:

@@ -12,7 +12,15 @@ from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
-from flexmech.linear_system import Engine, LinearSystem, LinkPoint, point_rows
+from flexmech.linear_system import (
+    Engine,
+    LinearSystem,
+    LinkFrames,
+    LinkPoint,
+    StressedLinks,
+    point_rows,
+)
+from flexmech.linkages import RigidMotion
 from flexmech.time_domain import (
     ForcedPeriodicSystem,
     balanced_response,
@@ -163,13 +171,14 @@ def predicted_linkage(engine: Engine, request: RunningHammerRequest, highest: fl
         solver = LinkageSolver(engine, request.prestress, modes, larger=larger)
         moving = solver.moving_modes(request.crank_speed)
         stressed = engine.stressed_links(moving.turn.motion, request.prestress)
+        connected = _connected(engine, request, moving.turn.motion, stressed)
         pair = (request.impact, request.response)
-        systems.append(forced_linkage(moving, stressed, *pair, request.direction))
+        systems.append(forced_linkage(moving, stressed, *pair, request.direction, connected))
         steps = max(steps, solver.steps_for(VibratingLinkage.of(moving, modes)))
         if not larger:
             count = moving.size
             hit = forced_linkage(
-                moving, stressed, request.impact, request.impact, request.direction
+                moving, stressed, request.impact, request.impact, request.direction, connected
             )
     steps *= 2
     growth_rate = float(systems[0].floquet(steps).exponent.real.max())
@@ -181,6 +190,19 @@ def predicted_linkage(engine: Engine, request: RunningHammerRequest, highest: fl
             crank_speed=request.crank_speed,
         )
     return Prediction(systems[0], systems[1], hit, steps, modes, count, growth_rate)
+
+
+def _connected(
+    engine: Engine, request: RunningHammerRequest, motion: RigidMotion, stressed: StressedLinks
+) -> FloatArray | None:
+    """Stiffness of loads, springs and guides at crank angles (N,) of the unreduced links."""
+    frames = LinkFrames(engine.topology, engine.links)
+    found = engine.connected_matrices(frames, motion, request.prestress, stressed.displacement)
+    guiding = stressed.guiding
+    if guiding is None or not guiding.any():
+        return None if found is None else found.stiffness
+    guided = frames.guided(motion, guiding)
+    return guided if found is None else found.stiffness + guided
 
 
 def frozen_response(
