@@ -42,6 +42,19 @@ def test_a_four_bar_with_a_flywheel() -> None:
     assert "shaft: free" in str(run.summary())
 
 
+def test_loads_and_springs_are_in_the_torque() -> None:
+    """Where the shaft hardly turns, what is linear in its rotation is all."""
+    request = ResponseRequest(
+        CrankDrive(5.0), 0.05, start="equilibrium", step=2e-4, modes=2, shaft="free"
+    )
+    run = both("carton_pusher", 1.0, 2, request)
+    agreement = run.agreement()
+    assert agreement is not None
+    assert float(agreement.max()) < 2e-3
+    assert apart(run, "shaft_rotation") < 1e-3
+    assert apart(run, "crank_speed_fluctuation") < 1e-2
+
+
 @pytest.mark.parametrize(
     "start", ["rigid", pytest.param("equilibrium", marks=pytest.mark.thorough)]
 )

@@ -11,7 +11,7 @@ from flexmech.analyses.frequencies import Formulation, frequencies_at
 from flexmech.analyses.provenance import provenance
 from flexmech.analyses.response import measurements
 from flexmech.analyses.response.peaks import peaks_between
-from flexmech.analyses.response.predicted import oscillating
+from flexmech.analyses.response.predicted import oscillating, vibrating_engine
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.run import EngineRun, RunError
 from flexmech.analyses.response.spectra import (
@@ -228,7 +228,9 @@ def _predicted(engine: Engine, request: ResponseRequest, time: FloatArray) -> Fl
     """Natural frequencies at times at the final speed; shape (time, mode) in Hz."""
     drive, formulation = request.drive, Formulation(request.prestress, modes=request.modes)
     angle = drive.crank_angle(time)
-    return oscillating(lambda one: frequencies_at(one, angle, drive.speed, formulation), engine)[0]
+    return oscillating(
+        lambda one: frequencies_at(one, angle, drive.speed, formulation), vibrating_engine(engine)
+    )[0]
 
 
 def _window(engine: Engine, request: ResponseRequest, lowest: float) -> float:

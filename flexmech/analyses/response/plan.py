@@ -11,7 +11,7 @@ from flexmech.analyses.environment import environment_lines
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.requests import engines_of
 from flexmech.analyses.response.dataset import SPECTRUM_REACH
-from flexmech.analyses.response.predicted import oscillating
+from flexmech.analyses.response.predicted import oscillating, vibrating_engine
 from flexmech.analyses.response.request import (
     MOST_SAMPLES,
     NO_PERIODIC_START,
@@ -148,6 +148,7 @@ def _predicted_range(
     engines: Sequence[Engine], request: ResponseRequest
 ) -> tuple[float, float, bool]:
     """Lowest and highest natural frequency of interest in Hz, and whether damping is left out."""
+    engines = [vibrating_engine(engine) for engine in engines]
     first, turn = engines[0], sampled_turn(request.drive.start_angle)
 
     def at_rest(engine: Engine) -> FloatArray:

@@ -9,7 +9,7 @@ from flexmech.analyses.damping_ratios import with_damping_time
 from flexmech.linear_system import Engine, OverdampedError
 from flexmech.types import FloatArray
 
-__all__ = ["oscillating", "undamped"]
+__all__ = ["oscillating", "undamped", "vibrating_engine"]
 
 
 def undamped(engine: Engine) -> Engine:
@@ -55,3 +55,23 @@ def oscillating(compute: Callable[[Engine], FloatArray], engine: Engine) -> tupl
         return compute(engine), False
     except OverdampedError:
         return compute(undamped(engine)), True
+
+
+def vibrating_engine(engine: Engine) -> Engine:
+    """The engine whose natural frequencies a run is expected to show.
+
+    Where springs answer a turn of a free shaft, nothing tells its own mode from the others, and
+    it may diverge under loads: the frequencies are then those with the shaft held.
+
+    Parameters
+    ----------
+    engine : Engine
+        Of the run.
+
+    Returns
+    -------
+    Engine
+    """
+    if engine.shaft == "free" and not engine.rigid_modes:
+        return engine.with_(shaft="prescribed")
+    return engine

@@ -33,6 +33,7 @@ def response_panel(results: Results) -> Panel | None:
     unit = speed_unit_of(results)
     deflection: list[Trace] = []
     force: list[Trace] = []
+    shaft: list[Trace] = []
     readings: list[Reading] = []
     thinned = []
     for run in runs:
@@ -41,6 +42,7 @@ def response_panel(results: Results) -> Panel | None:
             when = _when(run, engine, unit)
             deflection += _deflections(data, turn, engine, when)
             force += _forces(data, turn, engine, when)
+            shaft += _shaft(data, turn, engine, when)
             readings += _readings(data, turn, engine, when)
         if turn.left_out:
             thinned.append(
@@ -49,7 +51,7 @@ def response_panel(results: Results) -> Panel | None:
             )
     links = [str(name) for name in runs[0].dataset["link"].values]
     joints = [str(name) for name in runs[0].dataset["joint"].values]
-    plots = (
+    plots: tuple[Plot, ...] = (
         Plot(
             "deflection",
             "Crank angle (deg)",
@@ -74,6 +76,8 @@ def response_panel(results: Results) -> Panel | None:
             title="Joint forces (N) and driving torque (N m)",
         ),
     )
+    if shaft:
+        plots = (*plots, _shaft_plot(shaft))
     start = {"rigid": "from undeformed links", "equilibrium": "from the quasi-static equilibrium"}
     begun = {start.get(str(run.dataset.attrs["start"]), "on the periodic motion") for run in runs}
     said = [run.summary() for run in runs]
@@ -89,6 +93,8 @@ def response_panel(results: Results) -> Panel | None:
             f"Last turn of a run {' or '.join(sorted(begun))}, against crank angle: deflection of "
             "each pinned link's middle and of a clamped link's tip from the straight line of its "
             "frame, size of each joint's force, and the torque of the shaft. Dashed: rigid links."
+            + " A free shaft turns away from its prescribed angle, at a speed that fluctuates."
+            * bool(shaft)
         ),
         equation="M_r z̈ + C_r ż + K_r z = f(t),  q = N(t) z",
         source=(
@@ -206,6 +212,40 @@ def _forces(data: xr.Dataset, turn: LastTurn, engine: str, when: Choice) -> list
             )
         )
     return traces
+
+
+def _shaft(data: xr.Dataset, turn: LastTurn, engine: str, when: Choice) -> list[Trace]:
+    """Rotation and speed of a free shaft against what is prescribed."""
+    if "shaft_rotation" not in data:
+        return []
+    own = data.sel(engine=engine)
+    rotation = np.degrees(own["shaft_rotation"].values)
+    fluctuation = own["crank_speed_fluctuation"].values
+    return [
+        Trace(
+            *("free shaft", turn.angle, turn.of(values), 0),
+            when=when,
+            followed={},
+            axis=number,
+            legend=False,
+        )
+        for number, values in enumerate((rotation, fluctuation))
+    ]
+
+
+def _shaft_plot(traces: list[Trace]) -> Plot:
+    return Plot(
+        "shaft",
+        "Crank angle (deg)",
+        (YAxis("rotation (deg)"), YAxis("speed (rad/s)")),
+        tuple(traces),
+        "Rotation of the free shaft away from its prescribed angle and its speed less the "
+        "prescribed one over the last turn",
+        "angle",
+        tick=60.0,
+        height=310,
+        title="Free shaft: rotation and speed fluctuation",
+    )
 
 
 def error_over_peak(data: xr.Dataset, engine: str, ending: str = "") -> float:
