@@ -25,6 +25,7 @@ from flexmech.linear_system.free_shaft import FreeShaft
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.reduced_system import Connect, reduced_system, unreduced_system
 from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
+from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem
 from flexmech.linkages import RigidMotion, lumped_elements
 from flexmech.linkages.motion import checked_drive
@@ -246,6 +247,7 @@ class Engine(EngineLinks):
         modes: int = SYSTEM_MODES,
         fastest: float | None = None,
         detail: float = 1.0,
+        stressed: StressedLinks | None = None,
     ) -> LinearSystem:
         """Linear system at crank angles and speeds.
 
@@ -265,6 +267,8 @@ class Engine(EngineLinks):
             reduction is chosen; the greatest of this batch by default.
         detail : float
             Multiplies the frequency up to which component modes are kept.
+        stressed : StressedLinks, optional
+            What :meth:`stressed_links` or :meth:`running_links` gave in these positions.
 
         Returns
         -------
@@ -297,11 +301,8 @@ class Engine(EngineLinks):
         )
         if not motion.crank_speed.any():
             terms = RotationTerms.all_or_none(False)
-        stressed = (
-            self.stressed_links(motion, prestress)
-            if running is None
-            else self.running_links(motion, running)
-        )
+        if stressed is None:
+            stressed = self._stressed(motion, prestress, running)
         connect = self._connect(terms, prestress, stressed.displacement)
         if not self.component_modes or self.turns_as_one_body:
             system = unreduced_system(self.topology, self.links, motion, stressed, terms, connect)
@@ -321,6 +322,13 @@ class Engine(EngineLinks):
         return self._marked(
             reduced_system(self.topology, self.links, reduction, motion, stressed, terms, connect)
         )
+
+    def _stressed(
+        self, motion: RigidMotion, prestress: Prestress, running: Sequence[FloatArray] | None
+    ) -> StressedLinks:
+        if running is None:
+            return self.stressed_links(motion, prestress)
+        return self.running_links(motion, running)
 
     def _marked(self, system: LinearSystem) -> LinearSystem:
         """The system, which knows how many of its modes are rigid."""

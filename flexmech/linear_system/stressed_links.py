@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
@@ -74,4 +74,25 @@ class StressedLinks:
             every(self.damping),
             every(self.loads),
             None if self.guiding is None else np.repeat(self.guiding, count, axis=0),
+        )
+
+    def at(self, which: slice) -> Self:
+        """Those of some positions of a batch.
+
+        Parameters
+        ----------
+        which : slice
+        """
+
+        def some(values: list[FloatArray] | None) -> list[FloatArray] | None:
+            return None if values is None else [v[which] for v in values]
+
+        return replace(
+            self,
+            tangent=[t[which] if t.ndim == 3 else t for t in self.tangent],
+            displacement=some(self.displacement),
+            internal_force=some(self.internal_force),
+            damping=some(self.damping),
+            loads=some(self.loads),
+            guiding=None if self.guiding is None else self.guiding[which],
         )

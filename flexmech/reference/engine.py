@@ -168,7 +168,8 @@ class ReferenceEngine(Engine):
 
         def displaced(under: BalancedLoads) -> list[FloatArray]:
             virial = self._virial(motion, under.at)
-            return self.equilibrium.solve(motion, under.loads, varying, near, virial, bodies)
+            start = near if under.at is None else under.at
+            return self.equilibrium.solve(motion, under.loads, varying, start, virial, bodies)
 
         under = self._quasi_static_loads(motion, displaced)
         displacement, loads = displaced(under), under.loads

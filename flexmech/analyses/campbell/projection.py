@@ -17,7 +17,7 @@ import numpy as np
 
 from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.linear_system import LinearSystem
+from flexmech.linear_system import LinearSystem, StressedLinks
 from flexmech.types import FloatArray
 
 __all__ = ["KrylovSpace", "ProjectedSystems", "krylov_projected", "projected_systems"]
@@ -61,9 +61,24 @@ class ProjectedSystems(Systems):
 
     space: KrylovSpace | None = None
 
-    def at(self, crank_angle: FloatArray, crank_speed: FloatArray | float) -> LinearSystem:
-        """Projected linear system at crank angles (B,) and speeds that match them."""
-        system = super().at(crank_angle, crank_speed)
+    def at(
+        self,
+        crank_angle: FloatArray,
+        crank_speed: FloatArray | float,
+        stressed: StressedLinks | None = None,
+    ) -> LinearSystem:
+        """Projected linear system at crank angles and speeds.
+
+        Parameters
+        ----------
+        crank_angle : ndarray, shape (B,)
+            In rad.
+        crank_speed : ndarray, shape (B,), or float
+            In rad/s.
+        stressed : StressedLinks, optional
+            What :meth:`stressed` gave there.
+        """
+        system = super().at(crank_angle, crank_speed, stressed)
         return system if self.space is None else krylov_projected(system, self.space)
 
 

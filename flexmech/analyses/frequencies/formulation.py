@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmech.analyses.frequencies.running_states import RunningStates
 from flexmech.choices import MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
-from flexmech.linear_system import Engine, LinearSystem, RotationTerms
+from flexmech.linear_system import Engine, LinearSystem, RotationTerms, StressedLinks
 from flexmech.numbers import check_choice, check_count
 from flexmech.types import FloatArray
 
@@ -87,17 +87,43 @@ class Systems:
         """Whether a link has Kelvin-Voigt damping."""
         return any(link.damping.any() for link in self.engine.links)
 
-    def at(self, crank_angle: FloatArray, crank_speed: FloatArray | float) -> LinearSystem:
-        """Linear system at crank angles (B,) and speeds that match them."""
+    def stressed(self, crank_angle: FloatArray, crank_speed: FloatArray | float) -> StressedLinks:
+        """Links under their stress at crank angles (B,) and speeds that match them."""
+        motion = self.engine.mechanism.linkage.motion(
+            crank_angle, np.broadcast_to(crank_speed, crank_angle.shape)
+        )
+        states = self.states(crank_angle)
+        if states is not None:
+            return self.engine.running_links(motion, states)
+        return self.engine.stressed_links(motion, self.formulation.quasi_static_prestress)
+
+    def at(
+        self,
+        crank_angle: FloatArray,
+        crank_speed: FloatArray | float,
+        stressed: StressedLinks | None = None,
+    ) -> LinearSystem:
+        """Linear system at crank angles and speeds.
+
+        Parameters
+        ----------
+        crank_angle : ndarray, shape (B,)
+            In rad.
+        crank_speed : ndarray, shape (B,), or float
+            In rad/s.
+        stressed : StressedLinks, optional
+            What :meth:`stressed` gave there.
+        """
         return self.engine.linear_system(
             crank_angle,
             crank_speed,
             prestress=self.formulation.quasi_static_prestress,
-            running=self.states(crank_angle),
+            running=self.states(crank_angle) if stressed is None else None,
             rotation_terms=self.formulation.rotation_terms,
             modes=self.formulation.modes,
             fastest=self.fastest,
             detail=self.detail,
+            stressed=stressed,
         )
 
     def states(self, crank_angle: FloatArray) -> list[FloatArray] | None:

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import splu
 
 from flexmech.analyses.frequencies.eigenproblem import Modes, solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.linear_system import GREAT_DETAIL, LinearSystem, LinkFrames
+from flexmech.linear_system import GREAT_DETAIL, LinearSystem, LinkFrames, StressedLinks
 from flexmech.types import FloatArray
 
 __all__ = ["CheckedModes", "ReductionError", "reduction_error", "settled"]
@@ -102,14 +102,17 @@ def settled(
     count = systems.formulation.modes
     unreduced = replace(systems, engine=systems.engine.unreduced(), detail=DETAILS[0])
     speed = np.broadcast_to(crank_speed, crank_angle.shape)
+    # The stress is the same in whatever modes, and costs more than they do.
+    stressed = systems.stressed(crank_angle, speed)
     for detail in DETAILS:
         detailed = replace(systems, detail=detail)
-        system = detailed.at(crank_angle, crank_speed)
+        system = detailed.at(crank_angle, crank_speed, stressed)
         modes = solve_modes(system, count, max(0, min(spare, system.size - count)))
         if not systems.engine.component_modes:
             exact = np.zeros((len(modes.frequency), count))
             return CheckedModes(detailed, system, modes, ReductionError(exact, exact))
-        error = reduction_error(unreduced, crank_angle, speed, system, modes.lowest(count))
+        lowest = modes.lowest(count)
+        error = reduction_error(unreduced, crank_angle, speed, system, lowest, stressed)
         if error.is_small(modes, damped=systems.is_damped):
             return CheckedModes(detailed, system, modes, error)
         logger.info(
@@ -127,6 +130,7 @@ def reduction_error(
     crank_speed: FloatArray,
     reduced: LinearSystem,
     modes: Modes,
+    stressed: StressedLinks,
 ) -> ReductionError:
     """Error of reduced modes against the unreduced matrices.
 
@@ -142,6 +146,8 @@ def reduction_error(
         In these positions.
     modes : Modes
         Of ``reduced``; m of them.
+    stressed : StressedLinks
+        In these positions.
 
     Returns
     -------
@@ -153,7 +159,7 @@ def reduction_error(
     at_a_time = max(1, MATRIX_BYTES // (8 * frames.size**2))
     for start in range(0, len(crank_angle), at_a_time):
         part = slice(start, start + at_a_time)
-        full = unreduced.at(crank_angle[part], crank_speed[part])
+        full = unreduced.at(crank_angle[part], crank_speed[part], stressed.at(part))
         improved[part] = (
             _inverse_iteration(full, shapes[part])
             if full.is_conservative
