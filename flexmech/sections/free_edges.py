@@ -27,10 +27,16 @@ import scipy.linalg
 
 from flexmech.materials import Laminate, solid_stiffness
 from flexmech.sections.beam_reduction import ALONG, OTHERS, TWIST_HELD
-from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST, solid_section
+from flexmech.sections.solid_section import (
+    CURVATURE,
+    STRETCH,
+    TWIST,
+    SolidSection,
+    solid_section,
+)
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["FreeEdges", "free_edges"]
+__all__ = ["FreeEdges", "free_edges", "laminate_solid"]
 
 # Strains x, z and xz among those of a solid.
 IN_PLANE = np.array([0, 2, 4])
@@ -107,13 +113,7 @@ def _free_edges(laminate: Laminate, ratio: float) -> FreeEdges:
     """Of a width over the thickness."""
     faces, solids = _runs(laminate)
     width = ratio * laminate.thickness
-    least = ROWS if len(solids) <= FEW_RUNS else 1
-    shares = np.diff(faces) / laminate.thickness
-    rows = np.maximum(least, np.ceil(ROWS_IN_ALL * shares * (1 - NEGLIGIBLE)).astype(int))
-    ends = np.concatenate([[0], np.cumsum(rows)])
-    lines = np.interp(np.arange(ends[-1] + 1), ends, faces)
-    sides = width / 2 * np.sin(np.pi / 2 * np.linspace(-1, 1, COLUMNS + 1))
-    found = solid_section(lines, np.repeat(solids, rows, axis=0), sides)
+    found = _meshed(faces, solids, width)
     # From the curvature to the gradient of the strain.
     signs = np.array([[1.0, -1.0], [-1.0, 1.0]]) / width
     free = signs * found.stiffness_of([STRETCH, CURVATURE])
@@ -129,6 +129,38 @@ def _free_edges(laminate: Laminate, ratio: float) -> FreeEdges:
     if abs(lacking[0, 1]) < UNCOUPLED * np.sqrt(abs(lacking[0, 0] * lacking[1, 1])):
         lacking[0, 1] = lacking[1, 0] = 0.0
     return FreeEdges(_relaxation(laminate, lacking), torsion)
+
+
+def laminate_solid(laminate: Laminate, width: float) -> SolidSection:
+    """Cross-section of a laminate in three dimensions.
+
+    Parameters
+    ----------
+    laminate : Laminate
+    width : float
+        In m.
+
+    Returns
+    -------
+    SolidSection
+
+    Raises
+    ------
+    ComputationError
+        If the cross-section cannot be solved.
+    """
+    return _meshed(*_runs(laminate), width)
+
+
+def _meshed(faces: FloatArray, solids: FloatArray, width: float) -> SolidSection:
+    """Section of runs (n) between faces (n + 1,)."""
+    least = ROWS if len(solids) <= FEW_RUNS else 1
+    shares = np.diff(faces) / (faces[-1] - faces[0])
+    rows = np.maximum(least, np.ceil(ROWS_IN_ALL * shares * (1 - NEGLIGIBLE)).astype(int))
+    ends = np.concatenate([[0], np.cumsum(rows)])
+    lines = np.interp(np.arange(ends[-1] + 1), ends, faces)
+    sides = width / 2 * np.sin(np.pi / 2 * np.linspace(-1, 1, COLUMNS + 1))
+    return solid_section(lines, np.repeat(solids, rows, axis=0), sides)
 
 
 def _about_neutral_axis(stiffness: FloatArray) -> float:

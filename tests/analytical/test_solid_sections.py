@@ -108,6 +108,16 @@ def test_the_section_converges() -> None:
     assert section.axial_stiffness == pytest.approx(fine[0, 0], rel=4e-3)
 
 
+def test_a_section_tells_its_own_cross_section() -> None:
+    for angles in (ANGLE_PLY, (20, 50, -10)):
+        section = LaminateSection(stack(angles), 2 * THICKNESS, twist="free")
+        solid = section.solid.stiffness_of([0, 5])
+        found = (section.axial_stiffness, -section.coupling_stiffness)
+        np.testing.assert_allclose(solid[0], found, rtol=1e-9, atol=1e-6 * solid[0, 0] * THICKNESS)
+        bending = solid[1, 1] - solid[0, 1] ** 2 / solid[0, 0]
+        assert section.bending_stiffness == pytest.approx(bending, rel=1e-9)
+
+
 def test_edges_are_all_of_a_narrow_link_and_nothing_of_a_wide_one() -> None:
     laminate = stack(ANGLE_PLY)
     alone = 1 / np.linalg.inv(laminate.transformed_stiffness[0])[0, 0] * THICKNESS**3 / 12
