@@ -16,6 +16,7 @@ from flexmech.linkages import (
     Spring,
     Topology,
     drawn_joints,
+    linkage_positions,
 )
 from flexmech.mechanism.parts import AttachedBody, PointMass
 
@@ -100,9 +101,30 @@ def drawn_parts(mechanism: Drawable) -> dict[str, Any]:
     }
 
 
-def drawing(mechanism: Drawable) -> str:
-    """The parts of :func:`drawn_parts` as the text of a dataset's attribute ``drawing``."""
-    return json.dumps(drawn_parts(mechanism))
+def drawing(mechanism: Drawable, crank_angle: float | None = None) -> str:
+    """The parts of :func:`drawn_parts` as the text of a dataset's attribute ``drawing``.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    crank_angle : float, optional
+        In rad. With it the text tells the posture too, ``ends`` of each link in m at that
+        ``crank_angle``, for datasets that hold no positions of links.
+
+    Returns
+    -------
+    str
+
+    Raises
+    ------
+    InputError
+        If the linkage cannot stand at the crank angle.
+    """
+    parts = drawn_parts(mechanism)
+    if crank_angle is not None:
+        ends = linkage_positions(mechanism.linkage, crank_angle)["rigid_position"].values
+        parts["posture"] = {"crank_angle": crank_angle, "ends": ends.tolist()}
+    return json.dumps(parts)
 
 
 def _end(topology: Topology, point: LinkPoint) -> dict[str, Any]:

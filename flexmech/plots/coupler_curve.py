@@ -6,9 +6,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import Affine2D
 
 from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.linkage_parts import drawn_posture
+from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
+from flexmech.plots.linkage_symbols import add_symbols
 from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.series import line_handle, series_handles, series_line, series_style, told_apart
 from flexmech.types import FloatArray
@@ -18,6 +22,8 @@ __all__ = ["plot_coupler_angles", "plot_coupler_curve"]
 HEIGHT, HEIGHT_OF_THREE = 3.6, 2.45
 ANGLE_HEIGHT = 4.2
 CLOSE_UP_ROOM = 1.5
+# Marks of masses and bodies over those in a picture of one linkage.
+SMALL = 0.6
 # Above this extent in m a picture is in m, below it in mm.
 METRES = 10.0
 MARKS = {"crunode": "o", "cusp": "^"}
@@ -80,7 +86,8 @@ def plot_coupler_curve(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
             _draw_double_points(axes, dataset, scale)
             _frame(axes, values_of(scale * dataset["framed"], "framed_place", "component"))
         names = names_of(dataset, "pin")
-        last.set_title("Pins A and B" if curve else "Ends of its link")
+        pictured = "Pins A and B" if curve else "Ends of its link"
+        last.set_title(pictured + _draw_linkage(last, dataset, scale))
         _draw_paths(last, pins, angles)
         _name_pins(last, names, pins[0])
     return drawn.figure
@@ -164,10 +171,25 @@ def _draw_double_points(axes: Axes, dataset: xr.Dataset, scale: float) -> None:
 
 def _name_pins(axes: Axes, names: list[str], paths: FloatArray) -> None:
     """Write A and B over their paths; shape (pin, point, component)."""
-    axes.margins(y=0.12)
+    axes.margins(0.15)
     for name, path in zip(names, paths, strict=True):
         top = path[path[:, 1].argmax()]
-        axes.annotate(name, top, xytext=(0, 3), textcoords="offset points", ha="center")
+        axes.annotate(name, top, xytext=(0, 5), textcoords="offset points", ha="center")
+
+
+def _draw_linkage(axes: Axes, dataset: xr.Dataset, scale: float) -> str:
+    """The linkage behind the paths where the dataset knows it, and at which crank angle it is."""
+    found = drawn_posture(dataset)
+    if found is None:
+        return ""
+    links, parts, angle = found
+    sketch = LinkageSketch(links, parts, mark_size=SMALL)
+    to_axes = Affine2D().scale(scale)
+    add_symbols(axes, sketch.ground(), to_axes)
+    for link, look in zip(links, sketch.link_looks(RIGID), strict=True):
+        axes.plot(*(scale * link).T, **look, zorder=1)
+    add_symbols(axes, sketch.on_links(), to_axes)
+    return f", crank at {np.degrees(angle):.4g}°"
 
 
 def _frame(axes: Axes, places: FloatArray) -> None:

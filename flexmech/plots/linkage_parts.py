@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from flexmech.types import FloatArray
 
-__all__ = ["SAME_PLACE", "LinkageParts", "Posture", "extent_of", "parts_of"]
+__all__ = ["SAME_PLACE", "LinkageParts", "Posture", "drawn_posture", "extent_of", "parts_of"]
 
 # Places closer than this part of the linkage's extent are the same place.
 SAME_PLACE = 1e-6
@@ -76,9 +76,32 @@ def parts_of(dataset: xr.Dataset, positions: FloatArray, held: NDArray[np.bool_]
     """
     if "drawing" not in dataset.attrs:
         return _by_places(positions, held)
-    told = json.loads(dataset.attrs["drawing"])
-    rigid = np.array([link["rigid"] for link in told.pop("links")], dtype=bool)
-    return LinkageParts(rigid, **told)
+    return _told(json.loads(dataset.attrs["drawing"]))
+
+
+def drawn_posture(dataset: xr.Dataset) -> tuple[FloatArray, LinkageParts, float] | None:
+    """Links, parts and crank angle of the posture that the attribute ``drawing`` holds.
+
+    Parameters
+    ----------
+    dataset : Dataset
+
+    Returns
+    -------
+    ndarray, shape (link, 2, 2), LinkageParts, float
+        In m and rad; None where the attribute holds no posture.
+    """
+    told = json.loads(dataset.attrs.get("drawing", "{}"))
+    if "posture" not in told:
+        return None
+    posture = told["posture"]
+    return np.array(posture["ends"]), _told(told), float(posture["crank_angle"])
+
+
+def _told(told: Part) -> LinkageParts:
+    rigid = np.array([link["rigid"] for link in told["links"]], dtype=bool)
+    others = {name: part for name, part in told.items() if name not in ("links", "posture")}
+    return LinkageParts(rigid, **others)
 
 
 def _by_places(positions: FloatArray, held: NDArray[np.bool_]) -> LinkageParts:

@@ -10,6 +10,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
+from matplotlib.transforms import Transform
 
 from flexmech.plots.series import Look
 from flexmech.types import FloatArray
@@ -69,13 +70,17 @@ class Symbol:
         return Line2D(*self.places.T, **self.look)
 
 
-def add_symbols(axes: Axes, symbols: Iterable[Symbol]) -> list[Artist]:
+def add_symbols(
+    axes: Axes, symbols: Iterable[Symbol], transform: Transform | None = None
+) -> list[Artist]:
     """Draw symbols within the limits that the axes have.
 
     Parameters
     ----------
     axes : Axes
     symbols : iterable of Symbol
+    transform : Transform, optional
+        From m to the units of the axes; these are in m if it is left out.
 
     Returns
     -------
@@ -85,6 +90,7 @@ def add_symbols(axes: Axes, symbols: Iterable[Symbol]) -> list[Artist]:
     artists: list[Artist] = []
     for symbol in symbols:
         artist = symbol.artist
+        artist.set_transform(transform + axes.transData if transform else axes.transData)
         if isinstance(artist, Polygon):
             axes.add_patch(artist)
         else:

@@ -10,10 +10,17 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from flexmech import ReferenceEngine, check_mechanism, load_mechanism, moving_frequencies
+from flexmech import (
+    CouplerPoint,
+    ReferenceEngine,
+    check_mechanism,
+    coupler_paths,
+    load_mechanism,
+    moving_frequencies,
+)
 from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring, linkage_positions
 from flexmech.mechanism import Mechanism, drawing
-from flexmech.plots import page_width, plot_linkage, plot_mode_shapes
+from flexmech.plots import page_width, plot_coupler_curve, plot_linkage, plot_mode_shapes
 from flexmech.plots.animation_scene import EnlargedMotion, Scene
 from flexmech.plots.linkage_sketch import LinkageSketch
 from flexmech.plots.linkage_symbols import Symbol
@@ -211,6 +218,25 @@ class TestPictures:
         (block,) = [one for one in corners if len(one) == 5]
         slider = found.dataset["rigid_position"].values[0, 1, -1]
         np.testing.assert_allclose(block[:4].mean(axis=0), slider, atol=1e-14)
+
+    def test_a_path_is_drawn_over_the_linkage_in_millimetres(self):
+        angles = np.radians(np.arange(0.0, 361.0, 10.0))
+        found = coupler_paths(SLIDER_CRANK, angles, CouplerPoint(0.1, 0.0), link="rod")
+        last = plot_coupler_curve(found.dataset).axes[-1]
+        assert last.get_title("left") == "Ends of its link, crank at 60°"
+        corners = [
+            (patch.get_transform() - last.transData).transform(patch.get_xy())
+            for patch in last.patches
+        ]
+        (block,) = [one for one in corners if len(one) == 5]
+        place = SLIDER_CRANK.linkage.motion(np.radians(60.0)).position(1, 0.3)
+        np.testing.assert_allclose(block[:4].mean(axis=0), 1e3 * place, atol=1e-9)
+        (supports,) = [one for one in corners if len(one) == 4]
+        np.testing.assert_allclose(supports[0], [0.0, 0.0], atol=1e-9)
+        loops = load_mechanism(MODELS / "neat_resin_figure_8.toml")
+        for millimetres in (88.0, 180.0):
+            with page_width(millimetres):
+                check_layout(plot_coupler_curve(coupler_paths(loops, angles).dataset))
 
     def test_an_animation_moves_blocks_with_the_deflected_linkage(self):
         angles = np.linspace(0.0, 2 * np.pi, 9)

@@ -31,8 +31,9 @@ from flexmech.linkages import (
     FourBar,
     coupler_sextic,
     double_points,
+    shown_crank_angle,
 )
-from flexmech.mechanism import Mechanism
+from flexmech.mechanism import Mechanism, drawing
 from flexmech.types import FloatArray
 
 __all__ = ["coupler_paths"]
@@ -133,6 +134,7 @@ def coupler_paths(
     lines = environment_lines(mechanism, environment, lengths_alone=bool(warning))
     attributes = {
         **origin(mechanism),
+        "drawing": drawing(mechanism, _shown(mechanism, angles)),
         "environment_lines": "\n".join(lines),
         "warning": warning,
     }
@@ -140,6 +142,12 @@ def coupler_paths(
     others = [path for path in paths.values() if not isinstance(path, Path)]
     dataset = _dataset(curves, angles) if curves else _without_double_points(others, list(paths))
     return CouplerPaths(dataset.assign_attrs(attributes))
+
+
+def _shown(mechanism: Mechanism, angles: FloatArray) -> float:
+    """The crank angle of the path at which a picture shows the linkage best."""
+    best = shown_crank_angle(mechanism.linkage)
+    return float(angles[np.argmin(np.abs(angles - best))])
 
 
 def _without_double_points(states: Sequence[xr.Dataset], names: Sequence[str]) -> xr.Dataset:
