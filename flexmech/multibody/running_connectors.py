@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from flexmech.linear_system import LinkModel
@@ -15,18 +13,10 @@ from flexmech.multibody.grips import angle_of_end
 from flexmech.multibody.items import Made
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.user_functions import Shaft, load_history
+from flexmech.time_domain import ConnectorWork
 from flexmech.types import FloatArray
 
-__all__ = ["ConnectorWork", "RunningConnectors"]
-
-
-@dataclass(frozen=True)
-class ConnectorWork:
-    """Energy of springs in J, power that dampers take and loads give in W; each (m,)."""
-
-    stored: FloatArray
-    dissipation: FloatArray
-    power: FloatArray
+__all__ = ["RunningConnectors"]
 
 
 class RunningConnectors:

@@ -2,6 +2,7 @@
 
 from flexmech.choices import INTEGRATORS, Integrator
 from flexmech.time_domain.axial_frequency import lowest_axial_frequency
+from flexmech.time_domain.connector_work import ConnectorWork
 from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.floquet import FloquetModes, floquet_modes
@@ -47,6 +48,7 @@ __all__ = [
     "DETAIL",
     "INTEGRATORS",
     "BlockTaker",
+    "ConnectorWork",
     "DrivenLinkage",
     "EnergyHistory",
     "Equations",

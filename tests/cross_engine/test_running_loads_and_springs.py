@@ -19,9 +19,9 @@ from flexmech import (
     response,
 )
 from flexmech.analyses.response.measurements import deflections_of
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, Prestress
 from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring
-from flexmech.time_domain import DrivenLinkage
+from flexmech.time_domain import DrivenLinkage, linear_run, periodic_state
 from flexmech.time_domain.step_table import StepTable
 from flexmech.time_domain.trapezoidal import step_operators
 from tests.cross_engine.joined_linkages import SliderCrank, Ternary
@@ -158,3 +158,19 @@ def test_no_motion_is_periodic_under_a_load_over_time() -> None:
     engine = ReferenceEngine(strips(Ternary(FOUR_BAR), loads=(PUSH,)), 2, "euler")
     with pytest.raises(InputError, match="under a load over time no motion repeats itself"):
         response(engine, ResponseRequest(CrankDrive(SPEED), 0.1, start="periodic"))
+
+
+@pytest.mark.parametrize("prestress", ["none", "axial", "equilibrium"])
+def test_a_periodic_motion_under_a_table_repeats_itself(prestress: Prestress) -> None:
+    tip, rows = LinkPoint("arm", 0.3), ((0.0, 0.0), (0.02, 0.04), (0.0, 0.0))
+    load = Load("tip", tip, rows, (0.0, 2e-3, 0.0), over="crank_angle", at=(-0.5, 1.5, 3.0))
+    spring = Spring("hold", LinkPoint(GROUND, 0.2, 0.3), tip, 0.3, 0.1, 0.05)
+    section = strips(SliderCrank()).sections["crank"]
+    mechanism = Mechanism(RotatingArm(0.3), {"arm": section}, loads=(load,), springs=(spring,))
+    linkage = DrivenLinkage(ReferenceEngine(mechanism, 2, "euler"), CrankDrive(20.0), prestress)
+    start, turn = periodic_state(linkage, 1440), linkage.drive.revolution_time
+    run = linear_run(linkage, start.position, start.velocity, np.array([0.0, turn]), turn / 1440)
+    first, last = run.displacement[0]
+    np.testing.assert_allclose(last, first, rtol=0, atol=1e-7 * np.abs(first).max())
+    assert np.abs(run.energy.prestress_work[-1] + run.energy.drive_work[-1]) > 1e-5
+    assert run.energy_error < 1e-4
