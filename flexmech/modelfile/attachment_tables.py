@@ -32,8 +32,8 @@ class JointTable(Table):
 
     kind: Literal["pin", "clamp", "weld", "slider"] | None = Field(
         default=None,
-        description="Of kind planar: pin if left out; clamp is the drive; weld keeps the angle "
-        "between links; slider keeps the point on a line",
+        description="Of kind planar: pin if left out; clamp is the drive, or several hold a still "
+        "frame; weld keeps the angle between links; slider keeps the point on a line",
     )
     links: list[Text] = Field(
         default_factory=list,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -284,3 +285,31 @@ def test_a_load_file_ends_up_in_the_text_of_the_mechanism(tmp_path: Path) -> Non
     assert push.force == ((1.0, 2.0), (3.0, 4.0))
     assert push.torque == (0.5, 0.25)
     assert mechanism_from_toml(mechanism.provenance.text) == mechanism
+
+
+def test_frames_stand_still_where_several_clamps_hold_them(tmp_path: Path) -> None:
+    """All of it welded; it is drawn once and is there at every crank angle, at crank speed 0."""
+    text = (
+        'name = "portal"\nsource = "this test"\n[linkage]\nkind = "planar"\nground = ["O", "Q"]\n'
+        '[linkage.points]\nO = ["0 m", "0 m"]\nA = ["0 m", "0.5 m"]\nB = ["0.7 m", "0.5 m"]\n'
+        'Q = ["0.7 m", "0 m"]\n[links.frame]\npoints = ["O", "A", "B", "Q"]\nmaterial = "steel"\n'
+        'section = "rectangle"\nin_plane_thickness = "10 mm"\nout_of_plane_width = "30 mm"\n'
+        '[materials.steel]\nyoungs_modulus = "200 GPa"\ndensity = "7800 kg/m^3"\n'
+        'poisson_ratio = 0.3\n[joints.O]\nkind = "clamp"\n[joints.Q]\nkind = "clamp"\n'
+    )
+    frame = mechanism_from_toml(text)
+    motion = frame.linkage.motion([0.0, 1.0])
+    assert np.array_equal(motion.angle[0], motion.angle[1])
+    assert motion.position(2, 0.5) == pytest.approx(np.array([[0.7, 0.0]] * 2), abs=1e-15)
+    assert mechanism_from_toml(frame.to_toml()).linkage == frame.linkage
+    file = tmp_path / "portal.toml"
+    file.write_text(text)
+    run = ["frequencies", str(file), "--angles", "0", "--speeds", "0", "--no-plots"]
+    asked = [*run, "--engine", "reference", "--out", str(tmp_path / "out")]
+    result = CliRunner().invoke(app, asked)
+    assert result.exit_code == 0, result.stderr
+    assert "25.64" in result.stdout
+    asked[asked.index("--speeds") + 1] = "10"
+    result = CliRunner().invoke(app, asked)
+    assert result.exit_code == 2
+    assert "the frame stands still, clamped at several points: nothing turns" in result.stderr

@@ -58,6 +58,13 @@ class Assembly:
         RigidMotion
         """
         turned = np.ravel(theta) - self.drawn_at
+        if self.drawing.is_still:
+            if np.any(omega) or np.any(alpha):
+                raise InputError(
+                    "the frame stands still, clamped at several points: nothing turns; choose "
+                    "crank speed 0"
+                )
+            turned = np.zeros_like(turned)
         known = self.body_motion(turned)
         columns = [self._beam(known, turned, beam) for beam in self._beams]
         angle, turn_1, turn_2, place, place_1, place_2 = (
@@ -126,6 +133,8 @@ class Assembly:
         zero, one = np.zeros_like(angle), np.ones_like(angle)
         axis = self.drawing.complex_point(self.drawing.drive.point)
         ground = BodyMotion(axis, axis + 0j * one, one + 0j, 0j * one, 0j * one, zero, zero)
+        if self.drawing.is_still:
+            return {GROUND_BODY: ground, CRANK: ground}
         crank = BodyMotion(axis, ground.place, np.exp(1j * angle), 0j * one, 0j * one, one, zero)
         return {GROUND_BODY: ground, CRANK: crank}
 

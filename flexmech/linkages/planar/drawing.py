@@ -189,8 +189,13 @@ class Drawing:
         return ends
 
     @property
+    def is_still(self) -> bool:
+        """Whether several clamps hold a frame to the ground, so that nothing drives it."""
+        return sum(joint.kind == "clamp" for joint in self.joints) > 1
+
+    @property
     def drive(self) -> PlanarJoint:
-        """The clamp on the driven shaft."""
+        """The clamp on the driven shaft; the first one of a frame that stands still."""
         return next(joint for joint in self.joints if joint.kind == "clamp")
 
     @property
@@ -290,15 +295,12 @@ class Drawing:
                 "no joint is a clamp, so that nothing drives the linkage; give the ground point "
                 'of the crank kind = "clamp"'
             )
-        if len(clamps) > 1:
-            named = " and ".join(joint.point for joint in clamps)
-            raise InputError(f"joints {named} are clamps: two drives; keep one, make others pins")
-        point = clamps[0].point
-        if point not in self.ground:
-            raise InputError(f"the clamp {point} is no point of the ground; name it in ground")
-        here = self.links_at(point)
-        if len(here) > 1 and not clamps[0].links:
-            raise InputError(
-                f"links {', '.join(here)} meet at the clamp {point}; say which are on the shaft, "
-                f'as links = ["{here[0]}"]'
-            )
+        for clamp in clamps:
+            point, here = clamp.point, self.links_at(clamp.point)
+            if point not in self.ground:
+                raise InputError(f"the clamp {point} is no point of the ground; name it in ground")
+            if len(here) > 1 and not clamp.links:
+                raise InputError(
+                    f"links {', '.join(here)} meet at the clamp {point}; say which are on the "
+                    f'shaft, as links = ["{here[0]}"]'
+                )

@@ -12,6 +12,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.errors import InputError
 from flexmech.linkages.motion import RigidMotion, checked_drive
 from flexmech.linkages.planar.assembly import Assembly
 from flexmech.linkages.planar.drawing import Drawing, PlanarJoint, PlanarLink
@@ -40,7 +41,8 @@ class PlanarLinkage:
     ground : tuple of str
         Points that do not move. Links turn about them; the clamp is one of them.
     joints : tuple of PlanarJoint
-        What points do that are not pins; the clamp is one.
+        What points do that are not pins; the clamp is one. Several clamps hold a frame of welded
+        links that stands still at every crank angle.
     drawn_at : float, optional
         Crank angle of the drawing in rad; that of the crank's first beam if left out.
     sprung : tuple of str
@@ -163,10 +165,20 @@ class PlanarLinkage:
         -------
         PlanarLinkage
             Drawn at the same crank angle.
+
+        Raises
+        ------
+        InputError
+            If it is a frame that stands still.
         """
         own = {link.name: link.length for link in self.topology.links}
         if ground_growth == 1 and all(lengths[name] == length for name, length in own.items()):
             return self
+        if self.drawing.is_still:
+            raise InputError(
+                "a frame that stands still has the lengths of its drawing: held at several points, "
+                "it would be stressed by others; draw it anew"
+            )
         points = resized_points(self.drawing, self._assembly.bodies, lengths, ground_growth)
         return replace(self, points=points, drawn_at=self.drawn_angle)
 
@@ -185,6 +197,8 @@ class PlanarLinkage:
         ]
 
     def _range(self) -> str:
+        if self.drawing.is_still:
+            return "it stands still: nothing drives it"
         angles = np.radians(np.arange(0.0, 360.0))
         return (
             "the crank turns fully"

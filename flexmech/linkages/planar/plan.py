@@ -42,6 +42,9 @@ def assembly_order(drawing: Drawing, bodies: Bodies, drawn_at: float) -> tuple[S
     InputError
         If a body is joined to nothing, can move freely, or is held twice.
     """
+    if drawing.is_still:
+        _refuse_two_drives(drawing, bodies)
+        return ()
     _refuse_unjoined(bodies)
     order = _Order(drawing, bodies, drawn_at)
     order.refuse_redundant((CRANK,), 0)
@@ -53,6 +56,16 @@ def assembly_order(drawing: Drawing, bodies: Bodies, drawn_at: float) -> tuple[S
         order.refuse_redundant(own, 3 * len(own))
         order.known.update(own)
     return tuple(steps)
+
+
+def _refuse_two_drives(drawing: Drawing, bodies: Bodies) -> None:
+    """Several clamps hold a frame whose links are all welded; what moves has one."""
+    if len(bodies.links) > CRANK + 1:
+        named = " and ".join(joint.point for joint in drawing.joints if joint.kind == "clamp")
+        raise InputError(
+            f"joints {named} are clamps: two drives; keep one, make others pins, or weld all links "
+            "to a frame that stands still"
+        )
 
 
 def _refuse_unjoined(bodies: Bodies) -> None:

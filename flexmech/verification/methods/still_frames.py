@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from flexmech.analyses import solve_modes
 from flexmech.choices import EngineName
-from flexmech.linkages import Clamp, Link, LinkEnd, RigidMotion, Topology, Weld
+from flexmech.linkages import PlanarJoint, PlanarLink, PlanarLinkage
 from flexmech.materials import Material
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import SLENDER, engine_of_name
 
-__all__ = ["FRAMES", "HEIGHT", "SPAN", "Frame", "exact_frame_frequencies", "frame_frequencies"]
+__all__ = ["FRAMES", "HEIGHT", "SPAN", "exact_frame_frequencies", "frame_frequencies"]
 
 SECTION = BeamSection.rectangle(Material(200e9, 7800.0), 10e-3, 30e-3)
 HEIGHT, SPAN = 0.5, 0.7
@@ -27,77 +25,24 @@ FrameName = Literal["L", "portal"]
 STEP = 1.0
 
 
-@dataclass(frozen=True)
-class Frame:
-    """Beams that stand still, welded at their ends.
-
-    Parameters
-    ----------
-    topology : Topology
-    angles : tuple of float
-        Of the links in rad.
-    """
-
-    kind: ClassVar[str] = "frame"
-    topology: Topology
-    angles: tuple[float, ...]
-
-    def motion(
-        self,
-        crank_angle: ArrayLike,
-        crank_speed: ArrayLike = 0.0,
-        crank_acceleration: ArrayLike = 0.0,
-    ) -> RigidMotion:
-        """None, whatever the crank angle: all links stand, with their starts at the origin.
-
-        Parameters
-        ----------
-        crank_angle, crank_speed, crank_acceleration : array_like
-            The first gives the batch.
-
-        Returns
-        -------
-        RigidMotion
-        """
-        theta = np.asarray(crank_angle, dtype=float)
-        nothing = np.zeros((*theta.shape, len(self.angles)))
-        nowhere = np.zeros((*nothing.shape, 2))
-        still = np.zeros(theta.shape)
-        angle = nothing + self.angles
-        return RigidMotion(theta, still, angle, nothing, nothing, nowhere, nowhere, nowhere)
-
-    def resized(self, lengths: object, ground_growth: float) -> Frame:
-        """Refuse: these frames have the lengths of their closed forms."""
-        raise NotImplementedError
-
-    def described(self) -> list[str]:
-        """Nothing to say."""
-        return []
-
-    def to_table(self) -> dict[str, object]:
-        """No table: a model file has a crank."""
-        return {}
-
-
-FRAMES: dict[FrameName, Frame] = {
-    "L": Frame(
-        Topology(
-            links=(Link("column", HEIGHT), Link("beam", SPAN)),
-            clamps=(Clamp("O", LinkEnd("column", "start")), Clamp("Q", LinkEnd("beam", "end"))),
-            welds=(Weld("A", LinkEnd("column", "end"), LinkEnd("beam", "start")),),
-        ),
-        (np.pi / 2, 0.0),
+WELDED = tuple(PlanarJoint(point, "weld") for point in ("A", "B"))
+CLAMPED = tuple(PlanarJoint(point, "clamp") for point in ("O", "Q"))
+FRAMES: dict[FrameName, PlanarLinkage] = {
+    "L": PlanarLinkage(
+        {"O": (0.0, 0.0), "A": (0.0, HEIGHT), "Q": (SPAN, HEIGHT)},
+        (PlanarLink("column", ("O", "A")), PlanarLink("beam", ("A", "Q"))),
+        ("O", "Q"),
+        (*CLAMPED, WELDED[0]),
     ),
-    "portal": Frame(
-        Topology(
-            links=(Link("left", HEIGHT), Link("beam", SPAN), Link("right", HEIGHT)),
-            clamps=(Clamp("O", LinkEnd("left", "start")), Clamp("Q", LinkEnd("right", "start"))),
-            welds=(
-                Weld("A", LinkEnd("left", "end"), LinkEnd("beam", "start")),
-                Weld("B", LinkEnd("beam", "end"), LinkEnd("right", "end")),
-            ),
+    "portal": PlanarLinkage(
+        {"O": (0.0, 0.0), "A": (0.0, HEIGHT), "B": (SPAN, HEIGHT), "Q": (SPAN, 0.0)},
+        (
+            PlanarLink("left", ("O", "A")),
+            PlanarLink("beam", ("A", "B")),
+            PlanarLink("right", ("Q", "B")),
         ),
-        (np.pi / 2, 0.0, np.pi / 2),
+        ("O", "Q"),
+        (*CLAMPED, *WELDED),
     ),
 }
 
