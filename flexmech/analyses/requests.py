@@ -9,10 +9,11 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.choices import SHAFTS, ShaftChoice
 from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import Environment, Exposure, HygrothermalState
 from flexmech.linear_system import Engine
-from flexmech.numbers import checked_array
+from flexmech.numbers import check_choice, checked_array
 from flexmech.types import FloatArray
 
 __all__ = [
@@ -68,7 +69,9 @@ def engine_of(value: Engine) -> Engine:
     return _one_of(value, (Engine,), "an engine", ENGINE)
 
 
-def engines_of(value: Engine | Sequence[Engine], modes: int | None = None) -> list[Engine]:
+def engines_of(
+    value: Engine | Sequence[Engine], modes: int | None = None, shaft: ShaftChoice | None = None
+) -> list[Engine]:
     """One engine or several as a list of one or more.
 
     Parameters
@@ -76,6 +79,8 @@ def engines_of(value: Engine | Sequence[Engine], modes: int | None = None) -> li
     value : Engine or sequence of Engine
     modes : int, optional
         Natural frequencies that elements which were not asked for must be fit for.
+    shaft : {"prescribed", "free"}, optional
+        In the place of the engines' own.
 
     Returns
     -------
@@ -84,12 +89,15 @@ def engines_of(value: Engine | Sequence[Engine], modes: int | None = None) -> li
     Raises
     ------
     InputError
-        If there is none, or something else is among them.
+        If there is none, or something else is among them, or the shaft is unknown.
     """
     engines = value if isinstance(value, Sequence) and not isinstance(value, str) else [value]
     if not engines:
         raise InputError("an analysis needs an engine, got an empty list")
     found = [engine_of(engine) for engine in engines]
+    if shaft is not None:
+        check_choice(shaft, SHAFTS, "shaft")
+        found = [e if e.shaft == shaft else e.with_(shaft=shaft) for e in found]
     return found if modes is None else [engine.fit_for(modes) for engine in found]
 
 

@@ -56,7 +56,7 @@ def frequencies(
     deliver(
         MovingFrequencies,
         lambda progress: moving_frequencies(
-            make_engines(mechanism, engine, element, elements or ELEMENTS_A_LINK, shaft, mass),
+            make_engines(mechanism, engine, element, elements or ELEMENTS_A_LINK, mass=mass),
             np.radians(crank_angles),
             None if given is None else given.values,
             modes=modes,
@@ -68,6 +68,7 @@ def frequencies(
             tolerance=tolerance if elements is None else None,
             shapes_at=None if shape_angles is None else np.radians(shape_angles),
             smooth=not no_plots,
+            shaft=shaft,
             progress=progress,
         ),
         out,

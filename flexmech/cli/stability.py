@@ -56,7 +56,7 @@ def stability(
     found = deliver(
         StabilityMap,
         lambda progress: analysis(
-            make_engines(mechanism, engine, element, elements, shaft),
+            make_engines(mechanism, engine, element, elements),
             given.values,
             prestress=prestress,
             frame=frame,
@@ -65,6 +65,7 @@ def stability(
             damping_ratio=ratio,
             against=second,
             speed_unit=given.unit,
+            shaft=shaft,
             progress=progress,
         ),
         out,

@@ -15,6 +15,7 @@ from flexmech.analyses.campbell.request import ORDERS, CampbellRequest
 from flexmech.analyses.campbell.result import CampbellDiagram
 from flexmech.analyses.campbell.steady_response import response_speeds, steady_response
 from flexmech.analyses.frequencies import Formulation
+from flexmech.analyses.loads_over_time import left_out_attributes
 from flexmech.analyses.requests import engines_of
 from flexmech.choices import MODES, PRESTRESS_LEVELS, Prestress
 from flexmech.linear_system import Engine
@@ -124,7 +125,8 @@ def campbell(
             count = _Counter(report, "periodic motion", len(speeds))
             steady = steady_response(first.engine, speeds, prestress, count, speed_unit)
     dataset = dataset_of(diagrams, request, steady)
-    return CampbellDiagram(dataset.assign_attrs(theory_attributes(engines, modes)))
+    attributes = theory_attributes(engines, modes) | left_out_attributes(engines[0].mechanism)
+    return CampbellDiagram(dataset.assign_attrs(attributes))
 
 
 @dataclass

@@ -11,6 +11,7 @@ import pandas as pd
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
 from flexmech.analyses.campbell import words
+from flexmech.analyses.loads_over_time import left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.analyses.tables import table_over
@@ -143,4 +144,5 @@ class CampbellDiagram(Result):
             *words.error_lines(data),
             *words.response_lines(data),
         )
-        return Summary(parts, words.verdict(data), theory_warnings(data.attrs))
+        warned = (*left_out_warnings(data.attrs), *theory_warnings(data.attrs))
+        return Summary(parts, words.verdict(data), warned)

@@ -10,6 +10,7 @@ from flexmech.analyses.comparison.over_frequency import compared_over_frequency
 from flexmech.analyses.comparison.over_time import compared_over_time
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.comparison.result import Comparison
+from flexmech.analyses.loads_over_time import left_out_attributes
 from flexmech.analyses.provenance import provenance, with_units
 from flexmech.analyses.requests import engine_of
 from flexmech.errors import InputError
@@ -83,7 +84,10 @@ def compare_with_record(
     report = partial(progress or _silent, "fit")
     with one_thread():
         dataset = _COMPARED[taken.abscissa](own, taken, request, report)
-    return Comparison(with_units(dataset.assign_attrs(provenance([own])), "comparison"))
+    attributes = dict(provenance([own]))
+    if "time" not in dataset.dims:
+        attributes |= left_out_attributes(own.mechanism)
+    return Comparison(with_units(dataset.assign_attrs(attributes), "comparison"))
 
 
 def _check_kind(record: MeasuredRecord, request: ComparisonRequest) -> None:

@@ -10,6 +10,7 @@ import pandas as pd
 from flexmech import plots
 from flexmech.analyses.comparison import words
 from flexmech.analyses.comparison.dataset import CURVES
+from flexmech.analyses.loads_over_time import left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.analyses.tables import DEGREES, table_over
@@ -156,4 +157,5 @@ class Comparison(Result):
             *words.correlation_lines(data),
             *words.residual_lines(data),
         )
-        return Summary(parts, words.verdict(data), words.warnings(data))
+        warned = (*words.warnings(data), *left_out_warnings(data.attrs))
+        return Summary(parts, words.verdict(data), warned)

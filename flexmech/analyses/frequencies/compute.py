@@ -19,8 +19,9 @@ from flexmech.analyses.frequencies.pictured import drawn_between, shapes_asked_f
 from flexmech.analyses.frequencies.request import FrequencyRequest, operating_speeds
 from flexmech.analyses.frequencies.result import MovingFrequencies
 from flexmech.analyses.frequencies.speed_effect import speed_effect_terms
+from flexmech.analyses.loads_over_time import left_out_attributes
 from flexmech.analyses.requests import engines_of
-from flexmech.choices import MODES, MapPrestress
+from flexmech.choices import MODES, MapPrestress, ShaftChoice
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
@@ -44,6 +45,7 @@ def moving_frequencies(
     tolerance: float | None = None,
     shapes_at: ArrayLike | None = None,
     smooth: bool = False,
+    shaft: ShaftChoice | None = None,
     progress: LabelledProgress | None = None,
 ) -> MovingFrequencies:
     """Tracked natural frequencies over crank angles and speeds, with their errors.
@@ -84,6 +86,9 @@ def moving_frequencies(
     smooth : bool
         Also solve between the crank angles, with the first engine, where a line through them
         would show corners; not with ``trajectory``.
+    shaft : {"prescribed", "free"}, optional
+        Of all engines: whether the shaft turns as prescribed, or its rotation against that is one
+        more coordinate. Left out: that of the engines.
     progress : callable, optional
         Called as ``progress(label, done, total)``.
 
@@ -107,7 +112,7 @@ def moving_frequencies(
     (1, 2, 3, 4)
     """
     formulation = Formulation(prestress, rotation_terms, modes)
-    engines = engines_of(engine, modes)
+    engines = engines_of(engine, modes, shaft)
     if crank_speeds is None:
         crank_speeds = operating_speeds(engines[0].mechanism)
     request = FrequencyRequest(
@@ -127,14 +132,16 @@ def moving_frequencies(
             f"{names} does not: use the exudyn engine, or prestress 'equilibrium'"
         )
     report = progress or (lambda label, done, total: None)
+    left_out = left_out_attributes(engines[0].mechanism)
     if environment is None:
         found = _in_one_state(engines, request, report)[0]
-        return MovingFrequencies(found.assign_attrs(theory_attributes(engines, modes)))
+        attributes = theory_attributes(engines, modes) | left_out
+        return MovingFrequencies(found.assign_attrs(attributes))
     mechanism = engines[0].mechanism
     lines = environment_lines(mechanism, environment)
     wet = mechanism_in_state(mechanism, environment)
     exposed = [each.with_(mechanism=wet).fit_for(modes) for each in engines]
-    theories = theory_attributes(exposed, modes)
+    theories = theory_attributes(exposed, modes) | left_out
     # The same elements in both states: only heat and moisture shall make a difference.
     elements = [_finer(*pair) for pair in zip(engines, exposed, strict=True)]
     exposed = [each.with_(element=e) for each, e in zip(exposed, elements, strict=True)]

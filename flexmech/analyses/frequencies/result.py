@@ -15,6 +15,7 @@ from flexmech.analyses.beam_theory import theory_lines, theory_reason, theory_wa
 from flexmech.analyses.frequencies import words
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.analyses.frequencies.shaft_mode import shaft_lines, shaft_table
+from flexmech.analyses.loads_over_time import left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.analyses.tables import DEGREES, table_over
@@ -342,7 +343,8 @@ class MovingFrequencies(Result):
         if "speed_effect" in self.dataset and "speed_effect" not in data:
             lines.append("effect of speed: not split by term, since links bend without load")
         table = words.extremes_table(last.extremes(), data, title)
-        warnings = theory_warnings(self.dataset.attrs)
+        attributes = self.dataset.attrs
+        warnings = (*left_out_warnings(attributes), *theory_warnings(attributes))
         return Summary((table, *lines), self._verdict(unit), warnings)
 
     def _verdict(self, unit: str) -> str:

@@ -9,6 +9,7 @@ from flexmech.analyses.hammer.measurement import measured
 from flexmech.analyses.hammer.plan import planned_record
 from flexmech.analyses.hammer.request import HammerRequest
 from flexmech.analyses.hammer.result import HammerTest
+from flexmech.analyses.loads_over_time import left_out_attributes
 from flexmech.analyses.provenance import with_units
 from flexmech.analyses.requests import engine_of
 from flexmech.linear_system import Engine
@@ -68,4 +69,5 @@ def hammer_test(
         ]
         dataset = dataset_of(engine, request, plan, found)
     dataset.attrs |= theory_attributes([engine], request.modes)
+    dataset.attrs |= left_out_attributes(engine.mechanism)
     return HammerTest(with_units(dataset, "hammer"))

@@ -11,6 +11,7 @@ from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
 from flexmech.analyses.hammer import words
 from flexmech.analyses.hammer.uff import uff_contents
+from flexmech.analyses.loads_over_time import left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.analyses.tables import DEGREES, table_over
@@ -174,7 +175,11 @@ class HammerTest(Result):
             *words.record_lines(data),
             *theory_lines(data.attrs),
         )
-        warned = (*words.unfound_warnings(data), *theory_warnings(data.attrs))
+        warned = (
+            *words.unfound_warnings(data),
+            *left_out_warnings(data.attrs),
+            *theory_warnings(data.attrs),
+        )
         return Summary(parts, words.verdict(data), warned)
 
     def save_uff(self, folder: str | Path) -> list[Path]:

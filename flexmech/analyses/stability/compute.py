@@ -9,6 +9,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.loads_over_time import left_out_attributes
 from flexmech.analyses.provenance import with_units
 from flexmech.analyses.requests import engines_of
 from flexmech.analyses.stability.against import Against, map_against
@@ -18,7 +19,7 @@ from flexmech.analyses.stability.engine_stability import EngineStability
 from flexmech.analyses.stability.moving_frequencies import moving_bands
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.result import StabilityMap
-from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame
+from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame, ShaftChoice
 from flexmech.interruption import tidying
 from flexmech.linear_system import Engine
 from flexmech.threads import one_thread
@@ -38,6 +39,7 @@ def stability(
     damping_ratio: float | None = None,
     against: tuple[str, ArrayLike] | None = None,
     speed_unit: str = "rad/s",
+    shaft: ShaftChoice | None = None,
     progress: LabelledProgress | None = None,
 ) -> StabilityMap:
     """At which crank speeds vibrations of the running linkage grow by themselves.
@@ -71,6 +73,9 @@ def stability(
         ``trajectory`` each point has a periodic motion of its own, which takes its time.
     speed_unit : str
         In which the result speaks of crank speeds, such as ``"rpm"``.
+    shaft : {"prescribed", "free"}, optional
+        Of all engines: whether the shaft turns as prescribed, or its rotation against that is one
+        more coordinate. Left out: that of the engines.
     progress : callable, optional
         Called as ``progress(label, done, total)``.
 
@@ -98,7 +103,7 @@ def stability(
        from_rad_s  to_rad_s       kind branches  order
     0        86.2      88.0  principal        2      7
     """
-    engines = engines_of(engine, modes)
+    engines = engines_of(engine, modes, shaft)
     request = StabilityRequest(
         np.asanyarray(crank_speeds), prestress, frame, modes, steps, damping_ratio, speed_unit
     )
@@ -116,6 +121,7 @@ def stability(
             extra = extra.merge(over_both).assign_attrs(over_both.attrs)
     dataset = dataset_of(maps, request)
     attributes = dataset.attrs | extra.attrs | theory_attributes(engines, modes)
+    attributes |= left_out_attributes(engines[0].mechanism)
     return StabilityMap(with_units(dataset.merge(extra), "stability").assign_attrs(attributes))
 
 

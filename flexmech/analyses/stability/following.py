@@ -52,7 +52,9 @@ class BranchShapes:
         same_sense = np.sign(self.frequency)[:, None] * np.sign(modes.exponent.imag) >= 0
         size = np.abs(self.frequency)[:, None]
         change = np.abs(np.abs(modes.exponent.imag) / (2 * np.pi) - size)
-        near = np.maximum(0.0, 1 - change / (FREQUENCY_CHANGE * size))
+        # Modes that creep have no frequency.
+        most = np.maximum(FREQUENCY_CHANGE * size, np.finfo(float).eps)
+        near = np.maximum(0.0, 1 - change / most)
         score = (alike**2 + 2 * near) * np.where(same_sense, 1.0, OTHER_SENSE)
         places = scipy.optimize.linear_sum_assignment(-score)[1]
         return places, alike[np.arange(len(places)), places]

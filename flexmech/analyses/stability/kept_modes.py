@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.stability.exponents import FloquetExponents, wrapped
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
+from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.time_domain import floquet_modes, krein_signature
 from flexmech.types import FloatArray, IntArray
 
@@ -96,7 +97,17 @@ def kept_modes(linkage: VibratingLinkage, damping: float, steps: int) -> KeptMod
     Returns
     -------
     KeptModes
+
+    Raises
+    ------
+    ComputationError
+        If modes grow so far within a turn that numbers do not hold them.
     """
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _kept(linkage, damping, steps)
+
+
+def _kept(linkage: VibratingLinkage, damping: float, steps: int) -> KeptModes:
     found = floquet_modes(linkage.system(damping), steps)
     if found.whole_turns is None:
         states = found.shapes()
@@ -109,6 +120,12 @@ def kept_modes(linkage: VibratingLinkage, damping: float, steps: int) -> KeptMod
     kept = _within(linkage.lowest, sampled)
     rigid = _within(linkage.rigid, sampled)
     weighted = linkage.weighted @ sampled[..., kept]
+    if not np.isfinite(weighted).all():
+        raise ComputationError(
+            f"modes grow beyond all numbers within a turn at crank speed {CRANK_SPEED}: the "
+            "linkage is far from stable there; take a stiffer linkage, less load, or other speeds",
+            crank_speed=linkage.crank_speed,
+        )
     return KeptModes(
         linkage.crank_speed,
         found.exponent[kept] + 2j * np.pi * largest[kept] / linkage.period,

@@ -11,6 +11,7 @@ import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.loads_over_time import left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.stability import words
 from flexmech.analyses.stability.dataset import NOT_COMPUTED
@@ -217,7 +218,11 @@ class StabilityMap(Result):
             *words.motion_lines(data),
             *words.shaft_lines(data),
         )
-        warned = (*words.interrupted_warnings(data), *theory_warnings(data.attrs))
+        warned = (
+            *words.interrupted_warnings(data),
+            *left_out_warnings(data.attrs),
+            *theory_warnings(data.attrs),
+        )
         return Summary(parts, words.verdict(data), warned)
 
 
