@@ -93,11 +93,12 @@ def is_reduced(engine: Engine) -> bool:
 def can_stretch(engine: Engine) -> bool:
     """Whether an engine tells how its links stretch by the square of their slopes.
 
-    What turns with a free shaft must be stiffened by what pulls at it, which rigid links do not
-    tell by a stretch.
+    What turns with a free shaft must be stiffened by what pulls at it, which neither rigid links
+    nor a hub tell by a stretch.
     """
-    rigid = any(link.rigid for link in engine.mechanism.linkage.topology.links)
-    return engine.stretches is not None and not (rigid and engine.shaft == "free")
+    topology = engine.mechanism.linkage.topology
+    stiff = any(link.rigid for link in topology.links) or any(c.hub for c in topology.clamps)
+    return engine.stretches is not None and not (stiff and engine.shaft == "free")
 
 
 def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:

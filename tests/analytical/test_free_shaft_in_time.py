@@ -25,7 +25,7 @@ from flexmech import (
     response,
 )
 from flexmech.linear_system import Engine
-from flexmech.time_domain import DrivenLinkage, LinkState, Trajectory, linear_run
+from flexmech.time_domain import DrivenLinkage, LinkState, Trajectory, can_stretch, linear_run
 
 SECTION = BeamSection.rectangle(Material(70e9, 2700.0), 3e-3, 25e-3)
 SHAFT_INERTIA = 2e-3
@@ -69,24 +69,26 @@ def bent_arm(engine: Engine) -> Trajectory:
     start, samples = LinkState([bent], [0 * bent]), np.arange(0, 0.1, 2e-4)
     if isinstance(engine, ExudynEngine):
         return engine.simulate(CrankDrive(SPEED), start, samples, 1e-5)
-    linkage = DrivenLinkage(engine, CrankDrive(SPEED), stretches=True)
+    linkage = DrivenLinkage(engine, CrankDrive(SPEED), stretches=can_stretch(engine))
     return linear_run(linkage, *linkage.coordinates(start), samples, 1e-5)
 
 
+@pytest.mark.parametrize("hub", [0.0, 0.05])
 @pytest.mark.parametrize(
     ("kind", "element", "closes"),
     [(ReferenceEngine, "euler", 3e-5), (ExudynEngine, "ancf", 1e-6)],
     ids=["linear", "exudyn"],
 )
 def test_an_arm_on_a_free_shaft_keeps_energy_and_angular_momentum_and_rings_as_predicted(
-    kind: type[Engine], element: str, closes: float
+    kind: type[Engine], element: str, closes: float, hub: float
 ) -> None:
-    arm = Mechanism(RotatingArm(0.3), {"arm": SECTION}, shaft_inertia=SHAFT_INERTIA)
+    arm = Mechanism(RotatingArm(0.3, hub_radius=hub), {"arm": SECTION}, shaft_inertia=SHAFT_INERTIA)
     engine = kind(arm, 4, element, shaft="free")
     found = bent_arm(engine)
     [link], shaft = engine.links, found.shaft
     assert shaft is not None
-    place, rate = found.displacement[0] + link.fields.centripetal, found.rate[0]
+    place = found.displacement[0] + link.fields.centripetal + hub * link.fields.along
+    rate = found.rate[0]
     speed = SPEED + shaft.rate
     momentum = speed * np.sum(place * (place @ link.translational_mass), axis=1)
     momentum -= np.sum(place * (rate @ link.gyroscopic.T), axis=1)
