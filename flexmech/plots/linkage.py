@@ -21,8 +21,8 @@ from flexmech.types import FloatArray
 __all__ = ["name_joints", "plot_linkage"]
 
 LEAST_HEIGHT, MOST_HEIGHT = 1.6, 3.6
-# Distance of a name from its joint in points; farther from what slides.
-AWAY, BEYOND = np.array([12.0, 9.0]), 1.5
+# Distance of a name from its joint in points; farther from what slides and the shaft.
+AWAY, BEYOND_BLOCK, BEYOND_SHAFT = np.array([12.0, 9.0]), 1.5, 1.3
 # Room for the names around the joints over the linkage's size.
 NAME_ROOM = 0.06
 # Directions that are tried for a name where more than links is in the way.
@@ -87,7 +87,12 @@ def name_joints(
             continue
         offset = AWAY * _away(sketch, place, held=not pinned)
         if sketch.slides(place):
-            offset *= BEYOND
+            offset *= BEYOND_BLOCK
+        elif (
+            np.hypot(*(place - sketch.shaft)) <= SAME_PLACE * sketch.size and not style.is_narrow()
+        ):
+            # On a narrow page the shaft's disc is within the usual distance.
+            offset *= BEYOND_SHAFT
         look: Look = {"textcoords": "offset points", "ha": "center", "va": "center", "zorder": 6}
         look["bbox"] = {"fc": "white", "lw": 0, "alpha": 0.75, "pad": 0.5}
         axes.annotate(name, place, tuple(offset), **look)
