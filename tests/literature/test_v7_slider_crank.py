@@ -19,8 +19,8 @@ from flexmech.verification import FloatingRod, verification_case
 from flexmech.verification.methods.floating_rod import CRANK_SPEED, END_TIME
 
 
-def test_energy_is_kept_by_what_the_crank_does() -> None:
-    """Forces of the small model are the derivative of its strain energy, of each order."""
+def test_forces_are_the_derivative_of_the_strain_energy() -> None:
+    """Of the small model, of each order in which tension and slopes meet."""
     generator = np.random.default_rng(5)
     for order in (3, 4):
         rod = FloatingRod.of_the_test_set(order=order)
