@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 from pathlib import Path
 
 from flexmech.errors import InputError
@@ -176,6 +177,7 @@ def loads(
         with findings.at(f"loads.{name}"):
             point = _load_point(table, places)
             at, rows = _rows(table, folder)
+            _check_increasing(table, at)
             _check_moved(table, rows, places)
             found.append(
                 Load(
@@ -218,6 +220,18 @@ def _load_point(table: LoadTable, places: LinkPlaces) -> LinkPoint:
 
 
 Rows = list[tuple[float, float, float]]
+
+
+def _check_increasing(table: LoadTable, at: tuple[float, ...]) -> None:
+    """Refuse rows whose places do not increase; names the row or the line."""
+    for number, (before, place) in enumerate(itertools.pairwise(at), start=1):
+        if place <= before:
+            row = (
+                f"table[{number}]"
+                if table.file is None
+                else f"file {table.file}: line {number + 2}"
+            )
+            raise InputError(f"{row}: its places must increase, each beyond the one before it")
 
 
 def _check_moved(table: LoadTable, rows: Rows, places: LinkPlaces) -> None:

@@ -60,7 +60,7 @@ WRONG = [
     # Loads: tables.
     (table("[]"), "loads.push: table is empty; give at least one row"),
     (table('[["0 deg", "0 N", "0 N"]]', "angle"), "push.over: got 'angle'; did you mean 'crank_an"),
-    (table('[["9 deg", "0 N", "0 N"], ["5 deg", "0 N", "0 N"]]'), "its places must increase"),
+    (table('[["9 deg", "0 N", "0 N"], ["5 deg", "0 N", "0 N"]]'), r"table\[1\]: its places mus"),
     (table('[["0 deg", "0 N", "0 N"], ["360 deg", "0 N", "0 N"]]'), "span a turn or more"),
     (table('[["0 deg", "nan N", "0 N"]]'), r"loads.push: table\[0\]: got 'nan N'"),
     (table("[[0, 1, 2]]"), r"table\[0\]: got the number 0.0, which has no unit; write an angle"),
@@ -69,6 +69,7 @@ WRONG = [
     (file("columns.csv"), "file columns.csv: its first line must be crank_angle_deg,force_x_N"),
     (file("title.csv"), "file title.csv: there is no row below its first line; give at least one"),
     (file("nan.csv"), "loads.push: file nan.csv: line 2: got 'nan deg', which does not begin"),
+    (file("falling.csv"), "loads.push: file falling.csv: line 3: its places must increase"),
     (file("bytes.csv"), "file bytes.csv: cannot be read: 'utf-8' codec can't decode"),
     # Springs.
     (spring('["A", "O4"]', 'stiffness = "-1 N/m"\nfree_length = "0 m"'), "s.stiffness: must be"),
@@ -110,6 +111,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (found / "columns.csv").write_text("angle,force\n0,1\n")
     (found / "title.csv").write_text(HEAD)
     (found / "nan.csv").write_text(HEAD + "nan,1,0\n")
+    (found / "falling.csv").write_text(HEAD + "9,1,0\n5,1,0\n")
     (found / "bytes.csv").write_bytes(bytes(range(256)))
     return found
 
