@@ -186,7 +186,17 @@ class TestPictures:
         texts = [text.get_text() for text in figure.axes[0].texts]
         assert [text for text in texts if text.startswith("B")] == ["B"]
 
-    @pytest.mark.parametrize("model", ["stephenson_six_bar", "carton_pusher", "slider_crank"])
+    @pytest.mark.parametrize(
+        "model",
+        [
+            "stephenson_six_bar",
+            "carton_pusher",
+            "slider_crank",
+            "rotating_l_beam",
+            pytest.param("watt_six_bar", marks=pytest.mark.thorough),
+            pytest.param("aluminium_fourbar", marks=pytest.mark.thorough),
+        ],
+    )
     def test_check_draws_linkages_with_many_links_and_without_sections(self, model):
         mechanism = load_mechanism(MODELS / f"{model}.toml")
         check = check_mechanism(ReferenceEngine(mechanism, 2))
