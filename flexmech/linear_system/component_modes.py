@@ -22,6 +22,12 @@ it within every element: spurious stiffness that grows with the square of the nu
 Where it is stretched by epsilon, its axis tilts less by that part, and sections that shear resist.
 A reduction in great detail lets sections turn while the axis rests, in a few smooth ways that are
 condensed like the axial modes; and what damping answers at a following end moves by itself there.
+
+A link that is bowed by w0 bends on by w without stretch where its axis moves along itself by the
+integral of ``-w0' w'``. Axial modes show that slowly, and what they miss is held back by EA: of a
+slender link bowed by 4 % of its length frequencies are off by 2e-3, and by 5e-4 in great detail; of
+one clamped and welded at a tip that bows by 2.5 %, by 70 %. Frequencies over a map measure that and
+go without component modes; bodies that turn as one are never reduced.
 """
 
 from __future__ import annotations

@@ -251,6 +251,8 @@ class Engine(EngineLinks):
     ) -> LinearSystem:
         """Linear system at crank angles and speeds.
 
+        The error of its component modes is not measured here; ``natural_frequencies`` does so.
+
         Parameters
         ----------
         crank_angle, crank_speed : array_like
