@@ -308,7 +308,7 @@ class Engine(EngineLinks):
         connect = self._connect(terms, prestress, stressed.displacement)
         if not self.component_modes or self.turns_as_one_body:
             system = unreduced_system(self.topology, self.links, motion, stressed, terms, connect)
-            if system.size < modes:
+            if system.size < modes and not self.component_modes:
                 raise InputError(
                     f"{self!r} has {system.size} natural frequencies and {modes} are asked for; "
                     "ask for fewer modes"
