@@ -180,7 +180,9 @@ def _largest_harmonic(states: NDArray[np.complex128]) -> tuple[IntArray, FloatAr
     Harmonics are measured by the scaled states, as actions: displacements count for slow ones,
     velocities for fast ones.
     """
-    size = (np.abs(np.fft.fft(states, axis=0)) ** 2).sum(axis=1)
+    # Mode by mode: slow turns take tens of thousands of steps.
+    shapes = np.moveaxis(states, 2, 0)
+    size = np.stack([(np.abs(np.fft.fft(y, axis=0)) ** 2).sum(axis=1) for y in shapes], axis=1)
     steps, count = size.shape
     place = size.argmax(axis=0)
     near = (place + np.arange(-HARMONICS, HARMONICS + 1)[:, None]) % steps
