@@ -79,7 +79,7 @@ def test_the_running_response_is_the_same(both):
 
 
 def test_stability_and_campbell_diagrams_are_the_same(both):
-    maps = [stability(ReferenceEngine(mechanism, 2), [15.0, 20.0]) for mechanism in both]
+    maps = [stability(ReferenceEngine(mechanism, 2), [15.0, 20.0], modes=3) for mechanism in both]
     compared(*maps, ["growth_rate", "multiplier_modulus"])
     diagrams = [campbell(ReferenceEngine(mechanism, 4), [0.0, 10.0, 20.0]) for mechanism in both]
     compared(*diagrams, ["mean_frequency"])
