@@ -28,6 +28,8 @@ __all__ = ["BalancedLoads", "Solve", "balanced_loads"]
 MOST_PASSES = 60
 # Greatest change of a load in the last pass, relative to the greatest.
 LAST_PASS = 1e-10
+# A change that is smaller than this and no longer falls is the round-off of an engine's solver.
+ROUND_OFF = 1e-8
 STILL = RotationTerms.all_or_none(False)
 
 
@@ -103,14 +105,18 @@ def balanced_loads(
         displacement = solve(BalancedLoads(_sum(loads, force), None))
         stiffness = tangents(displacement)
         gap = frames.gather(motion, acting.beyond(force, displacement))
+    apart = np.full(len(motion.crank_angle), np.inf)
+    settled = np.zeros(len(apart), dtype=bool)
     for number in range(MOST_PASSES):
         held = acting.stiffness(frames, stiffness, displacement)
         step = frames.link_coordinates(motion, np.linalg.solve(held, gap[..., None]))
         moved = [q + change[..., 0] for q, change in zip(displacement, step, strict=True)]
         before, force = force, acting.forces(moved)
-        apart = greatest([b - a for a, b in zip(before, force, strict=True)])
+        last, apart = apart, greatest([b - a for a, b in zip(before, force, strict=True)])
         size = np.maximum(greatest(force), greatest(loads))
-        if number and not np.any(apart > LAST_PASS * size):
+        still = (apart <= ROUND_OFF * size) & (2 * apart >= last)
+        settled |= (apart <= LAST_PASS * size) | still
+        if number and settled.all():
             if carried is not None:
                 _refuse_instability(motion, held)
             return BalancedLoads(_sum(loads, force), moved)
@@ -119,7 +125,7 @@ def balanced_loads(
         gap = frames.gather(motion, acting.beyond(force, displacement))
     refuse_positions(
         motion,
-        apart > LAST_PASS * size,
+        ~settled,
         "no equilibrium with the forces that depend on the displacement of the links",
         f": they still change by {float((apart / size).max()):.3g} of the greatest after "
         f"{MOST_PASSES} passes; use softer springs, smaller loads or a lower crank speed, or "

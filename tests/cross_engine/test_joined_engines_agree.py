@@ -9,7 +9,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexmech import ExudynEngine, Mechanism, ReferenceEngine, load_mechanism, natural_frequencies
+from flexmech import (
+    BeamSection,
+    ExudynEngine,
+    Material,
+    Mechanism,
+    ReferenceEngine,
+    load_mechanism,
+    natural_frequencies,
+)
 from tests.cross_engine.test_exudyn_joints import BODIES, LINKAGES, strips
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -80,3 +88,18 @@ def test_exact_beams_tend_to_the_same_frequencies(name: str) -> None:
         error.append(np.abs(natural_frequencies(engine, TURN, 20.0, modes=2) / exact - 1).max())
     assert error[1] < 1e-3
     assert np.log2(error[0] / error[1]) > 1.6
+
+
+def test_the_round_off_of_a_solver_ends_the_search_of_an_equilibrium() -> None:
+    """At some positions Exudyn's solver leaves more than 1e-10 of the forces, which stays."""
+    arm = load_mechanism(MODELS / "rotating_arm.toml")
+    section = BeamSection.rectangle(Material(7e10, 2700.0), 0.0030265249957012116, 0.03)
+    linkage = replace(arm.linkage, length=0.3215669089348102, hub_radius=0.0)
+    arm = replace(arm, linkage=linkage, sections={"arm": section}, gravity=(0.0, -9.81))
+    first, second = (
+        natural_frequencies(
+            engine(arm, 8, element), np.linspace(0.0, 6.0, 25), 39.43751524448937, modes=3
+        )
+        for engine, element in ((ReferenceEngine, "euler"), (ExudynEngine, "ancf"))
+    )
+    np.testing.assert_allclose(second, first, rtol=1e-6)
