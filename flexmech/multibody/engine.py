@@ -223,15 +223,14 @@ class ExudynEngine(Engine):
         check_choice(integrator, INTEGRATORS, "integrator")
         if len(sample_time) == 0 or sample_time[0] < 0 or np.any(np.diff(sample_time) <= 0):
             raise InputError("sample times must be zero or later and increase")
-        steps = max(1, int(np.ceil(sample_time[-1] / step - 1e-9)))
-        torque = self._torque_on_free_shaft(drive, step, steps)
-        model = RunningModel(
-            self.mechanism, self.elements, self.element, drive, self.held_links, impacts, torque
-        )
         if band is not None:
             check_number(band, "band", "Hz", POSITIVE)
         recorder = Recorder(sample_time, step, band)
-        Simulation(model, step, steps, integrator).run(start, recorder, progress)
+        torque = self._torque_on_free_shaft(drive, step, recorder.steps)
+        model = RunningModel(
+            self.mechanism, self.elements, self.element, drive, self.held_links, impacts, torque
+        )
+        Simulation(model, step, recorder.steps, integrator).run(start, recorder, progress)
         trajectory = recorder.finish()
         return replace(trajectory, energy_error=float("nan")) if impacts else trajectory
 

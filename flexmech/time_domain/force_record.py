@@ -28,11 +28,18 @@ class ForceRecord:
         self._sample_time = sample_time
         self._step = step
         self._filter = None if band is None else LowPass(band, step)
+        # Later steps are there for the filter alone.
+        self._steps = max(1, int(np.ceil(sample_time[-1] / step - ON_A_STEP)))
         self._samples: list[FloatArray] = []
         self._sampled = 0
         self._taken = 0
         self._last: FloatArray | None = None
         self._peak: FloatArray = np.zeros(1)
+
+    @property
+    def steps(self) -> int:
+        """Time steps of a run from zero until all that is kept is known."""
+        return self._steps + (0 if self._filter is None else self._filter.half)
 
     def add(self, joint_force: FloatArray, driving_torque: FloatArray) -> None:
         """Take the next steps.
@@ -65,15 +72,17 @@ class ForceRecord:
 
     @property
     def peak_joint_force(self) -> FloatArray:
-        """Greatest size at any step, (n_joints,)."""
+        """Greatest size at any step until the last sample, (n_joints,)."""
         return self._peak[:-1]
 
     @property
     def peak_driving_torque(self) -> float:
-        """Greatest size at any step."""
+        """Greatest size at any step until the last sample."""
         return float(self._peak[-1])
 
     def _take(self, values: FloatArray) -> None:
+        before = 0 if self._last is None else self._taken + 1
+        values = values[: max(0, self._steps + 1 - before)]
         if not len(values):
             return
         size = np.concatenate(

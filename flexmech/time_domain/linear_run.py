@@ -63,8 +63,8 @@ def linear_run(
     ComputationError
         If displacements grow beyond all bounds; names the time and the crank angle.
     """
-    steps = int(np.ceil(sample_time[-1] / step - 1e-9))
     dynamics, recorder = LinkageDynamics(linkage), Recorder(sample_time, step, band)
+    steps = recorder.steps
     state = start_state(linkage, position, velocity)
     table, course = StepTable(linkage, step), Course()
     for done in range(0, steps, BLOCK_STEPS):

@@ -24,7 +24,8 @@ class LowPass:
     """Finite impulse response without delay: Kaiser's window (Oppenheim & Schafer, ch. 7).
 
     Signals up to ``band`` pass, those beyond ``2 * band`` do not. Before its start and after
-    its end a history is taken as its own mirror image.
+    its end a history is taken as its own mirror image. That is not how it goes on: what counts
+    should end :attr:`half` values before the history does.
 
     Parameters
     ----------
@@ -33,6 +34,11 @@ class LowPass:
     step : float
         Between values in s. A step too long to show frequencies beyond the band leaves the
         history as it is.
+
+    Attributes
+    ----------
+    half : int
+        Values before and after an instant that its filtered value depends on.
     """
 
     def __init__(self, band: float, step: float) -> None:

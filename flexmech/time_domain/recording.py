@@ -160,6 +160,14 @@ class Recorder:
         self._worst = 0.0
         self._peak = 0.0
 
+    @property
+    def steps(self) -> int:
+        """Time steps of a run from zero until all that is kept is known.
+
+        A filter of the forces needs some beyond the last sample.
+        """
+        return self._forces.steps
+
     def add(self, block: StepBlock) -> None:
         """Take the next steps."""
         powers = np.stack(
