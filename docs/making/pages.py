@@ -15,7 +15,8 @@ from making.verification import verification_page, verification_results
 
 __all__ = ["write_pages"]
 
-# Scenarios that take half a minute start first, so that no core waits for them in the end.
+# Scenarios that take half a minute start first, as the verification does, so that no core waits
+# for them in the end.
 LONG = (
     "running_hammer_test",
     "hammer_noise",
@@ -51,7 +52,7 @@ def _run_what_takes_long() -> None:
     Each runs in a process of its own, for which a thread waits.
     """
     names = [*LONG, *(name for name in scenario_names() if name not in LONG)]
-    runs = [*(partial(scenario_results, name) for name in names), verification_results]
+    runs = [verification_results, *(partial(scenario_results, name) for name in names)]
     with ThreadPoolExecutor(os.cpu_count()) as waiting:
         for run in [waiting.submit(run) for run in runs]:
             run.result()
