@@ -252,8 +252,10 @@ class Connectors:
             for point, sign in ((state.first, 1.0), (state.second, -1.0)):
                 if point is not None:
                     pushes.append(Push(point, sign * force, np.zeros(len(force))))
-        for own in self._mechanism.joint_springs:
-            pushes += self._joint_pushes(own, motion, displacement)
+        own_springs = self._mechanism.joint_springs
+        angles = continuous_angles(self._mechanism.linkage, motion) if own_springs else motion.angle
+        for own in own_springs:
+            pushes += self._joint_pushes(own, motion, angles, displacement)
         return pushes
 
     def answers(
@@ -312,19 +314,22 @@ class Connectors:
         return point
 
     def _joint_pushes(
-        self, own: JointSpring, motion: RigidMotion, displacement: Sequence[FloatArray] | None
+        self,
+        own: JointSpring,
+        motion: RigidMotion,
+        angles: FloatArray,
+        displacement: Sequence[FloatArray] | None,
     ) -> list[Push]:
         """Torques of a joint's torsional spring; a radial one carries what the joint carries."""
         second, first = self.joint_points(own)
         sides = [(point, sign) for point, sign in ((second, 1.0), (first, -1.0)) if point]
-        angles = continuous_angles(self._mechanism.linkage, motion)
-        opening = sum(sign * angles[:, point.link] for point, sign in sides)
-        rate = sum(sign * motion.angular_velocity[:, point.link] for point, sign in sides)
+        opening = self._topology.opening(own.joint, angles)
+        rate = self._topology.opening(own.joint, motion.angular_velocity)
         if displacement is not None:
             opening = opening + sum(
                 sign * (displacement[point.link] @ point.rows[2]) for point, sign in sides
             )
-        torque = own.torque(np.asarray(opening), np.asarray(rate))
+        torque = own.torque(np.asarray(opening), rate)
         nothing = np.zeros((len(torque), 2))
         return [Push(point, nothing, sign * torque) for point, sign in sides]
 

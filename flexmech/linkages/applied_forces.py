@@ -148,15 +148,14 @@ def forces_of_joint_springs(
         if not (spring.torsional_stiffness or spring.torsional_damping):
             continue
         sides = [
-            (sign, place, topology.index(place.link))
+            (sign, place)
             for sign, place in zip((1.0, -1.0), ends[spring.joint], strict=True)
             if place is not None
         ]
-        signs = np.array([sign for sign, _, _ in sides])
-        links = [link for _, _, link in sides]
-        opening, rate = angles[..., links] @ signs, motion.angular_velocity[..., links] @ signs
-        torque = spring.torque(opening, rate)
-        for sign, place, link in sides:
+        opening = topology.opening(spring.joint, angles)
+        torque = spring.torque(opening, topology.opening(spring.joint, motion.angular_velocity))
+        for sign, place in sides:
+            link = topology.index(place.link)
             x = 0.0 if place.end == "start" else topology.links[link].length
             yield ForceOnLink(link, x, np.zeros((*torque.shape, 2)), sign * torque)
 

@@ -38,6 +38,11 @@ class SpringLine:
     relative_velocity: FloatArray
     tension: FloatArray
 
+    @property
+    def rate(self) -> FloatArray:
+        """Rate of the length in m/s, (...)."""
+        return np.asarray(np.sum(self.along * self.relative_velocity, axis=-1))
+
     @classmethod
     def of(
         cls,

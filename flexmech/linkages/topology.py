@@ -8,6 +8,7 @@ from typing import Literal
 
 from flexmech.errors import InputError
 from flexmech.short_repr import short_repr
+from flexmech.types import FloatArray
 
 __all__ = [
     "Clamp",
@@ -256,6 +257,24 @@ class Topology:
             pin.joint: (pin.follower, pin.leader) for pin in self.pins
         }
         return ends | {pivot.joint: (pivot.held, None) for pivot in self.pivots}
+
+    def opening(self, joint: str, angles: FloatArray) -> FloatArray:
+        """Angle by which a pin or pivot is open, or its rate from angular velocities.
+
+        Parameters
+        ----------
+        joint : str
+        angles : ndarray, shape (..., n_links)
+            Of the links in rad, or their rates in rad/s.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            That of the following link less that of the leading one, or that of the held link.
+        """
+        follower, leader = self.pinned_ends[joint]
+        opened: FloatArray = angles[..., self.index(follower.link)]
+        return opened if leader is None else opened - angles[..., self.index(leader.link)]
 
 
 def leading_end(place: LinkEnd, ties: Iterable[Pin | Weld]) -> LinkEnd:

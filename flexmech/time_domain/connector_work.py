@@ -9,6 +9,7 @@ import numpy as np
 
 from flexmech.linear_system import AttachedPoint, Connectors
 from flexmech.linkages import RigidMotion, continuous_angles
+from flexmech.linkages.spring_line import SpringLine
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
@@ -50,6 +51,8 @@ def connector_work(
     ConnectorWork
     """
     stored, dissipation = np.zeros((2, len(motion.crank_angle)))
+    topology = mechanism.linkage.topology
+    size = max(link.length for link in topology.links)
 
     def moved(point: AttachedPoint | None) -> tuple[FloatArray, FloatArray]:
         """Displacement and its rate in ground axes, and rotation; (m, 3) each."""
@@ -61,12 +64,16 @@ def connector_work(
     for spring in mechanism.springs:
         first, second = connectors.spring_ends(spring, motion)
         (before, drift), (after, drifting) = moved(first.point), moved(second.point)
-        line = second.place + after[:, :2] - first.place - before[:, :2]
-        approach = second.velocity + drifting[:, :2] - first.velocity - drift[:, :2]
-        length = np.linalg.norm(line, axis=1)
-        rate = np.sum(line * approach, axis=1) / np.where(length > 0, length, 1.0)
-        stored += spring.stiffness * (length - spring.free_length) ** 2 / 2
-        dissipation += spring.damping * rate**2
+        line = SpringLine.of(
+            spring,
+            motion.crank_angle,
+            (first.place + before[:, :2], second.place + after[:, :2]),
+            (first.velocity + drift[:, :2], second.velocity + drifting[:, :2]),
+            size,
+            needs_direction=False,
+        )
+        stored += spring.stiffness * (line.length - spring.free_length) ** 2 / 2
+        dissipation += spring.damping * line.rate**2
     if not mechanism.joint_springs:
         return ConnectorWork(stored, dissipation, power)
     angles = continuous_angles(mechanism.linkage, motion)
@@ -74,11 +81,8 @@ def connector_work(
         second_point, first_point = connectors.joint_points(own)
         (before, drift), (after, drifting) = moved(first_point), moved(second_point)
         apart, parting = after - before, drifting - drift
-        opening = apart[:, 2] + angles[:, second_point.link] - own.free_angle
-        rate = parting[:, 2] + motion.angular_velocity[:, second_point.link]
-        if first_point is not None:
-            opening = opening - angles[:, first_point.link]
-            rate = rate - motion.angular_velocity[:, first_point.link]
+        opening = apart[:, 2] + topology.opening(own.joint, angles) - own.free_angle
+        rate = parting[:, 2] + topology.opening(own.joint, motion.angular_velocity)
         stored += own.torsional_stiffness * opening**2 / 2
         dissipation += own.torsional_damping * rate**2
         if own.radial_stiffness is not None:

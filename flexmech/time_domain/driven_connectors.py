@@ -298,15 +298,7 @@ def _winds(engine: Engine) -> bool:
     stiff = [own for own in mechanism.joint_springs if own.torsional_stiffness]
     if not stiff:
         return False
-    linkage = mechanism.linkage
-    topology = linkage.topology
+    linkage, topology = mechanism.linkage, mechanism.linkage.topology
     angles = continuous_angles(linkage, linkage.motion(np.array([0.0, 2 * np.pi])))
     gained = angles[1] - angles[0]
-    for own in stiff:
-        follower, leader = topology.pinned_ends[own.joint]
-        opened = gained[topology.index(follower.link)]
-        if leader is not None:
-            opened -= gained[topology.index(leader.link)]
-        if abs(opened) > 1.0:
-            return True
-    return False
+    return any(abs(topology.opening(own.joint, gained)) > 1.0 for own in stiff)

@@ -11,9 +11,7 @@ import scipy.optimize
 from numpy.typing import NDArray
 
 from flexmech import (
-    BeamSection,
     ExudynEngine,
-    Material,
     Mechanism,
     ReferenceEngine,
     RotatingArm,
@@ -23,17 +21,19 @@ from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.linear_system import Engine, Prestress
 from flexmech.linkages import (
     GROUND,
-    Clamp,
     JointSpring,
-    Link,
-    LinkEnd,
     LinkPoint,
     Load,
-    Pivot,
     Spring,
-    Topology,
 )
 from flexmech.time_domain import floquet_modes, moving_modes
+from tests.analytical.test_loads_and_springs import (
+    BENDING,
+    LENGTH,
+    SECTION,
+    TIP,
+    ArmInBearing,
+)
 from tests.analytical.test_moving_modes import (
     farthest,
     integrated_monodromy,
@@ -45,22 +45,7 @@ from tests.analytical.test_moving_modes import (
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
-LENGTH = 0.3
-SECTION = BeamSection.rectangle(Material(70e9, 2700.0), 3e-3, 25e-3)
-BENDING, MASS = SECTION.bending_stiffness, SECTION.mass_per_length
-TIP = LinkPoint("arm", LENGTH)
-
-
-class ArmInBearing(RotatingArm):
-    """Its tip is in a bearing of the ground that does not turn: springs alone hold it."""
-
-    @property
-    def topology(self) -> Topology:
-        return Topology(
-            (Link("arm", LENGTH),),
-            (Clamp("O2", LinkEnd("arm", "start")),),
-            (Pivot("bearing", LinkEnd("arm", "end"), sprung=True),),
-        )
+MASS = SECTION.mass_per_length
 
 
 def arm_in_bearing(bearing: JointSpring) -> Mechanism:

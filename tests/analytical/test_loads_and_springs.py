@@ -166,7 +166,7 @@ def test_torsional_springs_at_the_pins_of_a_beam() -> None:
 def test_a_beam_on_a_radial_spring() -> None:
     """Clamped, its end in a bearing of stiffness k: the same as on a spring across it."""
     bearing = JointSpring("bearing", radial_stiffness=3 * UNIT)
-    mechanism = Mechanism(_InBearing(LENGTH), {"arm": SECTION}, joint_springs=(bearing,))
+    mechanism = Mechanism(ArmInBearing(LENGTH), {"arm": SECTION}, joint_springs=(bearing,))
     far = Spring("side", TIP, LinkPoint(GROUND, LENGTH, 1e3), 3 * UNIT, 1e3)
     found, expected = (
         natural_frequencies(
@@ -225,7 +225,9 @@ def test_loads_over_time_do_not_act_on_frozen_positions() -> None:
         np.testing.assert_array_equal(found, expected)
 
 
-class _InBearing(RotatingArm):
+class ArmInBearing(RotatingArm):
+    """Its tip is in a bearing of the ground that does not turn: springs alone hold it."""
+
     @property
     def topology(self) -> Topology:
         return Topology(
