@@ -230,7 +230,7 @@ def told(one: Confirmation) -> str:
     if one.crank_speed in EDGE:
         return f"{line}; for the edge"
     verdict = "agree" if one.gap <= RATE_AGREES else "do not agree"
-    return f"{line}, {100 * one.gap:.1f} % off: the rates {verdict} within 10 %"
+    return f"{line}, {100 * one.gap:.1f} % off: the rates {verdict} within {100 * RATE_AGREES:g} %"
 
 
 def told_edge(answer: Answer) -> str:
@@ -239,7 +239,7 @@ def told_edge(answer: Answer) -> str:
     return (
         f"edge of the band: predicted {answer.predicted_edge:.4f} rad/s, simulated "
         f"{answer.simulated_edge:.4f} rad/s, {100 * answer.edge_gap:.4f} % off: the edges "
-        f"{verdict} within 2 %"
+        f"{verdict} within {100 * EDGE_AGREES:g} %"
     )
 
 

@@ -1,6 +1,7 @@
 from .claim import Claim as Claim
 from .claim import Verdict as Verdict
 from .claim import verdict_on as verdict_on
+from .claim import within_a_tenth as within_a_tenth
 from .composite_crank_rockers import CompositeStudy as CompositeStudy
 from .composite_crank_rockers import study_composites as study_composites
 from .composite_crank_rockers.linkages import composite_crank_rocker as composite_crank_rocker

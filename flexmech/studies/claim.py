@@ -19,7 +19,7 @@ __all__ = [
 
 Verdict = Literal["reproduced", "not reproduced", "not judged"]
 REPRODUCED_WITHIN = 0.10
-"""A number counts as reproduced when ours is within a tenth of that of the printed tables."""
+"""A number counts as reproduced when ours is within a tenth of the one printed."""
 
 
 @dataclass(frozen=True)
@@ -86,9 +86,26 @@ def verdict_on(holds: bool | None) -> Verdict:
     return "reproduced" if holds else "not reproduced"
 
 
-def within_a_tenth(from_tables: float, computed: float) -> bool:
-    """Whether a number is near enough to that of the printed tables."""
-    return abs(computed - from_tables) <= REPRODUCED_WITHIN * abs(from_tables)
+def within_a_tenth(printed: float, computed: float) -> bool:
+    """Whether a number counts as that of the paper.
+
+    Parameters
+    ----------
+    printed : float
+        In the paper's text or tables.
+    computed : float
+        Ours.
+
+    Returns
+    -------
+    bool
+
+    Examples
+    --------
+    >>> flexmech.studies.within_a_tenth(62.22, 48.45)
+    False
+    """
+    return abs(computed - printed) <= REPRODUCED_WITHIN * abs(printed)
 
 
 def claim_lines(claims: Sequence[Claim]) -> Iterator[str]:

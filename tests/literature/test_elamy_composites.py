@@ -31,10 +31,11 @@ from flexmech.studies import (
     published_case,
     published_tables,
     study_composites,
+    verdict_on,
 )
-from flexmech.studies.composite_crank_rockers.claims import all_models
+from flexmech.studies.composite_crank_rockers.claims import _Tests, all_models
 from flexmech.studies.composite_crank_rockers.compute import composite_dataset
-from flexmech.studies.composite_crank_rockers.linkages import BEAMS, PLY_MODELS, SECOND
+from flexmech.studies.composite_crank_rockers.linkages import BEAMS, PAPERS_MESH, PLY_MODELS, SECOND
 from flexmech.studies.composite_crank_rockers.structure import separable_error
 from tests.unit.figure_checks import FULL_WIDTH_PANEL, check_layout, legend_texts
 
@@ -215,6 +216,31 @@ def test_claims_that_differ_are_not_called_reproduced(invented: xr.Dataset) -> N
     found = claims_of(invented.assign(frequency=changed))
     assert found["frequency: C6 is below C1 by"].verdict == "not reproduced"
     assert found["frequency: case 2 is below case 3 by"].verdict == "reproduced"
+
+
+def test_a_percentage_is_held_against_the_number_printed(invented: xr.Dataset) -> None:
+    """Not against the tables, which print others; and a miss has its reason, a hit has none."""
+    what = "frequency: C6 is below C1 by"
+    for printed, verdict in (("62.22 %", "reproduced"), ("50 %", "not reproduced")):
+        found = _Tests(invented).fall(printed, "frequency", "laminate", "C1", "C6")
+        assert verdict_on(found.holds) == verdict
+    hit = claims_of(invented)[what]
+    missed = claims_of(
+        invented.assign(frequency=invented["frequency"].clip(min=150.0)),
+    )[what]
+    assert (hit.verdict, hit.reason) == ("reproduced", "")
+    assert missed.verdict == "not reproduced"
+    assert "stiffness to density" in missed.reason
+
+
+def test_reasons_have_the_numbers_of_the_study(invented: xr.Dataset) -> None:
+    """One element a link: where case 3 is highest is counted, not written down."""
+    what = "case 3 is highest"
+    assert claims_of(invented)[what].reason.endswith("in 18 of 18")
+    coarse = invented["frequency"] * xr.where(
+        (invented["beams"] == PAPERS_MESH) & (invented["case"] == 3), 0.1, 1.0
+    )
+    assert claims_of(invented.assign(frequency=coarse))[what].reason.endswith("in 0 of 18")
 
 
 def test_best_scale_leaves_the_least_deviation() -> None:

@@ -122,6 +122,10 @@ def test_mode_shapes(scenario, held_number, tmp_path):
     # The aluminium links' two first modes come close at 20 rad/s and mix there.
     assert answers["aluminium"].mac[-1, 0, :2] == pytest.approx(0.980, abs=2e-3)
     assert answers["aluminium"].mac[-1, 1, :2] == held_number("mode_shapes")
+    assert {m: answer.verdict for m, answer in answers.items()} == {
+        "steel": "borne out",
+        "aluminium": "not borne out",
+    }
     pictures = [f"{m}_{kind}.png" for m in answers for kind in ("at_rest", "by_speed")]
     assert_pictures(tmp_path, *pictures, "likeness.png")
 
@@ -236,7 +240,7 @@ def test_running_hammer_test(scenario, held_number, tmp_path, capsys):
         assert peaks.loc[order, "bins_apart"] <= 1
     assert found.dataset["halving_change"].max() < 0.01
     assert found.dataset["decay"].max() < 1e-4
-    assert "agree within 5 % and one bin" in capsys.readouterr().out
+    assert "on each side agree within 5 % and one bin" in capsys.readouterr().out
     assert_pictures(tmp_path, "harmonic_frf.png")
 
 
@@ -246,6 +250,25 @@ def test_what_the_running_hammer_test_tells_is_computed(scenario):
     assert [line.split(":")[0] for line in lines] == ["order -1", "order +0", "order +1"]
     assert "identified 1.428e-02 m/N at 45.00 Hz, +2.0 % from the prediction, 0 bins" in lines[2]
     assert "the frozen linkage says 0.49 times that" in lines[2]
+
+
+@pytest.mark.parametrize(
+    ("order", "part", "bins", "verdict"),
+    [
+        (1, 1.0, 0, "agree"),
+        (1, 1.1, 0, "do not agree"),
+        (-1, 1.0, 2, "do not agree"),
+        (1, np.nan, 0, "do not agree"),
+        (0, 1.1, 2, "agree"),
+    ],
+)
+def test_verdict_on_sidebands_is_computed(scenario, order, part, bins, verdict):
+    """The order of the force itself is no sideband."""
+    data = running_hammer_dataset()
+    data["identified_peak"].loc[{"order": order}] *= part
+    data["bins_apart"].loc[{"order": order}] = bins
+    line = scenario("running_hammer_test").judged(RunningHammerTest(data))
+    assert f"on each side {verdict} within 5 % and one bin" in line
 
 
 def test_verdicts_on_instability_are_computed(scenario):
@@ -357,8 +380,17 @@ def test_hammer_twelve_positions(scenario, held_number, tmp_path, capsys):
     fall = module.fall(answer.frequency, module.PERCENTAGES[0])
     assert fall == held_number("hammer_twelve_positions")
     printed = capsys.readouterr().out
-    assert "62.22  62.71  48.45" in printed
+    assert "62.22  62.71  48.45  not reproduced" in printed
     assert_pictures(tmp_path, "percentages.png")
+
+
+def test_verdicts_on_the_twelve_positions_are_computed(scenario):
+    module = scenario("hammer_twelve_positions")
+    frequency, damping = module.PERCENTAGES[0], module.PERCENTAGES[-1]
+    assert module.judged(frequency, 1.09 * 62.22) == "reproduced"
+    assert module.judged(frequency, 1.11 * 62.22) == "not reproduced"
+    assert module.judged(frequency, np.nan) == "not judged"
+    assert module.judged(damping, 15.78) == "not judged"
 
 
 def test_hammer_noise(scenario, held_number, tmp_path, capsys):

@@ -124,7 +124,8 @@ def verdict(dataset: xr.Dataset) -> str:
             "of the greatest amplitude at most"
         )
     sides = dataset.sel(order=strong)
-    apart = max(abs(_apart(sides.isel(order=n))) for n in range(sides.sizes["order"]))
+    # Not a number where an order was not identified: that is no agreement.
+    apart = float(np.max([abs(_apart(sides.isel(order=n))) for n in range(sides.sizes["order"])]))
     bins = int(sides["bins_apart"].max())
     agree = apart <= AGREES and bins <= BINS
     return (

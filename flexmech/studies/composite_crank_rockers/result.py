@@ -83,8 +83,8 @@ class CompositeStudy(Result):
         claims = self.claims()
         lines = (
             *claim_lines(claims),
-            f"a number is reproduced if ours is within {100 * REPRODUCED_WITHIN:g} % of the "
-            "tables'; the paper prints no link size, so that only ratios compare",
+            f"a number is reproduced if ours is within {100 * REPRODUCED_WITHIN:g} % of the one "
+            "printed; the paper prints no link size, so that only ratios compare",
             "each linkage has a model file, with the size that is assumed",
         )
         return Summary((*ratio_tables(self.dataset), *lines), count_of_verdicts(claims))
