@@ -181,6 +181,24 @@ def test_the_last_line_says_how_far_the_engines_differ(tmp_path: Path) -> None:
     )
 
 
+def test_the_last_line_says_why_a_tolerance_is_not_reached() -> None:
+    dataset = frequency_dataset()
+    dataset["frequency"][1] = dataset["frequency"][0] * (1 + 1.5e-3)
+    dataset["discretisation_error"][:], dataset["reduction_error"][:] = 9e-4, 0.0
+    assert MovingFrequencies(dataset).summary().verdict.endswith("9.0e-04 of exudyn)")
+    dataset = dataset.assign_attrs(tolerance=1e-3).assign_coords(elements=("engine", [8, 32]))
+    each = "; each error is within the tolerance of 1e-03, both together are not"
+    assert MovingFrequencies(dataset).summary().verdict.endswith(each)
+    dataset["discretisation_error"][1] = 1.2e-3
+    needed = (
+        "; beyond the tolerance of 1e-03, for which exudyn needs more than the 32 elements on a "
+        "link that are taken unasked; trust reference"
+    )
+    assert MovingFrequencies(dataset).summary().verdict.endswith(needed)
+    dataset["frequency"][1] = dataset["frequency"][0] * (1 + 9e-4)
+    assert "tolerance" not in MovingFrequencies(dataset).summary().verdict
+
+
 def test_error_lines_name_the_greatest_error_and_its_place() -> None:
     dataset = frequency_dataset(engines=("reference",))
     errors = np.zeros(dataset["discretisation_error"].shape)

@@ -83,5 +83,7 @@ def test_an_overdamped_lowest_mode_is_not_passed_over(aluminium):
     sections = dict(aluminium.sections)
     sections["rocker"] = sections["rocker"].with_damping_time(0.05)
     system = ReferenceEngine(type(aluminium)(aluminium.linkage, sections), 8).linear_system(2.0)
-    with pytest.raises(ComputationError, match="fewer than 4 of the lowest modes oscillate"):
+    with pytest.raises(
+        ComputationError, match="fewer than 4 of the lowest modes oscillate.*; ask for no more than 1"
+    ):
         solve_modes(system, 4)

@@ -133,10 +133,11 @@ def moving_frequencies(
         )
     report = progress or (lambda label, done, total: None)
     left_out = left_out_attributes(engines[0].mechanism)
+    asked = {} if tolerance is None else {"tolerance": tolerance}
     if environment is None:
         found = _in_one_state(engines, request, report)[0]
         attributes = theory_attributes(engines, modes) | left_out
-        return MovingFrequencies(found.assign_attrs(attributes))
+        return MovingFrequencies(found.assign_attrs(attributes | asked))
     mechanism = engines[0].mechanism
     lines = environment_lines(mechanism, environment)
     wet = mechanism_in_state(mechanism, environment)
@@ -154,7 +155,7 @@ def moving_frequencies(
     between = found["between_angle"].values if "between_angle" in found else np.zeros(0)
     as_meshed = replace(request, tolerance=None, smooth=between if request.smooth else False)
     states = {"dry": _in_one_state(dry, as_meshed, report)[0], state_name(environment): found}
-    return MovingFrequencies(with_states(states, lines).assign_attrs(theories))
+    return MovingFrequencies(with_states(states, lines).assign_attrs(theories | asked))
 
 
 def _finer(one: Engine, other: Engine) -> str:

@@ -243,11 +243,14 @@ def _general(system: LinearSystem, count: int, spare: int) -> Modes:
 
 def _refuse_unsteady(system: LinearSystem, found: QuadraticModes, count: int) -> None:
     _refuse(system, found.diverges, "the frozen linkage diverges without oscillating")
+    creeps = found.oscillating < count
+    least = int(found.oscillating.min())
+    fewer = f"ask for no more than {least}, or " if least else ""
     refuse_positions(
         system.motion,
-        found.creeps,
+        creeps,
         f"fewer than {count} of the lowest modes oscillate (overdamped)",
-        "; ask for fewer modes, or lower the damping of links, springs and joints",
+        f"; {fewer}lower the damping of links, springs and joints",
         OverdampedError,
     )
 

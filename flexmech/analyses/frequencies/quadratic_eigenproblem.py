@@ -44,8 +44,8 @@ class QuadraticModes:
         frequency of its shape.
     vectors : ndarray of complex, shape (B, n, m)
         Without scale; m is zero where they were not asked for.
-    creeps : ndarray of bool, shape (B,)
-        Whether one of the modes that must oscillate creeps.
+    oscillating : ndarray of int, shape (B,)
+        How many of the modes that must oscillate do so, below the first one that creeps.
     diverges : ndarray of bool, shape (B,)
         Whether an eigenvalue is real and positive.
     rigid : ndarray of complex, shape (B, 2 r)
@@ -54,7 +54,7 @@ class QuadraticModes:
 
     eigenvalues: NDArray[np.complex128]
     vectors: NDArray[np.complex128]
-    creeps: NDArray[np.bool_]
+    oscillating: IntArray
     diverges: NDArray[np.bool_]
     rigid: NDArray[np.complex128]
 
@@ -87,14 +87,14 @@ def quadratic_modes(system: LinearSystem, count: int, spare: int = 0) -> Quadrat
     vectors = np.asarray(
         np.take_along_axis(states[:, : system.size], order[:, None, :], axis=2), dtype=complex
     )
-    creeps = np.zeros(len(unclear), dtype=bool)
+    oscillating = np.full(len(unclear), count)
     for place in np.flatnonzero(unclear).tolist():
         shapes = states[place, : system.size]
         found, which, creeping = _sorted_out(system, place, unit[place], inverse[place], shapes)
         eigenvalues[place] = found[: count + spare]
         vectors[place] = shapes[:, which[: count + spare]]
-        creeps[place] = creeping[:count].any()
-    return QuadraticModes(eigenvalues, vectors, creeps, _diverges(inverse), rigid)
+        oscillating[place] = _until_one(creeping[:count])
+    return QuadraticModes(eigenvalues, vectors, oscillating, _diverges(inverse), rigid)
 
 
 def quadratic_eigenvalues(system: LinearSystem, count: int) -> QuadraticModes:
@@ -116,15 +116,15 @@ def quadratic_eigenvalues(system: LinearSystem, count: int) -> QuadraticModes:
     inverse = np.linalg.eigvals(companion)
     order, unclear = _clear_modes(inverse, count)
     eigenvalues = _of(unit, inverse, order)
-    creeps = np.zeros(len(unclear), dtype=bool)
+    oscillating = np.full(len(unclear), count)
     for place in np.flatnonzero(unclear).tolist():
         one, states = np.linalg.eig(companion[place])
         shapes = states[: system.size]
         found, _, creeping = _sorted_out(system, place, unit[place], one, shapes)
         eigenvalues[place] = found[:count]
-        creeps[place] = creeping[:count].any()
+        oscillating[place] = _until_one(creeping[:count])
     none = np.zeros((len(unclear), system.size, 0), dtype=complex)
-    return QuadraticModes(eigenvalues, none, creeps, _diverges(inverse), _no_modes(system))
+    return QuadraticModes(eigenvalues, none, oscillating, _diverges(inverse), _no_modes(system))
 
 
 def _no_modes(system: LinearSystem) -> NDArray[np.complex128]:
@@ -202,6 +202,11 @@ def _sorted_out(
     values = np.where(creeps, -np.maximum(natural, size), values)
     order = np.argsort(np.abs(values))
     return values[order], which[order], creeps[order]
+
+
+def _until_one(creeping: NDArray[np.bool_]) -> int:
+    """How many modes stand before the first one that creeps."""
+    return int(creeping.argmax()) if creeping.any() else len(creeping)
 
 
 def _diverges(inverse: NDArray[Any]) -> NDArray[np.bool_]:

@@ -369,7 +369,8 @@ class MovingFrequencies(Result):
         errors = {name: float(error.sel(engine=name)) for name in found.engines}
         said = " and ".join(f"{errors[name]:.1e} of {name}" for name in found.engines)
         if found.relative_difference <= sum(errors.values()) + 10.0**-words.MOST_DECIMALS:
-            return f", within their estimated errors ({said})"
+            beyond = words.beyond_tolerance(found.relative_difference, errors, self.dataset)
+            return f", within their estimated errors ({said}){beyond}"
         reason = theory_reason(self.dataset.attrs)
         if reason:
             return reason

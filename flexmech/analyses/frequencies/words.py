@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from flexmech.analyses.summary import Table
 from flexmech.units import from_si
 
 __all__ = [
+    "beyond_tolerance",
     "change_lines",
     "damping_lines",
     "damping_ratio_lines",
@@ -136,6 +138,35 @@ def tracking_lines(dataset: xr.Dataset) -> list[str]:
     if torn:
         lines.append(f"branches that are not whole over these angles: {'; '.join(torn)}")
     return lines
+
+
+def beyond_tolerance(apart: float, errors: Mapping[str, float], dataset: xr.Dataset) -> str:
+    """Say why two engines within their errors are farther apart than the tolerance asked for.
+
+    Parameters
+    ----------
+    apart : float
+        Relative difference of their frequencies.
+    errors : mapping of str to float
+        Estimated relative error of either engine, by its name.
+    dataset : xarray.Dataset
+
+    Returns
+    -------
+    str
+        To be added to a sentence; empty where they are not.
+    """
+    tolerance = dataset.attrs.get("tolerance")
+    if tolerance is None or apart <= tolerance:
+        return ""
+    better, coarser = sorted(errors, key=lambda name: errors[name])
+    if errors[coarser] <= tolerance:
+        return f"; each error is within the tolerance of {tolerance:.0e}, both together are not"
+    elements = int(dataset["elements"].sel(engine=coarser).max())
+    return (
+        f"; beyond the tolerance of {tolerance:.0e}, for which {coarser} needs more than the "
+        f"{elements} elements on a link that are taken unasked; trust {better}"
+    )
 
 
 def vibration_lines(effect: xr.DataArray | None, dataset: xr.Dataset) -> list[str]:
