@@ -84,6 +84,6 @@ def test_an_overdamped_lowest_mode_is_not_passed_over(aluminium):
     sections["rocker"] = sections["rocker"].with_damping_time(0.05)
     system = ReferenceEngine(type(aluminium)(aluminium.linkage, sections), 8).linear_system(2.0)
     with pytest.raises(
-        ComputationError, match="fewer than 4 of the lowest modes.*; ask for no more than 1, or"
+        ComputationError, match=r"fewer than 4 of the lowest modes.*; ask for no more than 1, or"
     ):
         solve_modes(system, 4)
