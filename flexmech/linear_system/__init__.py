@@ -41,6 +41,7 @@ from flexmech.linear_system.position_errors import (
     refuse_positions,
 )
 from flexmech.linear_system.quasi_static import (
+    LAST_STEP,
     LOAD_STEPS,
     MAX_ITERATIONS,
     RELATIVE_RESIDUAL,
@@ -77,6 +78,7 @@ from flexmech.linear_system.theory_comparison import (
 
 __all__ = [
     "GREAT_DETAIL",
+    "LAST_STEP",
     "LOAD_STEPS",
     "MAX_ITERATIONS",
     "NEGLIGIBLE",

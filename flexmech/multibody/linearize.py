@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,8 +10,6 @@ import numpy as np
 
 from flexmech.linear_system import (
     LOAD_STEPS,
-    MAX_ITERATIONS,
-    RELATIVE_RESIDUAL,
     ROUND_OFF,
     body_couple,
     refuse_positions,
@@ -24,6 +20,7 @@ from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import BeamPart, RigidPart, turn_vectors
 from flexmech.multibody.rigid_tangents import line_forces, rigid_virial, turning_stiffness
 from flexmech.multibody.static_model import StaticModel
+from flexmech.multibody.static_solver import StaticSettings, simulation_settings, solve_static
 from flexmech.types import FloatArray, IntArray
 
 __all__ = [
@@ -31,30 +28,12 @@ __all__ = [
     "internal_forces",
     "linearized",
     "running_tangents",
-    "simulation_settings",
     "static_equilibrium",
 ]
 
 
 # How often dampers are turned into their lines. Each time leaves a small part of the change.
 DAMPER_TURNS = 8
-
-
-def simulation_settings(absolute_tolerance: float = 1e-8) -> Any:
-    """Settings for one quiet static step and for linearization."""
-    settings = load_exudyn().SimulationSettings()
-    settings.solution.file.write = False
-    # A third faster at any size; of dense matrices Exudyn warns beyond 1000 coordinates.
-    settings.linearSolver.solverType = load_exudyn().LinearSolverType.EigenSparse
-    settings.staticSolver.numberOfLoadSteps = 1
-    settings.staticSolver.adaptiveStep = False
-    settings.staticSolver.verboseMode = 0
-    newton = settings.staticSolver.newton
-    # The relative tolerance refers to the first residual and fails near an easy start.
-    newton.relativeTolerance = 0.0
-    newton.absoluteTolerance = absolute_tolerance
-    newton.maxIterations = MAX_ITERATIONS
-    return settings
 
 
 def linearized(
@@ -129,7 +108,7 @@ def static_equilibrium(
     tangents = _Tangents(model, batch)
     relative = motion.angle - motion.angle[:, assembly.base, None]
     applied = _Applied.of(model, motion, loads)
-    round_off = ROUND_OFF * assembly.nodal_force_scale
+    static_settings = StaticSettings(ROUND_OFF * assembly.nodal_force_scale)
     deformation = np.zeros(assembly.size)
     displacement = np.empty((batch, assembly.size))
     line_force = np.zeros((batch, len(model.sliders)))
@@ -139,21 +118,21 @@ def static_equilibrium(
         model.loads.set(forces, couples)
         loaded = float(np.abs(forces).sum()) + model.free_load
         loaded += 0.0 if model.applied is None else model.applied.scale_of_forces
-        settings = simulation_settings(max(RELATIVE_RESIDUAL * loaded, round_off))
+        settings = static_settings.under(loaded)
         start = pose + assembly.turned(deformation, relative[number])
-        if not _solve_static(assembly, settings, assembly.arms.to_nodes(start)):
+        if not solve_static(assembly, settings, assembly.arms.to_nodes(start)):
             _solve_afresh(model, settings, pose, applied, motion, number)
         for _ in range(DAMPER_TURNS):
             if model.applied is None or not model.applied.settle():
                 break
             solved = np.array(assembly.mbs.systemData.GetODE2Coordinates())
-            _solve_static(assembly, settings, solved)
+            solve_static(assembly, settings, solved)
         state = assembly.arms.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
         turning = turning_stiffness(model, state, couples, motion.angular_velocity[number])
         line_force[number] = line_forces(model)
         moved = assembly.deformation(state, pose)
         deformation = displacement[number] = assembly.turned(moved, -relative[number])
-        tangents.take(number, settings, state, forces, turning)
+        tangents.take(number, settings[0], state, forces, turning)
     stiffness, damping = tangents.in_link_frames(relative)
     return StaticEquilibrium(
         displacement=[displacement[:, part.coordinates] for part in assembly.parts],
@@ -324,19 +303,9 @@ class _Tangents:
         return stiffness, damping
 
 
-def _solve_static(assembly: LinkAssembly, settings: Any, start: FloatArray) -> bool:
-    exudyn = load_exudyn()
-    assembly.mbs.systemData.SetODE2Coordinates(start, exudyn.ConfigurationType.Initial)
-    with contextlib.redirect_stdout(io.StringIO()):
-        try:
-            return bool(assembly.mbs.SolveStatic(settings, updateInitialValues=False))
-        except exudyn.SolverError:
-            return False
-
-
 def _solve_afresh(
     model: StaticModel,
-    settings: Any,
+    settings: Sequence[Any],
     pose: FloatArray,
     applied: _Applied,
     motion: RigidMotion,
@@ -352,7 +321,7 @@ def _solve_afresh(
             if model.applied is not None:
                 model.applied.scale(float(part))
             model.swell(float(part))
-            if not _solve_static(assembly, settings, start):
+            if not solve_static(assembly, settings, start):
                 break
             start = np.array(assembly.mbs.systemData.GetODE2Coordinates())
         else:

@@ -8,9 +8,10 @@ import numpy as np
 
 from flexmech.linear_system import LinkModel, LinkReadings, rigid_link, with_bodies
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.linearize import linearized, simulation_settings
+from flexmech.multibody.linearize import linearized
 from flexmech.multibody.link_parts import RigidPart
 from flexmech.multibody.static_model import StaticModel
+from flexmech.multibody.static_solver import simulation_settings
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["link_models", "unit_tension_stiffness"]

@@ -21,6 +21,7 @@ import numpy as np
 
 from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import (
+    LAST_STEP,
     LOAD_STEPS,
     MAX_ITERATIONS,
     BodyCouples,
@@ -53,12 +54,6 @@ logger = logging.getLogger(__name__)
 SHORTEST_STEP = 1 / 16
 # With all load at once, a position that takes longer wanders: it is loaded in steps.
 FIRST_ITERATIONS = 8
-# Newton's method takes its last step where that turns no section, and moves no node by a part
-# of the linkage's size, by more than this. The error that is left is the step's square times at
-# most 8000 on random mechanisms, loaded twice as much as at their speeds: 2e-11. Forces out of
-# balance are no measure: one that is lost in the round-off of a stiff link may bend a soft one that
-# is pinned to it.
-LAST_STEP = 5e-8
 
 
 class Equilibrium:
