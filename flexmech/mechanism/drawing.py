@@ -40,10 +40,12 @@ class Drawable(Protocol):
     def springs(self) -> tuple[Spring, ...]: ...
     @property
     def joint_springs(self) -> tuple[JointSpring, ...]: ...
+    @property
+    def gravity(self) -> tuple[float, float]: ...
 
 
 def drawn_parts(mechanism: Drawable) -> dict[str, Any]:
-    """Joints, masses, bodies, springs and loads as a picture shows them.
+    """Joints, masses, bodies, springs, dampers, loads and gravity as a picture shows them.
 
     Parameters
     ----------
@@ -53,11 +55,12 @@ def drawn_parts(mechanism: Drawable) -> dict[str, Any]:
     -------
     dict
         Of :func:`flexmech.linkages.drawn_joints`, and ``masses`` (``at``, ``kg``), ``bodies``
-        (``at``, ``offset`` in m, ``kg``), ``springs`` (``name``, ``ends``), ``joint_springs``
-        (``joint``, whether ``torsional`` and ``radial``) and ``loads`` (``name``, ``at``,
-        ``axes``, ``over``, ``force`` in N and ``torque`` in N m where they are largest). A place
-        ``at`` is the number of a link and how far along it from 0 to 1; the end of a spring on
-        the ground is ``ground``, x and y in m.
+        (``at``, ``offset`` in m, ``kg``), ``springs`` (``name``, ``ends``, whether ``stiff`` and
+        ``damped``), ``joint_springs`` (``joint``, whether ``torsional``, ``radial``,
+        ``torsion_damped`` and ``radially_damped``), ``loads`` (``name``, ``at``, ``axes``,
+        ``over``, ``force`` in N and ``torque`` in N m where they are largest) and ``gravity``
+        (x and y, in m/s^2). A place ``at`` is the number of a link and how far along it from 0 to
+        1; the end of a spring on the ground is ``ground``, x and y in m.
     """
     topology = mechanism.linkage.topology
 
@@ -84,7 +87,12 @@ def drawn_parts(mechanism: Drawable) -> dict[str, Any]:
             for body in mechanism.bodies
         ],
         "springs": [
-            {"name": one.name, "ends": [_end(topology, one.first), _end(topology, one.second)]}
+            {
+                "name": one.name,
+                "ends": [_end(topology, one.first), _end(topology, one.second)],
+                "stiff": one.stiffness > 0,
+                "damped": one.damping > 0,
+            }
             for one in mechanism.springs
         ],
         "joint_springs": [
@@ -92,12 +100,15 @@ def drawn_parts(mechanism: Drawable) -> dict[str, Any]:
                 "joint": one.joint,
                 "torsional": one.torsional_stiffness > 0,
                 "radial": one.radial_stiffness is not None,
+                "torsion_damped": one.torsional_damping > 0,
+                "radially_damped": one.radial_damping > 0,
             }
             for one in mechanism.joint_springs
         ],
         "loads": [
             {"at": at(load.point.link, load.point.x), **_largest(load)} for load in mechanism.loads
         ],
+        "gravity": list(mechanism.gravity),
     }
 
 

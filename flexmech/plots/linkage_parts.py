@@ -41,6 +41,8 @@ class LinkageParts:
         Distance of the driven link's end from the axis of the shaft, in m.
     shaft : ndarray of shape (2,), optional
         Axis of the driven shaft in m; by its clamp if left out.
+    gravity : tuple of float
+        Along x and y in m/s^2.
     """
 
     rigid: NDArray[np.bool_]
@@ -52,10 +54,28 @@ class LinkageParts:
     loads: list[Part] = field(default_factory=list)
     hub: float = 0.0
     shaft: FloatArray | None = None
+    gravity: tuple[float, float] = (0.0, 0.0)
 
     def of_kind(self, *kinds: str) -> list[Part]:
         """Joints of some kinds."""
         return [joint for joint in self.joints if joint["kind"] in kinds]
+
+    def springs_with(self, *what: str) -> list[Part]:
+        """Springs between points and in joints of which one of some words holds.
+
+        Parameters
+        ----------
+        *what : str
+            ``"stiff"`` or ``"damped"`` of springs between points, ``"torsional"``, ``"radial"``,
+            ``"torsion_damped"`` or ``"radially_damped"`` of those in joints. Files of earlier
+            versions tell nothing of dampers, and every spring between points in them is stiff.
+
+        Returns
+        -------
+        list of dict
+        """
+        known = [{"stiff": True} | spring for spring in self.springs]
+        return [one for one in (*known, *self.joint_springs) if any(one.get(w) for w in what)]
 
 
 def parts_of(dataset: xr.Dataset, positions: FloatArray, held: NDArray[np.bool_]) -> LinkageParts:
@@ -101,6 +121,8 @@ def drawn_posture(dataset: xr.Dataset) -> tuple[FloatArray, LinkageParts, float]
 def _told(told: Part) -> LinkageParts:
     rigid = np.array([link["rigid"] for link in told["links"]], dtype=bool)
     others = {name: part for name, part in told.items() if name not in ("links", "posture")}
+    if "gravity" in others:
+        others["gravity"] = tuple(others["gravity"])
     return LinkageParts(rigid, **others)
 
 

@@ -16,6 +16,7 @@ from matplotlib.transforms import Bbox
 from flexmech.plots import linkage_symbols as symbols
 from flexmech.plots.linkage_legend import MASS, part_handles
 from flexmech.plots.linkage_parts import SAME_PLACE, LinkageParts, Part, Posture, parts_of
+from flexmech.plots.linkage_springs import joint_spring_symbols, spring_symbols, wall_symbols
 from flexmech.plots.linkage_symbols import OUTLINE, Symbol, add_symbols
 from flexmech.plots.reading import values_of
 from flexmech.plots.series import Look
@@ -28,7 +29,6 @@ RIGID: Look = {"color": "0.65", "lw": 0.9}
 """Look of undeformed links."""
 JOINT: Look = {"ls": "", "marker": "o", "ms": 3.6, "mfc": "white", "mec": OUTLINE, "mew": 0.7}
 """Look of a pin; the driven shaft, to which its link is clamped, is filled."""
-BEARING: Look = {"marker": "o", "ms": 7.0, "mfc": "none", "mec": OUTLINE, "mew": 0.6, "zorder": 3.9}
 WELD: Look = {"marker": "s", "ms": 4.8, "mfc": OUTLINE, "mec": OUTLINE, "mew": 0.0, "zorder": 3.7}
 GUIDE: Look = {"color": "0.5", "lw": 0.8, "ls": (0.0, (4.0, 2.0)), "zorder": 0.88}
 MASS_COLOR = "0.45"
@@ -38,12 +38,12 @@ LARGEST_MARK = 110.0
 THICK = 1.9
 
 # Over the linkage's extent: depth of a support, half its width, depth of the hatching; radius of
-# the driven shaft; half the length of a line and of a block; half the width of a spring between
-# points and of the wall that holds it; radius of a spring in a joint and of a torque; length of
-# the arrow of the largest force, and distance of arrows from what they would cover.
+# the driven shaft; half the length of a line and of a block; radius of a torque; length of the
+# arrow of the largest force, and distance of arrows from what they would cover; length of the
+# arrow of gravity, and its distance from all else, for names of joints.
 DEPTH, HALF_WIDTH, HATCHING, SHAFT = 0.05, 0.028, 0.03, 0.026
-TRACK_LENGTH, BLOCK_SIZE, SPRING, WALL, SPIRAL, TORQUE = 0.12, 0.03, 0.018, 0.03, 0.04, 0.06
-ARROW, ASIDE = 0.17, 0.045
+TRACK_LENGTH, BLOCK_SIZE, TORQUE = 0.12, 0.03, 0.06
+ARROW, ASIDE, GRAVITY, NAMES = 0.17, 0.045, 0.14, 0.1
 # A shorter arrow than this part of the largest one is not seen.
 LEAST_ARROW = 0.6
 # Angle in rad that an arrow keeps from what is there.
@@ -160,8 +160,7 @@ class LinkageSketch:
         -------
         Bbox
         """
-        drawn = [symbol.places for symbol in (*self.ground(), *self.on_links())]
-        inside = np.vstack([self.links.reshape(-1, 2), points.reshape(-1, 2), *drawn])
+        inside = np.vstack([points.reshape(-1, 2), *self._drawn(*self.gravity())])
         room = ROOM * self.size
         (left, low), (right, high) = np.nanmin(inside, axis=0), np.nanmax(inside, axis=0)
         lowest = low - room - bar_room * self.size
@@ -185,25 +184,40 @@ class LinkageSketch:
         for slider in self.parts.of_kind("slider"):
             if slider["guide"] is None:
                 found += self._rail(slider)
-        for spring in self.parts.springs:
-            found += self._walls(spring)
-        return found
+        return found + wall_symbols(self.parts, self.posture, self.size)
 
     def on_links(self) -> list[Symbol]:
         """Symbols of what moves with the links: always as many, in the same order."""
         return [
             *self._sliders(),
-            *self._springs(),
+            *spring_symbols(self.parts, self.posture, self.size),
             *self._masses(),
             *symbols.marks("weld", list(self.places("weld")), self._sized(WELD)),
-            *self._joint_springs(),
+            *joint_spring_symbols(self.parts, self.posture, self.size, self.joint_size),
             *self._joints(),
             *self._loads(),
         ]
 
+    def gravity(self) -> list[Symbol]:
+        """Symbol of the direction of gravity, to the left of the linkage; none without gravity."""
+        pull = np.array(self.parts.gravity)
+        if not pull.any():
+            return []
+        along, length = pull / np.hypot(*pull), GRAVITY * self.size
+        inside = np.vstack(self._drawn())
+        low, high = np.nanmin(inside, axis=0), np.nanmax(inside, axis=0)
+        left = low[0] - NAMES * self.size - length / 2 * abs(along[0])
+        return symbols.gravity_arrow(np.array([left, (low[1] + high[1]) / 2]), along, length)
+
+    def _drawn(self, *others: Symbol) -> list[FloatArray]:
+        """Places of all that is drawn, with those of other symbols."""
+        links = self.links if self.travel is None else self.travel
+        drawn = (*self.ground(), *self.on_links(), *others)
+        return [links.reshape(-1, 2), *(symbol.places for symbol in drawn)]
+
     def draw_ground(self, axes: Axes) -> None:
-        """Draw what stays in place."""
-        add_symbols(axes, self.ground())
+        """Draw what stays in place, and the direction of gravity."""
+        add_symbols(axes, [*self.ground(), *self.gravity()])
 
     def draw(self, axes: Axes, **links: Any) -> None:
         """Draw the ground, the links with properties of their own, and all that is on them."""
@@ -217,7 +231,7 @@ class LinkageSketch:
         return [look | ({"lw": THICK * look["lw"]} if rigid else {}) for rigid in self.parts.rigid]
 
     def handles(self) -> list[Artist]:
-        """Legend entries of what is not told by its symbol alone: masses, springs and loads."""
+        """Legend entries of what is not told by its symbol alone."""
         return part_handles(self.parts, self.mass_color)
 
     def draw_scale_bar(self, axes: Axes) -> None:
@@ -297,21 +311,6 @@ class LinkageSketch:
             found.append(symbols.block(place, line, BLOCK_SIZE * self.size))
         return found
 
-    def _springs(self) -> list[Symbol]:
-        """Springs between points."""
-        ends = [map(self.posture.spring_end, one["ends"]) for one in self.parts.springs]
-        return [symbols.zigzag(one, two, SPRING * self.size) for one, two in ends]
-
-    def _walls(self, spring: Part) -> list[Symbol]:
-        """What holds a spring on the ground."""
-        places = [self.posture.spring_end(end) for end in spring["ends"]]
-        found = []
-        for end, place, other in zip(spring["ends"], places, places[::-1], strict=True):
-            if "ground" in end and (length := np.hypot(*(place - other))):
-                half = WALL * self.size
-                found += symbols.wall(place, (place - other) / length, half, 0.6 * half)
-        return found
-
     def _masses(self) -> list[Symbol]:
         """Attached bodies, and point masses as discs whose areas are as the masses."""
         color: Look = {"color": self.mass_color}
@@ -328,17 +327,6 @@ class LinkageSketch:
 
     def _sized(self, look: Look) -> Look:
         return look | {"ms": self.joint_size * look["ms"]}
-
-    def _joint_springs(self) -> list[Symbol]:
-        at = {joint["name"]: joint["at"] for joint in self.parts.joints}
-        found = []
-        for one in self.parts.joint_springs:
-            place = self.posture.place(at[one["joint"]])
-            if one["torsional"]:
-                found.append(symbols.spiral(place, SPIRAL * self.size))
-            if one["radial"]:
-                found += symbols.marks("bearing", [place], self._sized(BEARING))
-        return found
 
     def _joints(self) -> list[Symbol]:
         """Circles where links turn; the driven shaft's is filled."""

@@ -24,6 +24,7 @@ __all__ = [
     "block",
     "body",
     "clamp",
+    "gravity_arrow",
     "marks",
     "move_symbols",
     "rail",
@@ -35,6 +36,7 @@ __all__ = [
 ]
 
 OUTLINE = "0.35"
+GRAVITY_COLOR = "0.5"
 THIN: Look = {"color": OUTLINE, "lw": 0.5}
 HATCH_ANGLE = np.radians(-135.0)
 # Turns of a spring between points and of one in a joint, and share of a spring that is straight.
@@ -334,6 +336,30 @@ def arrow(tip: FloatArray, along: FloatArray, length: float, *, varies: bool) ->
     back = tip - head * along
     corners = np.array([tip, back + 0.35 * head * across, back - 0.35 * head * across])
     return _arrow(np.array([tip - length * along, back]), corners, varies=varies)
+
+
+def gravity_arrow(middle: FloatArray, along: FloatArray, length: float) -> list[Symbol]:
+    """The direction of gravity: a grey arrow in the open.
+
+    Parameters
+    ----------
+    middle, along : ndarray, shape (2,)
+        In m, and a unit vector.
+    length : float
+        In m.
+
+    Returns
+    -------
+    list of Symbol
+    """
+    tip, tail = middle + length / 2 * along, middle - length / 2 * along
+    across, back = np.array([-along[1], along[0]]), tip - 0.35 * length * along
+    corners = np.array([tip, back + 0.12 * length * across, back - 0.12 * length * across])
+    filled: Look = {"fc": GRAVITY_COLOR, "ec": GRAVITY_COLOR, "lw": 0.6, "zorder": 0.8}
+    return [
+        Symbol("gravity", np.array([tail, back]), {"color": GRAVITY_COLOR, "lw": 1.2}),
+        Symbol("gravity", corners, filled, filled=True),
+    ]
 
 
 def torque_arrow(place: FloatArray, radius: float, sign: float, *, varies: bool) -> list[Symbol]:

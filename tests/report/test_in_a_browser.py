@@ -215,9 +215,18 @@ def test_welds_springs_and_loads_are_drawn_and_move(
     page = opened(write_report(results.all, tmp_path_factory.mktemp("pusher") / "report.html"))
     count = {
         kind: page.locator(f"#linkage .{kind}").count()
-        for kind in ("weld", "body", "mass", "varies", "stiff")
+        for kind in ("weld", "body", "mass", "varies", "stiff", "damper", "gravity")
     }
-    assert count == {"weld": 1, "body": 2, "mass": 4, "varies": 1, "stiff": 1}
+    assert count == {
+        "weld": 1,
+        "body": 2,
+        "mass": 4,
+        "varies": 1,
+        "stiff": 1,
+        # Beside the spring, and in the joint at B.
+        "damper": 2,
+        "gravity": 1,
+    }
     spring = page.locator("#linkage polyline.spring").first
     before = str(spring.get_attribute("points")).split()
     turn(page, 200.0)

@@ -112,8 +112,11 @@ class TestScene:
         assert labels == [
             "point mass (largest 600 g)",
             "spring",
+            "damper",
+            "torsional damper",
             "centre of a body",
             "load over the crank angle: cartons",
+            "gravity (9.81 m/s²)",
         ]
 
     def test_loads_in_link_axes_turn_with_the_link_and_torques_bend(self):
@@ -136,13 +139,53 @@ class TestScene:
         np.testing.assert_allclose(bearing.places, sketch.links[:1, -1], atol=1e-14)
         assert "torsional spring" in [handle.get_label() for handle in sketch.handles()]
 
+    def test_a_damper_is_below_its_spring_and_without_one_in_its_place(self):
+        sketch = sketch_of(PUSHER)
+        (spring,), (damper,) = drawn(sketch, "spring"), drawn(sketch, "damper")
+        line = spring.places[0, 1]
+        assert np.nanmin(damper.places[:, 1]) < spring.places[:, 1].min()
+        assert np.nanmax(damper.places[:, 1]) == pytest.approx(line)
+        alone = replace(PUSHER, springs=(replace(PUSHER.springs[0], stiffness=0.0),))
+        assert not drawn(sketch_of(alone), "spring")
+        (damper,) = drawn(sketch_of(alone), "damper")
+        np.testing.assert_allclose(damper.places[[0, -1]], spring.places[[0, -1]], atol=1e-12)
+        assert "spring" not in [handle.get_label() for handle in sketch_of(alone).handles()]
+        free = replace(PUSHER, springs=(replace(PUSHER.springs[0], damping=0.0),))
+        assert not drawn(sketch_of(free), "damper")
+
+    def test_dampers_in_joints(self):
+        joint = JointSpring("A", torsional_damping=0.1, radial_stiffness=1e6, radial_damping=5.0)
+        sketch = sketch_of(replace(SLIDER_CRANK, joint_springs=(joint,)))
+        (bent,) = drawn(sketch, "torsional damper")
+        away = np.hypot(*(bent.places - sketch.links[0, -1]).T) / sketch.size
+        assert 0.04 < np.nanmin(away) < np.nanmax(away) < 0.09
+        (ring,), (wide,) = drawn(sketch, "bearing"), drawn(sketch, "damped bearing")
+        assert wide.look["ms"] > ring.look["ms"]
+        assert not drawn(sketch, "torsional spring")
+        labels = [handle.get_label() for handle in sketch.handles()]
+        assert [each for each in labels if "damper" in each] == ["torsional damper", "bearing with a damper"]
+
+    @pytest.mark.parametrize("pull", [(0.0, -9.81), (3.0, 4.0), (-9.81, 0.0)])
+    def test_gravity_is_an_arrow_left_of_all_else_where_it_pulls(self, pull):
+        sketch = sketch_of(replace(PUSHER, gravity=pull))
+        shaft, head = sketch.gravity()
+        along = np.array(pull) / np.hypot(*pull)
+        step = head.places[0] - shaft.places[0]
+        np.testing.assert_allclose(step / np.hypot(*step), along, atol=1e-12)
+        others = np.vstack([one.places for one in (*sketch.ground(), *sketch.on_links())])
+        right = max(shaft.places[:, 0].max(), head.places[:, 0].max())
+        assert right < np.nanmin(others[:, 0])
+        limits = sketch.limits(np.empty((0, 2)))
+        assert limits.x0 < min(shaft.places[:, 0].min(), head.places[:, 0].min())
+        assert not sketch_of(replace(PUSHER, gravity=(0.0, 0.0))).gravity()
+
     def test_a_bent_linkage_takes_its_parts_along(self):
         sketch = sketch_of(PUSHER)
         away = np.array([0.01, 0.02])
         moved = replace(sketch, links=sketch.links + away)
         for one, other in zip(sketch.on_links(), moved.on_links(), strict=True):
             assert one.what == other.what
-            if one.what not in ("spring", "varying load"):
+            if one.what not in ("spring", "damper", "varying load"):
                 np.testing.assert_allclose(other.places, one.places + away, atol=1e-12)
         (spring,) = drawn(moved, "spring")
         np.testing.assert_allclose(spring.places[-1], [0.8, 0.38], atol=1e-14)

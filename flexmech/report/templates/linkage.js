@@ -30,6 +30,7 @@
       return { ...joint, circle, name, block: blocks[n], weld, loaded: given.parts.loads.some((load) => `${load.at}` === `${at}`) };
     });
     linkage.parts = [...parts, ...makeLoads(root)];
+    drawGravity(root, given.box, room);
     const bar = roundLength(0.25 * linkage.size);
     const [x, y] = [left - room / 2, -low + 0.75 * room];
     element("path", { class: "bar", d: `M${x} ${y}h${bar}` }, root);
@@ -163,6 +164,9 @@
     const [fixed, varying] = [false, true].map((varies) => linkage.given.parts.loads.some((load) => (load.over !== "constant") === varies));
     if (fixed) parts.push("black arrow: load");
     if (varying) parts.push("dashed arrow: load that varies, where it is largest");
+    const { springs, joint_springs: inJoints, gravity } = linkage.given.parts;
+    if (springs.some((one) => one.damped) || inJoints.some((one) => one.torsion_damped)) parts.push("piston in a cup: damper");
+    if (Math.hypot(...gravity)) parts.push(`grey arrow: gravity (${Number(Math.hypot(...gravity).toPrecision(4))} m/s²)`);
     byId("linkage-legend").innerHTML = parts.join("; ");
   }
 

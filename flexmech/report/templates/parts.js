@@ -1,4 +1,4 @@
-  // ---- what belongs to the linkage: masses, bodies, springs, welds, loads -----------------------
+  // ---- what belongs to the linkage: masses, bodies, springs, dampers, loads -----------------------
 
   // Lengths are over the linkage's extent, as in the pictures of flexmech.plots.
   const SIZES = { mark: 0.017, block: 0.03, spring: 0.018, wall: 0.03, spiral: 0.04, arrow: 0.17, torque: 0.06, aside: 0.045 };
@@ -11,9 +11,17 @@
     const largest = Math.max(...given.parts.masses.map((mass) => mass.kg));
     const name = (shape, words) => { element("title", {}, shape).textContent = words; };
     for (const spring of given.parts.springs) {
-      const line = element("polyline", { class: "spring" }, group);
-      name(line, `spring ${spring.name}`);
-      made.push((frames) => setPoints(line, zigzag(...spring.ends.map((end) => endOf(end, frames)))));
+      const ends = (frames) => spring.ends.map((end) => endOf(end, frames));
+      if (spring.stiff) {
+        const line = element("polyline", { class: "spring" }, group);
+        name(line, `spring ${spring.name}`);
+        made.push((frames) => setPoints(line, zigzag(...ends(frames))));
+      }
+      if (spring.damped) {
+        const damper = element("path", { class: "spring damper" }, group);
+        name(damper, `damper ${spring.name}`);
+        made.push((frames) => damper.setAttribute("d", dashpotPath(...ends(frames), spring.stiff)));
+      }
       for (const [n, end] of spring.ends.entries()) {
         if (!end.ground) continue;
         const wall = element("path", { class: "ground" }, group);
@@ -39,7 +47,7 @@
     }
     for (const spring of given.parts.joint_springs) {
       const { at } = given.parts.joints.find((joint) => joint.name === spring.joint);
-      const looks = [spring.torsional ? ["spring", spiralPath()] : null, spring.radial ? ["bearing", ringPath()] : null];
+      const looks = [spring.torsional ? ["spring", spiralPath()] : null, spring.radial ? ["bearing", ringPath(1)] : null, spring.torsion_damped ? ["spring damper", bentDashpotPath()] : null, spring.radially_damped ? ["bearing", ringPath(1.4)] : null];
       for (const [look, d] of looks.filter(Boolean)) {
         const shape = element("path", { class: look, d }, group);
         made.push((frames) => moveTo(shape, placeAt(at, frames)));
@@ -118,6 +126,57 @@
     return [...points, second];
   }
 
+  // A piston in an open cup: places along a line from 0 to 1, and across it in half widths of the cup.
+  function dashpotLines(from, to, cup) {
+    const middle = (from + to) / 2;
+    return [
+      [[from, 0], [middle, 0]],
+      [[middle, -0.7], [middle, 0.7]],
+      [[middle - cup, -1], [middle + cup, -1], [middle + cup, 1], [middle - cup, 1]],
+      [[middle + cup, 0], [to, 0]],
+    ];
+  }
+
+  function pathThrough(lines, placed) {
+    return lines.map((line) => `M${line.map(([share, aside]) => { const [x, y] = placed(share, aside); return `${x} ${-y}`; }).join("L")}`).join("");
+  }
+
+  // From place to place, or below the spring that is there.
+  function dashpotPath(first, second, beside) {
+    const along = [second[0] - first[0], second[1] - first[1]];
+    const long = Math.hypot(...along);
+    const half = SIZES.spring * linkage.size;
+    const down = along[0] < 0 || (along[0] === 0 && along[1] < 0) ? -1 : 1;
+    const normal = long ? [(down * along[1]) / long, (-down * along[0]) / long] : [0, 0];
+    const [from, to, away] = beside ? [0.12, 0.88, 2.4] : [0, 1, 0];
+    const cup = long ? Math.min((1.5 * half) / long, 0.25) : 0;
+    const lines = dashpotLines(from, to, cup);
+    if (beside) lines.push([[from, -away], [from, 0]], [[to, -away], [to, 0]]);
+    return pathThrough(lines, (share, aside) => [0, 1].map((n) => first[n] + share * along[n] + (aside + away) * half * normal[n]));
+  }
+
+  // Around the origin, above it.
+  function bentDashpotPath() {
+    const fine = dashpotLines(0, 1, 0.2).map((line) => line.flatMap((point, n) => (n ? Array.from({ length: 8 }, (_, m) => [0, 1].map((k) => line[n - 1][k] + ((m + 1) / 8) * (point[k] - line[n - 1][k]))) : [point])));
+    return pathThrough(fine, (share, aside) => {
+      const [turn, out] = [((25 + 130 * share) * Math.PI) / 180, 0.065 * linkage.size * (1 + 0.22 * aside)];
+      return [out * Math.cos(turn), out * Math.sin(turn)];
+    });
+  }
+
+  // The direction of gravity, in the upper left corner.
+  function drawGravity(root, [left, , , high], room) {
+    const [x, y] = linkage.given.parts.gravity;
+    const strength = Math.hypot(x, y);
+    if (!strength) return;
+    const long = 0.14 * linkage.size;
+    const arrow = element("g", { class: "gravity" }, root);
+    element("title", {}, arrow).textContent = `gravity: ${Number(strength.toPrecision(4))} m/s²`;
+    element("path", { class: "shaft", d: `M${-long / 2} 0H${0.15 * long}` }, arrow);
+    element("path", { class: "head", d: `M${long / 2} 0l${-0.35 * long} ${0.12 * long}v${-0.24 * long}z` }, arrow);
+    moveTo(arrow, [left - room / 3, high + room - 0.8 * long], Math.atan2(y, x));
+  }
+
   // A hatched line across the direction from another place, hatched beyond it.
   function wallAt(place, other) {
     const half = SIZES.wall * linkage.size;
@@ -139,8 +198,8 @@
     return `M${points.join("L")}`;
   }
 
-  function ringPath() {
-    const r = 0.024 * linkage.size;
+  function ringPath(wide) {
+    const r = 0.024 * wide * linkage.size;
     return `M${r} 0A${r} ${r} 0 1 1 ${-r} 0A${r} ${r} 0 1 1 ${r} 0`;
   }
 
