@@ -163,7 +163,8 @@ class TestScene:
         assert wide.look["ms"] > ring.look["ms"]
         assert not drawn(sketch, "torsional spring")
         labels = [handle.get_label() for handle in sketch.handles()]
-        assert [each for each in labels if "damper" in each] == ["torsional damper", "bearing with a damper"]
+        dampers = [each for each in labels if "damper" in each]
+        assert dampers == ["torsional damper", "bearing with a damper"]
 
     @pytest.mark.parametrize("pull", [(0.0, -9.81), (3.0, 4.0), (-9.81, 0.0)])
     def test_gravity_is_an_arrow_left_of_all_else_where_it_pulls(self, pull):
