@@ -45,7 +45,19 @@ def spring_symbols(parts: LinkageParts, posture: Posture, size: float) -> list[S
 
 
 def wall_symbols(parts: LinkageParts, posture: Posture, size: float) -> list[Symbol]:
-    """What holds springs and dampers on the ground; arguments of :func:`spring_symbols`."""
+    """What holds springs and dampers on the ground.
+
+    Parameters
+    ----------
+    parts : LinkageParts
+    posture : Posture
+    size : float
+        Extent of the linkage in m.
+
+    Returns
+    -------
+    list of Symbol
+    """
     found = []
     for spring in parts.springs:
         places = [posture.spring_end(end) for end in spring["ends"]]
