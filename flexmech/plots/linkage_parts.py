@@ -60,12 +60,12 @@ class LinkageParts:
         """Joints of some kinds."""
         return [joint for joint in self.joints if joint["kind"] in kinds]
 
-    def springs_with(self, *what: str) -> list[Part]:
-        """Springs between points and in joints of which one of some words holds.
+    def springs_with(self, what: str) -> list[Part]:
+        """Springs between points and in joints of which a word holds.
 
         Parameters
         ----------
-        *what : str
+        what : str
             ``"stiff"`` or ``"damped"`` of springs between points, ``"torsional"``, ``"radial"``,
             ``"torsion_damped"`` or ``"radially_damped"`` of those in joints. Files of earlier
             versions tell nothing of dampers, and every spring between points in them is stiff.
@@ -75,7 +75,7 @@ class LinkageParts:
         list of dict
         """
         known = [{"stiff": True} | spring for spring in self.springs]
-        return [one for one in (*known, *self.joint_springs) if any(one.get(w) for w in what)]
+        return [one for one in (*known, *self.joint_springs) if one.get(what)]
 
 
 def parts_of(dataset: xr.Dataset, positions: FloatArray, held: NDArray[np.bool_]) -> LinkageParts:
