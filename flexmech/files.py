@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from flexmech.errors import InputError
+from flexmech.errors import InputError, one_line
 from flexmech.interruption import tidying, uninterrupted
 
 if sys.platform != "win32":
@@ -18,12 +18,14 @@ if sys.platform != "win32":
 
 __all__ = ["check_writable", "given_path", "matching", "moved_into", "write_whole"]
 
+# Of a path in a message.
+MOST_SHOWN = 200
 PREFIX = ".flexmech-"
 """Of the names of folders in which sets of files are made."""
 
 
 def given_path(path: str | os.PathLike[str]) -> Path:
-    """Path that a user gave; ``~`` at its start is the home folder.
+    """Path that a user gave; ``~`` at its start is the home folder. Nothing need be there.
 
     Parameters
     ----------
@@ -36,7 +38,8 @@ def given_path(path: str | os.PathLike[str]) -> Path:
     Raises
     ------
     InputError
-        If it is no path, or there is no such home folder.
+        If it is no path, there is no such home folder, or the system cannot say what is there: a
+        name is too long, a folder may not be entered, or links go round in a circle.
 
     Examples
     --------
@@ -46,12 +49,21 @@ def given_path(path: str | os.PathLike[str]) -> Path:
     if not isinstance(path, str | os.PathLike):
         raise InputError(f"path must be text or a Path, got {path!r}")
     try:
-        return Path(path).expanduser()
+        found = Path(path).expanduser()
     except RuntimeError as error:
         raise InputError(
             f"{os.fspath(path)}: there is no such home folder; write the whole path, or ./~ for "
             "a folder of that name"
         ) from error
+    try:
+        found.stat()
+    except (FileNotFoundError, NotADirectoryError):
+        pass  # what is to be read is missed by its reader, what is to be written is made
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        shown = one_line(os.fspath(path), MOST_SHOWN)
+        raise InputError(f"{shown}: cannot be reached ({reason}); give another path") from error
+    return found
 
 
 def check_writable(folder: Path, patterns: Iterable[str]) -> None:

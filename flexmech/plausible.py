@@ -18,6 +18,7 @@ __all__ = [
     "LOAD",
     "RUN_UP",
     "THICKNESS",
+    "TURN",
     "WIDTH",
     "Plausible",
     "check_plausible",
@@ -65,6 +66,7 @@ THICKNESS = Plausible(units.LENGTH, "1 m", "1 nm", "a thickness")
 WIDTH = Plausible(units.LENGTH, "10 m", "1 nm", "a width")
 LINK_LENGTH = Plausible(units.LENGTH, "1 km", "0.1 µm")
 LOAD = Plausible(units.FORCE, "1e12 N")
+TURN = Plausible(units.ANGLE, "360 deg")
 RUN_UP = Plausible(units.TIME, "1e6 s", "1 µs", "a run-up")
 
 _OF_DIMENSION = {

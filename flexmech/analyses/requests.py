@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from flexmech.choices import SHAFTS, ShaftChoice
 from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import Environment, Exposure, HygrothermalState
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, check_elastic
 from flexmech.numbers import check_choice, checked_array
 from flexmech.types import FloatArray
 
@@ -64,9 +64,27 @@ def in_radians(name: str, values: ArrayLike) -> FloatArray:
     return angles
 
 
-def engine_of(value: Engine) -> Engine:
-    """The engine; anything else is refused with what to write."""
-    return _one_of(value, (Engine,), "an engine", ENGINE)
+def engine_of(value: Engine, *, elastic: bool = True) -> Engine:
+    """The engine; anything else, or one of rigid links alone, is refused with what to write.
+
+    Parameters
+    ----------
+    value : Engine
+    elastic : bool
+        Whether a link at least has to be elastic.
+
+    Returns
+    -------
+    Engine
+
+    Raises
+    ------
+    InputError
+    """
+    engine = _one_of(value, (Engine,), "an engine", ENGINE)
+    if elastic:
+        check_elastic(engine.mechanism)
+    return engine
 
 
 def engines_of(
@@ -89,7 +107,8 @@ def engines_of(
     Raises
     ------
     InputError
-        If there is none, or something else is among them, or the shaft is unknown.
+        If there is none, or something else is among them, all links are rigid, or the shaft is
+        unknown.
     """
     engines = value if isinstance(value, Sequence) and not isinstance(value, str) else [value]
     if not engines:

@@ -140,6 +140,17 @@ def parse_angles(text: str, option: str = "--angles") -> list[float]:
     return list(angles)
 
 
+def parse_angle(text: str, option: str = "--angle") -> float:
+    """One crank angle of an option in degrees, which are its unit by default; see parse_angles."""
+    angle = parse_option(option, text, CRANK_ANGLE, "deg")
+    if abs(angle) > MOST_DEGREES:
+        raise InputError(
+            f"{option}: got {text!r}, which goes beyond {MOST_DEGREES} deg; positions repeat every "
+            "turn, so give an angle of the first eight turns"
+        )
+    return angle
+
+
 def parse_orders(text: str) -> list[int]:
     """Orders of ``--orders``: ``START:STOP``, ``START:STOP:STEP`` or a comma list.
 

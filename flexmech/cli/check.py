@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from flexmech.cli import options
-from flexmech.cli.arguments import CRANK_ANGLE, parse_option
+from flexmech.cli.arguments import parse_angle
 from flexmech.cli.deliver import deliver
 from flexmech.cli.pictures import asked_pictures
 
@@ -21,7 +21,7 @@ def check(
     With the first natural frequencies at rest, and a picture: posture, paths, sections to scale
     and transmission angle.
     """
-    crank_angle = None if angle is None else parse_option("--angle", angle, CRANK_ANGLE, "deg")
+    crank_angle = None if angle is None else parse_angle(angle)
 
     import numpy as np
 

@@ -67,7 +67,7 @@ def _stopped(error: BaseException, answered: tuple[int, ...]) -> Stopped | None:
 def _out_of_memory(error: MemoryError) -> str:
     return (
         f"the memory does not suffice ({one_line(str(error)) or 'none is left'}); lower "
-        "--elements, or ask for fewer --angles, --speeds or --samples"
+        "--elements or --modes, or ask for fewer --angles, --speeds or --samples"
     )
 
 

@@ -5,7 +5,7 @@ from flexmech.linear_system.attached_points import AttachedPoint
 from flexmech.linear_system.balanced_loads import BalancedLoads
 from flexmech.linear_system.body_couples import BodyCouples
 from flexmech.linear_system.carried_inertia import CarriedInertia
-from flexmech.linear_system.checks import checked_mechanism
+from flexmech.linear_system.checks import check_elastic, checked_mechanism
 from flexmech.linear_system.component_modes import (
     GREAT_DETAIL,
     ComponentModes,
@@ -36,6 +36,7 @@ from flexmech.linear_system.link_readings import LinkReadings
 from flexmech.linear_system.link_stretch import LinkStretch
 from flexmech.linear_system.posed_ties import PosedTies
 from flexmech.linear_system.position_errors import (
+    LESS_LOADED,
     OverdampedError,
     RefusedPositionsError,
     refuse_positions,
@@ -79,6 +80,7 @@ from flexmech.linear_system.theory_comparison import (
 __all__ = [
     "GREAT_DETAIL",
     "LAST_STEP",
+    "LESS_LOADED",
     "LOAD_STEPS",
     "MAX_ITERATIONS",
     "NEGLIGIBLE",
@@ -118,6 +120,7 @@ __all__ = [
     "acts_still",
     "body_couple",
     "body_nodes",
+    "check_elastic",
     "checked_mechanism",
     "component_modes",
     "condense",

@@ -17,7 +17,7 @@ import numpy as np
 from flexmech.linear_system.carried_inertia import CarriedInertia
 from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.link_frames import LinkFrames
-from flexmech.linear_system.position_errors import refuse_positions
+from flexmech.linear_system.position_errors import LESS_LOADED, refuse_positions
 from flexmech.linear_system.quasi_static import greatest
 from flexmech.linear_system.rotation_terms import RotationTerms
 from flexmech.linkages import RigidMotion
@@ -193,8 +193,8 @@ def _refuse_instability(motion: RigidMotion, stiffness: FloatArray) -> None:
         motion,
         np.linalg.eigvalsh(symmetric)[:, 0] <= 0,
         "the linkage buckles: the inertia forces and springs on its displaced links",
-        " grow faster with the displacement than the links' own forces; lower the crank speed or "
-        "stiffen the links",
+        f" grow faster with the displacement than the links' own forces; {LESS_LOADED} or stiffen "
+        "the links",
     )
 
 

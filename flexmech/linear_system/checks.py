@@ -8,7 +8,7 @@ from flexmech.choices import MOST_ELEMENTS
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
 
-__all__ = ["checked_elements", "checked_mechanism"]
+__all__ = ["check_elastic", "checked_elements", "checked_mechanism"]
 
 
 def checked_mechanism(mechanism: object) -> Mechanism:
@@ -25,6 +25,16 @@ def checked_mechanism(mechanism: object) -> Mechanism:
     elif hasattr(mechanism, "topology"):
         remedy = "a linkage needs a section for each link: flexmech.Mechanism(linkage, sections)"
     raise InputError(f"mechanism must be a flexmech.Mechanism, got {given}; {remedy}")
+
+
+def check_elastic(mechanism: Mechanism) -> None:
+    """Refuse a mechanism whose links are all rigid: what engines compute is of elastic links."""
+    if all(link.rigid for link in mechanism.linkage.topology.links):
+        raise InputError(
+            "links: every link is rigid, and what is computed here is the vibration of elastic "
+            "links; leave out rigid = true for one of them and give it a section, or ask for the "
+            "rigid motion and its forces by 'flexmech kinematics'"
+        )
 
 
 def checked_elements(count: object) -> int:

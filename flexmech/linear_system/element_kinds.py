@@ -55,7 +55,8 @@ class ElementKinds(ABC):
 
         One that shears, where that changes one of the lowest natural frequencies by more than
         a hundredth or a link's neutral axis or centre of mass is off the pins' axis; one whose
-        cross-sections warp where that does, if the engine has it.
+        cross-sections warp where that does, if the engine has it. Where all links are rigid, the
+        simplest of all.
 
         Parameters
         ----------
@@ -67,6 +68,8 @@ class ElementKinds(ABC):
         -------
         str
         """
+        if all(link.rigid for link in mechanism.linkage.topology.links):
+            return cls.element_like("euler")
         return cls.element_like(cls.compare_theories(mechanism, modes).suitable)
 
     @classmethod

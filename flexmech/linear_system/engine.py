@@ -18,7 +18,7 @@ from flexmech.choices import (
     ShaftChoice,
 )
 from flexmech.errors import InputError
-from flexmech.linear_system.checks import checked_elements, checked_mechanism
+from flexmech.linear_system.checks import check_elastic, checked_elements, checked_mechanism
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
 from flexmech.linear_system.engine_links import EngineLinks
 from flexmech.linear_system.free_shaft import FreeShaft
@@ -212,8 +212,10 @@ class Engine(EngineLinks):
         Raises
         ------
         InputError
-            If masses are lumped: between them nothing would move in time.
+            If masses are lumped: between them nothing would move in time; or if all links are
+            rigid.
         """
+        check_elastic(self.mechanism)
         if self.mass == "lumped":
             raise InputError(
                 "lumped masses are for natural frequencies; for motion in time make the engine "
@@ -280,11 +282,12 @@ class Engine(EngineLinks):
         Raises
         ------
         InputError
-            If an argument is none of the kind, or where the linkage cannot be assembled or
-            locks.
+            If an argument is none of the kind, all links are rigid, or where the linkage cannot
+            be assembled or locks.
         ComputationError
             If the equilibrium does not converge.
         """
+        check_elastic(self.mechanism)
         check_choice(prestress, PRESTRESS_LEVELS, "prestress")
         check_count(modes, "modes")
         check_number(detail, "detail", "", POSITIVE)

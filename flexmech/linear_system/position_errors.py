@@ -9,7 +9,12 @@ from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
 
-__all__ = ["OverdampedError", "RefusedPositionsError", "refuse_positions"]
+__all__ = ["LESS_LOADED", "OverdampedError", "RefusedPositionsError", "refuse_positions"]
+
+LESS_LOADED = "{less_loaded}"
+"""Where an advice says what lowers the loads: the crank speed, or what acts at rest."""
+RUNNING = "lower the crank speed"
+AT_REST = "lower what acts at rest (gravity, loads, springs, heat or water)"
 
 
 class RefusedPositionsError(ComputationError):
@@ -60,7 +65,8 @@ def refuse_positions(
     what : str
         What fails; crank angle and crank speed follow.
     advice : str
-        What stands after them: the reason and the remedy.
+        What stands after them: the reason and the remedy, in which :data:`LESS_LOADED` stands
+        for what helps at that crank speed.
     error : type
         Of the error.
 
@@ -73,9 +79,11 @@ def refuse_positions(
         return
     first = int(np.argmax(refused))
     angle = np.degrees(motion.crank_angle[first])
+    speed = float(motion.crank_speed[first])
+    remedy = advice.replace(LESS_LOADED, RUNNING if speed else AT_REST)
     raise error(
-        f"{what} at crank angle {angle:.6g} deg and crank speed {CRANK_SPEED}{advice}",
-        crank_speed=float(motion.crank_speed[first]),
+        f"{what} at crank angle {angle:.6g} deg and crank speed {CRANK_SPEED}{remedy}",
+        crank_speed=speed,
         crank_angles=motion.crank_angle[refused],
         crank_speeds=motion.crank_speed[refused],
     )

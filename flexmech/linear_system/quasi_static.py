@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from flexmech.linear_system.link_model import LinkModel
-from flexmech.linear_system.position_errors import refuse_positions
+from flexmech.linear_system.position_errors import LESS_LOADED, refuse_positions
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
@@ -90,8 +90,7 @@ def refuse_large_displacements(
             too_far,
             f"the {link.name} is displaced by {100 * farthest[too_far.argmax()]:.3g} % of its "
             "length",
-            ": that equilibrium is not near the rigid linkage; lower the crank speed or stiffen "
-            "the links",
+            f": that equilibrium is not near the rigid linkage; {LESS_LOADED} or stiffen the links",
         )
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.files import given_path
 from flexmech.measured_data.headers import Header, read_header
-from flexmech.measured_data.record import Abscissa, MeasuredQuantity, MeasuredRecord
+from flexmech.measured_data.record import GREATEST, Abscissa, MeasuredQuantity, MeasuredRecord
 from flexmech.types import FloatArray
 from flexmech.units import NUMBER
 
@@ -193,8 +193,9 @@ def _numbers(column: _Column, source: str) -> FloatArray:
             )
         values[index] = float(bare)
     values *= column.header.factor
-    if not np.isfinite(values).all():
-        line = column.lines[int(np.flatnonzero(~np.isfinite(values))[0])]
+    measured = np.abs(values) <= GREATEST
+    if not measured.all():
+        line = column.lines[int(np.flatnonzero(~measured)[0])]
         raise InputError(
             f"{source}: line {line} has a number in {column.text!r} that is too large; correct it"
         )

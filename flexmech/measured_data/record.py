@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError, suggestion
+from flexmech.numbers import check_choice, check_instance, checked_array
 from flexmech.types import FloatArray
 
-__all__ = ["ABSCISSA_UNITS", "Abscissa", "MeasuredQuantity", "MeasuredRecord"]
+__all__ = ["ABSCISSA_UNITS", "GREATEST", "Abscissa", "MeasuredQuantity", "MeasuredRecord"]
 
 Abscissa = Literal["time", "frequency", "crank_angle"]
 ABSCISSA_UNITS: dict[Abscissa, str] = {"time": "s", "frequency": "Hz", "crank_angle": "rad"}
 """SI unit of what a record is written over."""
 LEAST_SAMPLES = 3
+GREATEST = 1e60
+"""No measured number is greater in SI units; of much greater ones squares overflow."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,11 @@ class MeasuredQuantity:
     header : str
         The name as it stands in the file, with its unit.
 
+    Raises
+    ------
+    InputError
+        If a value is no finite number, or greater than any that is measured.
+
     Examples
     --------
     >>> flexmech.MeasuredQuantity("strain", "", np.array([1e-6, 3e-6, 2e-6])).unit
@@ -45,6 +53,9 @@ class MeasuredQuantity:
     unit: str
     values: FloatArray | NDArray[np.complex128]
     header: str = ""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "values", _samples(self.values, str(self.name), self.unit))
 
 
 @dataclass(frozen=True)
@@ -68,7 +79,8 @@ class MeasuredRecord:
     Raises
     ------
     InputError
-        If a quantity has not as many values as the abscissa, or there are fewer than three.
+        If a value of the abscissa is no finite number, a quantity has not as many values as the
+        abscissa, or there are fewer than three.
 
     Examples
     --------
@@ -86,6 +98,13 @@ class MeasuredRecord:
     rounding: float = 0.0
 
     def __post_init__(self) -> None:
+        check_choice(self.abscissa, tuple(ABSCISSA_UNITS), "abscissa")
+        position = _samples(self.position, self.abscissa, ABSCISSA_UNITS[self.abscissa])
+        object.__setattr__(self, "position", position)
+        for quantity in self.quantities:
+            check_instance(
+                quantity, MeasuredQuantity, "quantities", "give a tuple of MeasuredQuantity"
+            )
         if len(self.position) < LEAST_SAMPLES:
             raise InputError(
                 f"{self.source}: holds {len(self.position)} samples, too few for a record; give at "
@@ -130,3 +149,25 @@ class MeasuredRecord:
             raise InputError(self.unreadable[name])
         known = [*self.names, *self.unreadable]
         raise InputError(f"{self.source}: has no column {name!r}; {suggestion(name, known)}")
+
+
+def _samples(values: Any, name: str, unit: str) -> FloatArray | NDArray[np.complex128]:
+    """Numbers of a record, of one dimension, real or complex."""
+    try:
+        complex_ = np.iscomplexobj(values)
+    except ValueError:  # lists of different lengths
+        complex_ = False
+    found: FloatArray | NDArray[np.complex128]
+    if complex_:
+        real, imaginary = np.real(values), np.imag(values)
+        found = checked_array(real, name, unit) + 1j * checked_array(imaginary, name, unit)
+    else:
+        found = checked_array(values, name, unit)
+    if found.ndim != 1:
+        raise InputError(f"{name} must be a row of numbers, got an array of shape {found.shape}")
+    if float(np.abs(found).max(initial=0.0)) > GREATEST:
+        raise InputError(
+            f"{name} reaches {np.abs(found).max():.3g} {unit}".rstrip()
+            + ", more than anything that is measured; correct the values or their unit"
+        )
+    return found

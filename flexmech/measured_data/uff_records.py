@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError
-from flexmech.measured_data.record import MeasuredQuantity, MeasuredRecord
+from flexmech.measured_data.record import GREATEST, MeasuredQuantity, MeasuredRecord
 from flexmech.measured_data.uff_contents import UffFunction
 from flexmech.measured_data.uff_files import read_uff
 from flexmech.types import FloatArray
@@ -62,6 +62,11 @@ def read_uff_record(path: str | PathLike[str]) -> MeasuredRecord:
             )
         elif not np.all(np.isfinite(each.values)):
             unreadable[name] = f"{path}: the function {name!r} has gaps; export it without"
+        elif np.abs(each.values).max(initial=0.0) > GREATEST:
+            unreadable[name] = (
+                f"{path}: the function {name!r} has values beyond all that is measured; export it "
+                "in other units"
+            )
         else:
             quantities.append(MeasuredQuantity(name, each.unit, _values(each), name))
     return MeasuredRecord(

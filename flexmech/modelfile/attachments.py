@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 from pathlib import Path
 
@@ -15,15 +14,10 @@ from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.link_places import LinkPlaces
 from flexmech.modelfile.link_tables import RigidLinkTable
 from flexmech.modelfile.linkage_tables import PlanarTable
+from flexmech.modelfile.load_rows import Rows, load_rows
 from flexmech.modelfile.messages import Findings
-from flexmech.units import ANGLE, FORCE, TIME, TORQUE, parse_quantity
 
 __all__ = ["attached_bodies", "joint_springs", "loads", "point_masses", "springs"]
-
-COLUMNS = {"crank_angle": ("crank_angle_deg", "deg"), "time": ("time_s", "s")}
-FORCE_COLUMNS = ("force_x_N", "force_y_N")
-TORQUE_COLUMN = "torque_Nm"
-MOST_BYTES = 10_000_000
 
 
 def point_masses(
@@ -176,7 +170,7 @@ def loads(
     for name, table in tables.loads.items():
         with findings.at(f"loads.{name}"):
             point = _load_point(table, places)
-            at, rows = _rows(table, folder)
+            at, rows = load_rows(table, folder)
             _check_increasing(table, at)
             _check_moved(table, rows, places)
             found.append(
@@ -219,9 +213,6 @@ def _load_point(table: LoadTable, places: LinkPlaces) -> LinkPoint:
     return places.at_end(ends[0])
 
 
-Rows = list[tuple[float, float, float]]
-
-
 def _check_increasing(table: LoadTable, at: tuple[float, ...]) -> None:
     """Refuse rows whose places do not increase; names the row or the line."""
     for number, (before, place) in enumerate(itertools.pairwise(at), start=1):
@@ -243,65 +234,3 @@ def _check_moved(table: LoadTable, rows: Rows, places: LinkPlaces) -> None:
             f"{table.point} is a point of the ground, where a force moves nothing; choose a point "
             "that moves, or name the link there whose bearing carries the force"
         )
-
-
-def _rows(table: LoadTable, folder: Path) -> tuple[tuple[float, ...], Rows]:
-    """Places, and force and torque of each."""
-    if table.over is None:
-        return (), [(*(table.force or (0.0, 0.0)), table.torque or 0.0)]
-    if table.file is not None:
-        return _read(folder / table.file, table.file, table.over)
-    assert table.table is not None
-    if not table.table:
-        raise InputError("table is empty; give at least one row")
-    at, rows = [], []
-    for number, row in enumerate(table.table):
-        if len(row) not in (3, 4):
-            raise InputError(
-                f"table[{number}]: got {len(row)} values; give {table.over}, force along x and y, "
-                "and a torque if there is one"
-            )
-        dimensions = (ANGLE if table.over == "crank_angle" else TIME, FORCE, FORCE, TORQUE)
-        try:
-            place, x, y, *torque = (
-                parse_quantity(value, dimension)
-                for value, dimension in zip(row, dimensions, strict=False)
-            )
-        except InputError as error:
-            raise error.within(f"table[{number}]") from error
-        at.append(place)
-        rows.append((x, y, *(torque or [0.0])))
-    return tuple(at), [(x, y, torque) for x, y, torque in rows]
-
-
-def _read(path: Path, shown: str, over: str) -> tuple[tuple[float, ...], Rows]:
-    """Rows of a load's CSV file."""
-    column, unit = COLUMNS[over]
-    head = [column, *FORCE_COLUMNS, TORQUE_COLUMN]
-    try:
-        if path.stat().st_size > MOST_BYTES:
-            raise InputError(f"file {shown}: is larger than any load; give fewer rows")
-        lines = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines(), strict=True))
-    except (OSError, ValueError, csv.Error) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"file {shown}: cannot be read: {reason}") from error
-    titles = [title.strip() for title in lines[0]] if lines else []
-    if titles not in (head, head[:3]):
-        raise InputError(f"file {shown}: its first line must be {','.join(head)}")
-    if len(lines) < 2:
-        raise InputError(f"file {shown}: there is no row below its first line; give at least one")
-    dimension = ANGLE if over == "crank_angle" else TIME
-    at, rows = [], []
-    for number, line in enumerate(lines[1:], start=2):
-        try:
-            place, x, y, *torque = (float(cell) for cell in line)
-            rows.append((x, y, *(torque or [0.0])))
-        except ValueError as error:
-            raise InputError(f"file {shown}: line {number} is no row of numbers") from error
-        if len(line) != len(titles):
-            raise InputError(f"file {shown}: line {number} has {len(line)} fields")
-        try:
-            at.append(parse_quantity(f"{place!r} {unit}", dimension))
-        except InputError as error:
-            raise error.within(f"file {shown}: line {number}") from error
-    return tuple(at), [(x, y, torque) for x, y, torque in rows]

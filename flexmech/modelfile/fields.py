@@ -15,6 +15,7 @@ from flexmech.plausible import (
     LINK_LENGTH,
     LOAD,
     THICKNESS,
+    TURN,
     WIDTH,
     Plausible,
     check_plausible,
@@ -154,7 +155,7 @@ RotaryInertia = Annotated[float, QuantityField(units.ROTARY_INERTIA, POSITIVE)]
 PoissonRatio = Annotated[float, QuantityField(units.RATIO, Bounds(above=-1.0, below=0.5))]
 Ratio = Annotated[float, QuantityField(units.RATIO)]
 SpecificDamping = Annotated[float, QuantityField(units.RATIO, NOT_NEGATIVE)]
-Angle = Annotated[float, QuantityField(units.ANGLE)]
+Angle = Annotated[float, QuantityField(units.ANGLE, FINITE, TURN)]
 DampingRatio = Annotated[float, QuantityField(units.RATIO, Bounds(least=0.0, below=1.0))]
 PositiveRatio = Annotated[float, QuantityField(units.RATIO, POSITIVE)]
 MoistureContent = Annotated[float, QuantityField(units.RATIO, Bounds(above=0.0, below=1.0))]

@@ -9,7 +9,7 @@ from pydantic import Field, model_validator
 from flexmech.errors import InputError
 from flexmech.materials import REFERENCE_TEMPERATURE, Hygrothermal, ResinContent
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
-from flexmech.modelfile.base_table import Table
+from flexmech.modelfile.base_table import Flag, Table
 from flexmech.modelfile.fields import (
     ActivationEnergy,
     DiffusivityValue,
@@ -118,6 +118,6 @@ class WettedTable(Table):
         description="Faces towards the sides of the link in the linkage's plane; 'lower' is the "
         "one to the right when looking from its first joint along it",
     )
-    exposed_sides: bool = Field(
+    exposed_sides: Flag = Field(
         default=False, description="Whether water enters along the joint axes too"
     )

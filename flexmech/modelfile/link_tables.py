@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from flexmech.errors import InputError
-from flexmech.modelfile.base_table import DampedTable, Table, Text
+from flexmech.modelfile.base_table import DampedTable, Flag, Table, Text
 from flexmech.modelfile.fields import (
     BendingStiffness,
     Curvature,
@@ -88,7 +88,7 @@ class AnyLinkTable(DampedTable, WettedTable):
         default=None,
         description="Of kind planar: points at its two ends, or a chain of more that beams join",
     )
-    rigid: bool = Field(
+    rigid: Flag = Field(
         default=False, description="Of kind planar: whether it has mass but does not bend"
     )
     point_masses: list[PointMassTable] = Field(default_factory=list)
@@ -237,10 +237,12 @@ class RigidLinkTable(AnyLinkTable):
 
 
 def _without_section(table: Any) -> Any:
-    """Name what a rigid link without a section is, by which tables of links are told apart."""
-    if isinstance(table, Mapping) and table.get("rigid") is True and "section" not in table:
-        return {**table, "section": SECTIONLESS}
-    return table
+    """Name what a rigid link without a section is, by which tables of links are told apart.
+
+    Whatever else than true or false is said of it is refused there.
+    """
+    said = isinstance(table, Mapping) and table.get("rigid", False) is not False
+    return {**table, "section": SECTIONLESS} if said and "section" not in table else table
 
 
 LinkTable = Annotated[

@@ -23,6 +23,7 @@ MOST_TOLD = 10
 MOST_CHARACTERS = 400
 
 _WANTED_TYPES = {
+    "bool_type": "true or false, without quotes",
     "string_type": "text in quotes",
     "string_too_short": "text that is not empty",
     "string_pattern_mismatch": "text that is not empty",

@@ -52,6 +52,8 @@ def load_mechanism(path: str | os.PathLike[str]) -> Mechanism:
     shown = os.fspath(path)
     if file.is_dir():
         raise InputError(f"{shown}: is a folder; name a model file, such as model.toml, in it")
+    if file.exists() and not file.is_file():
+        raise InputError(f"{shown}: is a device or pipe; name a model file, such as model.toml")
     if not file.is_file():
         raise InputError(
             f"{shown}: there is no such file; check the path, or write a new model file with "
@@ -115,8 +117,13 @@ def json_schema() -> dict[str, Any]:
 
 
 def _mechanism(text: str, shown: str, file: str, sha256: str, folder: Path = Path()) -> Mechanism:
-    data = _parse(text, shown)
-    refuse_unseen_characters(data, shown)
+    try:
+        data = _parse(text, shown)
+        refuse_unseen_characters(data, shown)
+    except RecursionError as error:
+        raise InputError(
+            f"{shown}: tables or lists are nested too deeply; write tables as 'flexmech new' does"
+        ) from error
     try:
         tables = ModelFile.model_validate(data)
     except ValidationError as error:
@@ -131,8 +138,6 @@ def _mechanism(text: str, shown: str, file: str, sha256: str, folder: Path = Pat
 def _parse(text: str, shown: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
-    except RecursionError as error:
-        raise InputError(f"{shown}: tables or lists are nested too deeply") from error
     except ValueError as error:
         raise InputError(
             f"{shown}: is not valid TOML: {error}; values with a unit stand in quotes, as in "

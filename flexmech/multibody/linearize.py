@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from flexmech.linear_system import (
+    LESS_LOADED,
     LOAD_STEPS,
     ROUND_OFF,
     body_couple,
@@ -333,8 +334,8 @@ def _solve_afresh(
         motion,
         np.arange(len(motion.crank_angle)) == number,
         "Exudyn finds no quasi-static equilibrium",
-        f" (residual {residual:.3g} N), even in {LOAD_STEPS[-1]} load steps; lower the crank "
-        f"speed, or use prestress {other!r}",
+        f" (residual {residual:.3g} N), even in {LOAD_STEPS[-1]} load steps; {LESS_LOADED}, or use "
+        f"prestress {other!r}",
     )
 
 

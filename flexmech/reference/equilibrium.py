@@ -22,6 +22,7 @@ import numpy as np
 from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import (
     LAST_STEP,
+    LESS_LOADED,
     LOAD_STEPS,
     MAX_ITERATIONS,
     BodyCouples,
@@ -365,8 +366,8 @@ class Equilibrium:
         refuse_positions(
             motion,
             np.any(factors[:, 0] <= 0, axis=0),
-            "the linkage buckles under its inertia forces",
-            ": the tangent stiffness is not positive; lower the crank speed or stiffen the links",
+            "the linkage buckles under its loads",
+            f": the tangent stiffness is not positive; {LESS_LOADED} or stiffen the links",
         )
 
     def _refuse_divergence(self, motion: RigidMotion, state: State) -> None:
@@ -379,5 +380,5 @@ class Equilibrium:
             failed,
             "no quasi-static equilibrium",
             f": Newton's method left {worst:.3g} N out of balance, even in {LOAD_STEPS[-1]} load "
-            "steps; lower the crank speed, or use prestress 'axial'",
+            f"steps; {LESS_LOADED}, or use prestress 'axial'",
         )

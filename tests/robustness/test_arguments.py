@@ -37,6 +37,8 @@ WRONG = {
     "fibre must be": lambda: PlyComposition(MATRIX, FIBRE, 0.5, "chamis"),
     "angles": lambda: Laminate.stacked([PLY] * 5, 1e-3, [0.0] * 4),
     "path": lambda: flexmech.load_mechanism(None),
+    "cannot be reached": lambda: flexmech.load_mechanism("a" * 5000),
+    "nested too deeply": lambda: flexmech.modelfile.mechanism_from_toml(f"[{'a.' * 9000}b]"),
     "path must": lambda: flexmech.MovingFrequencies.load(3),
 }
 

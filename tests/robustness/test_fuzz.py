@@ -71,6 +71,12 @@ TEXTS = [
             "carton_pusher",
         )
     ),
+    # Rigid links alone: only their motion is known.
+    re.sub(
+        r"(?m)^material = .*\nsection = .*\n(in|out)_.*\n(in|out)_.*\n",
+        "rigid = true\n",
+        (MODELS / "carton_pusher.toml").read_text(encoding="utf-8"),
+    ),
 ]
 RECORD = "crank_angle_deg,mode,frequency_Hz\n" + "\n".join(
     f"{angle},{mode},{44 + 4 * mode}" for mode in (1, 2) for angle in range(0, 360, 60)

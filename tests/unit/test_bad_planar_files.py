@@ -256,9 +256,14 @@ def test_load_files_are_read_beside_the_model_and_refused_line_by_line(tmp_path:
     file = tmp_path / "push.csv"
     for content, message in (
         ("angle,force\n0,1\n", "its first line must be crank_angle_deg,force_x_N,force_y_N"),
-        ("crank_angle_deg,force_x_N,force_y_N\n0,1\n", "line 2 is no row of numbers"),
-        ("crank_angle_deg,force_x_N,force_y_N\n0,a,1\n", "line 2 is no row of numbers"),
-        ("crank_angle_deg,force_x_N,force_y_N\n0,nan,1\n", "each force and torque must be"),
+        ("crank_angle_deg,force_x_N,force_y_N\n0,1\n", "line 2 has 2 fields, the first line 3"),
+        ("crank_angle_deg,force_x_N,force_y_N\n0,a,1\n", "line 2 has 'a', which is no number"),
+        ("crank_angle_deg,force_x_N,force_y_N\n0,nan,1\n", "line 2 has 'nan', which is no number"),
+        ("crank_angle_deg,force_x_N,force_y_N\n0,1_0,1\n", "line 2 has '1_0', which is no number"),
+        (
+            "crank_angle_deg,force_x_N,force_y_N\n0,1e25,1\n",
+            "line 2: got '1e25 N', but a force here",
+        ),
         ("", "its first line must be"),
         ("crank_angle_deg,force_x_N,force_y_N\n0,1,0\n0,2,0\n", "its places must increase"),
         ("crank_angle_deg,force_x_N,force_y_N\n0,1,0\n360,2,0\n", "span a turn or more"),

@@ -171,7 +171,7 @@ def test_metal_mechanisms_take_up_nothing(tmp_path: Path) -> None:
         "moisture", MODELS / "steel_fourbar.toml", *HUMID, "--out", tmp_path / "none"
     )
     assert code == 2
-    assert "no link takes up water; add equilibrium_moisture" in errors
+    assert "links: none takes up water; add equilibrium_moisture" in errors
 
 
 def test_what_python_refuses(model: Path) -> None:

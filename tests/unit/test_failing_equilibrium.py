@@ -27,9 +27,7 @@ def test_buckling_is_not_passed_over(unit_arm):
     """An arm pressed by its own weight beyond the critical load: q L^3 = 7.837 EI."""
     arm = unit_arm(300)
     slender = type(arm)(arm.linkage, arm.sections, gravity=(0.0, -7.9))
-    with pytest.raises(
-        ComputationError, match="buckles under its inertia forces at crank angle 90"
-    ):
+    with pytest.raises(ComputationError, match="buckles under its loads at crank angle 90"):
         ReferenceEngine(slender, 16).linear_system(np.pi / 2, 0.0)
     safe = type(arm)(arm.linkage, arm.sections, gravity=(0.0, -7.75))
     frequency = solve_modes(ReferenceEngine(safe, 16).linear_system(np.pi / 2, 0.0), 1).frequency

@@ -40,8 +40,8 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
     Returns
     -------
     ModelCheck
-        Without frequencies where the linkage cannot stand at crank angle 0, and without a posture
-        where it stands at no angle that was tried.
+        Without frequencies where the linkage cannot stand at crank angle 0 or has rigid links
+        alone, and without a posture where it stands at no angle that was tried.
 
     Raises
     ------
@@ -59,7 +59,7 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
     >>> check.remarks[0].partition(":")[0]
     'transmission angle 32.21 to 81.33 deg leaves 40 to 140 deg'
     """
-    mechanism = engine_of(engine).mechanism
+    mechanism = engine_of(engine, elastic=False).mechanism
     links = mechanism.linkage.topology.links
     sections = {link.name: mechanism.sections.get(link.name) for link in links}
     dataset = section_properties(sections).sel(coupling="with", drop=True)
@@ -87,7 +87,7 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
         frequency = _oscillating(engine, at)
         dataset["frequency"] = ("mode", frequency)
     except InputError as error:
-        if crank_angle is not None:
+        if crank_angle is not None and not all(link.rigid for link in links):
             raise
         # Not every linkage can stand at crank angle zero; what is known of it is right even so.
         dataset.attrs["without_frequencies"] = str(error)

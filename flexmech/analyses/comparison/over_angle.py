@@ -10,6 +10,7 @@ from flexmech.analyses.comparison.fit import fitted
 from flexmech.analyses.comparison.frequency_problem import FrequencyProblem, nearest_mode
 from flexmech.analyses.comparison.parameters import NOTHING, fitted_names
 from flexmech.analyses.comparison.request import ComparisonRequest
+from flexmech.analyses.requests import in_radians
 from flexmech.errors import InputError, suggestion
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord
@@ -58,7 +59,7 @@ def compared_over_angle(
             f"{record.source}: {column!r} has a frequency of {frequency.min():g} Hz; natural "
             "frequencies are positive: leave such rows out"
         )
-    angle = record.position[chosen]
+    angle = _angles(record)[chosen]
     mode = _modes(engine, record, speed, angle, frequency, chosen)
     links = engine.mechanism.linkage.topology.link_names
     problem = FrequencyProblem(
@@ -81,6 +82,17 @@ def compared_over_angle(
     return dataset.assign_coords(crank_angle=("sample", angle), mode=("sample", mode)).assign_attrs(
         mode_found=int("mode" not in record.names)
     )
+
+
+def _angles(record: MeasuredRecord) -> FloatArray:
+    try:
+        return in_radians("crank_angle", record.position)
+    except InputError as error:
+        raise InputError(
+            f"{record.source}: its crank angle reaches {np.abs(record.position).max():.4g} rad; "
+            "angles in degrees stand in a column such as crank_angle_deg, and those of more than "
+            "eight turns are to be counted from zero in each turn"
+        ) from error
 
 
 def _column(record: MeasuredRecord, asked: str | None) -> str:

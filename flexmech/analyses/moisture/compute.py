@@ -84,8 +84,8 @@ def moisture_uptake(
     names = absorbing if link is None else (link_of(link, known),)
     if not names:
         raise InputError(
-            f"{mechanism.provenance.file or 'mechanism'}: no link takes up water; add "
-            "equilibrium_moisture and diffusivity to a material or a matrix"
+            "links: none takes up water; add equilibrium_moisture and diffusivity to a material or "
+            "a matrix"
         )
     links = [
         _link(link_diffusion(mechanism, name), mechanism.sections[name], humidity, kelvin, end)

@@ -14,6 +14,7 @@ from flexmech.analyses.requests import environment_of, link_of
 from flexmech.analyses.section_profile.expansions import DIRECTIONS
 from flexmech.analyses.section_profile.properties import COUPLINGS, section_properties
 from flexmech.analyses.section_profile.result import QUANTITIES, SectionProfiles
+from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import checked_mechanism
 from flexmech.mechanism import Mechanism
@@ -65,6 +66,11 @@ def section_profiles(
     """
     names = checked_mechanism(mechanism).links_with_sections
     chosen = names if link is None else [link_of(link, names)]
+    if not chosen:
+        raise InputError(
+            "links: none has a section, all are rigid; give one of them a section, such as "
+            'section = "rectangle"'
+        )
     words: list[str] = []
     if environment is not None:
         words = environment_lines(mechanism, environment_of(environment))
