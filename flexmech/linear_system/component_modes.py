@@ -34,12 +34,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
 from flexmech.linear_system.link_boundary import LinkBoundary, link_boundary
+from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import Topology
 from flexmech.types import FloatArray, IntArray
@@ -88,14 +90,29 @@ class ReducedLink:
 
 @dataclass(frozen=True)
 class ComponentModes:
-    """All links of a linkage in component modes."""
+    """All links of a linkage in component modes.
 
+    Parameters
+    ----------
+    topology : Topology
+    links : tuple of ReducedLink
+    parts_mass : bool
+        Whether the mass couples no end with a mode.
+    """
+
+    topology: Topology
     links: tuple[ReducedLink, ...]
+    parts_mass: bool
 
     @property
     def models(self) -> tuple[LinkModel, ...]:
         """Reduced link models in order."""
         return tuple(link.model for link in self.links)
+
+    @cached_property
+    def frames(self) -> LinkFrames:
+        """How the reduced links hang together; coordinates that are condensed stand last."""
+        return LinkFrames(self.topology, self.models, [link.condensed for link in self.links])
 
 
 @dataclass(frozen=True)
@@ -134,6 +151,7 @@ def component_modes(
     axial_modes: int | None = None,
     turning_sections: bool = True,
     answers_damping: bool = False,
+    parts_mass: bool = False,
 ) -> ComponentModes:
     """Choose and build the component modes of every link.
 
@@ -160,6 +178,10 @@ def component_modes(
         turn against it.
     answers_damping : bool
         Keep the static answers to damping forces, on which frozen damping ratios rest.
+    parts_mass : bool
+        Take from the static shapes what the modes have in them, so that the mass couples no end
+        with a mode. Frozen matrices are then of simpler form; moving modes, which are sought
+        near a fixed basis, are smoother beside shapes that are static.
 
     Returns
     -------
@@ -187,10 +209,12 @@ def component_modes(
             turning=turning,
             great_detail=detail >= GREAT_DETAIL,
             turning_sections=turning_sections,
+            parts_mass=parts_mass,
         )
         for h, damped in zip(held, answers, strict=True)
     )
-    return ComponentModes(tuple(_as_it_is(x) if x.rigid else next(reduced) for x in links))
+    own = (_as_it_is(link) if link.rigid else next(reduced) for link in links)
+    return ComponentModes(topology, tuple(own), parts_mass)
 
 
 def _as_it_is(link: LinkModel) -> ReducedLink:
@@ -209,6 +233,7 @@ def _reduce(
     turning: bool,
     great_detail: bool,
     turning_sections: bool,
+    parts_mass: bool,
 ) -> ReducedLink:
     bending = held.bending[:, held.bending_frequency <= bending_cutoff]
     n_axial = int(np.sum(held.axial_frequency <= axial_cutoff))
@@ -230,7 +255,10 @@ def _reduce(
     if damped and turning:
         candidates = np.concatenate([candidates, held.layers], axis=1)
     condensed = _complement(candidates, dynamic, mass)
-    basis = np.concatenate([held.static, dynamic, condensed], axis=1)
+    static = held.static
+    if parts_mass:
+        static = static - dynamic @ (dynamic.T @ mass @ static)
+    basis = np.concatenate([static, dynamic, condensed], axis=1)
     follows = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
     return ReducedLink(
         held.link.projected(basis, held.boundary.kept, held.boundary.shaft), basis, follows

@@ -310,7 +310,7 @@ class Engine(EngineLinks):
             stressed = self._stressed(motion, prestress, running)
         connect = self._connect(terms, prestress, stressed.displacement)
         if not self.component_modes or self.turns_as_one_body:
-            system = unreduced_system(self.topology, self.links, motion, stressed, terms, connect)
+            system = unreduced_system(self.frames, motion, stressed, terms, connect)
             if system.size < modes and not self.component_modes:
                 raise InputError(
                     f"{self!r} has {system.size} natural frequencies and {modes} are asked for; "
@@ -324,9 +324,9 @@ class Engine(EngineLinks):
             greatest = abs(fastest)
         loaded = any(t.ndim == 3 for t in stressed.tangent)
         reduction = self._reduction(modes, greatest, loaded, detail)
-        return self._marked(
-            reduced_system(self.topology, self.links, reduction, motion, stressed, terms, connect)
-        )
+        if reduction.frames.rigid.size:
+            motion = self.frames.displaced(motion, stressed.displacement)
+        return self._marked(reduced_system(self.links, reduction, motion, stressed, terms, connect))
 
     def _stressed(
         self, motion: RigidMotion, prestress: Prestress, running: Sequence[FloatArray] | None
@@ -372,5 +372,6 @@ class Engine(EngineLinks):
                 couples_axially=loaded,
                 detail=detail,
                 answers_damping=any(link.damping.any() for link in self.links),
+                parts_mass=True,
             )
         return self._reductions[key]

@@ -72,6 +72,11 @@ class EngineLinks(ElementKinds):
         held = self.held_links
         return held if self._free_shaft is None else self._free_shaft.links(held)
 
+    @cached_property
+    def frames(self) -> LinkFrames:
+        """How the unreduced links hang together."""
+        return LinkFrames(self.topology, self.links)
+
     @property
     @abstractmethod
     def held_links(self) -> tuple[LinkModel, ...]:

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.linear_system.following_rows import FollowingRows
-from flexmech.linear_system.link_map import LinkMap
+from flexmech.linear_system.link_map import LinkMap, SteadySum
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.link_place import LinkPlace
 from flexmech.linear_system.link_ties import LinkTies
@@ -176,9 +176,9 @@ class LinkFrames:
         rates = np.zeros(shape) if damps else np.broadcast_to(0.0, shape)
         tangents = [_tangent(self.links[n], motion, n, x, terms) for n, x in enumerate(stiffness)]
         factors = [m.turning_factors(self._turned(motion, n)) for n, m in enumerate(self._maps)]
-        self._sum_steady(mass, {n: self.links[n].mass for n in self._steady}, factors)
+        self._steady_mass.write(mass, factors)
         steady = {n: tangents[n] for n in self._steady if tangents[n].ndim == 2}
-        self._sum_steady(total, steady, factors)
+        self._steady_sum(steady).write(total, factors)
         following: list[list[FollowingRows]] | None = None
         for number, (link, tangent, own) in enumerate(
             zip(self.links, tangents, damping, strict=True)
@@ -227,27 +227,20 @@ class LinkFrames:
         total[:, :first, :first] = self._ties.guided(motion, guiding)
         return total
 
-    def _sum_steady(
-        self,
-        total: FloatArray,
-        matrices: Mapping[int, FloatArray],
-        factors: Sequence[FloatArray],
-    ) -> None:
-        """Write the sum of ``N'XN`` over symmetric matrices (n, n) of some links, by number."""
+    def _steady_sum(self, matrices: Mapping[int, FloatArray]) -> SteadySum:
+        """Sum of ``N'XN`` over symmetric matrices (n, n) of some steady links, by number."""
         # What turns has a row or a column of an end that leads, and those ends come first.
         led = [columns for n in matrices for _, columns in self._ties.following(n)]
         ends = 1 + max((int(pair.max()) for pair in led), default=-1)
         resting = np.zeros((self.size, self.size))
         for number, matrix in matrices.items():
             self._places[number].add_resting(resting, matrix)
-        total[:] = resting
-        if not led:
-            return
         terms = [self._maps[n].turning_terms(matrix, ends) for n, matrix in matrices.items()]
-        weights = np.concatenate([factors[n] for n in matrices])
-        turning = np.tensordot(weights, np.concatenate(terms), axes=(0, 0))
-        total[:, :, :ends] += turning
-        total[:, :ends, ends:] += np.swapaxes(turning[:, ends:], 1, 2)
+        return SteadySum(tuple(matrices), resting, np.concatenate([resting[None, :ends], *terms]))
+
+    @cached_property
+    def _steady_mass(self) -> SteadySum:
+        return self._steady_sum({n: self.links[n].mass for n in self._steady})
 
     def _turned(self, motion: RigidMotion, link: int) -> FloatArray:
         """Angles by which a link's following ends turn, (k, B)."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LinkMap"]
+__all__ = ["LinkMap", "SteadySum"]
 
 
 @dataclass(frozen=True)
@@ -53,25 +53,25 @@ class LinkMap:
             sine[pair, target[pair[::-1]]] = [-1.0, 1.0]
         return cls(parts)
 
-    def turning_terms(self, matrix: FloatArray, columns: int) -> FloatArray:
-        """What multiplies the factors of :meth:`turning_factors` in columns of ``N'XN``.
+    def turning_terms(self, matrix: FloatArray, rows: int) -> FloatArray:
+        """What multiplies the factors of :meth:`turning_factors` in rows of ``N'XN``.
 
         Parameters
         ----------
         matrix : ndarray, shape (n, n)
             Symmetric.
-        columns : int
+        rows : int
             How many, the first ones.
 
         Returns
         -------
-        ndarray, shape (m (m + 1) / 2 - 1, size, columns)
+        ndarray, shape (m (m + 1) / 2 - 1, rows, size)
         """
         first, second = self._turning
         if not len(first):
-            return np.zeros((0, self.parts.shape[2], columns))
-        right = np.tensordot(matrix, self.parts[:, :, :columns], axes=(1, 1))
-        products = np.tensordot(self.parts, right, axes=(1, 0)).swapaxes(1, 2)
+            return np.zeros((0, rows, self.parts.shape[2]))
+        left = np.swapaxes(self.parts[:, None, :, :rows], 2, 3) @ matrix
+        products = left @ self.parts
         mirrored = np.where(first == second, 0.0, 1.0)[:, None, None]
         return np.asarray(products[first, second] + mirrored * products[second, first])
 
@@ -98,3 +98,38 @@ class LinkMap:
         """Numbers i <= j of two terms that do not both rest."""
         first, second = np.triu_indices(len(self.parts))
         return first[1:], second[1:]
+
+
+@dataclass(frozen=True)
+class SteadySum:
+    """Sum of ``N'XN`` over links whose matrices are the same in all positions.
+
+    Parameters
+    ----------
+    links : tuple of int
+        Their numbers.
+    resting : ndarray, shape (size, size)
+        The part that does not turn.
+    terms : ndarray, shape (1 + r, e, size)
+        First rows of that part and of what multiplies the factors, link by link. No others turn
+        but, by symmetry, the first columns.
+    """
+
+    links: tuple[int, ...]
+    resting: FloatArray
+    terms: FloatArray
+
+    def write(self, total: FloatArray, factors: Sequence[FloatArray]) -> None:
+        """Write the sum in all positions.
+
+        Parameters
+        ----------
+        total : ndarray, shape (B, size, size)
+        factors : sequence of ndarray, shape (r, B)
+            See :meth:`LinkMap.turning_factors`, of all links.
+        """
+        ends = self.terms.shape[1]
+        weights = np.concatenate([np.ones((1, len(total))), *(factors[n] for n in self.links)])
+        total[:, :ends] = np.tensordot(weights, self.terms, axes=(0, 0))
+        total[:, ends:, :ends] = np.swapaxes(total[:, :ends, ends:], 1, 2)
+        total[:, ends:, ends:] = self.resting[ends:, ends:]

@@ -18,6 +18,7 @@ from flexmech.linear_system.joint_points import (
     turning_joints,
 )
 from flexmech.linear_system.link_model import LinkModel
+from flexmech.linear_system.moving_frames import MovingFrames
 from flexmech.linear_system.moving_matrix import MovingMatrix
 from flexmech.linear_system.posed_ties import CoordinateRows, PointRows, PosedRows, PosedTies
 from flexmech.linear_system.rigid_coordinates import RigidCoordinates
@@ -125,7 +126,7 @@ class LinkTies:
 
     def following_rows(self, motion: RigidMotion) -> list[list[FollowingRows]]:
         """What follows in each link over a batch of shape (B,)."""
-        moving = _Moving(self.rigid, motion)
+        moving = MovingFrames(self.rigid, motion)
         return [
             [self._led(moving, link, tie) for tie in ties] for link, ties in enumerate(self._ties)
         ]
@@ -143,7 +144,7 @@ class LinkTies:
         -------
         PosedTies
         """
-        moving = _Moving(self.rigid, motion)
+        moving = MovingFrames(self.rigid, motion)
         rows: list[list[PosedRows]] = []
         at_points, at_coordinates = [], []
         for link, ties in enumerate(self._ties):
@@ -203,7 +204,7 @@ class LinkTies:
             if rigid.is_rigid(point.ends[0]):
                 moved = rigid.end_rows(motion, point.ends[0]).value @ y
             else:
-                to_ground = np.swapaxes(_Moving(rigid, motion).to_frame(link).value, 1, 2)
+                to_ground = np.swapaxes(MovingFrames(rigid, motion).to_frame(link).value, 1, 2)
                 moved = to_ground @ displacement[link][:, self._rows(point.ends[0])]
             along = line.value[:, :, slide]
             found[:, slide] = np.einsum("bc,bcm->bm", along, moved - line.value @ y)
@@ -220,7 +221,7 @@ class LinkTies:
                 held[number] = q[:, :1] * direction(angle) + q[:, 1:] * normal(angle)
         return RigidPose.displaced_by(self.rigid, motion, displacement, held)
 
-    def _led(self, moving: _Moving, link: int, tie: _Tie) -> FollowingRows:
+    def _led(self, moving: MovingFrames, link: int, tie: _Tie) -> FollowingRows:
         motion = moving.motion
         if isinstance(tie, _TurningEnd):
             matrix = moving.turned(tie.leader, link)
@@ -238,23 +239,27 @@ class LinkTies:
     def _rotations(self, end: LinkEnd) -> IntArray:
         return self._links[self.topology.index(end.link)].end_rotation_of(end.end)
 
+    @cached_property
+    def _general(self) -> MovingFrames:
+        """Matrices in a general position: they tell what depends on what."""
+        return MovingFrames(self.rigid, self.rigid.general_position)
+
     def _number_rigid(self) -> None:
         """Number the independent coordinates of rigid links; the others follow them."""
-        moving = _Moving(self.rigid, self.rigid.general_position)
         place = np.full(self.rigid.size, -1, dtype=np.intp)
         place[self.rigid.independent] = np.arange(len(self.rigid.independent))
         for link in self.rigid.links:
             among = self.rigid.of_link(link)
             self.targets[link][:] = place[among]
-            self._add_rigid(moving, link, np.arange(3), among)
+            self._add_rigid(link, np.arange(3), among)
 
-    def _add_rigid(self, moving: _Moving, link: int, rows: IntArray, among: IntArray) -> None:
+    def _add_rigid(self, link: int, rows: IntArray, among: IntArray) -> None:
         """Let rows of a link that are none of w follow those of them that they depend on."""
         led = self.targets[link][rows] < 0
         if not led.any():
             return
         rows, among = rows[led], among[led]
-        columns = moving.columns(moving.coordinates.rows(among))
+        columns = self._general.columns(self._general.coordinates.rows(among))
         if len(columns):
             self._ties[link].append(_RigidRows(rows, columns, among))
 
@@ -310,7 +315,6 @@ class LinkTies:
 
     def _follow(self) -> None:
         """Tell what the marked ends of flexible links follow."""
-        moving = _Moving(self.rigid, self.rigid.general_position)
         for point in self._points:
             if point.held:
                 continue
@@ -320,14 +324,14 @@ class LinkTies:
                 if self.rigid.is_rigid(end) or not len(rows):
                     continue
                 if by_rigid:
-                    columns = moving.columns(moving.point(point))
+                    columns = self._general.columns(self._general.point(point))
                     if len(columns):
                         self._ties[link].append(_LedEnd(rows, columns, point))
                 else:
                     self._follow_end(link, rows, point.ends[0])
         for turn in self._turns:
             if not turn.held:
-                self._follow_rotation(moving, turn)
+                self._follow_rotation(turn)
 
     def _follow_end(self, link: int, rows: IntArray, leading: LinkEnd) -> None:
         leader = self.topology.index(leading.link)
@@ -336,7 +340,7 @@ class LinkTies:
         if (columns >= 0).any():
             self._ties[link].append(_TurningEnd(rows, columns, leader))
 
-    def _follow_rotation(self, moving: _Moving, turn: TurningJoint) -> None:
+    def _follow_rotation(self, turn: TurningJoint) -> None:
         rigid = [end for end in turn.ends if self.rigid.is_rigid(end)]
         if rigid:
             among = self.rigid.of_link(self.topology.index(rigid[0].link))[2]
@@ -344,7 +348,7 @@ class LinkTies:
                 if not self.rigid.is_rigid(end):
                     rows = self._rotations(end)
                     link = self.topology.index(end.link)
-                    self._add_rigid(moving, link, rows, np.full(len(rows), among))
+                    self._add_rigid(link, rows, np.full(len(rows), among))
             return
         root = turn.ends[0]
         column = self.targets[self.topology.index(root.link)][self._rotations(root)[:1]]
@@ -354,47 +358,3 @@ class LinkTies:
                 self.targets[link][rows[:1]] = column
             if len(rows) > 1:
                 self._ties[link].append(_EqualRows(rows[1:], column))
-
-
-class _Moving:
-    """Matrices of one batch of positions, made when they are first asked for."""
-
-    def __init__(self, rigid: RigidCoordinates, motion: RigidMotion) -> None:
-        self.motion = motion
-        self._rigid = rigid
-        self._points: dict[JointPoint, MovingMatrix] = {}
-
-    @cached_property
-    def coordinates(self) -> MovingMatrix:
-        """All coordinates of rigid links and sliders from the independent ones, (B, size, n)."""
-        return self._rigid.moving(self.motion)
-
-    def point(self, point: JointPoint) -> MovingMatrix:
-        """Displacement of a point that rigid links or a line lead in ground axes, (B, 2, n)."""
-        if point not in self._points:
-            displaced = self._rigid.point(self.motion, point)
-            assert displaced is not None
-            self._points[point] = displaced @ self.coordinates
-        return self._points[point]
-
-    def to_frame(self, link: int) -> MovingMatrix:
-        """From ground axes to the frame of a link, (B, 2, 2)."""
-        motion = self.motion
-        return MovingMatrix.rotation(
-            -motion.angle[:, link],
-            -motion.angular_velocity[:, link],
-            -motion.angular_acceleration[:, link],
-        )
-
-    def turned(self, leader: int, link: int) -> MovingMatrix:
-        """From the frame of one link to that of another, (B, 2, 2)."""
-        motion = self.motion
-        return MovingMatrix.rotation(
-            motion.angle[:, leader] - motion.angle[:, link],
-            motion.angular_velocity[:, leader] - motion.angular_velocity[:, link],
-            motion.angular_acceleration[:, leader] - motion.angular_acceleration[:, link],
-        )
-
-    def columns(self, matrix: MovingMatrix) -> IntArray:
-        """Which of the independent coordinates a matrix in a general position depends on."""
-        return np.flatnonzero(self._rigid.moves(matrix))

@@ -13,7 +13,7 @@ from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.system import LinearSystem, condense
-from flexmech.linkages import RigidMotion, Topology
+from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
 
 __all__ = ["reduced_system", "unreduced_system"]
@@ -25,8 +25,7 @@ MATRIX_BYTES = 1_000_000
 
 
 def unreduced_system(
-    topology: Topology,
-    links: Sequence[LinkModel],
+    frames: LinkFrames,
     motion: RigidMotion,
     stressed: StressedLinks,
     terms: RotationTerms,
@@ -38,8 +37,8 @@ def unreduced_system(
 
     Parameters
     ----------
-    topology : Topology
-    links : sequence of LinkModel
+    frames : LinkFrames
+        Of the unreduced links.
     motion : RigidMotion
         Batch of shape (B,).
     stressed : StressedLinks
@@ -51,7 +50,6 @@ def unreduced_system(
     -------
     LinearSystem
     """
-    frames = LinkFrames(topology, links)
     damping = None
     if stressed.damping is not None:
         damping = [LinkDamping(matrix, matrix) for matrix in stressed.damping]
@@ -60,7 +58,7 @@ def unreduced_system(
     if connect is not None:
         matrices = connect(frames, motion, matrices, slice(None))
     massless = np.zeros(frames.size, dtype=bool)
-    for number, (target, link) in enumerate(zip(frames.targets, links, strict=True)):
+    for number, (target, link) in enumerate(zip(frames.targets, frames.links, strict=True)):
         own = frames.own(number)
         if link.rigid:
             continue
@@ -80,7 +78,6 @@ def unreduced_system(
 
 
 def reduced_system(
-    topology: Topology,
     links: Sequence[LinkModel],
     reduction: ComponentModes,
     motion: RigidMotion,
@@ -92,12 +89,11 @@ def reduced_system(
 
     Parameters
     ----------
-    topology : Topology
     links : sequence of LinkModel
         Unreduced.
     reduction : ComponentModes
     motion : RigidMotion
-        Batch of shape (B,).
+        Batch of shape (B,); of rigid links where they are displaced.
     stressed : StressedLinks
     terms : RotationTerms
     connect : callable, optional
@@ -107,14 +103,11 @@ def reduced_system(
     -------
     LinearSystem
     """
-    # Coordinates that are condensed stand last, where they are parted off without a copy.
-    frames = LinkFrames(topology, reduction.models, [link.condensed for link in reduction.links])
+    frames = reduction.frames
     condensed = np.zeros(frames.size, dtype=bool)
     for target, link in zip(frames.targets, reduction.links, strict=True):
         condensed[target[link.condensed]] = True
     damping = _damping(links, reduction, stressed)
-    if frames.rigid.size:
-        motion = LinkFrames(topology, links).displaced(motion, stressed.displacement)
     at_once = max(1, MATRIX_BYTES // (8 * frames.size**2))
     parts = []
     for first in range(0, len(motion.crank_angle), at_once):
@@ -143,7 +136,7 @@ def reduced_system(
         expansion,
         tuple(link.basis for link in reduction.links),
         # Component modes are normalized by the mass; condensed ones bring theirs along.
-        unit_mass_from=frames.end_count if expansion is None else None,
+        unit_mass_from=frames.end_count if reduction.parts_mass and expansion is None else None,
     )
 
 

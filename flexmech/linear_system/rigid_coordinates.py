@@ -302,7 +302,7 @@ class RigidCoordinates:
 
         Chosen once, in a general position: who comes first and adds to the rank depends.
         """
-        every = self._every_condition(general_position(self.topology))
+        every = self._every_condition(self.general_position) if self.size else None
         if every is None:
             none = np.zeros(0, dtype=np.intp)
             return np.arange(self.size), none, none

@@ -38,7 +38,8 @@ class LinearSystem:
     bases : tuple of ndarray, shape (n_full, n_link), or None
         From each reduced link's coordinates to its unreduced ones.
     unit_mass_from : int, optional
-        From this coordinate on the mass matrix is the unit matrix in every position.
+        From this coordinate on the mass matrix is the unit matrix in every position, and zero
+        between these coordinates and those before.
     circulates : bool
         Whether forces that turn with the links, or dampers of springs, have no potential.
     rigid_modes : int

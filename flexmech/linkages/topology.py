@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 from flexmech.errors import InputError
@@ -186,7 +187,7 @@ class Topology:
         links, joints = ", ".join(self.link_names), ", ".join(self.joint_names)
         return short_repr(self, f"links {links}", f"joints {joints}")
 
-    @property
+    @cached_property
     def link_names(self) -> tuple[str, ...]:
         """Names of the links in order."""
         return tuple(link.name for link in self.links)

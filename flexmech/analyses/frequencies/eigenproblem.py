@@ -140,10 +140,8 @@ def _conservative(system: LinearSystem, count: int) -> Modes:
     every, vectors = np.linalg.eigh(stiffness)
     rigid = system.rigid_modes
     vectors = vectors[:, :, : rigid + count]
-    ends = unit_mass.shape[2]
-    shapes = unit_mass @ vectors[:, :ends]
-    shapes[:, ends:] += vectors[:, ends:]
-    still, shapes = shapes[:, :, :rigid], np.ascontiguousarray(shapes[:, :, rigid:])
+    vectors[:, : unit_mass.shape[1]] = unit_mass @ vectors[:, : unit_mass.shape[1]]
+    still, shapes = vectors[:, :, :rigid], np.ascontiguousarray(vectors[:, :, rigid:])
     values = every[:, rigid : rigid + count].copy()
     _sharpen(_held(system, still, every[:, -1]), every[:, rigid:], values, shapes)
     _refuse_unstable(system, values)
@@ -173,23 +171,21 @@ def _standard_form(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
     """Stiffness in coordinates of unit mass, and how the first of them are made.
 
     ``z = W y`` with ``W' M W = 1``. Where the mass is the unit matrix from coordinate e on,
-    only the first e columns of W differ from the unit matrix.
+    W differs from the unit matrix in its first e rows and columns alone.
 
     Returns
     -------
     stiffness : ndarray, shape (B, n, n)
-    columns : ndarray, shape (B, n, e)
-        First columns of W.
+        Its lower triangle, which is what ``numpy.linalg.eigh`` reads.
+    unit_mass : ndarray, shape (B, e, e)
+        First rows and columns of W.
     """
     ends = system.size if system.unit_mass_from is None else system.unit_mass_from
-    coupling = system.mass[:, ends:, :ends]
-    remainder = system.mass[:, :ends, :ends] - np.swapaxes(coupling, 1, 2) @ coupling
-    upper = np.swapaxes(np.linalg.inv(np.linalg.cholesky(remainder)), 1, 2)
-    columns = np.concatenate([upper, -coupling @ upper], axis=1)
-    stiffness = system.stiffness.copy()
-    stiffness[:, :, :ends] = stiffness @ columns
-    stiffness[:, :ends] = np.swapaxes(columns, 1, 2) @ stiffness
-    return stiffness, columns
+    lower = np.linalg.inv(np.linalg.cholesky(system.mass[:, :ends, :ends]))
+    unit_mass, stiffness = np.swapaxes(lower, 1, 2), system.stiffness.copy()
+    stiffness[:, :, :ends] = stiffness[:, :, :ends] @ unit_mass
+    stiffness[:, :ends, :ends] = lower @ stiffness[:, :ends, :ends]
+    return stiffness, unit_mass
 
 
 def _sharpen(

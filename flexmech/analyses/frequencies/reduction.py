@@ -13,7 +13,7 @@ from scipy.sparse.linalg import splu
 
 from flexmech.analyses.frequencies.eigenproblem import Modes, solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.linear_system import GREAT_DETAIL, LinearSystem, LinkFrames, StressedLinks
+from flexmech.linear_system import GREAT_DETAIL, LinearSystem, StressedLinks
 from flexmech.types import FloatArray
 
 __all__ = ["CheckedModes", "ReductionError", "reduction_error", "settled"]
@@ -153,8 +153,7 @@ def reduction_error(
     -------
     ReductionError
     """
-    engine, improved = unreduced.engine, np.empty_like(modes.eigenvalues)
-    frames = LinkFrames(engine.topology, engine.links)
+    frames, improved = unreduced.engine.frames, np.empty_like(modes.eigenvalues)
     shapes = reduced.unreduced_vectors(modes.vectors, frames)
     at_a_time = max(1, MATRIX_BYTES // (8 * frames.size**2))
     for start in range(0, len(crank_angle), at_a_time):

@@ -15,7 +15,6 @@ from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linear_system import (
     Engine,
     LinearSystem,
-    LinkFrames,
     LinkPoint,
     StressedLinks,
     point_rows,
@@ -196,7 +195,7 @@ def _connected(
     engine: Engine, request: RunningHammerRequest, motion: RigidMotion, stressed: StressedLinks
 ) -> FloatArray | None:
     """Stiffness of loads, springs and guides at crank angles (N,) of the unreduced links."""
-    frames = LinkFrames(engine.topology, engine.links)
+    frames = engine.frames
     found = engine.connected_matrices(frames, motion, request.prestress, stressed.displacement)
     guiding = stressed.guiding
     if guiding is None or not guiding.any():
