@@ -8,7 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.linear_system import NEGLIGIBLE, Engine, TheoryComparison, TheoryDifference
+from flexmech.linear_system import (
+    ELASTICITY,
+    NEGLIGIBLE,
+    Engine,
+    TheoryComparison,
+    TheoryDifference,
+)
 from flexmech.mechanism import Mechanism
 from flexmech.sections import TWISTS, BeamSection, LaminateSection
 
@@ -96,18 +102,24 @@ def _choice(engines: Sequence[Engine], comparison: TheoryComparison) -> str:
 
 def _left_out(engine: Engine, comparison: TheoryComparison) -> str:
     """Bound of what an engine's theory leaves out; nothing where that is negligible."""
-    if engine.theory == "zigzag":
-        return ""
     if comparison.difference("euler", "timoshenko").value <= NEGLIGIBLE:
         return ""
-    found = comparison.difference(engine.theory, "zigzag")
+    finest = comparison.finest
+    found = comparison.difference(engine.theory, finest)
     if found.value <= NEGLIGIBLE:
         return ""
+    left_out = [LEFT_OUT[engine.theory]] if engine.theory in LEFT_OUT else []
+    held, rest = f"{_percent(found)} from zigzag beams", "what those leave out"
+    if finest == ELASTICITY:
+        left_out.append("how soft layers are compressed")
+        held, rest = f"{_percent(found)} from two-dimensional elasticity", "other crank angles"
+        if found.noticed_from < found.mode:
+            held += f", more than {100 * NEGLIGIBLE:g} % from mode {found.noticed_from} on"
     bound = 100 * (found.value + NEGLIGIBLE)
     return (
-        f"element {engine.element} ({engine.name}) leaves out {LEFT_OUT[engine.theory]}: its "
-        f"frequencies may be off by {bound:.3g} % (at rest {_percent(found)} from zigzag beams, "
-        f"and {100 * NEGLIGIBLE:g} % for what those leave out)"
+        f"element {engine.element} ({engine.name}) leaves out {' and '.join(left_out)}: its "
+        f"frequencies may be off by {bound:.3g} % (at rest {held}, "
+        f"and {100 * NEGLIGIBLE:g} % for {rest})"
     )
 
 

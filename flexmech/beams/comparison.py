@@ -9,11 +9,26 @@ import numpy as np
 import scipy.linalg
 
 from flexmech.beams.link_matrices import build_chain
+from flexmech.beams.plane_link import compression_frequency, plane_link
 from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.choices import MODES
 from flexmech.errors import InputError
-from flexmech.linear_system import LinkFrames, RotationTerms, TheoryComparison, rigid_link
-from flexmech.linkages import Linkage, LinkMass, RigidMotion, Topology, shown_crank_angle
+from flexmech.linear_system import (
+    ELASTICITY,
+    LinkFrames,
+    LinkModel,
+    RotationTerms,
+    TheoryComparison,
+    rigid_link,
+)
+from flexmech.linkages import (
+    Linkage,
+    LinkEnd,
+    LinkMass,
+    RigidMotion,
+    Topology,
+    shown_crank_angle,
+)
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, DampingTimes
 from flexmech.threads import one_thread
@@ -24,6 +39,10 @@ __all__ = ["compare_theories"]
 # Theories differ by the wavelength of a mode, hardly by the crank angle.
 ANGLES = np.radians(np.arange(0.0, 360.0, 60.0))
 LEAST_ELEMENTS = 8
+FINEST = "zigzag"
+# Of the frequency at which the layers of a link are compressed: lower modes of sandwiches were
+# all within 1 % of two-dimensional elasticity.
+STIFF_THROUGH = 0.05
 
 
 def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparison:
@@ -38,7 +57,8 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
     Returns
     -------
     TheoryComparison
-        Of the theories in :data:`flexmech.beams.BEAM_SHAPES`.
+        Of the theories in :data:`flexmech.beams.BEAM_SHAPES`, and of two-dimensional elasticity
+        for those links whose layers are compressed at such frequencies.
     """
     topology = mechanism.linkage.topology
     # Damping, free strains and what a section is called do not matter to frequencies at rest.
@@ -94,13 +114,16 @@ def _configurations(linkage: Linkage) -> RigidMotion:
 @lru_cache(maxsize=256)
 def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
     """Natural frequencies in Hz of the lowest modes that there are, (A, modes)."""
-    elements = max(LEAST_ELEMENTS, 2 * modes)
-    names = links.topology.link_names
+    if theory == ELASTICITY:
+        highest = float(_frequencies(links, FINEST, modes).max())
+        compressed = [_is_compressed(*each, highest) for each in _flexible(links)]
+        if not any(compressed):
+            return _frequencies(links, FINEST, modes)
+    else:
+        compressed = [False] * len(links.sections)
     chains = [
-        rigid_link(name, mass)
-        if section is None
-        else build_chain(name, section, mass, elements, BEAM_SHAPES[theory]).model
-        for name, section, mass in zip(names, links.sections, links.masses, strict=True)
+        _plane(links, number, modes) if plane else _beam(links, number, theory, modes)
+        for number, plane in enumerate(compressed)
     ]
     angle = np.array(links.angles)
     still, nowhere = np.zeros(angle.shape), np.zeros((*angle.shape, 2))
@@ -115,3 +138,34 @@ def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
             for k, m in zip(system.stiffness, system.mass, strict=True)
         ]
     return np.asarray(np.sqrt(np.abs(np.stack(squares))) / (2 * np.pi))
+
+
+def _flexible(links: _Links) -> list[tuple[BeamSection | None, LinkMass]]:
+    return list(zip(links.sections, links.masses, strict=True))
+
+
+def _is_compressed(section: BeamSection | None, mass: LinkMass, highest: float) -> bool:
+    """Whether frequencies in Hz come near to the one at which a link's layers are compressed."""
+    if section is None or section.layers is None or not mass.mass_per_length:
+        return False
+    return highest > STIFF_THROUGH * compression_frequency(section.layers)
+
+
+def _plane(links: _Links, number: int, modes: int) -> LinkModel:
+    """One link in two-dimensional elasticity."""
+    section, mass = links.sections[number], links.masses[number]
+    assert section is not None
+    assert section.layers is not None
+    name = links.topology.link_names[number]
+    ends = (LinkEnd(name, "start"), LinkEnd(name, "end"))
+    joined = [end in links.topology.joined_ends for end in ends]
+    return plane_link(name, section.layers, mass, joined, modes)
+
+
+def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:
+    """One link of beam elements, or a rigid one."""
+    name, section, mass = links.topology.link_names[number], *_flexible(links)[number]
+    if section is None:
+        return rigid_link(name, mass)
+    shapes = BEAM_SHAPES[FINEST if theory == ELASTICITY else theory]
+    return build_chain(name, section, mass, max(LEAST_ELEMENTS, 2 * modes), shapes).model

@@ -72,12 +72,14 @@ from flexmech.linear_system.tension import (
     static_displacement,
 )
 from flexmech.linear_system.theory_comparison import (
+    ELASTICITY,
     NEGLIGIBLE,
     TheoryComparison,
     TheoryDifference,
 )
 
 __all__ = [
+    "ELASTICITY",
     "GREAT_DETAIL",
     "LAST_STEP",
     "LESS_LOADED",

@@ -9,10 +9,14 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["NEGLIGIBLE", "TheoryComparison", "TheoryDifference"]
+__all__ = ["ELASTICITY", "NEGLIGIBLE", "TheoryComparison", "TheoryDifference"]
 
 NEGLIGIBLE = 0.01
 """Relative difference of a frequency up to which the simpler theory is taken."""
+
+
+ELASTICITY = "elasticity"
+"""In the place of a theory: plane stress for links whose soft layers are compressed."""
 
 
 @dataclass(frozen=True)
@@ -25,10 +29,13 @@ class TheoryDifference:
         ``|f / f_finer - 1|``.
     mode : int
         Where it is, counted from 1.
+    noticed_from : int
+        First mode whose difference is not negligible; 0 where all are.
     """
 
     value: float
     mode: int
+    noticed_from: int = 0
 
 
 @dataclass(frozen=True)
@@ -38,7 +45,8 @@ class TheoryComparison:
     Parameters
     ----------
     frequency : callable
-        Of a theory's name: its frequencies in Hz at some crank angles, (A, modes).
+        Of a theory's name, or :data:`ELASTICITY`: its frequencies in Hz at some crank angles,
+        (A, modes).
     eccentric : bool
         Whether a neutral axis is off the pins' axis, which asks for a beam that shears.
     """
@@ -50,7 +58,16 @@ class TheoryComparison:
         """Greatest difference of a theory from a finer one, over crank angles and modes."""
         by_mode = np.abs(self.frequency(theory) / self.frequency(finer) - 1).max(axis=0)
         mode = int(by_mode.argmax())
-        return TheoryDifference(float(by_mode[mode]), mode + 1)
+        noticed = np.flatnonzero(by_mode > NEGLIGIBLE)
+        return TheoryDifference(
+            float(by_mode[mode]), mode + 1, 1 + int(noticed[0]) if noticed.size else 0
+        )
+
+    @property
+    def finest(self) -> str:
+        """What other theories are held against: elasticity where zigzag beams fall short of it."""
+        short = self.difference("zigzag", ELASTICITY).value > NEGLIGIBLE
+        return ELASTICITY if short else "zigzag"
 
     @property
     def suitable(self) -> str:

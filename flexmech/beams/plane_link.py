@@ -1,0 +1,323 @@
+"""A layered link in two-dimensional elasticity: what beams of any theory leave out of it.
+
+Beams keep the thickness of a link. Soft layers do not: where they are compressed, the faces of a
+sandwich move against each other, and a free end bends as two strips. Below the frequency at which
+the layers of a wide plate would do so this is a correction; above it such modes stand among those
+of the beam. Nine-node rectangles in plane stress know it, one row or more a layer, reduced to the
+motion of the rigid end faces and the lowest modes between these (Craig & Bampton, *AIAA Journal* 6
+(1968) 1313). Good for frequencies at rest, which it exists for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from flexmech.linear_system import LinkModel, LinkReadings, RigidFields
+from flexmech.linkages import LinkBody, LinkMass
+from flexmech.materials import solid_stiffness
+from flexmech.sections import LaminateSection
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["compression_frequency", "plane_link"]
+
+# Along the link: short elements at the ends, whose layers shear and bend by themselves.
+ALONG, GRADED = 32, 0.7
+# Rows of elements over the thickness, shared among the layers by their own.
+ROWS = 4
+# Of the length: nodes of the mesh that are nearer to a point mass give way to it.
+NEAR = 1e-3
+# Lowest modes between the end faces, for each mode that is asked for, and besides.
+INNER_MODES, MORE_INNER_MODES = 2, 6
+IN_PLANE = np.array([0, 1, 5])
+ACROSS = np.array([2, 3, 4])
+# Displacements of a rigid face: along, across, rotation.
+FACE = 3
+
+
+def compression_frequency(section: LaminateSection) -> float:
+    """Lowest frequency at which the layers of a wide plate move against each other, in Hz.
+
+    Its faces stay parallel: the layers are rods through the thickness. Beams know none of it.
+
+    Parameters
+    ----------
+    section : LaminateSection
+
+    Returns
+    -------
+    float
+    """
+    rows = _Rows.of(section)
+    line = _Line(rows.faces)
+    squares = scipy.linalg.eigh(
+        line.stiffness(rows.stiffness[:, 1, 1]).toarray(),
+        line.mass(rows.density).toarray(),
+        eigvals_only=True,
+    )
+    return float(np.sqrt(squares[1]) / (2 * np.pi))
+
+
+def plane_link(
+    name: str, section: LaminateSection, mass: LinkMass, joined: Sequence[bool], modes: int
+) -> LinkModel:
+    """Mass and stiffness of a link in plane stress.
+
+    Parameters
+    ----------
+    name : str
+    section : LaminateSection
+    mass : LinkMass
+        Distributed mass spreads over the layers as their densities do. A point mass moves with
+        the mean of its cross-section, weighted by the layers' stiffness, and a body turns with it
+        too.
+    joined : sequence of bool, length 2
+        Whether start and end are at joints, whose fittings hold the end faces plane.
+    modes : int
+        How many of the linkage's lowest modes count.
+
+    Returns
+    -------
+    LinkModel
+        Without what frequencies at rest do not depend on.
+    """
+    places = [x for x, held in zip((0.0, mass.length), joined, strict=True) if held]
+    attached = [(x, value * np.diag([1.0, 1.0, 0.0])) for x, value in _points(mass)]
+    attached += [(body.position, _inertia_of(body)) for body in mass.bodies]
+    solid = _PlaneSolid.of(section, mass, [each for each in attached if each[0] not in places])
+    stiffness, inertia = solid.reduced(places, INNER_MODES * modes + MORE_INNER_MODES)
+    size = len(stiffness)
+    for x, own in attached:
+        if x in places:
+            face = FACE * places.index(x) + np.arange(FACE)
+            inertia[np.ix_(face, face)] += own
+    nothing, still = np.zeros((size, size)), np.zeros(size)
+    none = np.zeros(0, dtype=np.intp)
+    faces = np.arange(FACE * len(places)).reshape(-1, FACE)
+    at_start, at_end = (faces[places.index(x)] if x in places else none for x in (0.0, mass.length))
+    return LinkModel(
+        name=name,
+        mass=inertia,
+        gyroscopic=nothing,
+        translational_mass=inertia,
+        first_moment=np.zeros((2, size)),
+        stiffness=stiffness,
+        damping=nothing,
+        is_axial=np.zeros(size, dtype=bool),
+        start=at_start[:2],
+        end=at_end[:2],
+        start_rotation=at_start[2:],
+        end_rotation=at_end[2:],
+        readings=LinkReadings(np.array(places), FACE, _unread, slope=2, deflection=None),
+        fields=RigidFields(still, still, still, still),
+    )
+
+
+def _points(mass: LinkMass) -> list[tuple[float, float]]:
+    return list(zip(mass.point_positions, mass.point_masses, strict=True))
+
+
+def _inertia_of(body: LinkBody) -> FloatArray:
+    """By displacement along, across and rotation of the section that a body is fixed to, (3, 3)."""
+    a, c = body.offset
+    moved = np.array([[1.0, 0.0, -c], [0.0, 1.0, a]])
+    return np.asarray(body.mass * moved.T @ moved + np.diag([0.0, 0.0, body.inertia]))
+
+
+def _unread(fraction: FloatArray, length: FloatArray) -> FloatArray:
+    raise NotImplementedError("frequencies at rest read no displacements between the faces")
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """Rows of elements: faces (n + 1,), stiffness by x, y and xy (n, 3, 3), density (n,)."""
+
+    faces: FloatArray
+    stiffness: FloatArray
+    density: FloatArray
+
+    @classmethod
+    def of(cls, section: LaminateSection) -> _Rows:
+        """Like neighbours are one layer, and a thick layer is several rows."""
+        laminate = section.laminate
+        layers = laminate.layers
+        starts = [
+            n
+            for n, layer in enumerate(layers)
+            if n == 0 or (layer.ply, layer.angle) != (layers[n - 1].ply, layers[n - 1].angle)
+        ]
+        bounds = laminate.boundaries[[*starts, len(layers)]]
+        share = ROWS * np.diff(bounds) / laminate.thickness
+        parts = np.maximum(1, np.round(share)).astype(int)
+        pairs = zip(bounds[:-1], bounds[1:], parts, strict=True)
+        heights = [np.linspace(low, high, count + 1)[1:] for low, high, count in pairs]
+        along = _moduli_along(section)
+        own = np.stack([_plane_stiffness(section, layers[n], along[n]) for n in starts])
+        density = np.array([layers[n].ply.density for n in starts])
+        faces = np.concatenate([bounds[:1], *heights])
+        return cls(faces, np.repeat(own, parts, axis=0), np.repeat(density, parts))
+
+
+def _moduli_along(section: LaminateSection) -> FloatArray:
+    """Stress over strain along the link in each layer, as the beam has them, (N,)."""
+    place = section.places(5)
+    found = section.stresses(place, bending_moment=1.0)
+    square = np.sum(found.strain**2, axis=1)
+    return np.asarray(np.sum(found.normal_stress * found.strain, axis=1) / square)
+
+
+def _plane_stiffness(section: LaminateSection, layer: Any, along: float) -> FloatArray:
+    """Of one layer by strains x, y and xy, (3, 3): its modulus along the link is the beam's."""
+    solid = solid_stiffness(layer)
+    if section.reduction == "wide":
+        plane = solid[np.ix_(IN_PLANE, IN_PLANE)]
+    else:
+        coupling = solid[np.ix_(ACROSS, IN_PLANE)]
+        moved = np.linalg.solve(solid[np.ix_(ACROSS, ACROSS)], coupling)
+        plane = solid[np.ix_(IN_PLANE, IN_PLANE)] - coupling.T @ moved
+    scale = np.ones(FACE)
+    scale[0] = np.sqrt(along * np.linalg.inv(plane)[0, 0])
+    return np.asarray(scale[:, None] * plane * scale)
+
+
+class _Line:
+    """Matrices of parabolas over elements along a line of nodes (n + 1,) with weights (n,)."""
+
+    def __init__(self, nodes: FloatArray) -> None:
+        self.size = 2 * (len(nodes) - 1) + 1
+        self._lengths = np.diff(nodes)
+        middle = (nodes[1:] + nodes[:-1]) / 2
+        self.places = np.sort(np.concatenate([nodes, middle]))
+
+    def mass(self, weight: FloatArray) -> Any:
+        """Integral of the weight times two functions."""
+        own = np.array([[4.0, 2.0, -1.0], [2.0, 16.0, 2.0], [-1.0, 2.0, 4.0]]) / 30
+        return self._summed(own, weight * self._lengths)
+
+    def stiffness(self, weight: FloatArray) -> Any:
+        """Integral of the weight times two slopes."""
+        own = np.array([[7.0, -8.0, 1.0], [-8.0, 16.0, -8.0], [1.0, -8.0, 7.0]]) / 3
+        return self._summed(own, weight / self._lengths)
+
+    def coupling(self, weight: FloatArray) -> Any:
+        """Integral of the weight times a function (row) and a slope (column)."""
+        own = np.array([[-3.0, 4.0, -1.0], [-4.0, 0.0, 4.0], [1.0, -4.0, 3.0]]) / 6
+        return self._summed(own, weight)
+
+    def means(self, weight: FloatArray) -> FloatArray:
+        """Displacements along and across and rotation of a section as a whole, (3, 2 size).
+
+        By displacements of the nodes along and across; weighted.
+        """
+        mass, y = self.mass(weight), self.places
+        mean = np.asarray(mass.sum(axis=0)).ravel()
+        mean = mean / mean.sum()
+        axis = y - mean @ y
+        turned = -(mass @ axis) / (axis @ (mass @ axis))
+        nothing = np.zeros(self.size)
+        # Along at the pins' line, from which the neutral axis is so far.
+        along = mean + (mean @ y) * turned
+        return np.stack([np.r_[along, nothing], np.r_[nothing, mean], np.r_[turned, nothing]])
+
+    def _summed(self, own: FloatArray, factor: FloatArray) -> Any:
+        nodes = 2 * np.arange(len(factor))[:, None] + np.arange(3)
+        rows, columns = np.repeat(nodes, 3, axis=1), np.tile(nodes, (1, 3))
+        values = factor[:, None] * own.ravel()
+        shape = (self.size, self.size)
+        return sp.csr_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
+
+
+@dataclass(frozen=True)
+class _PlaneSolid:
+    """Matrices by displacements along at all nodes, row by row from the lowest, then across."""
+
+    along: _Line
+    through: _Line
+    stiffness: Any
+    mass: Any
+
+    @classmethod
+    def of(
+        cls, section: LaminateSection, mass: LinkMass, attached: Sequence[tuple[float, FloatArray]]
+    ) -> _PlaneSolid:
+        """With inertia (3, 3) on cross-sections that are not held rigid, each with its place."""
+        rows = _Rows.of(section)
+        along, through = _Line(_nodes_along(mass)), _Line(rows.faces)
+        one = np.ones(len(along.places) // 2)
+        d, width = rows.stiffness, section.width
+        mass_x, stiff_x, coupled_x = along.mass(one), along.stiffness(one), along.coupling(one)
+
+        def over(matrix: Any, x: Any) -> Any:
+            return width * sp.kron(matrix, x)
+
+        shear = d[:, 2, 2]
+        uu = over(through.mass(d[:, 0, 0]), stiff_x) + over(through.stiffness(shear), mass_x)
+        vv = over(through.stiffness(d[:, 1, 1]), mass_x) + over(through.mass(shear), stiff_x)
+        # u' with the thickness' strain, and its slope through the thickness with v'.
+        uv = over(through.coupling(d[:, 0, 1]), coupled_x.T)
+        uv = uv + over(through.coupling(shear).T, coupled_x)
+        stiffness = sp.bmat([[uu, uv], [uv.T, vv]], format="csc")
+        inertia = over(through.mass(rows.density), mass_x)
+        inertia = inertia * (mass.mass_per_length / section.mass_per_length)
+        both = sp.block_diag([inertia, inertia], format="csc")
+        means = through.means(d[:, 0, 0])
+        for x, own in attached:
+            row = np.zeros(along.size)
+            row[np.argmin(np.abs(along.places - x))] = 1.0
+            moved = sp.csr_matrix(np.kron(means, row))
+            both = both + moved.T @ sp.csr_matrix(own) @ moved
+        return cls(along, through, stiffness, both.tocsc())
+
+    def reduced(self, places: Sequence[float], count: int) -> tuple[FloatArray, FloatArray]:
+        """Stiffness and mass by rigid faces at k places and modes between, 3 k + count of each."""
+        by_faces, held = self._by_faces(places)
+        inner = np.setdiff1d(np.arange(self.mass.shape[0]), held)
+        own, inertia = (matrix[inner][:, inner] for matrix in (self.stiffness, self.mass))
+        factors = spla.splu(own.tocsc())
+        moved = factors.solve(-(self.stiffness[inner] @ by_faces))
+        count = min(count, len(inner) - 2)
+        inverse = spla.LinearOperator(own.shape, matvec=factors.solve, dtype=float)
+        # Started alike, so that the same link always gives the same numbers.
+        _, vectors = spla.eigsh(
+            own, count, inertia, sigma=0.0, OPinv=inverse, v0=np.ones(len(inner))
+        )
+        basis = np.zeros((self.mass.shape[0], by_faces.shape[1] + count))
+        basis[:, : by_faces.shape[1]] = by_faces
+        basis[inner, : by_faces.shape[1]] = moved
+        basis[inner, by_faces.shape[1] :] = vectors
+        both = (basis.T @ (matrix @ basis) for matrix in (self.stiffness, self.mass))
+        stiffness, mass = ((matrix + matrix.T) / 2 for matrix in both)
+        return stiffness, mass
+
+    def _by_faces(self, places: Sequence[float]) -> tuple[FloatArray, IntArray]:
+        """Displacements (n, 3 k) of rigid faces at places, and which ones they hold."""
+        count = self.along.size * self.through.size
+        y, up = self.through.places, np.arange(self.through.size) * self.along.size
+        moved, held = np.zeros((2 * count, FACE * len(places))), []
+        for number, x in enumerate(places):
+            own = up + int(np.argmin(np.abs(self.along.places - x)))
+            moved[own, FACE * number] = 1.0
+            moved[count + own, FACE * number + 1] = 1.0
+            moved[own, FACE * number + 2] = -y
+            held += [own, count + own]
+        return moved, np.concatenate(held)
+
+
+def _nodes_along(mass: LinkMass) -> FloatArray:
+    """Nodes in m, close at the ends and one at each point mass and body."""
+    s = np.linspace(0, 1, ALONG + 1)
+    nodes = mass.length * (GRADED * (1 - np.cos(np.pi * s)) / 2 + (1 - GRADED) * s)
+    fixed = [*mass.point_positions, *(body.position for body in mass.bodies)]
+    inside = np.unique([x for x in fixed if NEAR < x / mass.length < 1 - NEAR])
+    if not len(inside):
+        return nodes
+    apart = np.abs(nodes[:, None] - inside).min(axis=1)
+    kept = apart > NEAR * mass.length
+    kept[[0, -1]] = True
+    return np.sort(np.concatenate([nodes[kept], inside]))
