@@ -262,3 +262,29 @@ def test_choosing_branches_and_orders() -> None:
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels[0] == "branch 1"
     assert "branch 2" not in labels
+
+
+def test_operating_speeds_are_told_by_the_orders_that_meet_there() -> None:
+    """Order 5 meets branch 1 from 52.78 to 57.81 rad/s; of branch 1 again it is only near."""
+    data = campbell_dataset()
+    data.attrs["operating_speeds"] = "40.0 55.0 28.0 95.5"
+    (line,) = (
+        str(part)
+        for part in CampbellDiagram(data).summary().parts
+        if str(part).startswith("operating speeds of the model file")
+    )
+    assert line.partition(": ")[2].split("; ") == [
+        "40 rad/s is met by none of these orders",
+        "55 rad/s is met by order 5 (branch 1)",
+        "28 rad/s is met by none of these orders",
+        "95.5 rad/s is not among the speeds asked for",
+    ]
+    data.attrs["operating_speeds"] = ""
+    assert "operating" not in str(CampbellDiagram(data).summary())
+
+
+def test_a_column_of_near_misses_stands_only_where_there_are_some() -> None:
+    data = campbell_dataset()
+    assert "nearest" in str(CampbellDiagram(data).summary())
+    met = data.isel(critical=[0, 2])
+    assert "nearest" not in str(CampbellDiagram(met).summary())

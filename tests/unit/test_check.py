@@ -71,6 +71,23 @@ def test_a_loaded_result_says_the_same(
         assert list(loaded.figures()) == list(result.figures())
 
 
+def test_the_error_of_the_frequencies_is_that_of_the_mesh(loaded_mechanism: Mechanism) -> None:
+    """Within a factor of two of the distance to a mesh sixteen times as fine; digits end there."""
+    found = check_mechanism(ReferenceEngine(loaded_mechanism, elements=4))
+    exact = natural_frequencies(ReferenceEngine(loaded_mechanism, elements=64), 0.0)
+    apart = np.abs(found.dataset["frequency"].values / exact - 1)
+    error = found.dataset["discretisation_error"].values
+    assert np.all((0.5 * apart < error) & (error < 2 * apart))
+    (line,) = (each for each in str(found.summary()).splitlines() if each.startswith(TITLE))
+    printed = line.split(": ")[1].split(" Hz")[0].split(", ")
+    for text, hertz, part in zip(printed, exact, error, strict=True):
+        last = 10.0 ** -len(text.partition(".")[2])
+        assert abs(float(text) - hertz) < 2 * max(last, part * hertz)
+        assert last > 0.99 * part * hertz or last == 1
+    table = found.tables()["check"].set_index(["of", "quantity"])
+    assert table.loc[("mode 2", "discretisation_error"), "value"] == error[1]
+
+
 def test_numbers_are_those_of_the_mechanism(
     standing: ModelCheck, loaded_mechanism: Mechanism
 ) -> None:
@@ -99,7 +116,11 @@ def test_numbers_are_those_of_the_mechanism(
     ):
         assert line in lines
     assert lines[-2].startswith(f"{TITLE}: 4")
-    assert lines[-2].endswith("Hz (reference engine, 2 elements a link)")
+    error = float(found["discretisation_error"].max())
+    assert lines[-2].endswith(
+        "Hz (reference engine, 2 elements a link; discretisation error (estimated) at most "
+        f"{error:.1e} of the frequency)"
+    )
     assert lines[-1] == f"warning: {standing.remarks[0]}"
 
 

@@ -84,6 +84,7 @@ def dataset_of(
         rotation_terms="on" if request.formulation.rotation_terms else "off",
         speed_unit=request.speed_unit,
         crank_angles=f"{turn}, {len(request.turn)} angles",
+        operating_speeds=" ".join(map(repr, map(float, engines[0].mechanism.operating_speeds))),
     )
 
 

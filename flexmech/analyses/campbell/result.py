@@ -139,6 +139,7 @@ class CampbellDiagram(Result):
         data = self.dataset
         parts: tuple[Table | str, ...] = (
             words.critical_table(data),
+            *words.operating_lines(data),
             *theory_lines(data.attrs),
             *words.gap_lines(data),
             *words.error_lines(data),

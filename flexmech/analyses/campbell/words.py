@@ -9,7 +9,14 @@ from flexmech.analyses.beam_theory import theory_reason
 from flexmech.analyses.summary import Table
 from flexmech.units import from_si
 
-__all__ = ["critical_table", "error_lines", "gap_lines", "response_lines", "verdict"]
+__all__ = [
+    "critical_table",
+    "error_lines",
+    "gap_lines",
+    "operating_lines",
+    "response_lines",
+    "verdict",
+]
 
 
 def critical_table(dataset: xr.Dataset) -> Table:
@@ -32,14 +39,38 @@ def critical_table(dataset: xr.Dataset) -> Table:
         captions.append(f"no order meets a branch from {_speeds(dataset)}")
     if dataset["critical_starts_inside"].any() or dataset["critical_ends_inside"].any():
         captions.append("<, >: the order is inside the branch's band already or still there")
+    headings = ["engine", "branch", "order", f"from {unit}", f"to {unit}"]
     if not met.all():
+        headings.append("nearest")
         captions.append("nearest: the order meets the branch nowhere and is this far from it")
     return Table(
         f"critical speeds, {dataset.attrs.get('mechanism', '')}",
-        ("engine", "branch", "order", f"from {unit}", f"to {unit}", "nearest"),
-        tuple(groups),
+        tuple(headings),
+        tuple(tuple(row[: len(headings)] for row in group) for group in groups),
         caption="; ".join(captions),
     )
+
+
+def operating_lines(dataset: xr.Dataset) -> list[str]:
+    """Which orders meet a branch at the operating speeds of the model file, by the first engine."""
+    speeds = [float(speed) for speed in str(dataset.attrs.get("operating_speeds", "")).split()]
+    unit, found = _unit(dataset), []
+    first = dataset["critical_engine"] == dataset["engine"].values[0]
+    critical = dataset.isel(
+        critical=np.flatnonzero(first.values & (dataset["critical_gap"].values == 0))
+    )
+    low, high = np.sort(dataset["crank_speed"].values[[0, -1]])
+    for speed in speeds:
+        name = f"{from_si(speed, unit):.6g} {unit}"
+        if not low <= speed <= high:
+            found.append(f"{name} is not among the speeds asked for")
+            continue
+        ends = critical["critical_start"].values, critical["critical_end"].values
+        here = critical.isel(critical=np.flatnonzero((ends[0] <= speed) & (speed <= ends[1])))
+        pairs = zip(here["critical_order"].values, here["critical_branch"].values, strict=True)
+        met = ", ".join(f"order {order} (branch {branch})" for order, branch in pairs)
+        found.append(f"{name} is met by {met or 'none of these orders'}")
+    return [f"operating speeds of the model file: {'; '.join(found)}"] if found else []
 
 
 def gap_lines(dataset: xr.Dataset) -> list[str]:

@@ -9,6 +9,8 @@ import numpy as np
 from flexmech.analyses.check.drawn import drawn_mechanism
 from flexmech.analyses.check.remarks import remarks
 from flexmech.analyses.check.result import ModelCheck
+from flexmech.analyses.frequencies.discretisation import mesh_error
+from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.positions import natural_frequencies
 from flexmech.analyses.provenance import provenance, with_units
 from flexmech.analyses.requests import engine_of
@@ -20,6 +22,7 @@ from flexmech.linear_system import Engine
 from flexmech.linkages import shown_crank_angle
 from flexmech.mechanism import Mechanism
 from flexmech.numbers import checked_number
+from flexmech.threads import one_thread
 from flexmech.types import FloatArray
 from flexmech.units import ZERO_CELSIUS
 
@@ -84,8 +87,9 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
     dataset["frequency_angle"] = at
     frequency = None
     try:
-        frequency = _oscillating(engine, at)
+        frequency, error = _oscillating(engine, at)
         dataset["frequency"] = ("mode", frequency)
+        dataset["discretisation_error"] = ("mode", error)
     except InputError as error:
         if crank_angle is not None and not all(link.rigid for link in links):
             raise
@@ -99,15 +103,23 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
     return ModelCheck(with_units(dataset, "check"))
 
 
-def _oscillating(engine: Engine, crank_angle: float) -> FloatArray:
-    """Natural frequencies of the lowest modes, of as many as oscillate."""
+def _oscillating(engine: Engine, crank_angle: float) -> tuple[FloatArray, FloatArray]:
+    """Natural frequencies of the lowest modes, of as many as oscillate, and their mesh error."""
     for modes in range(MODES, 1, -1):
         try:
-            return natural_frequencies(engine, crank_angle, modes=modes)
+            return _at_rest(engine, crank_angle, modes)
         except ComputationError:
             # Strongly damped links have few modes that oscillate.
             continue
-    return natural_frequencies(engine, crank_angle, modes=1)
+    return _at_rest(engine, crank_angle, 1)
+
+
+def _at_rest(engine: Engine, crank_angle: float, modes: int) -> tuple[FloatArray, FloatArray]:
+    frequency = natural_frequencies(engine, crank_angle, modes=modes)
+    systems = Systems(engine.fit_for(modes), Formulation(modes=modes))
+    with one_thread():
+        error = mesh_error(systems, np.array([crank_angle]), 0.0)
+    return frequency, error.frequency[0]
 
 
 def _hygrothermal_lines(mechanism: Mechanism) -> list[str]:

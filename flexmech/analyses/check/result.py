@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from flexmech import plots
+from flexmech.analyses.frequencies.words import known_digits
 from flexmech.analyses.result import Result
 from flexmech.analyses.section_profile.properties import LINK_PROPERTIES, PROPERTIES
 from flexmech.analyses.summary import Summary, Table
@@ -28,11 +29,11 @@ class ModelCheck(Result):
     Parameters
     ----------
     dataset : xarray.Dataset
-        ``length``, ``link_mass`` and the properties of the sections over (link); ``frequency``
-        (mode) at ``frequency_angle``, if the linkage can stand there; and what the picture shows,
-        if it can stand somewhere: at ``posture_angle`` ``rigid_position`` (link, station,
-        component), ``joint_position`` (joint, component) and masses, over the turn ``path`` and
-        ``transmission_angle``, and the layers of the sections.
+        ``length``, ``link_mass`` and the properties of the sections over (link); ``frequency`` and
+        ``discretisation_error`` (mode) at ``frequency_angle``, if the linkage can stand there; and
+        what the picture shows, if it can stand somewhere: at ``posture_angle`` ``rigid_position``
+        (link, station, component), ``joint_position`` (joint, component) and masses, over the turn
+        ``path`` and ``transmission_angle``, and the layers of the sections.
     stored_as : mapping of str to str, optional
         Of the file that it was loaded from.
     """
@@ -50,8 +51,9 @@ class ModelCheck(Result):
             for one in ROWS
             for link in known["link"].values
         ]
-        frequencies = known["frequency"].values if "frequency" in known else ()
-        rows += [(f"mode {n}", "frequency", hz, "Hz") for n, hz in enumerate(frequencies, start=1)]
+        for name, unit in (("frequency", "Hz"), ("discretisation_error", "1")):
+            values = known[name].values if name in known else ()
+            rows += [(f"mode {n}", name, float(one), unit) for n, one in enumerate(values, start=1)]
         return {"check": pd.DataFrame(rows, columns=["of", "quantity", "value", "unit"])}
 
     @property
@@ -123,6 +125,15 @@ class ModelCheck(Result):
         title = f"natural frequencies at rest, crank angle {angle:.6g} deg"
         if "frequency" not in self.dataset:
             return f"{title}: none ({attributes['without_frequencies']})"
-        listed = ", ".join(f"{frequency:.4f}" for frequency in self.dataset["frequency"].values)
         engine, elements = attributes["engine"], attributes["elements"]
-        return f"{title}: {listed} Hz ({engine} engine, {elements} elements a link)"
+        made = f"{engine} engine, {elements} elements a link"
+        frequency = self.dataset["frequency"].values.tolist()
+        if "discretisation_error" not in self.dataset:
+            # A file of an earlier version.
+            return f"{title}: {', '.join(f'{hz:.4f}' for hz in frequency)} Hz ({made})"
+        errors = self.dataset["discretisation_error"].values.tolist()
+        listed = ", ".join(map(known_digits, frequency, errors))
+        return (
+            f"{title}: {listed} Hz ({made}; discretisation error (estimated) at most "
+            f"{max(errors):.1e} of the frequency)"
+        )

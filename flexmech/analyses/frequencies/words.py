@@ -19,6 +19,7 @@ __all__ = [
     "damping_ratio_lines",
     "error_lines",
     "extremes_table",
+    "known_digits",
     "mass_lines",
     "tracking_lines",
     "vibration_lines",
@@ -59,7 +60,7 @@ def extremes_table(extremes: xr.Dataset, dataset: xr.Dataset, title: str) -> Tab
         cells = [label, _speed(speed, speed_unit), str(mode)]
         for extreme in ("lowest", "highest"):
             angle = place[f"{extreme}_angle"]
-            cells.append(_known_digits(float(place[extreme]), relative))
+            cells.append(known_digits(float(place[extreme]), relative))
             cells.append(f"{np.degrees(float(angle)):.1f}" if between else _degrees(angle))
         return tuple(cells)
 
@@ -94,8 +95,17 @@ def _engines_agree(extremes: xr.Dataset, error: xr.DataArray) -> bool:
     return all(bool((each <= errors).all()) for each in apart)
 
 
-def _known_digits(value: float, error: float) -> str:
-    """A positive value to the last decimal place that is no smaller than its relative error."""
+def known_digits(value: float, error: float) -> str:
+    """A positive value to the last decimal place that is no smaller than its relative error.
+
+    Parameters
+    ----------
+    value, error : float
+
+    Returns
+    -------
+    str
+    """
     place = np.floor(-np.log10(max(value * error, 10.0**-MOST_DECIMALS)))
     return f"{value:.{max(int(place), 0)}f}"
 

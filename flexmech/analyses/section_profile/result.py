@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pandas as pd
 import xarray as xr
 
@@ -137,7 +138,10 @@ class SectionProfiles(Result):
             parts.append(property_table(self.dataset.sel(link=link)))
             if link in self.links_with_layers:
                 parts += layer_tables(self.profile(link)) + expansion_table(self.profile(link))
-        parts += STORED["unit_loads"] if self.links_with_layers else ()
+        if self.links_with_layers:
+            parts.append(STORED["unit_loads"])
+            if np.nan_to_num(self.dataset["neutral_axis"].values).any():
+                parts.append(STORED["without_coupling"])
         parts += [_nothing_known(link) for link in self.links if link not in self.links_with_layers]
         return Summary((*parts, *self.dataset.attrs["environment_lines"].splitlines()))
 

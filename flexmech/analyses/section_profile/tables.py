@@ -71,7 +71,8 @@ def _layer_table(profile: xr.Dataset, title: str) -> Table:
     groups = []
     # The highest layer stands at the top, as in the link.
     for run in np.unique(runs)[::-1]:
-        label = stacking_text([stack[(runs == run).argmax()]])[1:-1]
+        ply, angle = stack[(runs == run).argmax()]
+        label = stacking_text([(ply, angle)])[1:-1] if ply else "one material"
         # Normal stress is linear and shear stress quadratic in a run of equal layers: its two
         # faces and its middle say it all.
         inside = np.array([values[runs == run].ravel() for values in columns])
