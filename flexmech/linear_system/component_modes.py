@@ -37,10 +37,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.linalg
 from numpy.typing import NDArray
 
-from flexmech.linear_system.link_boundary import LinkBoundary, link_boundary
+from flexmech.linear_system.link_boundary import JoinedEnds, LinkBoundary, link_boundary
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import Topology
@@ -187,7 +186,8 @@ def component_modes(
     -------
     ComponentModes
     """
-    held = [_hold_ends(topology, link) for link in links if not link.rigid]
+    ends = JoinedEnds.of(topology)
+    held = [_hold_ends(ends, link) for link in links if not link.rigid]
     every = np.sort(np.concatenate([h.bending_frequency for h in held]))
     usual_cutoff = BENDING_CUTOFF * every[min(modes, len(every)) - 1]
     bending_cutoff = detail * usual_cutoff
@@ -307,8 +307,8 @@ def _complement(vectors: FloatArray, others: FloatArray, mass: FloatArray) -> Fl
     return np.asarray(rest @ combination[:, new] / np.sqrt(values[new]), dtype=float)
 
 
-def _hold_ends(topology: Topology, link: LinkModel) -> _HeldLink:
-    boundary = link_boundary(topology, link)
+def _hold_ends(ends: JoinedEnds, link: LinkModel) -> _HeldLink:
+    boundary = link_boundary(ends, link)
     inner = np.flatnonzero(~(boundary.fixed | boundary.joined))
     flexibility = np.asarray(np.linalg.inv(link.stiffness[inner[:, None], inner]), dtype=float)
     static = boundary.unit.copy()
@@ -380,7 +380,6 @@ def _modes_of(link: LinkModel, shapes: FloatArray) -> tuple[FloatArray, FloatArr
     """Mass-normalized modes (n, m) and angular frequencies in the space of shapes (n, m)."""
     if not shapes.shape[1]:
         return shapes, np.zeros(0)
-    values, vectors = scipy.linalg.eigh(
-        shapes.T @ link.stiffness @ shapes, shapes.T @ link.mass @ shapes, check_finite=False
-    )
-    return shapes @ vectors, np.sqrt(np.abs(values))
+    unit_mass = np.linalg.inv(np.linalg.cholesky(shapes.T @ link.mass @ shapes)) @ shapes.T
+    values, vectors = np.linalg.eigh(unit_mass @ link.stiffness @ unit_mass.T)
+    return unit_mass.T @ vectors, np.sqrt(np.abs(values))

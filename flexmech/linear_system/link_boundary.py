@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ from flexmech.linkages import LinkEnd, Topology
 from flexmech.linkages.topology import End
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LinkBoundary", "link_boundary"]
+__all__ = ["JoinedEnds", "LinkBoundary", "link_boundary"]
 
 ENDS: tuple[End, ...] = ("start", "end")
 
@@ -51,12 +51,38 @@ class LinkBoundary:
         return np.asarray(self.unit.any(axis=1), dtype=bool)
 
 
-def link_boundary(topology: Topology, link: LinkModel) -> LinkBoundary:
-    """Coordinates of a flexible link at its joints.
+@dataclass(frozen=True)
+class JoinedEnds:
+    """Link ends of a linkage by what joins them.
 
     Parameters
     ----------
     topology : Topology
+    tied : set of LinkEnd
+        Tied to other links or guided, or held by springs.
+    welded : set of LinkEnd
+    led : sequence of LinkEnd
+        Ends of flexible links that follow another link's end, a rigid link or a line.
+    """
+
+    topology: Topology
+    tied: set[LinkEnd]
+    welded: set[LinkEnd]
+    led: Sequence[LinkEnd]
+
+    @classmethod
+    def of(cls, topology: Topology) -> JoinedEnds:
+        """Ends of a linkage."""
+        return cls(topology, _tied_ends(topology), _welded_ends(topology), _led_ends(topology))
+
+
+def link_boundary(ends: JoinedEnds, link: LinkModel) -> LinkBoundary:
+    """Coordinates of a flexible link at its joints.
+
+    Parameters
+    ----------
+    ends : JoinedEnds
+        Of its linkage.
     link : LinkModel
         Unreduced.
 
@@ -65,23 +91,22 @@ def link_boundary(topology: Topology, link: LinkModel) -> LinkBoundary:
     LinkBoundary
     """
     fixed = np.zeros(link.size, dtype=bool)
-    for rows in _held(topology, link):
+    for rows in _held(ends.topology, link):
         fixed[rows] = True
-    tied = _tied_ends(topology)
     columns: list[IntArray] = []
     kept: dict[str, IntArray] = {}
     for end in ENDS:
         rows = link.end_displacement(end)
-        keeps = LinkEnd(link.name, end) in tied and not fixed[rows].any()
+        keeps = LinkEnd(link.name, end) in ends.tied and not fixed[rows].any()
         kept[end] = len(columns) + np.arange(2 if keeps else 0)
         columns += [rows[n : n + 1] for n in range(2 if keeps else 0)]
-    welded, shaft = _welded_ends(topology), np.zeros(0, dtype=np.intp)
+    shaft = np.zeros(0, dtype=np.intp)
     for end in ENDS:
         rows = link.end_rotation_of(end)
-        keeps = LinkEnd(link.name, end) in welded and not fixed[rows].any()
+        keeps = LinkEnd(link.name, end) in ends.welded and not fixed[rows].any()
         kept[f"{end}_rotation"] = len(columns) + np.arange(int(keeps))
         columns += [rows] if keeps else []
-        if np.isin(link.shaft, rows).any() and keeps:
+        if keeps and np.isin(link.shaft, rows).any():
             shaft = kept[f"{end}_rotation"]
     if len(link.shaft) and not len(shaft):
         shaft = np.array([len(columns)])
@@ -89,7 +114,7 @@ def link_boundary(topology: Topology, link: LinkModel) -> LinkBoundary:
     unit = np.zeros((link.size, len(columns)))
     for number, rows in enumerate(columns):
         unit[rows, number] = 1.0
-    led = [kept[place.end] for place in _led_ends(topology) if place.link == link.name]
+    led = [kept[place.end] for place in ends.led if place.link == link.name]
     following = np.concatenate([np.zeros(0, dtype=np.intp), *led])
     return LinkBoundary(fixed, unit, kept, shaft, following)
 
@@ -109,7 +134,6 @@ def _held(topology: Topology, link: LinkModel) -> Iterator[IntArray]:
 
 
 def _tied_ends(topology: Topology) -> set[LinkEnd]:
-    """Ends that are tied to other links or guided, or that springs hold."""
     tied = {place for tie in topology.ties for place in (tie.leader, tie.follower)}
     tied |= {slider.held for slider in topology.sliders}
     return tied | {pivot.held for pivot in topology.pivots if pivot.sprung}
@@ -120,7 +144,6 @@ def _welded_ends(topology: Topology) -> set[LinkEnd]:
 
 
 def _led_ends(topology: Topology) -> list[LinkEnd]:
-    """Ends of flexible links that follow another link's end, a rigid link or a line."""
     rigid = {link.name for link in topology.links if link.rigid}
     led: list[LinkEnd] = []
     for point in joint_points(topology):

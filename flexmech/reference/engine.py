@@ -99,7 +99,7 @@ class ReferenceEngine(Engine):
             return None
         return lumped_elements(self.mechanism.linkage.topology)
 
-    @property
+    @cached_property
     def _masses(self) -> tuple[LinkMass, ...]:
         masses = self.mechanism.link_masses_in_order
         if self._lumped is None:
