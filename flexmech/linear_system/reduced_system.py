@@ -121,7 +121,10 @@ def reduced_system(
         matrices = frames.assemble(motion.at(some), projected, terms, own, guiding)
         if connect is not None:
             matrices = connect(frames, motion.at(some), matrices, some)
-        parts.append(condense(matrices, condensed) if condensed.any() else (matrices, None))
+        forces = _damped_ends(frames, reduction, own, len(matrices.mass))
+        parts.append(
+            condense(matrices, condensed, forces) if condensed.any() else (matrices, None)
+        )
     matrices = SystemMatrices(
         *(_joined([getattr(m, field.name) for m, _ in parts]) for field in fields(SystemMatrices))
     )
@@ -163,3 +166,26 @@ def _damping(
         forces = link.basis.T @ matrix
         damping.append(LinkDamping(forces @ link.basis, forces @ ends))
     return damping
+
+
+def _damped_ends(
+    frames: LinkFrames,
+    reduction: ComponentModes,
+    damping: Sequence[LinkDamping] | None,
+    batch: int,
+) -> FloatArray | None:
+    """What damps the motion of ends alone, on the coordinates that follow; (B, c, r) or None."""
+    ways = [link.damped_ends.shape[1] for link in reduction.links]
+    if not any(ways):
+        return None
+    first = frames.size - sum(int(link.condensed.sum()) for link in reduction.links)
+    forces = np.zeros((batch, frames.size - first, sum(ways)))
+    last = np.cumsum(ways)
+    for number, link in enumerate(reduction.links):
+        if not ways[number]:
+            continue
+        ends = link.model.ends.damping if damping is None else damping[number].ends
+        rows = frames.targets[number][link.condensed] - first
+        columns = slice(last[number] - ways[number], last[number])
+        forces[:, rows, columns] = ends[..., link.condensed, :] @ link.damped_ends
+    return forces

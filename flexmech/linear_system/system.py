@@ -141,26 +141,28 @@ class LinearSystem:
 
 
 def condense(
-    matrices: SystemMatrices, condensed: NDArray[np.bool_]
+    matrices: SystemMatrices, condensed: NDArray[np.bool_], forces: FloatArray | None = None
 ) -> tuple[SystemMatrices, FloatArray]:
     """Let some coordinates follow the others statically (Guyan 1965), in every position.
 
     ``V' X W`` with ``K W = 0`` and ``V' K = 0`` in the coordinates that go: the stiffness of
     damped links in turning frames is not symmetric, and ``W' C W`` would take what it pulls
-    along for motion.
+    along for motion. The static answers to ``forces`` move by themselves.
 
     Parameters
     ----------
     matrices : SystemMatrices
         Over a batch B with ``size`` coordinates.
     condensed : ndarray of bool, shape (size,)
+    forces : ndarray, shape (B, c, r), optional
+        On the c coordinates that go.
 
     Returns
     -------
     SystemMatrices
-        In the remaining n coordinates.
+        In the remaining coordinates and the answers, n together.
     ndarray, shape (B, size, n)
-        From the remaining coordinates to all.
+        From these to all.
     """
     gone, kept = np.flatnonzero(condensed), np.flatnonzero(~condensed)
     count = len(kept)
@@ -171,17 +173,27 @@ def condense(
     flexibility = np.linalg.inv(stiffness[:, count:, count:])
     follow = -flexibility @ stiffness[:, count:, :count]
     lead = -stiffness[:, :count, count:] @ flexibility
+    if forces is not None:
+        answers = flexibility @ forces
+        answers /= np.linalg.norm(answers, axis=1, keepdims=True)
+        follow = np.concatenate([follow, answers], axis=2)
+        lead = np.concatenate([lead, np.swapaxes(answers, 1, 2)], axis=1)
+    size = follow.shape[2]
 
     def condensed_part(matrix: FloatArray) -> FloatArray:
-        columns = matrix[:, :, :count] + matrix[:, :, count:] @ follow
-        return np.asarray(columns[:, :count] + lead @ columns[:, count:])
+        columns = matrix[:, :, count:] @ follow
+        columns[:, :, :count] += matrix[:, :, :count]
+        part = lead @ columns[:, count:]
+        part[:, :count] += columns[:, :count]
+        return np.asarray(part)
 
-    expansion = np.zeros((len(stiffness), len(condensed), count))
+    expansion = np.zeros((len(stiffness), len(condensed), size))
     expansion[:, kept, np.arange(count)] = 1.0
     expansion[:, gone] = follow
-    at_kept = stiffness[:, :count, :count] + stiffness[:, :count, count:] @ follow
-    condensed_damping = condensed_part(damping) if damping.any() else damping[:, :count, :count]
-    return SystemMatrices(condensed_part(mass), condensed_damping, at_kept), expansion
+    none = np.broadcast_to(0.0, (len(stiffness), size, size))
+    condensed_damping = condensed_part(damping) if damping.any() else none
+    parts = (condensed_part(mass), condensed_damping, condensed_part(stiffness))
+    return SystemMatrices(*parts), expansion
 
 
 def _reordered(matrices: FloatArray, order: IntArray) -> FloatArray:

@@ -10,7 +10,7 @@ import numpy as np
 
 from flexmech.choices import LinkDirection, Prestress
 from flexmech.errors import InputError
-from flexmech.linear_system import GREAT_DETAIL, Engine, LinearSystem, LinkPoint, point_rows
+from flexmech.linear_system import Engine, LinearSystem, LinkPoint, point_rows
 from flexmech.time_domain import (
     HalfSinePulse,
     StateModes,
@@ -24,6 +24,8 @@ __all__ = ["LockedLinkage"]
 
 # Unreduced systems beyond so many coordinates take longer than their last digits are worth.
 MOST_COORDINATES = 400
+# Of the component modes that are taken instead.
+DETAIL = 8.0
 # A mode of a lesser damping ratio never decays: it is round-off.
 LEAST_DAMPING = 1e-8
 # Of the force's mode in the displacement, to count a point as held.
@@ -73,7 +75,7 @@ class LockedLinkage:
         """
         whole = sum(link.size for link in engine.links) <= MOST_COORDINATES
         chosen = engine.unreduced() if whole else engine
-        detail = 1.0 if whole else GREAT_DETAIL
+        detail = 1.0 if whole else DETAIL
         system = chosen.linear_system([angle], 0.0, prestress=prestress, detail=detail)
         return cls(engine, angle, prestress, system)
 
