@@ -122,9 +122,7 @@ def reduced_system(
         if connect is not None:
             matrices = connect(frames, motion.at(some), matrices, some)
         forces = _damped_ends(frames, reduction, own, len(matrices.mass))
-        parts.append(
-            condense(matrices, condensed, forces) if condensed.any() else (matrices, None)
-        )
+        parts.append(condense(matrices, condensed, forces) if condensed.any() else (matrices, None))
     matrices = SystemMatrices(
         *(_joined([getattr(m, field.name) for m, _ in parts]) for field in fields(SystemMatrices))
     )
