@@ -43,11 +43,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.linear_system.link_boundary import JoinedEnds, LinkBoundary, link_boundary
+from flexmech.linear_system.held_link import HeldLink, hold_ends
+from flexmech.linear_system.link_boundary import JoinedEnds
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import Topology
-from flexmech.types import FloatArray, IntArray
+from flexmech.types import FloatArray
 
 __all__ = ["GREAT_DETAIL", "ComponentModes", "ReducedLink", "component_modes"]
 
@@ -122,31 +123,6 @@ class ComponentModes:
         return LinkFrames(self.topology, self.models, [link.condensed for link in self.links])
 
 
-@dataclass(frozen=True)
-class _HeldLink:
-    """A link with its joined ends held: static shapes and vibration modes.
-
-    ``modes`` are normalized by the mass; ``relief`` is the static answer to the inertia of
-    the static shapes, ``floating_relief`` that to a motion along the link as a whole; ``layers``
-    are the static shapes of ends that follow, without the ends. They vanish at the joined
-    ends. ``flexibility`` is that of the ``inner`` coordinates.
-    """
-
-    link: LinkModel
-    boundary: LinkBoundary
-    static: FloatArray
-    bending: FloatArray
-    bending_frequency: FloatArray
-    axial: FloatArray
-    axial_frequency: FloatArray
-    bending_relief: FloatArray
-    axial_relief: FloatArray
-    floating_relief: FloatArray
-    layers: FloatArray
-    inner: IntArray
-    flexibility: FloatArray
-
-
 def component_modes(
     topology: Topology,
     links: Sequence[LinkModel],
@@ -196,7 +172,7 @@ def component_modes(
     ComponentModes
     """
     ends = JoinedEnds.of(topology)
-    held = [_hold_ends(ends, link) for link in links if not link.rigid]
+    held = [hold_ends(ends, link) for link in links if not link.rigid]
     every = np.sort(np.concatenate([h.bending_frequency for h in held]))
     usual_cutoff = BENDING_CUTOFF * every[min(modes, len(every)) - 1]
     bending_cutoff = detail * usual_cutoff
@@ -234,7 +210,7 @@ def _as_it_is(link: LinkModel) -> ReducedLink:
 
 
 def _reduce(
-    held: _HeldLink,
+    held: HeldLink,
     bending_cutoff: float,
     axial_cutoff: float,
     condensed_modes: int,
@@ -279,7 +255,7 @@ def _reduce(
     )
 
 
-def _damped_ends(held: _HeldLink, basis: FloatArray, condensed: FloatArray) -> FloatArray:
+def _damped_ends(held: HeldLink, basis: FloatArray, condensed: FloatArray) -> FloatArray:
     """Ways (n_reduced, r) of following ends to move whose damping deforms what is condensed."""
     link, inner, following = held.link, held.inner, held.boundary.following
     force = link.damping @ held.boundary.unit[:, following]
@@ -294,7 +270,7 @@ def _damped_ends(held: _HeldLink, basis: FloatArray, condensed: FloatArray) -> F
     return ways
 
 
-def _turning_sections(held: _HeldLink) -> FloatArray:
+def _turning_sections(held: HeldLink) -> FloatArray:
     """Shapes (n, m) whose sections turn and warp in waves along the link while its axis rests."""
     link = held.link
     of_sections = np.flatnonzero(~link.is_axial & (link.fields.across == 0))
@@ -308,7 +284,7 @@ def _turning_sections(held: _HeldLink) -> FloatArray:
     return shapes.reshape(link.size, -1)
 
 
-def _answers_to_damping(held: _HeldLink, shapes: FloatArray) -> FloatArray:
+def _answers_to_damping(held: HeldLink, shapes: FloatArray) -> FloatArray:
     """Static answers (n, m) to what damps shapes (n, k) otherwise than one time for all would.
 
     Of one damping time the forces on a static shape vanish, and those on a mode leave it a mode.
@@ -334,81 +310,3 @@ def _complement(vectors: FloatArray, others: FloatArray, mass: FloatArray) -> Fl
     values, combination = np.linalg.eigh(rest.T @ mass @ rest)
     new = values > 1e-12
     return np.asarray(rest @ combination[:, new] / np.sqrt(values[new]), dtype=float)
-
-
-def _hold_ends(ends: JoinedEnds, link: LinkModel) -> _HeldLink:
-    boundary = link_boundary(ends, link)
-    inner = np.flatnonzero(~(boundary.fixed | boundary.joined))
-    flexibility = np.asarray(np.linalg.inv(link.stiffness[inner[:, None], inner]), dtype=float)
-    static = boundary.unit.copy()
-    static[inner] = -flexibility @ (link.stiffness[inner] @ boundary.unit)
-    layers = (static - boundary.unit)[:, boundary.following]
-    relief = np.zeros_like(static)
-    relief[inner] = flexibility @ (link.mass @ static)[inner]
-    axial_boundary = boundary.unit[link.is_axial].any(axis=0)
-    # A link that no end ties to the ground moves along itself as a whole: one axial shape.
-    # A held one only stretches: of a slender one far too little for inertia to matter.
-    floats = bool(axial_boundary.any()) and not boundary.fixed.any()
-    axial_relief = relief[:, axial_boundary]
-    floating_relief = axial_relief.sum(axis=1, keepdims=True)
-    stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
-    axial, axial_frequency = _modes_of(link, _unit_shapes(link, stretching))
-    bending, bending_frequency = _modes_of(link, _free_bending(link, turning, stretching))
-    couples = _turning_of_arms(link, inner, flexibility)
-    return _HeldLink(
-        link=link,
-        boundary=boundary,
-        static=static,
-        bending=bending,
-        bending_frequency=bending_frequency,
-        axial=axial,
-        axial_frequency=axial_frequency,
-        bending_relief=np.concatenate([relief[:, ~axial_boundary], couples], axis=1),
-        axial_relief=axial_relief,
-        floating_relief=floating_relief if floats else relief[:, :0],
-        layers=layers,
-        inner=inner,
-        flexibility=flexibility,
-    )
-
-
-def _turning_of_arms(link: LinkModel, inner: IntArray, flexibility: FloatArray) -> FloatArray:
-    """Static answer (n, m) of a link off its pins to couples at its free ends.
-
-    The force of a pin on an arm that turns is a spring against the end's rotation, and modes
-    of the link with its ends free to turn converge slowly to that.
-    """
-    coupling = link.stiffness[np.ix_(link.is_axial, ~link.is_axial)].any()
-    if not (coupling or link.first_moment.any()):
-        return np.zeros((link.size, 0))
-    ends = np.concatenate([link.start_rotation[:1], link.end_rotation[:1]])
-    turned = ends[np.isin(ends, inner)]
-    shapes = np.zeros((link.size, len(turned)))
-    shapes[inner] = flexibility[:, np.searchsorted(inner, turned)]
-    return shapes
-
-
-def _unit_shapes(link: LinkModel, which: IntArray) -> FloatArray:
-    """Shapes (n, m) that move one coordinate each."""
-    shapes = np.zeros((link.size, len(which)))
-    shapes[which, np.arange(len(which))] = 1.0
-    return shapes
-
-
-def _free_bending(link: LinkModel, turning: IntArray, stretching: IntArray) -> FloatArray:
-    """Shapes (n, m) that move one bending coordinate each, without axial force."""
-    shapes = _unit_shapes(link, turning)
-    coupling = link.stiffness[stretching[:, None], turning]
-    if coupling.any():
-        along = link.stiffness[stretching[:, None], stretching]
-        shapes[stretching] = -np.linalg.solve(along, coupling)
-    return shapes
-
-
-def _modes_of(link: LinkModel, shapes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Mass-normalized modes (n, m) and angular frequencies in the space of shapes (n, m)."""
-    if not shapes.shape[1]:
-        return shapes, np.zeros(0)
-    unit_mass = np.linalg.inv(np.linalg.cholesky(shapes.T @ link.mass @ shapes)) @ shapes.T
-    values, vectors = np.linalg.eigh(unit_mass @ link.stiffness @ unit_mass.T)
-    return unit_mass.T @ vectors, np.sqrt(np.abs(values))

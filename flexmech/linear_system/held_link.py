@@ -1,0 +1,146 @@
+"""A link with its joined ends held: what its component modes are made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.linear_system.link_boundary import JoinedEnds, LinkBoundary, link_boundary
+from flexmech.linear_system.link_model import LinkModel
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["HeldLink", "hold_ends"]
+
+
+@dataclass(frozen=True)
+class HeldLink:
+    """A link with its joined ends held: static shapes and vibration modes.
+
+    Parameters
+    ----------
+    link : LinkModel
+        Of n coordinates.
+    boundary : LinkBoundary
+    static : ndarray, shape (n, b)
+        What each coordinate that the link keeps at its joints moves statically.
+    bending, axial : ndarray, shape (n, m)
+        Vibration modes, normalized by the mass.
+    bending_frequency, axial_frequency : ndarray, shape (m,)
+        In rad/s, ascending.
+    bending_relief, axial_relief : ndarray, shape (n, r)
+        Static answers to the inertia of the static shapes, and to couples at free ends.
+    floating_relief : ndarray, shape (n, r)
+        That to a motion along the link as a whole.
+    layers : ndarray, shape (n, k)
+        Static shapes of ends that follow, without the ends: they vanish at the joints.
+    inner : ndarray of int, shape (i,)
+        Coordinates that no joint holds or moves.
+    flexibility : ndarray, shape (i, i)
+        Of these.
+    """
+
+    link: LinkModel
+    boundary: LinkBoundary
+    static: FloatArray
+    bending: FloatArray
+    bending_frequency: FloatArray
+    axial: FloatArray
+    axial_frequency: FloatArray
+    bending_relief: FloatArray
+    axial_relief: FloatArray
+    floating_relief: FloatArray
+    layers: FloatArray
+    inner: IntArray
+    flexibility: FloatArray
+
+
+def hold_ends(ends: JoinedEnds, link: LinkModel) -> HeldLink:
+    """Static shapes and vibration modes of a flexible link.
+
+    Parameters
+    ----------
+    ends : JoinedEnds
+        Of the linkage.
+    link : LinkModel
+        Unreduced.
+
+    Returns
+    -------
+    HeldLink
+    """
+    boundary = link_boundary(ends, link)
+    inner = np.flatnonzero(~(boundary.fixed | boundary.joined))
+    flexibility = np.asarray(np.linalg.inv(link.stiffness[inner[:, None], inner]), dtype=float)
+    static = boundary.unit.copy()
+    static[inner] = -flexibility @ (link.stiffness[inner] @ boundary.unit)
+    layers = (static - boundary.unit)[:, boundary.following]
+    relief = np.zeros_like(static)
+    relief[inner] = flexibility @ (link.mass @ static)[inner]
+    axial_boundary = boundary.unit[link.is_axial].any(axis=0)
+    # A link that no end ties to the ground moves along itself as a whole: one axial shape.
+    # A held one only stretches: of a slender one far too little for inertia to matter.
+    floats = bool(axial_boundary.any()) and not boundary.fixed.any()
+    axial_relief = relief[:, axial_boundary]
+    floating_relief = axial_relief.sum(axis=1, keepdims=True)
+    stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
+    axial, axial_frequency = _modes_of(link, _unit_shapes(link, stretching))
+    bending, bending_frequency = _modes_of(link, _free_bending(link, turning, stretching))
+    couples = _turning_of_arms(link, inner, flexibility)
+    return HeldLink(
+        link=link,
+        boundary=boundary,
+        static=static,
+        bending=bending,
+        bending_frequency=bending_frequency,
+        axial=axial,
+        axial_frequency=axial_frequency,
+        bending_relief=np.concatenate([relief[:, ~axial_boundary], couples], axis=1),
+        axial_relief=axial_relief,
+        floating_relief=floating_relief if floats else relief[:, :0],
+        layers=layers,
+        inner=inner,
+        flexibility=flexibility,
+    )
+
+
+def _turning_of_arms(link: LinkModel, inner: IntArray, flexibility: FloatArray) -> FloatArray:
+    """Static answer (n, m) of a link off its pins to couples at its free ends.
+
+    The force of a pin on an arm that turns is a spring against the end's rotation, and modes
+    of the link with its ends free to turn converge slowly to that.
+    """
+    coupling = link.stiffness[np.ix_(link.is_axial, ~link.is_axial)].any()
+    if not (coupling or link.first_moment.any()):
+        return np.zeros((link.size, 0))
+    ends = np.concatenate([link.start_rotation[:1], link.end_rotation[:1]])
+    turned = ends[np.isin(ends, inner)]
+    shapes = np.zeros((link.size, len(turned)))
+    shapes[inner] = flexibility[:, np.searchsorted(inner, turned)]
+    return shapes
+
+
+def _unit_shapes(link: LinkModel, which: IntArray) -> FloatArray:
+    """Shapes (n, m) that move one coordinate each."""
+    shapes = np.zeros((link.size, len(which)))
+    shapes[which, np.arange(len(which))] = 1.0
+    return shapes
+
+
+def _free_bending(link: LinkModel, turning: IntArray, stretching: IntArray) -> FloatArray:
+    """Shapes (n, m) that move one bending coordinate each, without axial force."""
+    shapes = _unit_shapes(link, turning)
+    coupling = link.stiffness[stretching[:, None], turning]
+    if coupling.any():
+        along = link.stiffness[stretching[:, None], stretching]
+        shapes[stretching] = -np.linalg.solve(along, coupling)
+    return shapes
+
+
+def _modes_of(link: LinkModel, shapes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mass-normalized modes (n, m) and angular frequencies in the space of shapes (n, m)."""
+    if not shapes.shape[1]:
+        return shapes, np.zeros(0)
+    unit_mass = np.linalg.inv(np.linalg.cholesky(shapes.T @ link.mass @ shapes)) @ shapes.T
+    values, vectors = np.linalg.eigh(unit_mass @ link.stiffness @ unit_mass.T)
+    return unit_mass.T @ vectors, np.sqrt(np.abs(values))
