@@ -58,6 +58,8 @@ def example_model(name: str) -> Path:
     0.102
     """
     known = example_names()
+    if not isinstance(name, str):
+        raise InputError(f"name must be that of an example, got {name!r}; use {known[0]!r}")
     if name not in known:
         raise InputError(f"there is no example {name!r}; {suggestion(name, known)}")
     return _folder() / f"{name}.toml"

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import reprlib
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,12 +23,16 @@ __all__ = [
     "check_choice",
     "check_count",
     "check_fields",
+    "check_flag",
     "check_instance",
     "check_number",
     "check_pair",
     "checked_array",
     "checked_number",
+    "checked_tuple",
 ]
+
+Item = TypeVar("Item")
 
 
 @dataclass(frozen=True)
@@ -101,7 +106,11 @@ def check_number(value: object, name: str, unit: str = "", bounds: Bounds = FINI
     """
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
         raise InputError(_no_number(value, name, unit))
-    if not bounds.hold(float(value)):
+    try:
+        number = float(value)
+    except OverflowError as error:
+        raise InputError(f"{name} is a whole number of more than 308 digits") from error
+    if not bounds.hold(number):
         raise InputError(f"{name} must {bounds.words}, got {value} {unit}".rstrip())
 
 
@@ -191,18 +200,19 @@ def check_pair(values: object, name: str, unit: str = "") -> None:
     ------
     InputError
     """
-    if not isinstance(values, Sequence | np.ndarray) or len(values) != 2:
+    pair = values.shape == (2,) if isinstance(values, np.ndarray) else isinstance(values, Sequence)
+    if not pair or len(values) != 2:  # type: ignore[arg-type]
         raise InputError(f"{name} must be two numbers, got {_shown(values)}")
-    for value in values:
+    for value in values:  # type: ignore[attr-defined]
         check_number(value, name, unit)
 
 
-def check_choice(value: str, known: Collection[str], name: str) -> None:
+def check_choice(value: object, known: Collection[str], name: str) -> None:
     """Refuse a word that is none of those known.
 
     Parameters
     ----------
-    value : str
+    value : object
     known : collection of str
     name : str
         Of the argument.
@@ -212,12 +222,53 @@ def check_choice(value: str, known: Collection[str], name: str) -> None:
     InputError
         Names the argument and lists the words.
     """
-    if value not in known:
-        raise InputError(f"{name} must be one of {', '.join(known)}, got {value!r}")
+    if not isinstance(value, str) or value not in known:
+        raise InputError(f"{name} must be one of {', '.join(known)}, got {_shown(value)}")
 
 
-def check_count(value: object, name: str, least: int = 1, unit: str = "") -> None:
-    """Refuse what is no whole number, or too few.
+def check_flag(value: object, name: str) -> None:
+    """Refuse what is neither True nor False: arrays, text and numbers that may mean one of them."""
+    if not isinstance(value, bool | np.bool_):
+        raise InputError(f"{name} must be True or False, got {_shown(value)}")
+
+
+def checked_tuple(
+    values: Iterable[Item], kind: type | tuple[type, ...], name: str, remedy: str
+) -> tuple[Item, ...]:
+    """Things of one type as a tuple.
+
+    Parameters
+    ----------
+    values : iterable
+    kind : type or tuple of types
+    name : str
+        What messages call them.
+    remedy : str
+        What to give instead.
+
+    Returns
+    -------
+    tuple
+
+    Raises
+    ------
+    InputError
+        If it is a single thing or text, or something else is among them.
+    """
+    scalar = isinstance(values, np.ndarray) and not values.ndim
+    if isinstance(values, str | bytes | type) or scalar or not isinstance(values, Iterable):
+        raise InputError(f"{name} must be a sequence, got {_shown(values)}; {remedy}")
+    items = tuple(values)
+    for item in items:
+        if not isinstance(item, kind):
+            raise InputError(f"{name} holds {_shown(item)}; {remedy}")
+    return items
+
+
+def check_count(
+    value: object, name: str, least: int = 1, unit: str = "", most: int | None = None
+) -> None:
+    """Refuse what is no whole number, too few or too many.
 
     Parameters
     ----------
@@ -227,16 +278,24 @@ def check_count(value: object, name: str, least: int = 1, unit: str = "") -> Non
     least : int
     unit : str
         What the count is taken over, such as ``"a revolution"``.
+    most : int, optional
+        More than these do not fit into memory.
 
     Raises
     ------
     InputError
         Names the argument and its least number.
     """
-    if isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= least:
+    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    if whole and value >= least and (most is None or value <= most):  # type: ignore[operator]
         return
+    if most is not None:
+        raise InputError(
+            f"{name} must be a whole number from {least} to {most} {unit}".rstrip()
+            + f", got {_shown(value)}"
+        )
     wanted = f"{name} must be {least} or more {unit}".rstrip()
-    raise InputError(f"{wanted}, got {value!r}")
+    raise InputError(f"{wanted}, got {_shown(value)}")
 
 
 def check_angle(value: object, name: str) -> None:

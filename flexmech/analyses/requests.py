@@ -13,7 +13,7 @@ from flexmech.choices import SHAFTS, ShaftChoice
 from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import Environment, Exposure, HygrothermalState
 from flexmech.linear_system import Engine, check_elastic
-from flexmech.numbers import check_choice, checked_array
+from flexmech.numbers import check_choice, check_instance, checked_array
 from flexmech.types import FloatArray
 
 __all__ = [
@@ -122,6 +122,7 @@ def engines_of(
 
 def link_of(value: str, names: Collection[str]) -> str:
     """A link's name; one that is not among the names is refused with those that are."""
+    check_instance(value, str, "link", f"give one of {', '.join(names)}")
     if value not in names:
         raise InputError(f"link: there is no link {value!r}; {suggestion(value, list(names))}")
     return value

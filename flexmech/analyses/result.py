@@ -18,6 +18,7 @@ from flexmech.analyses.summary import Summary
 from flexmech.choices import PAGE_WIDTHS, PICTURE_FORMATS, PageWidth, PictureFormat
 from flexmech.errors import InputError
 from flexmech.files import given_path, moved_into
+from flexmech.numbers import check_choice, check_flag, checked_tuple
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -143,8 +144,8 @@ class Result(ABC):
             If the folder cannot be written to, or a format or width is none of these.
         """
         folder, names = given_path(folder), []
-        if figures:
-            _check_pictures(formats, width)
+        check_flag(figures, "figures")
+        _check_pictures(formats, width)
         form = f"%.{self.significant_digits}g"
         attributes = file_attributes(self.title, command_line) | dict(self.stored_as)
 
@@ -245,9 +246,11 @@ class Result(ABC):
 
 def _check_pictures(formats: Sequence[str], width: str) -> None:
     """Refuse formats that are not known, none, and other widths than those of a page."""
-    if isinstance(formats, str) or not formats or not set(formats) <= set(PICTURE_FORMATS):
-        known = ", ".join(map(repr, PICTURE_FORMATS))
+    known = ", ".join(map(repr, PICTURE_FORMATS))
+    if not isinstance(formats, Sequence):
         raise InputError(f"formats: must be one or more of {known} in a list, got {formats!r}")
-    if width not in PAGE_WIDTHS:
-        known = " or ".join(map(repr, PAGE_WIDTHS))
-        raise InputError(f"width: must be {known}, got {width!r}")
+    for form in checked_tuple(formats, object, "formats", f"give one or more of {known} in a list"):
+        check_choice(form, PICTURE_FORMATS, "formats")
+    if not formats:
+        raise InputError(f"formats: must be one or more of {known} in a list, got none")
+    check_choice(width, tuple(PAGE_WIDTHS), "width")

@@ -13,10 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.hygrothermal.environment import Environment, HygrothermalState
+from flexmech.hygrothermal.environment import Environment, Exposure, HygrothermalState
 from flexmech.hygrothermal.link_moisture import inert_links, link_profile
 from flexmech.linkages import CouplerPoint, FourBar, Linkage, LinkPoint
 from flexmech.mechanism import Mechanism
+from flexmech.numbers import check_instance
 from flexmech.sections import BeamSection, swollen_section
 
 __all__ = [
@@ -81,6 +82,12 @@ def swollen_links(mechanism: Mechanism, environment: Environment) -> dict[str, S
         If heat and water change no link, a resin is above its wet glass transition,
         or a property that the environment needs is not known; names the link.
     """
+    check_instance(mechanism, Mechanism, "mechanism", "read one by flexmech.load_mechanism(path)")
+    if not isinstance(environment, HygrothermalState | Exposure):
+        raise InputError(
+            f"environment must be a HygrothermalState or an Exposure, got {environment!r}; give "
+            "flexmech.HygrothermalState(temperature_rise, moisture)"
+        )
     topology = mechanism.linkage.topology
     inert = len(inert_links(mechanism)) == len(topology.links)
     asked = environment != HygrothermalState()

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.choices import (
     MODES,
+    MOST_MODES,
     PRESTRESS_LEVELS,
     SHAFTS,
     MassChoice,
@@ -30,7 +31,7 @@ from flexmech.linear_system.system import LinearSystem
 from flexmech.linkages import RigidMotion, lumped_elements
 from flexmech.linkages.motion import checked_drive
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import POSITIVE, check_choice, check_count, check_number
+from flexmech.numbers import POSITIVE, check_choice, check_count, check_flag, check_number
 from flexmech.types import FloatArray
 
 __all__ = ["Engine"]
@@ -101,14 +102,12 @@ class Engine(EngineLinks):
     ) -> None:
         self.mechanism = checked_mechanism(mechanism)
         self.elements = checked_elements(elements)
-        check_count(modes, "modes")
+        check_count(modes, "modes", most=MOST_MODES)
         self.modes = modes
+        if element is not None:
+            check_choice(element, self.element_kinds, f"element of the {self.name} engine")
+        check_flag(component_modes, "component_modes")
         self.element = self.default_element(mechanism, modes) if element is None else element
-        if self.element not in self.element_kinds:
-            raise InputError(
-                f"the {self.name} engine has no element {element!r}; "
-                f"it has {', '.join(self.element_kinds)}"
-            )
         check_choice(mass, self.masses, f"mass of the {self.name} engine")
         self.mass = mass
         self.component_modes = component_modes and mass == "distributed"
@@ -289,7 +288,7 @@ class Engine(EngineLinks):
         """
         check_elastic(self.mechanism)
         check_choice(prestress, PRESTRESS_LEVELS, "prestress")
-        check_count(modes, "modes")
+        check_count(modes, "modes", most=MOST_MODES)
         check_number(detail, "detail", "", POSITIVE)
         if fastest is not None:
             check_number(fastest, "fastest", "rad/s")
@@ -298,6 +297,8 @@ class Engine(EngineLinks):
                 f"rotation_terms must be True, False or RotationTerms, got {rotation_terms!r}"
             )
         angle, speed, _ = checked_drive(crank_angle, crank_speed, 0.0)
+        if not angle.size:
+            raise InputError("crank_angle is empty; give one crank angle or more")
         motion = self.mechanism.linkage.motion(angle.ravel(), speed.ravel())
         terms = (
             rotation_terms

@@ -52,6 +52,7 @@ from flexmech.linkages.circuits import (
 from flexmech.linkages.coupler_curve import CouplerPoint, CouplerTriangle
 from flexmech.linkages.focal_cubic import FocalCubic
 from flexmech.linkages.fourbar import FourBar
+from flexmech.numbers import check_instance
 from flexmech.types import FloatArray
 
 __all__ = ["DoublePoint", "FiniteDoublePoint", "double_points", "finite_double_points"]
@@ -168,6 +169,7 @@ def double_points(
     >>> [point.kind for point in points]
     ['crunode']
     """
+    _check_coupler(linkage, point)
     circuit = circuit_of(linkage, crank_angle)
     found = [
         _double_point(node)
@@ -196,12 +198,18 @@ def finite_double_points(linkage: FourBar, point: CouplerPoint) -> tuple[FiniteD
     InputError
         If the linkage has a change point.
     """
+    _check_coupler(linkage, point)
     motion = crank_motion(linkage)
     cubic = focal_cubic(linkage, point)
     near, far, *_ = cubic.triangle
     if min(near, far) <= IN_PIN * linkage.coupler:
         return ()
     return tuple(_node(linkage, point, cubic.triangle, motion, place) for place in cubic.roots())
+
+
+def _check_coupler(linkage: object, point: object) -> None:
+    check_instance(linkage, FourBar, "linkage", "give a flexmech.FourBar")
+    check_instance(point, CouplerPoint, "point", "give a flexmech.CouplerPoint")
 
 
 def focal_cubic(linkage: FourBar, point: CouplerPoint) -> FocalCubic:

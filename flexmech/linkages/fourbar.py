@@ -14,7 +14,7 @@ from flexmech.errors import InputError
 from flexmech.linkages.motion import RigidMotion, checked_drive, direction, normal
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Topology
 from flexmech.model_text import TomlTable, quantity
-from flexmech.numbers import POSITIVE, check_number, checked_array
+from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array, checked_tuple
 from flexmech.types import FloatArray
 from flexmech.units import LENGTH
 
@@ -71,9 +71,9 @@ class FourBar:
     def __post_init__(self) -> None:
         for name, length in self.lengths.items():
             check_number(length, f"length of the {name}", "m", POSITIVE)
-        if self.branch not in ("open", "crossed"):
-            raise InputError(f"branch must be 'open' or 'crossed', got {self.branch!r}")
-        object.__setattr__(self, "sprung", tuple(sorted(self.sprung)))
+        check_choice(self.branch, ("open", "crossed"), "branch")
+        sprung = checked_tuple(self.sprung, str, "sprung", "give names of joints, as ('A',)")
+        object.__setattr__(self, "sprung", tuple(sorted(sprung)))
         unknown = set(self.sprung) - {"A", "B", "O4"}
         if unknown:
             raise InputError(f"sprung joints of a four-bar are A, B or O4, got {sorted(unknown)}")

@@ -7,9 +7,13 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexmech.errors import InputError
 from flexmech.numbers import checked_array
 from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray, IntArray
+
+# In rad/s: no shaft turns faster.
+FASTEST = 1e9
 
 __all__ = ["RigidMotion", "checked_drive", "direction", "normal"]
 
@@ -41,13 +45,28 @@ def checked_drive(
     Raises
     ------
     InputError
-        If one is not made of finite numbers.
+        If one is not made of finite numbers, a speed is beyond all shafts, or the shapes do not
+        go together.
     """
-    return np.broadcast_arrays(
+    given = (
         checked_array(crank_angle, "crank_angle", "rad"),
         checked_array(crank_speed, "crank_speed", "rad/s"),
         checked_array(crank_acceleration, "crank_acceleration", "rad/s^2"),
     )
+    fastest = float(np.abs(given[1]).max(initial=0.0))
+    if fastest > FASTEST:
+        raise InputError(
+            f"crank_speed reaches {fastest:.3g} rad/s, beyond {FASTEST:g} rad/s, which no shaft "
+            "does; check its unit"
+        )
+    try:
+        return tuple(np.broadcast_arrays(*given))
+    except ValueError as error:
+        shapes = ", ".join(str(each.shape) for each in given)
+        raise InputError(
+            f"crank_angle, crank_speed and crank_acceleration have the shapes {shapes}, which do "
+            "not go together; give single numbers or arrays of one shape"
+        ) from error
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from flexmech.materials.ply import Ply
 from flexmech.materials.ply_table import ply_table
 from flexmech.materials.stacking import stacking_text
 from flexmech.model_text import SharedTables, TomlTable, quantity
-from flexmech.numbers import POSITIVE, check_angle, check_fields, check_instance
+from flexmech.numbers import POSITIVE, check_angle, check_fields, check_instance, checked_tuple
 from flexmech.short_repr import short_repr
 from flexmech.types import FloatArray
 from flexmech.units import ANGLE, LENGTH
@@ -123,10 +123,10 @@ class Laminate:
     layers: tuple[Layer, ...]
 
     def __post_init__(self) -> None:
+        remedy = "give Layer(ply, thickness, angle) in a tuple"
+        object.__setattr__(self, "layers", checked_tuple(self.layers, Layer, "layers", remedy))
         if not self.layers:
             raise InputError("a laminate needs one layer or more, got none")
-        for layer in self.layers:
-            check_instance(layer, Layer, "each layer", "give Layer(ply, thickness, angle)")
         thinnest = min(layer.thickness for layer in self.layers)
         if thinnest < THINNEST * self.thickness:
             raise InputError(
@@ -166,6 +166,8 @@ class Laminate:
         InputError
             If there is not one angle for each ply, or as of a new laminate.
         """
+        plies = checked_tuple(plies, Ply, "plies", "give one flexmech.Ply for each layer")
+        angles = checked_tuple(angles, object, "angles", "give one in rad for each ply")
         if len(plies) != len(angles):
             raise InputError(
                 f"angles has {len(angles)} values and there are {len(plies)} plies; give one "

@@ -157,6 +157,7 @@ def woven_ply(unidirectional: Ply) -> Ply:
     >>> round(woven.longitudinal_modulus / 1e9, 2), round(woven.transverse_modulus / 1e9, 2)
     (26.46, 26.46)
     """
+    check_instance(unidirectional, Ply, "unidirectional", "give a flexmech.Ply")
     stiffness, origin = unidirectional.reduced_stiffness, unidirectional.origin
     direct = (stiffness[0, 0] + stiffness[1, 1]) / 2
     cross = stiffness[0, 1]

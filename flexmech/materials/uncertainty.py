@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.errors import InputError
 from flexmech.materials.constituents import Fibre, Matrix
+from flexmech.numbers import checked_tuple
 
 __all__ = ["propagated_uncertainty"]
 
@@ -51,6 +53,10 @@ def propagated_uncertainty(
     >>> print(f"{modulus(*parts):.1f} +/- {spread:.1f} GPa")
     121.9 +/- 12.0 GPa
     """
+    if not callable(function):
+        raise InputError(f"function must be called with the constituents, got {function!r}")
+    remedy = "give a Fibre and a Matrix in a tuple"
+    constituents = checked_tuple(constituents, (Fibre, Matrix), "constituents", remedy)
     total = 0.0
     for place, constituent in enumerate(constituents):
         for name, spread in constituent.uncertainty.items():

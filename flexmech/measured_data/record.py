@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError, suggestion
-from flexmech.numbers import check_choice, check_instance, checked_array
+from flexmech.numbers import check_choice, checked_array, checked_tuple
 from flexmech.types import FloatArray
 
 __all__ = ["ABSCISSA_UNITS", "GREATEST", "Abscissa", "MeasuredQuantity", "MeasuredRecord"]
@@ -101,10 +101,9 @@ class MeasuredRecord:
         check_choice(self.abscissa, tuple(ABSCISSA_UNITS), "abscissa")
         position = _samples(self.position, self.abscissa, ABSCISSA_UNITS[self.abscissa])
         object.__setattr__(self, "position", position)
-        for quantity in self.quantities:
-            check_instance(
-                quantity, MeasuredQuantity, "quantities", "give a tuple of MeasuredQuantity"
-            )
+        remedy = "give MeasuredQuantity(name, unit, values) in a tuple"
+        quantities = checked_tuple(self.quantities, MeasuredQuantity, "quantities", remedy)
+        object.__setattr__(self, "quantities", quantities)
         if len(self.position) < LEAST_SAMPLES:
             raise InputError(
                 f"{self.source}: holds {len(self.position)} samples, too few for a record; give at "

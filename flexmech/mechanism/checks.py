@@ -2,20 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 from flexmech.errors import InputError
 from flexmech.linkages import JointSpring, LinkPoint, Load, Spring, Topology
 from flexmech.mechanism.parts import AttachedBody, PointMass
-from flexmech.numbers import NOT_NEGATIVE, check_instance, check_number
+from flexmech.numbers import NOT_NEGATIVE, check_instance, check_number, checked_tuple
 
-__all__ = ["check_bodies", "check_loads", "check_point_masses", "check_springs"]
+__all__ = [
+    "check_bodies",
+    "check_joint_masses",
+    "check_loads",
+    "check_point_masses",
+    "check_speeds",
+    "check_springs",
+]
+
+
+def check_joint_masses(topology: Topology, masses: Mapping[str, float]) -> None:
+    """Refuse a mass that is in no joint, or negative."""
+    check_instance(masses, Mapping, "joint_masses", "give masses in kg by the names of joints")
+    for joint, mass in masses.items():
+        if joint not in topology.joint_names:
+            raise InputError(
+                f"joint_masses: unknown joint {joint!r}; joints are {topology.joint_names}"
+            )
+        check_number(mass, f"joint_masses: {joint}", "kg", NOT_NEGATIVE)
+
+
+def check_speeds(speeds: Iterable[float]) -> None:
+    """Refuse crank speeds that are no numbers."""
+    remedy = "give crank speeds in rad/s, as (20.0,)"
+    for speed in checked_tuple(speeds, object, "operating_speeds", remedy):
+        check_number(speed, "each of operating_speeds", "rad/s")
 
 
 def check_point_masses(topology: Topology, points: Iterable[PointMass]) -> None:
     """Refuse a point mass that is on no link, or negative."""
-    for point in points:
-        check_instance(point, PointMass, "each of link_masses", "give PointMass(link, m, kg)")
+    remedy = "give PointMass(link, m, kg) in a tuple"
+    for point in checked_tuple(points, PointMass, "link_masses", remedy):
         if point.link not in topology.link_names:
             raise InputError(
                 f"link_masses: unknown link {point.link!r}; links are {topology.link_names}"
@@ -32,15 +57,14 @@ def check_point_masses(topology: Topology, points: Iterable[PointMass]) -> None:
 
 def check_bodies(topology: Topology, bodies: Iterable[AttachedBody]) -> None:
     """Refuse a body that is on no link."""
-    for body in bodies:
-        check_instance(body, AttachedBody, "each of bodies", "give AttachedBody(link, m, kg)")
+    remedy = "give AttachedBody(link, m, kg) in a tuple"
+    for body in checked_tuple(bodies, AttachedBody, "bodies", remedy):
         _check_on_link(topology, f"body on the {body.link}", LinkPoint(body.link, body.position))
 
 
 def check_loads(topology: Topology, loads: Iterable[Load]) -> None:
     """Refuse a load that is on no link."""
-    for load in loads:
-        check_instance(load, Load, "each of loads", "give Load(name, point, force)")
+    for load in checked_tuple(loads, Load, "loads", "give Load(name, point, force) in a tuple"):
         _check_on_link(topology, f"load {load.name}", load.point)
 
 
@@ -60,8 +84,8 @@ def check_springs(
     InputError
         If one is.
     """
-    for spring in springs:
-        check_instance(spring, Spring, "each of springs", "give Spring(name, first, second)")
+    remedy = "give Spring(name, first, second) in a tuple"
+    for spring in checked_tuple(springs, Spring, "springs", remedy):
         for point in (spring.first, spring.second):
             _check_on_link(topology, f"spring {spring.name}", point)
     kinds = zip(topology.joint_names, topology.joint_kinds, strict=True)

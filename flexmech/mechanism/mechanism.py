@@ -31,8 +31,10 @@ from flexmech.mechanism.acting_points import places_apart
 from flexmech.mechanism.attachment_tables import joints_table, loads_table, springs_table
 from flexmech.mechanism.checks import (
     check_bodies,
+    check_joint_masses,
     check_loads,
     check_point_masses,
+    check_speeds,
     check_springs,
 )
 from flexmech.mechanism.drawing import drawing
@@ -133,20 +135,14 @@ class Mechanism:
 
     def __post_init__(self) -> None:
         topology = self._checked_topology()
-        for joint, mass in self.joint_masses.items():
-            if joint not in topology.joint_names:
-                raise InputError(
-                    f"joint_masses: unknown joint {joint!r}; joints are {topology.joint_names}"
-                )
-            check_number(mass, f"joint_masses: {joint}", "kg", NOT_NEGATIVE)
+        check_joint_masses(topology, self.joint_masses)
         check_point_masses(topology, self.link_masses)
         check_bodies(topology, self.bodies)
         check_loads(topology, self.loads)
         check_springs(topology, self.springs, self.joint_springs)
         check_number(self.shaft_inertia, "shaft_inertia", "kg m^2", NOT_NEGATIVE)
         check_pair(self.gravity, "gravity", "m/s^2")
-        for speed in self.operating_speeds:
-            check_number(speed, "each of operating_speeds", "rad/s")
+        check_speeds(self.operating_speeds)
         check_number(self.reference_temperature, "reference_temperature", "K", POSITIVE)
         check_number(self.ground_thermal_expansion, "ground_thermal_expansion", "1/K")
         if self.coupler_point is not None and "coupler" not in topology.link_names:

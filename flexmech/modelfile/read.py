@@ -17,6 +17,7 @@ from flexmech.mechanism import Mechanism
 from flexmech.modelfile.build import build_mechanism
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.messages import input_error, refuse_unseen_characters
+from flexmech.numbers import check_instance
 
 __all__ = ["json_schema", "load_mechanism", "mechanism_from_toml"]
 
@@ -97,6 +98,7 @@ def mechanism_from_toml(text: str, name: str = "model.toml") -> Mechanism:
     InputError
         As :func:`load_mechanism`.
     """
+    check_instance(text, str, "text", "give the text of a model file; read files by load_mechanism")
     return _mechanism(text, name, name, hashlib.sha256(text.encode()).hexdigest())
 
 

@@ -21,13 +21,14 @@ from flexmech.analyses import campbell as campbell_analysis
 from flexmech.analyses import response as response_analysis
 from flexmech.analyses.environment import environment_lines
 from flexmech.analyses.frequencies.request import operating_speeds
-from flexmech.choices import MODES, REPORT_PARTS, TOLERANCE, ReportPart
+from flexmech.analyses.requests import engine_of
+from flexmech.choices import MODES, MOST_MODES, REPORT_PARTS, TOLERANCE, ReportPart
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, Exposure, absorbing_links, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive, FourBar
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import check_choice, check_count
+from flexmech.numbers import check_choice, check_count, check_instance, checked_tuple
 from flexmech.report.results import Results
 from flexmech.types import FloatArray, LabelledProgress
 
@@ -90,9 +91,11 @@ class ReportRequest:
     tolerance: float | None = TOLERANCE
 
     def __post_init__(self) -> None:
-        check_count(self.modes, "modes")
-        for part in self.include or ():
-            check_choice(part, REPORT_PARTS, "include")
+        check_count(self.modes, "modes", most=MOST_MODES)
+        if self.include is not None:
+            remedy = f"give some of {', '.join(REPORT_PARTS)} in a tuple"
+            for part in checked_tuple(self.include, object, "include", remedy):
+                check_choice(part, REPORT_PARTS, "include")
 
 
 def report_results(
@@ -127,8 +130,13 @@ def report_results(
     >>> [result.stem for result in results.all]
     ['check', 'sections']
     """
+    engines = [
+        engine_of(engine, elastic=False)
+        for engine in checked_tuple(engines, object, "engines", "give one engine or more in a list")
+    ]
     if not engines:
         raise InputError("engines: a report needs one engine or more")
+    check_instance(request, ReportRequest, "request", "give a flexmech.ReportRequest")
     mechanism = engines[0].mechanism
     asked = operating_speeds(mechanism) if request.crank_speeds is None else request.crank_speeds
     speeds = np.atleast_1d(np.asarray(asked, dtype=float))

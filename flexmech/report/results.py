@@ -27,7 +27,7 @@ from flexmech.analyses import (
 from flexmech.analyses.netcdf import read_netcdf
 from flexmech.errors import InputError
 from flexmech.files import given_path
-from flexmech.numbers import check_instance
+from flexmech.numbers import check_instance, checked_tuple
 
 __all__ = ["Results", "stored_results"]
 
@@ -91,7 +91,10 @@ class Results:
     @classmethod
     def of(cls, results: Result | Sequence[Result]) -> Results:
         """Results of what a user gives: one, or several in a list."""
-        return cls((results,) if isinstance(results, Result) else tuple(results))
+        if isinstance(results, Result):
+            return cls((results,))
+        remedy = "give what flexmech.moving_frequencies returns, or several in a list"
+        return cls(checked_tuple(results, Result, "results", remedy))
 
     def of_kind(self, kind: type[Kind]) -> list[Kind]:
         """All results of one kind, in order."""

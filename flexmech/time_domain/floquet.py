@@ -381,4 +381,6 @@ def _modes_backwards(
             coordinates = back * np.ascontiguousarray(solved).view(complex)
             shapes[k] = coordinates
     shapes = form.bases[:-1] @ shapes
-    return np.asarray(shapes / np.linalg.norm(shapes[0], axis=0))
+    size = np.linalg.norm(shapes[0], axis=0)
+    # A mode that dies away beyond the least number within a turn has no shape left.
+    return np.asarray(shapes / np.where(size > 0, size, 1.0))

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import flexmech
-from flexmech.errors import InputError
+from flexmech.errors import FlexmechError, InputError
 from flexmech.materials import Fibre, Matrix, PlyComposition, published_constituents
 from flexmech.materials.laminate import Laminate
 from flexmech.reference import ReferenceEngine
@@ -41,6 +45,131 @@ WRONG = {
     "nested too deeply": lambda: flexmech.modelfile.mechanism_from_toml(f"[{'a.' * 9000}b]"),
     "path must": lambda: flexmech.MovingFrequencies.load(3),
 }
+
+# What is given in the place of any argument of any public function.
+THINGS: tuple[object, ...] = (
+    *(None, True, "a", "", b"x", float("nan"), float("inf"), -1, 0, 1e300, 10**400, 1.5, 1j),
+    *([], [1, "a"], [[1], [1, 2]], {}, {1, 2}, object(), len, int, Path("x"), np.int64(3)),
+    *(MASKED, np.array([1j]), np.zeros((2, 2, 2)), np.array("x"), np.array([0.0, np.nan])),
+    *(np.array([object()]), ["a", "b"], np.array(["2020"], dtype="M8[D]"), MECHANISM, ENGINE),
+)
+SECTION = MECHANISM.sections["crank"]
+POINTS = {"O": (0.0, 0.0), "A": (0.1, 0.0), "B": (0.3, 0.2), "C": (0.3, 0.0)}
+LINKS = tuple(flexmech.PlanarLink(two, tuple(two)) for two in ("OA", "AB", "CB"))
+QUANTITY = flexmech.MeasuredQuantity("f", "Hz", np.array([44.0, 45.0, 46.0]))
+RUN = flexmech.ResponseRequest(flexmech.CrankDrive(5.0), 0.02, 60, step=1e-3, prestress="axial")
+POINT = flexmech.CouplerPoint(0.1, 0.1)
+RIGHT: dict[str, tuple[Callable[..., object], dict[str, object]]] = {
+    "section": (flexmech.BeamSection, {k: getattr(SECTION, k) for k in SECTION.__match_args__[:8]}),
+    "four-bar": (flexmech.FourBar, {**MECHANISM.linkage.lengths, "branch": "open", "sprung": ()}),
+    "arm": (flexmech.RotatingArm, {"length": 0.3, "hub_radius": 0.0}),
+    "planar": (
+        flexmech.PlanarLinkage,
+        {
+            **{"points": POINTS, "links": LINKS, "ground": ("O", "C"), "drawn_at": 0.0},
+            "joints": (flexmech.PlanarJoint("O", "clamp"),),
+        },
+    ),
+    "joint": (flexmech.PlanarJoint, {"point": "O", "kind": "pin", "links": (), "guide": ""}),
+    "link": (flexmech.PlanarLink, {"name": "a", "points": ("A", "B"), "rigid": False}),
+    "double": (
+        flexmech.double_points,
+        {"linkage": MECHANISM.linkage, "point": POINT, "crank_angle": 0.1},
+    ),
+    "motion": (MECHANISM.linkage.motion, {"crank_angle": 0.1, "crank_speed": 1.0}),
+    "exposure": (
+        flexmech.Exposure,
+        {"temperature_rise": 1.0, "relative_humidity": 0.5, "time": 1e5},
+    ),
+    "laminate": (Laminate, {"layers": Laminate.stacked([PLY], 1e-3, [0.0]).layers}),
+    "stack": (Laminate.stacked, {"plies": [PLY], "thickness": 1e-3, "angles": [0.0]}),
+    "woven": (flexmech.woven_ply, {"unidirectional": PLY}),
+    "mechanism": (
+        flexmech.Mechanism,
+        {
+            **{"linkage": MECHANISM.linkage, "sections": dict(MECHANISM.sections)},
+            **{"joint_masses": {"A": 0.1}, "link_masses": (), "gravity": (0.0, 0.0)},
+            **{"operating_speeds": (1.0,), "loads": (), "springs": (), "bodies": ()},
+        },
+    ),
+    "engine": (
+        ReferenceEngine,
+        {
+            **{"mechanism": MECHANISM, "elements": 2, "element": "euler", "component_modes": True},
+            **{"modes": 4, "shaft": "prescribed", "mass": "distributed"},
+        },
+    ),
+    "system": (ENGINE.linear_system, {"crank_angle": [0.0], "prestress": "axial", "modes": 3}),
+    "request": (
+        flexmech.FrequencyRequest,
+        {
+            **{"crank_angles": np.zeros(1), "crank_speeds": np.zeros(1), "speed_effect": False},
+            **{"formulation": flexmech.Formulation(), "tolerance": 1e-3},
+        },
+    ),
+    "frequencies": (
+        flexmech.natural_frequencies,
+        {"engine": ENGINE, "crank_angle": 0.0, "crank_speed": 0.0, "modes": 2, "prestress": "none"},
+    ),
+    "campbell": (
+        flexmech.campbell,
+        {
+            **{"engine": ENGINE, "crank_speeds": [0.0], "crank_angles": [0.0, 2.0, 4.0]},
+            **{"orders": (1, 2), "modes": 2, "prestress": "none"},
+        },
+    ),
+    "run": (flexmech.response, {"engines": ENGINE, "request": RUN, "check_mesh": False}),
+    "hammer": (flexmech.hammer_test, {"request": flexmech.HammerRequest(0.0), "engine": None}),
+    "kinematics": (flexmech.kinematics, {"mechanism": MECHANISM, "request": None}),
+    "lumped": (flexmech.KinematicsRequest, {"crank_angles": np.zeros(1), "lumped": (1, 4, 4)}),
+    "path": (
+        flexmech.coupler_paths,
+        {"mechanism": MECHANISM, "crank_angles": [0.0, 0.1], "point": POINT, "link": "coupler"},
+    ),
+    "state": (
+        flexmech.mechanism_in_state,
+        {"mechanism": MECHANISM, "environment": flexmech.HygrothermalState()},
+    ),
+    "sections": (flexmech.section_profiles, {"mechanism": MECHANISM, "link": "crank"}),
+    "compare": (flexmech.ComparisonRequest, {"speed": 0.0, "quantity": None, "fit": None}),
+    "quantity": (flexmech.MeasuredQuantity, {"name": "f", "unit": "Hz", "values": [1.0, 2.0]}),
+    "record": (
+        flexmech.MeasuredRecord,
+        {"abscissa": "time", "position": np.arange(3.0), "quantities": (QUANTITY,)},
+    ),
+    "report": (flexmech.ReportRequest, {"include": ("section",), "modes": 2}),
+    "results": (
+        flexmech.report_results,
+        {"engines": [], "request": flexmech.ReportRequest(include=("section",))},
+    ),
+    "page": (flexmech.write_report, {"results": (), "path": "nowhere/report.html"}),
+    "example": (flexmech.example_model, {"name": "steel_fourbar"}),
+    "load": (flexmech.load_mechanism, {"path": "nowhere.toml"}),
+    "stored": (flexmech.stored_results, {"folder": "nowhere"}),
+    "uncertainty": (
+        flexmech.propagated_uncertainty,
+        {"function": lambda *parts: 1.0, "constituents": (FIBRE, MATRIX)},
+    ),
+}
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_whatever_is_given_runs_or_is_refused_by_our_errors(name: str) -> None:
+    function, right = RIGHT[name]
+    wrong = []
+    for argument in right:
+        for thing in THINGS:
+            if callable(thing) and argument == "function":
+                continue  # what it raises is its own
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                try:
+                    function(**{**right, argument: thing})
+                except FlexmechError:
+                    continue
+                except Exception as error:
+                    wrong.append(f"{argument} = {type(thing)} {str(thing)[:40]}: {error!r}")
+    assert not wrong, "\n".join(wrong)
 
 
 @pytest.mark.parametrize("word", WRONG)

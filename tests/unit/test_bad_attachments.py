@@ -68,9 +68,9 @@ WRONG = [
     (file("none.csv"), "loads.push: file none.csv: cannot be read: No such file or directory"),
     (file("columns.csv"), "file columns.csv: its first line must be crank_angle_deg,force_x_N"),
     (file("title.csv"), "file title.csv: there is no row below its first line; give at least one"),
-    (file("nan.csv"), "loads.push: file nan.csv: line 2: got 'nan deg', which does not begin"),
+    (file("nan.csv"), "loads.push: file nan.csv: line 2 has 'nan', which is no number"),
     (file("falling.csv"), "loads.push: file falling.csv: line 3: its places must increase"),
-    (file("bytes.csv"), "file bytes.csv: cannot be read: 'utf-8' codec can't decode"),
+    (file("bytes.csv"), "file bytes.csv: is no text in UTF-8; save it as CSV in UTF-8"),
     # Springs.
     (spring('["A", "O4"]', 'stiffness = "-1 N/m"\nfree_length = "0 m"'), "s.stiffness: must be"),
     (spring('["A", "O4"]', 'stiffness = "1 N/m"\nfree_length = "-1 m"'), "s.free_length: must be"),

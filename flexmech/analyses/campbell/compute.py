@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,9 +20,9 @@ from flexmech.analyses.loads_over_time import left_out_attributes
 from flexmech.analyses.requests import engines_of
 from flexmech.choices import MODES, PRESTRESS_LEVELS, Prestress
 from flexmech.linear_system import Engine
-from flexmech.numbers import POSITIVE, check_choice, check_number
+from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress
+from flexmech.types import IntArray, LabelledProgress
 
 __all__ = ["campbell"]
 
@@ -104,9 +105,9 @@ def campbell(
         check_number(tolerance, "tolerance", bounds=POSITIVE)
     check_choice(prestress, PRESTRESS_LEVELS, "prestress")
     request = CampbellRequest(
-        np.asanyarray(crank_speeds),
-        TURN if crank_angles is None else np.asanyarray(crank_angles),
-        np.asanyarray(orders),
+        checked_array(crank_speeds, "crank_speeds", "rad/s"),
+        TURN if crank_angles is None else checked_array(crank_angles, "crank_angles", "rad"),
+        cast(IntArray, checked_array(orders, "orders")),
         Formulation(prestress, rotation_terms, modes),
         speed_unit,
     )

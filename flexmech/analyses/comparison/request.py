@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from flexmech.errors import InputError
-from flexmech.numbers import check_angle, check_instance, check_number
+from flexmech.numbers import check_angle, check_instance, check_number, checked_tuple
 
 __all__ = ["ComparisonRequest"]
 
@@ -64,9 +64,7 @@ class ComparisonRequest:
         if self.quantity is not None:
             check_instance(self.quantity, str, "quantity", "write the name of a column")
         if self.fit is not None:
-            if isinstance(self.fit, str) or not self.fit:
-                raise InputError(
-                    f"fit must be a tuple of names such as ('damping',), got {self.fit!r}; write "
-                    "('none',) to fit nothing"
-                )
-            object.__setattr__(self, "fit", tuple(self.fit))
+            remedy = "give names in a tuple, as ('damping',), or ('none',) to fit nothing"
+            object.__setattr__(self, "fit", checked_tuple(self.fit, str, "fit", remedy))
+            if not self.fit:
+                raise InputError(f"fit is empty; {remedy}")

@@ -17,6 +17,7 @@ from flexmech.hygrothermal import (
 from flexmech.linkages import CouplerPoint, Linkage, PlanarLinkage
 from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism
+from flexmech.numbers import check_instance
 from flexmech.types import FloatArray
 
 __all__ = ["link_named", "path_of_link"]
@@ -41,6 +42,7 @@ def link_named(linkage: Linkage, link: str) -> str:
     InputError
         If there is no such link; names the nearest one.
     """
+    check_instance(link, str, "link", "give the name of a link, such as 'coupler'")
     chains = {}
     if isinstance(linkage, PlanarLinkage):
         chains = {drawn.name: drawn.beams[0].name for drawn in linkage.links}

@@ -25,6 +25,7 @@ from flexmech.choices import MODES, MapPrestress, ShaftChoice
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
+from flexmech.numbers import checked_array
 from flexmech.threads import one_thread
 from flexmech.types import LabelledProgress
 
@@ -116,8 +117,8 @@ def moving_frequencies(
     if crank_speeds is None:
         crank_speeds = operating_speeds(engines[0].mechanism)
     request = FrequencyRequest(
-        np.asanyarray(crank_angles),
-        np.asanyarray(crank_speeds),
+        checked_array(crank_angles, "crank_angles", "rad"),
+        checked_array(crank_speeds, "crank_speeds", "rad/s"),
         formulation,
         speed_effect,
         speed_unit,

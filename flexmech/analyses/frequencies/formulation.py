@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.analyses.frequencies.running_states import RunningStates
-from flexmech.choices import MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
+from flexmech.choices import MODES, MOST_MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
 from flexmech.linear_system import Engine, LinearSystem, RotationTerms, StressedLinks
 from flexmech.numbers import check_choice, check_count
 from flexmech.types import FloatArray
@@ -46,7 +46,7 @@ class Formulation:
 
     def __post_init__(self) -> None:
         check_choice(self.prestress, (*PRESTRESS_LEVELS, "trajectory"), "prestress")
-        check_count(self.modes, "modes")
+        check_count(self.modes, "modes", most=MOST_MODES)
 
     @property
     def quasi_static_prestress(self) -> Prestress:

@@ -87,6 +87,8 @@ def frequencies_at(
     """
     angle, speed, systems = _systems(engine, crank_angle, crank_speed, formulation)
     flat_angle, flat_speed = angle.ravel(), speed.ravel()
+    if not angle.size:
+        raise InputError("crank_angle is empty; give one crank angle or more")
     some = check_angle_indices(np.arange(angle.size, dtype=float), full_turn=False)
     with one_thread():
         checked = settled(systems, flat_angle[some], flat_speed[some])

@@ -11,7 +11,7 @@ from flexmech.analyses.frequencies.formulation import Formulation
 from flexmech.analyses.requests import in_radians
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import POSITIVE, check_number, checked_array
+from flexmech.numbers import POSITIVE, check_flag, check_instance, check_number, checked_array
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["FrequencyRequest", "operating_speeds"]
@@ -69,6 +69,9 @@ class FrequencyRequest:
     smooth: bool | FloatArray = False
 
     def __post_init__(self) -> None:
+        check_instance(self.formulation, Formulation, "formulation", "give flexmech.Formulation()")
+        if not isinstance(self.speed_effect, str):
+            check_flag(self.speed_effect, "speed_effect")
         angles = in_radians("crank_angles", self.crank_angles)
         speeds = checked_array(self.crank_speeds, "crank_speeds", "rad/s")
         for name, values in (("crank_angles", angles), ("crank_speeds", speeds)):

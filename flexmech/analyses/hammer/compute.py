@@ -13,6 +13,7 @@ from flexmech.analyses.loads_over_time import left_out_attributes
 from flexmech.analyses.provenance import with_units
 from flexmech.analyses.requests import engine_of
 from flexmech.linear_system import Engine
+from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
 from flexmech.types import LabelledProgress
 
@@ -59,6 +60,7 @@ def hammer_test(
     >>> found.identified()["frequency_Hz"].round(-1).tolist()
     [880.0, 1020.0, 1420.0]
     """
+    check_instance(request, HammerRequest, "request", "give a flexmech.HammerRequest")
     engine = engine_of(engine).fit_for(request.modes)
     report = progress or (lambda label, done, total: None)
     with one_thread():

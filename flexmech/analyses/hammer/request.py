@@ -11,6 +11,7 @@ from flexmech.analyses.requests import in_radians
 from flexmech.choices import (
     LINK_DIRECTIONS,
     MODES,
+    MOST_MODES,
     PRESTRESS_LEVELS,
     LinkDirection,
     Prestress,
@@ -106,7 +107,7 @@ class HammerRequest:
         check_count(self.averages, "averages")
         if self.averages > MOST_AVERAGES:
             raise InputError(f"averages: {self.averages} impacts; ask for {MOST_AVERAGES} at most")
-        check_count(self.modes, "modes")
+        check_count(self.modes, "modes", most=MOST_MODES)
         check_count(self.seed, "seed", 0)
         if self.grid is not None:
             check_count(self.grid, "grid", 2, "points a link")

@@ -9,6 +9,7 @@ from flexmech.analyses.kinematics.request import KinematicsRequest
 from flexmech.analyses.kinematics.result import Kinematics
 from flexmech.linear_system import checked_mechanism
 from flexmech.mechanism import Mechanism
+from flexmech.numbers import check_instance
 
 __all__ = ["kinematics"]
 
@@ -42,7 +43,8 @@ def kinematics(mechanism: Mechanism, request: KinematicsRequest | None = None) -
     0.33
     """
     mechanism = checked_mechanism(mechanism)
-    request = request or KinematicsRequest()
+    request = KinematicsRequest() if request is None else request
+    check_instance(request, KinematicsRequest, "request", "give a flexmech.KinematicsRequest")
     speed, elements = request.speed_of(mechanism), request.lumped_of(mechanism)
     motion = mechanism.linkage.motion(request.crank_angles, speed)
     time = request.crank_angles / speed if speed else np.zeros_like(request.crank_angles)

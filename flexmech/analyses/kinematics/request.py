@@ -10,7 +10,7 @@ import numpy as np
 from flexmech.analyses.requests import in_radians
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import check_count, check_number
+from flexmech.numbers import check_count, check_number, checked_tuple
 from flexmech.types import FloatArray
 
 __all__ = ["MOST_LUMPS", "KinematicsRequest"]
@@ -63,7 +63,8 @@ class KinematicsRequest:
         if self.crank_speed is not None:
             check_number(self.crank_speed, "crank_speed", "rad/s")
         if self.lumped is not None:
-            for count in self.lumped:
+            remedy = "give the elements of each link, as (1, 4, 4)"
+            for count in checked_tuple(self.lumped, object, "lumped", remedy):
                 check_count(count, "lumped: each number of elements")
                 if count > MOST_LUMPS:
                     raise InputError(

@@ -13,6 +13,7 @@ from flexmech.analyses.response.result import Response
 from flexmech.analyses.response.run import mesh_error, run_engine
 from flexmech.hygrothermal import Environment
 from flexmech.linear_system import Engine
+from flexmech.numbers import check_flag
 from flexmech.threads import one_thread
 from flexmech.types import LabelledProgress
 
@@ -65,6 +66,7 @@ def response(
     >>> [str(name) for name in run.dataset["deflection"].dims]
     ['engine', 'time', 'link']
     """
+    check_flag(check_mesh, "check_mesh")
     report = progress or (lambda label, done, total: None)
     chosen, lines = engines_in_state(engines, request, environment)
     with one_thread():

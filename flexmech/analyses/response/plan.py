@@ -21,6 +21,7 @@ from flexmech.analyses.turn import sampled_turn
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
+from flexmech.numbers import check_instance
 from flexmech.time_domain import lowest_axial_frequency
 from flexmech.types import FloatArray
 
@@ -85,6 +86,7 @@ def engines_in_state(
         without load are to start straight, or a free shaft is to start on a periodic motion or
         to run by linear equations without prestress.
     """
+    check_instance(request, ResponseRequest, "request", "give a flexmech.ResponseRequest")
     chosen = engines_of(engines, request.modes)
     lines = environment_lines(chosen[0].mechanism, environment)
     if environment is not None:

@@ -86,7 +86,7 @@ class ResponseRequest:
         )
         check_number(self.revolutions, "revolutions", "", POSITIVE)
         check_count(self.samples, "samples", 8, "a revolution")
-        check_count(self.modes, "modes")
+        check_count(self.modes, "modes", most=choices.MOST_MODES)
         check_choice(self.start, choices.STARTS, "start")
         check_choice(self.integrator, choices.INTEGRATORS, "integrator")
         check_choice(self.prestress, choices.PRESTRESS_LEVELS, "prestress")

@@ -22,11 +22,11 @@ from flexmech.analyses.response import deflections_of, probes
 from flexmech.analyses.response.run import STEPS_PER_PERIOD
 from flexmech.analyses.speed_sweep.result import SpeedSweep
 from flexmech.analyses.turn import sampled_turn
-from flexmech.choices import Prestress
+from flexmech.choices import MOST_MODES, PRESTRESS_LEVELS, Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
-from flexmech.numbers import check_count, checked_array
+from flexmech.numbers import check_choice, check_count, checked_array
 from flexmech.threads import one_thread
 from flexmech.time_domain import DrivenLinkage, VibrationState, periodic_turn
 from flexmech.types import FloatArray, LabelledProgress
@@ -44,6 +44,7 @@ LEAST_STEPS = 720
 QUASI_STATIC_ANGLES = 360
 # A steady state shakes the lowest modes alone: fewer component modes than a start at speed.
 DETAIL = 2.0
+MOST_ORDERS = 1000
 
 
 def speed_sweep(
@@ -97,8 +98,9 @@ def speed_sweep(
         raise InputError("crank_speeds must be a list of positive speeds in rad/s")
     if np.any(np.diff(speeds) <= 0):
         raise InputError("crank_speeds must increase; sort them and leave out repetitions")
-    check_count(orders, "orders")
-    check_count(modes, "modes")
+    check_choice(prestress, PRESTRESS_LEVELS, "prestress")
+    check_count(orders, "orders", most=MOST_ORDERS)
+    check_count(modes, "modes", most=MOST_MODES)
     engine = engine_of(engine).fit_for(modes)
     peaks = []
     with one_thread():

@@ -22,6 +22,7 @@ from flexmech.analyses.stability.result import StabilityMap
 from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame, ShaftChoice
 from flexmech.interruption import tidying
 from flexmech.linear_system import Engine
+from flexmech.numbers import checked_array
 from flexmech.threads import one_thread
 from flexmech.types import LabelledProgress
 
@@ -105,7 +106,13 @@ def stability(
     """
     engines = engines_of(engine, modes, shaft)
     request = StabilityRequest(
-        np.asanyarray(crank_speeds), prestress, frame, modes, steps, damping_ratio, speed_unit
+        checked_array(crank_speeds, "crank_speeds", "rad/s"),
+        prestress,
+        frame,
+        modes,
+        steps,
+        damping_ratio,
+        speed_unit,
     )
     second = None if against is None else Against.of(engines[0].mechanism, against)
     report = progress or (lambda label, done, total: None)

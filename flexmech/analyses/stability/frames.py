@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flexmech.analyses.frequencies.quadratic_eigenproblem import quadratic_eigenvalues
-from flexmech.choices import MODES, MOVING_FRAMES, MovingFrame, Prestress
+from flexmech.choices import MODES, MOST_MODES, MOVING_FRAMES, MovingFrame, Prestress
 from flexmech.linear_system import Engine, LinearSystem
 from flexmech.numbers import check_choice, check_count
 from flexmech.types import FloatArray, IntArray
@@ -63,7 +63,7 @@ def frozen_eigenvalues(
     0.006 1/s
     """
     check_choice(frame, MOVING_FRAMES, "frame")
-    check_count(modes, "modes")
+    check_count(modes, "modes", most=MOST_MODES)
     system = engine.unreduced().linear_system(crank_angle, crank_speed, prestress=prestress)
     if frame == "inertial":
         system = in_ground_axes(system)

@@ -17,6 +17,8 @@ from flexmech.types import FloatArray
 __all__ = ["BandName", "band_name", "name_of_growth", "signatures_of"]
 
 # A branch that is a smaller part of the mode that grows has no part in the band.
+# In Hz: below it lies none.
+TINY = 1e-300
 LEAST_PART = 0.15
 # Farther from a whole multiple, relative to the crank's frequency, there is no name.
 FARTHEST = 0.25
@@ -85,7 +87,9 @@ def band_name(
     BandName
     """
     found: list[tuple[float, BandName]] = []
-    label = np.abs(np.log(frequency[:, None] / usual)).argmin(axis=1) + 1
+    # Of too few steps a mode may not turn at all: its frequency is zero.
+    height, usual_height = (np.log(np.maximum(of, TINY)) for of in (frequency, usual))
+    label = np.abs(height[:, None] - usual_height).argmin(axis=1) + 1
     count = len(frequency)
     for a in range(count):
         for b in range(a, count):

@@ -11,6 +11,7 @@ from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES
 from flexmech.choices import (
     KEPT_MODES,
     MAP_PRESTRESS_LEVELS,
+    MOST_MODES,
     MOVING_FRAMES,
     MapPrestress,
     MovingFrame,
@@ -71,7 +72,7 @@ class StabilityRequest:
         object.__setattr__(self, "crank_speeds", _checked_speeds(self.crank_speeds))
         check_choice(self.prestress, MAP_PRESTRESS_LEVELS, "prestress")
         check_choice(self.frame, MOVING_FRAMES, "frame")
-        check_count(self.modes, "modes")
+        check_count(self.modes, "modes", most=MOST_MODES)
         if self.steps is not None:
             _check_steps(self.steps)
         if self.damping_ratio is not None:

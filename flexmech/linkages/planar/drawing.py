@@ -13,7 +13,14 @@ from typing import Literal
 from flexmech.errors import InputError, suggestion
 from flexmech.linkages.attachments import GROUND
 from flexmech.linkages.topology import LinkEnd
-from flexmech.numbers import check_angle, check_choice, check_pair
+from flexmech.numbers import (
+    check_angle,
+    check_choice,
+    check_flag,
+    check_instance,
+    check_pair,
+    checked_tuple,
+)
 
 __all__ = ["Beam", "Drawing", "JointKind", "PlanarJoint", "PlanarLink"]
 
@@ -47,7 +54,9 @@ class PlanarLink:
     rigid: bool = False
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "points", tuple(self.points))
+        names = checked_tuple(self.points, str, f"points of link {self.name}", "give their names")
+        object.__setattr__(self, "points", names)
+        check_flag(self.rigid, f"rigid of link {self.name}")
 
     @property
     def beams(self) -> tuple[Beam, ...]:
@@ -104,8 +113,10 @@ class PlanarJoint:
     guide: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "links", tuple(self.links))
         what = f"joint {self.point}"
+        names = checked_tuple(self.links, str, f"{what}: links", "give their names")
+        object.__setattr__(self, "links", names)
+        check_instance(self.guide, str, f"{what}: guide", "give the name of a link")
         check_choice(self.kind, JOINT_KINDS, f"{what}: kind")
         if self.kind == "slider":
             if self.direction is None:

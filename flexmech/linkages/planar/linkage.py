@@ -20,10 +20,18 @@ from flexmech.linkages.planar.joints import derived_topology
 from flexmech.linkages.planar.resizing import resized_points
 from flexmech.linkages.topology import Topology
 from flexmech.model_text import TomlTable, quantity
-from flexmech.numbers import check_angle
+from flexmech.numbers import check_angle, check_instance, check_pair, checked_tuple
 from flexmech.units import ANGLE, LENGTH
 
 __all__ = ["PlanarLinkage"]
+
+# Fields that hold several things: of which type, and what to give.
+_PARTS: tuple[tuple[str, type, str], ...] = (
+    ("links", PlanarLink, "give PlanarLink(name, points) in a tuple"),
+    ("ground", str, "give names of points in a tuple"),
+    ("joints", PlanarJoint, "give PlanarJoint(point, kind) in a tuple"),
+    ("sprung", str, "give names of joints in a tuple"),
+)
 
 
 @dataclass(frozen=True)
@@ -84,10 +92,14 @@ class PlanarLinkage:
     kind: ClassVar[str] = "planar"
 
     def __post_init__(self) -> None:
+        check_instance(self.points, Mapping, "points", "give coordinates in m by name")
+        for name, pair in self.points.items():
+            check_pair(pair, f"points: {name}", "m")
         places = {name: (float(x), float(y)) for name, (x, y) in self.points.items()}
         object.__setattr__(self, "points", places)
-        for name in ("links", "ground", "joints", "sprung"):
-            object.__setattr__(self, name, tuple(getattr(self, name)))
+        for field_name, kind, remedy in _PARTS:
+            items = checked_tuple(getattr(self, field_name), kind, field_name, remedy)
+            object.__setattr__(self, field_name, items)
         object.__setattr__(self, "sprung", tuple(sorted(self.sprung)))
         # A pin needs no joint, so that none is kept for it.
         joints = tuple(joint for joint in self.joints if joint != PlanarJoint(joint.point))
