@@ -148,7 +148,10 @@ def swollen_section(section: BeamSection, profile: HygrothermalProfile) -> Swoll
     grown = Laminate(tuple(s.swollen for s in slices))
     across = 1 + (free[0, 1] if dry.reduction == "narrow" else 0.0)
     soft = LaminateSection(grown, dry.width * across, dry.reduction, dry.twist)
-    elongation = float(free[0, 0] + soft.neutral_axis * free[1, 0])
+    elongation = float(free[0, 0])
+    # Where nothing bends, the axis does not matter, and need not be found.
+    if free[1, 0]:
+        elongation += float(soft.neutral_axis * free[1, 0])
     packed = tuple(s.packed(across * (1 + elongation)) for s in slices)
     wet = LaminateSection(Laminate(packed), soft.width, dry.reduction, dry.twist)
     return SwollenSection(

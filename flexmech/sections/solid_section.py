@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy.sparse as sp
@@ -180,15 +180,50 @@ def _energy(mesh: _Mesh, stiffness: FloatArray) -> sp.csc_matrix:
         rate[:, :, row, direction::3] = shape
     strain[..., 2 * WARPING :] = _strains_of_section(y, z)
     area = np.outer(weights, weights).ravel() * half_y * half_z
-    stress = np.einsum("eij,egjk->egik", stiffness[mesh.rows], strain) * area[..., None, None]
+    stress = (stiffness[mesh.rows, None] @ strain) * area[..., None, None]
     flat = (count, NODES * 6, -1)
     parts = np.swapaxes(strain.reshape(flat), 1, 2) @ stress.reshape(flat)
-    size = mesh.size
+    pattern = _pattern(len(mesh.faces) - 1, len(mesh.sides) - 1)
+    return pattern.filled(parts)
+
+
+@dataclass(frozen=True)
+class _Pattern:
+    """Where the energies of the elements go in a sparse matrix.
+
+    Parameters
+    ----------
+    place : ndarray of int, shape (elements * width^2,)
+        Number of the matrix's entry to which each pair of an element's unknowns adds.
+    indices, starts : ndarray of int
+        Rows of the entries, and where each column starts among them.
+    """
+
+    place: IntArray
+    indices: IntArray
+    starts: IntArray
+
+    def filled(self, parts: FloatArray) -> sp.csc_matrix:
+        """Matrix of the symmetric energies of the elements, (elements, width, width)."""
+        values = np.bincount(self.place, parts.ravel(), minlength=len(self.indices))
+        matrix = sp.csc_matrix((values, self.indices, self.starts))
+        matrix.has_canonical_format = True
+        return matrix
+
+
+@lru_cache(maxsize=8)
+def _pattern(rows: int, columns: int) -> _Pattern:
+    """Of a mesh of so many rows and columns, whatever their sizes."""
+    mesh = _Mesh(np.arange(rows + 1.0), np.arange(columns + 1.0))
+    size, count = mesh.size, rows * columns
     own = np.broadcast_to(2 * size + np.arange(LOADS), (count, LOADS))
-    place = np.concatenate([mesh.displacements, size + mesh.displacements, own], axis=1)
-    width = place.shape[1]
-    pairs = (np.repeat(place, width, axis=1).ravel(), np.tile(place, (1, width)).ravel())
-    return sp.csc_matrix((parts.ravel(), pairs), shape=(2 * size + LOADS,) * 2)
+    unknown = np.concatenate([mesh.displacements, size + mesh.displacements, own], axis=1)
+    whole = 2 * size + LOADS
+    entry, place = np.unique(unknown[:, :, None] * whole + unknown[:, None, :], return_inverse=True)
+    starts = np.searchsorted(entry, whole * np.arange(whole + 1))
+    return _Pattern(
+        place.ravel().astype(np.int32), (entry % whole).astype(np.int32), starts.astype(np.int32)
+    )
 
 
 def _parabolas(points: FloatArray) -> tuple[FloatArray, FloatArray]:
