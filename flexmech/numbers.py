@@ -286,14 +286,11 @@ def check_count(
     InputError
         Names the argument and its least number.
     """
-    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-    if whole and value >= least and (most is None or value <= most):  # type: ignore[operator]
+    if isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= least:
+        if most is not None and value > most:
+            wanted = f"{name} must be at most {most} {unit}".rstrip()
+            raise InputError(f"{wanted}, got {_shown(value)}")
         return
-    if most is not None:
-        raise InputError(
-            f"{name} must be a whole number from {least} to {most} {unit}".rstrip()
-            + f", got {_shown(value)}"
-        )
     wanted = f"{name} must be {least} or more {unit}".rstrip()
     raise InputError(f"{wanted}, got {_shown(value)}")
 

@@ -145,7 +145,9 @@ class Result(ABC):
         """
         folder, names = given_path(folder), []
         check_flag(figures, "figures")
-        _check_pictures(formats, width)
+        check_choice(width, tuple(PAGE_WIDTHS), "width")
+        if figures:
+            _check_pictures(formats)
         form = f"%.{self.significant_digits}g"
         attributes = file_attributes(self.title, command_line) | dict(self.stored_as)
 
@@ -244,8 +246,8 @@ class Result(ABC):
         return picture + self.summary()._repr_html_()
 
 
-def _check_pictures(formats: Sequence[str], width: str) -> None:
-    """Refuse formats that are not known, none, and other widths than those of a page."""
+def _check_pictures(formats: Sequence[str]) -> None:
+    """Refuse formats that are not known, and none."""
     known = ", ".join(map(repr, PICTURE_FORMATS))
     if not isinstance(formats, Sequence):
         raise InputError(f"formats: must be one or more of {known} in a list, got {formats!r}")
@@ -253,4 +255,3 @@ def _check_pictures(formats: Sequence[str], width: str) -> None:
         check_choice(form, PICTURE_FORMATS, "formats")
     if not formats:
         raise InputError(f"formats: must be one or more of {known} in a list, got none")
-    check_choice(width, tuple(PAGE_WIDTHS), "width")

@@ -11,6 +11,7 @@ from flexmech.errors import InputError
 from flexmech.modelfile.base_table import Table, Text
 from flexmech.modelfile.fields import (
     Angle,
+    AngleOfTurn,
     AnyForce,
     Damping,
     Distance,
@@ -39,7 +40,7 @@ class JointTable(Table):
         default_factory=list,
         description="Of a weld or clamp where only some of the links that meet there are fixed",
     )
-    direction: Angle | None = Field(
+    direction: AngleOfTurn | None = Field(
         default=None,
         description="Of a slider: of its line, to the ground's x axis or to that of the guide",
     )

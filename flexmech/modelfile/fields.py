@@ -27,6 +27,7 @@ __all__ = [
     "Acceleration",
     "ActivationEnergy",
     "Angle",
+    "AngleOfTurn",
     "AngularSpeed",
     "AnyForce",
     "BendingStiffness",
@@ -155,7 +156,8 @@ RotaryInertia = Annotated[float, QuantityField(units.ROTARY_INERTIA, POSITIVE)]
 PoissonRatio = Annotated[float, QuantityField(units.RATIO, Bounds(above=-1.0, below=0.5))]
 Ratio = Annotated[float, QuantityField(units.RATIO)]
 SpecificDamping = Annotated[float, QuantityField(units.RATIO, NOT_NEGATIVE)]
-Angle = Annotated[float, QuantityField(units.ANGLE, FINITE, TURN)]
+Angle = Annotated[float, QuantityField(units.ANGLE)]
+AngleOfTurn = Annotated[float, QuantityField(units.ANGLE, FINITE, TURN)]
 DampingRatio = Annotated[float, QuantityField(units.RATIO, Bounds(least=0.0, below=1.0))]
 PositiveRatio = Annotated[float, QuantityField(units.RATIO, POSITIVE)]
 MoistureContent = Annotated[float, QuantityField(units.RATIO, Bounds(above=0.0, below=1.0))]

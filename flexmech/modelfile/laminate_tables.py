@@ -10,7 +10,7 @@ from flexmech.errors import InputError, suggestion
 from flexmech.materials.constituents import DIMENSIONS
 from flexmech.modelfile.base_table import Table, Text
 from flexmech.modelfile.fields import (
-    Angle,
+    AngleOfTurn,
     Density,
     Expansion,
     MoistureExpansion,
@@ -231,7 +231,7 @@ class LaminateTable(Table):
         "when looking from its first joint along it), as in '[C/G/C]', '[C@0/C@45/C@-45]s' "
         "(angle in degrees; s mirrors the stack) or '[C@90*2/G]' (twice)"
     )
-    angles: list[Angle] | None = Field(
+    angles: list[AngleOfTurn] | None = Field(
         default=None, description="Of the fibres against the link's axis, instead of '@'"
     )
     ply_thickness: OneOrEach | None = Field(

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from flexmech.linkages import CouplerPoint, FourBar, RotatingArm
 from flexmech.modelfile.base_table import Table, Text
-from flexmech.modelfile.fields import Angle, Distance, Expansion, Length, LengthOrZero
+from flexmech.modelfile.fields import Angle, AngleOfTurn, Distance, Expansion, Length, LengthOrZero
 
 __all__ = ["FourBarTable", "LinkageTable", "PlanarTable", "RotatingArmTable"]
 
@@ -85,7 +85,7 @@ class PlanarTable(MountedTable):
     """Any planar linkage, drawn once; its links name their points, joints say what points do."""
 
     kind: Literal["planar"]
-    drawn_at: Angle | None = Field(
+    drawn_at: AngleOfTurn | None = Field(
         default=None,
         description="Crank angle of the drawing; the angle of the crank's first beam if left out",
     )
