@@ -10,13 +10,20 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.errors import ComputationError, InputError
+from flexmech.errors import InputError
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.moving_frames import MovingFrames
 from flexmech.multibody.running_model import RunningModel
 from flexmech.multibody.solver_settings import Setting, applied, solver_settings
-from flexmech.time_domain import BlockTaker, Integrator, LinkState, ShaftMotion, StepBlock
+from flexmech.time_domain import (
+    BlockTaker,
+    Integrator,
+    LinkState,
+    ShaftMotion,
+    StepBlock,
+    UnbalancedStepError,
+)
 from flexmech.types import FloatArray
 
 __all__ = ["Simulation"]
@@ -71,7 +78,7 @@ class Simulation:
         ------
         InputError
             If the start does not keep the joints together.
-        ComputationError
+        UnbalancedStepError
             If a step does not converge; names its time and the crank angle.
         """
         self.set_start(start)
@@ -210,7 +217,7 @@ class Simulation:
             self.step, self.steps, self.integrator, self.model.assembly.nodal_force_scale
         )
 
-    def _failure(self, number: int) -> ComputationError:
+    def _failure(self, number: int) -> UnbalancedStepError:
         """What to say of a step that did not converge."""
         residual = float(self.model.assembly.mbs.sys["dynamicSolver"].conv.residual)
         cause = f"Newton's method does not converge (residual {residual:.3g} N)"
@@ -296,10 +303,10 @@ class _Steps:
         self._count += 1
 
 
-def _step_error(simulation: Simulation, number: int, cause: str) -> ComputationError:
+def _step_error(simulation: Simulation, number: int, cause: str) -> UnbalancedStepError:
     time = number * simulation.step
     angle = float(np.degrees(simulation.model.drive.crank_angle(time)))
-    return ComputationError(
+    return UnbalancedStepError(
         f"the simulation stops at {time:.6g} s, crank angle {angle:.6g} deg: {cause}; take a "
         f"step smaller than {simulation.step:.3g} s or a lower crank speed"
     )

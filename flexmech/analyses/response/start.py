@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.response.second_order import without_second_order_stretch
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain import DrivenLinkage, LinkState, VibrationState, periodic_state
@@ -42,13 +43,39 @@ def simulation_start(engine: Engine, request: ResponseRequest, step: float) -> L
         return LinkState.rigid(engine.links)
     if request.start == "equilibrium":
         return _equilibrium(engine, request.drive)
+    return _on_periodic_motion(engine, request, step)
+
+
+def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -> LinkState:
+    """On the periodic motion of the linear equations at time zero.
+
+    A simulation counts the stretch by the square of the slopes, which these leave out.
+    """
     linkage = DrivenLinkage(
         engine, request.drive, request.prestress, modes=request.modes, with_energy=False
     )
-    state = periodic_state(linkage, _steps_of_a_turn(request, step))
-    parts = (state.position, state.velocity, state.acceleration)
-    return linkage.link_state(
-        linkage.equations(np.zeros(1)), VibrationState(*(part[None] for part in parts))
+    first = periodic_state(linkage, _steps_of_a_turn(request, step))
+    if not engine.simulates:
+        start = VibrationState(first.position[None], first.velocity[None], first.acceleration[None])
+        return linkage.link_state(linkage.equations(np.zeros(1)), start)
+    time = _start_times(request.drive)
+    after = time[:, None]
+    near = VibrationState(
+        first.position + after * first.velocity + after**2 / 2 * first.acceleration,
+        first.velocity + after * first.acceleration,
+        np.tile(first.acceleration, (len(time), 1)),
+    )
+    motions = linkage.link_motion(linkage.equations(time), near)
+    linear = [q @ basis.T for basis, (q, _, _) in zip(linkage.bases, motions, strict=True)]
+    placed = without_second_order_stretch(engine, linkage.motion(time), linear, request.prestress)
+    return LinkState(
+        displacement=[q[0] for q in placed],
+        rate=[
+            basis @ rate[0] + _rate(q - was, time)
+            for basis, (_, rate, _), q, was in zip(
+                linkage.bases, motions, placed, linear, strict=True
+            )
+        ],
     )
 
 
