@@ -34,6 +34,7 @@ from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_lo
 from flexmech.linear_system.link_points import LinkPoint, displacement_row, point_rows
 from flexmech.linear_system.link_readings import LinkReadings
 from flexmech.linear_system.link_stretch import LinkStretch
+from flexmech.linear_system.mass_root import inverse_mass_root
 from flexmech.linear_system.posed_ties import PosedTies
 from flexmech.linear_system.position_errors import (
     LESS_LOADED,
@@ -132,6 +133,7 @@ __all__ = [
     "forces_of_links",
     "free_load",
     "inertia_loads",
+    "inverse_mass_root",
     "is_constant_turn",
     "off_axis_inertia",
     "point_rows",

@@ -16,6 +16,7 @@ from flexmech.linear_system import (
     Prestress,
     RotationTerms,
     StressedLinks,
+    inverse_mass_root,
     is_constant_turn,
     same_answers,
     turns_or_slides,
@@ -270,7 +271,7 @@ class SampledTurn:
         if self.connected is not None:
             potential = self.connected.potential
             matrices = replace(matrices, stiffness=matrices.stiffness + potential)
-        half = np.linalg.inv(np.linalg.cholesky(matrices.mass))
+        half = inverse_mass_root(matrices.mass)
         across = np.swapaxes(half, 1, 2)
         squares, vectors = np.linalg.eigh(half @ matrices.stiffness @ across)
         return matrices.mass, squares, across @ vectors

@@ -12,6 +12,7 @@ from flexmech import (
     response,
 )
 from flexmech.analyses import solve_frequencies, solve_modes
+from flexmech.linear_system import inverse_mass_root
 
 
 def damped(arm, tau):
@@ -87,3 +88,16 @@ def test_an_overdamped_lowest_mode_is_not_passed_over(aluminium):
         ComputationError, match=r"fewer than 4 of the lowest modes.*; ask for no more than 1, or"
     ):
         solve_modes(system, 4)
+
+
+@pytest.mark.parametrize("size", [1, 4, 30])
+def test_mass_is_the_unit_matrix_in_its_own_root(size: int) -> None:
+    random = np.random.default_rng(size)
+    root = random.standard_normal((7, size, size)) + 2 * size * np.eye(size)
+    mass = root @ np.swapaxes(root, 1, 2)
+    inverse = inverse_mass_root(mass)
+    unit = inverse @ mass @ np.swapaxes(inverse, 1, 2)
+    assert np.abs(unit - np.eye(size)).max() < 1e-12
+    assert (np.triu(inverse, 1) == 0).all()
+    with pytest.raises(np.linalg.LinAlgError):
+        inverse_mass_root(-mass)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.linear_system import LinearSystem
+from flexmech.linear_system import LinearSystem, inverse_mass_root
 from flexmech.types import FloatArray
 
 __all__ = ["inverse_companion", "without_rigid_modes"]
@@ -95,7 +95,7 @@ def _rigid_shapes(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
 
     Of the symmetric part of the stiffness the rigid motion is the softest.
     """
-    half = np.linalg.inv(np.linalg.cholesky(system.mass))
+    half = inverse_mass_root(system.mass)
     across = np.swapaxes(half, 1, 2)
     symmetric = (system.stiffness + np.swapaxes(system.stiffness, 1, 2)) / 2
     squares, vectors = np.linalg.eigh(half @ symmetric @ across)

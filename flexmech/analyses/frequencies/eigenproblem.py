@@ -14,7 +14,12 @@ from flexmech.analyses.frequencies.quadratic_eigenproblem import (
     quadratic_modes,
 )
 from flexmech.errors import InputError
-from flexmech.linear_system import LinearSystem, OverdampedError, refuse_positions
+from flexmech.linear_system import (
+    LinearSystem,
+    OverdampedError,
+    inverse_mass_root,
+    refuse_positions,
+)
 from flexmech.types import FloatArray
 
 __all__ = ["Modes", "solve_eigenvalues", "solve_frequencies", "solve_modes"]
@@ -181,7 +186,7 @@ def _standard_form(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
         First rows and columns of W.
     """
     ends = system.size if system.unit_mass_from is None else system.unit_mass_from
-    lower = np.linalg.inv(np.linalg.cholesky(system.mass[:, :ends, :ends]))
+    lower = inverse_mass_root(system.mass[:, :ends, :ends])
     unit_mass, stiffness = np.swapaxes(lower, 1, 2), system.stiffness.copy()
     stiffness[:, :, :ends] = stiffness[:, :, :ends] @ unit_mass
     stiffness[:, :ends, :ends] = lower @ stiffness[:, :ends, :ends]

@@ -13,7 +13,7 @@ from scipy.sparse.linalg import splu
 
 from flexmech.analyses.frequencies.eigenproblem import Modes, solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.linear_system import GREAT_DETAIL, LinearSystem, StressedLinks
+from flexmech.linear_system import GREAT_DETAIL, LinearSystem, StressedLinks, inverse_mass_root
 from flexmech.types import FloatArray
 
 __all__ = ["CheckedModes", "ReductionError", "reduction_error", "settled"]
@@ -194,7 +194,7 @@ def _shifted_iteration(
 
 def _in_space(inertia: FloatArray, stiffness: FloatArray) -> NDArray[np.complex128]:
     """Eigenvalues in a space, in which mass and stiffness are given."""
-    lower = np.linalg.inv(np.linalg.cholesky(inertia))
+    lower = inverse_mass_root(inertia)
     values = np.linalg.eigvalsh(lower @ stiffness @ np.swapaxes(lower, 1, 2))
     return np.asarray(1j * np.sqrt(values))
 
