@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.beams.solid_link import beam_error
 from flexmech.linear_system import (
     ELASTICITY,
     NEGLIGIBLE,
@@ -15,6 +16,7 @@ from flexmech.linear_system import (
     TheoryComparison,
     TheoryDifference,
 )
+from flexmech.linkages import LinkEnd
 from flexmech.mechanism import Mechanism
 from flexmech.sections import TWISTS, BeamSection, LaminateSection
 
@@ -125,11 +127,36 @@ def _left_out(engine: Engine, comparison: TheoryComparison) -> str:
 
 def _off_axis(mechanism: Mechanism) -> list[str]:
     """What links of off-axis plies do that beams do not, or not in all modes."""
-    warnings = []
+    warnings, joined = [], mechanism.linkage.topology.joined_ends
     for name, section in mechanism.sections.items():
         length = mechanism.link_mass(name).length
-        warnings += [_twist(name, section), _short(name, section, length)]
+        warnings.append(_twist(name, section))
+        if {LinkEnd(name, "start"), LinkEnd(name, "end")} <= joined:
+            warnings.append(_between_joints(name, section, length))
     return warnings
+
+
+def _between_joints(link: str, section: BeamSection, length: float) -> str:
+    """How far a link's beam is from the link itself between joints; nothing if that is little."""
+    if section.layers is None:
+        return ""
+    found = beam_error(section.layers, length)
+    if found is None:
+        return _short(link, section, length)
+    if max(map(abs, found.of_modes)) <= NEGLIGIBLE:
+        return ""
+    first, second = (_high_or_low(value) for value in found.of_modes)
+    by = "three-dimensional elements" if found.solid else "a beam whose ends hold its twist"
+    return (
+        f"{link}: between joints that hold its end faces flat its first bending frequency is "
+        f"{first}, its second {second} (by {by}, {length / section.layers.width:.3g} widths long)"
+    )
+
+
+def _high_or_low(value: float) -> str:
+    if abs(value) <= NEGLIGIBLE / 2:
+        return "right"
+    return f"{100 * abs(value):.2g} % too {'high' if value > 0 else 'low'}"
 
 
 def _short(link: str, section: BeamSection, length: float) -> str:

@@ -19,6 +19,7 @@ import scipy.linalg
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
+from flexmech.beams.parabolas import Parabolas
 from flexmech.linear_system import LinkModel, LinkReadings, RigidFields
 from flexmech.linkages import LinkBody, LinkMass
 from flexmech.materials import solid_stiffness
@@ -55,7 +56,7 @@ def compression_frequency(section: LaminateSection) -> float:
     float
     """
     rows = _Rows.of(section)
-    line = _Line(rows.faces)
+    line = Parabolas(rows.faces)
     squares = scipy.linalg.eigh(
         line.stiffness(rows.stiffness[:, 1, 1]).toarray(),
         line.mass(rows.density).toarray(),
@@ -186,59 +187,28 @@ def _plane_stiffness(section: LaminateSection, layer: Any, along: float) -> Floa
     return np.asarray(scale[:, None] * plane * scale)
 
 
-class _Line:
-    """Matrices of parabolas over elements along a line of nodes (n + 1,) with weights (n,)."""
+def _means(through: Parabolas, weight: FloatArray) -> FloatArray:
+    """Displacements along and across and rotation of a section as a whole, (3, 2 size).
 
-    def __init__(self, nodes: FloatArray) -> None:
-        self.size = 2 * (len(nodes) - 1) + 1
-        self._lengths = np.diff(nodes)
-        middle = (nodes[1:] + nodes[:-1]) / 2
-        self.places = np.sort(np.concatenate([nodes, middle]))
-
-    def mass(self, weight: FloatArray) -> Any:
-        """Integral of the weight times two functions."""
-        own = np.array([[4.0, 2.0, -1.0], [2.0, 16.0, 2.0], [-1.0, 2.0, 4.0]]) / 30
-        return self._summed(own, weight * self._lengths)
-
-    def stiffness(self, weight: FloatArray) -> Any:
-        """Integral of the weight times two slopes."""
-        own = np.array([[7.0, -8.0, 1.0], [-8.0, 16.0, -8.0], [1.0, -8.0, 7.0]]) / 3
-        return self._summed(own, weight / self._lengths)
-
-    def coupling(self, weight: FloatArray) -> Any:
-        """Integral of the weight times a function (row) and a slope (column)."""
-        own = np.array([[-3.0, 4.0, -1.0], [-4.0, 0.0, 4.0], [1.0, -4.0, 3.0]]) / 6
-        return self._summed(own, weight)
-
-    def means(self, weight: FloatArray) -> FloatArray:
-        """Displacements along and across and rotation of a section as a whole, (3, 2 size).
-
-        By displacements of the nodes along and across; weighted.
-        """
-        mass, y = self.mass(weight), self.places
-        mean = np.asarray(mass.sum(axis=0)).ravel()
-        mean = mean / mean.sum()
-        axis = y - mean @ y
-        turned = -(mass @ axis) / (axis @ (mass @ axis))
-        nothing = np.zeros(self.size)
-        # Along at the pins' line, from which the neutral axis is so far.
-        along = mean + (mean @ y) * turned
-        return np.stack([np.r_[along, nothing], np.r_[nothing, mean], np.r_[turned, nothing]])
-
-    def _summed(self, own: FloatArray, factor: FloatArray) -> Any:
-        nodes = 2 * np.arange(len(factor))[:, None] + np.arange(3)
-        rows, columns = np.repeat(nodes, 3, axis=1), np.tile(nodes, (1, 3))
-        values = factor[:, None] * own.ravel()
-        shape = (self.size, self.size)
-        return sp.csr_matrix((values.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
+    By displacements of its nodes along and across; weighted.
+    """
+    mass, y = through.mass(weight), through.places
+    mean = np.asarray(mass.sum(axis=0)).ravel()
+    mean = mean / mean.sum()
+    axis = y - mean @ y
+    turned = -(mass @ axis) / (axis @ (mass @ axis))
+    nothing = np.zeros(through.size)
+    # Along at the pins' line, from which the neutral axis is so far.
+    along = mean + (mean @ y) * turned
+    return np.stack([np.r_[along, nothing], np.r_[nothing, mean], np.r_[turned, nothing]])
 
 
 @dataclass(frozen=True)
 class _PlaneSolid:
     """Matrices by displacements along at all nodes, row by row from the lowest, then across."""
 
-    along: _Line
-    through: _Line
+    along: Parabolas
+    through: Parabolas
     stiffness: Any
     mass: Any
 
@@ -248,10 +218,9 @@ class _PlaneSolid:
     ) -> _PlaneSolid:
         """With inertia (3, 3) on cross-sections that are not held rigid, each with its place."""
         rows = _Rows.of(section)
-        along, through = _Line(_nodes_along(mass)), _Line(rows.faces)
-        one = np.ones(len(along.places) // 2)
+        along, through = Parabolas(_nodes_along(mass)), Parabolas(rows.faces)
         d, width = rows.stiffness, section.width
-        mass_x, stiff_x, coupled_x = along.mass(one), along.stiffness(one), along.coupling(one)
+        mass_x, stiff_x, coupled_x = along.mass(), along.stiffness(), along.coupling()
 
         def over(matrix: Any, x: Any) -> Any:
             return width * sp.kron(matrix, x)
@@ -266,7 +235,7 @@ class _PlaneSolid:
         inertia = over(through.mass(rows.density), mass_x)
         inertia = inertia * (mass.mass_per_length / section.mass_per_length)
         both = sp.block_diag([inertia, inertia], format="csc")
-        means = through.means(d[:, 0, 0])
+        means = _means(through, d[:, 0, 0])
         for x, own in attached:
             row = np.zeros(along.size)
             row[np.argmin(np.abs(along.places - x))] = 1.0

@@ -36,7 +36,7 @@ from flexmech.sections.solid_section import (
 )
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["FreeEdges", "free_edges", "laminate_solid"]
+__all__ = ["FreeEdges", "free_edges", "is_off_axis", "laminate_solid", "layer_runs"]
 
 # Strains x, z and xz among those of a solid.
 IN_PLANE = np.array([0, 2, 4])
@@ -77,6 +77,22 @@ class FreeEdges:
     torsion: float
 
 
+def is_off_axis(laminate: Laminate) -> bool:
+    """Whether a ply is neither along nor across the link.
+
+    Parameters
+    ----------
+    laminate : Laminate
+
+    Returns
+    -------
+    bool
+    """
+    plies = laminate.transformed_stiffness
+    sheared = np.abs(plies[:, 0, 2]) + np.abs(plies[:, 1, 2])
+    return bool(np.any(sheared > ON_AXIS * (plies[:, 0, 0] + plies[:, 1, 1])))
+
+
 def free_edges(laminate: Laminate, width: float) -> FreeEdges | None:
     """Find what free edges do; None where all plies are along or across the link.
 
@@ -95,9 +111,7 @@ def free_edges(laminate: Laminate, width: float) -> FreeEdges | None:
     ComputationError
         If the cross-section cannot be solved.
     """
-    plies = laminate.transformed_stiffness
-    sheared = np.abs(plies[:, 0, 2]) + np.abs(plies[:, 1, 2])
-    if not np.any(sheared > ON_AXIS * (plies[:, 0, 0] + plies[:, 1, 1])):
+    if not is_off_axis(laminate):
         return None
     ratio = width / laminate.thickness
     known = _free_edges(laminate, float(np.clip(ratio, NARROWEST, WIDEST)))
@@ -111,7 +125,7 @@ def free_edges(laminate: Laminate, width: float) -> FreeEdges | None:
 @lru_cache(maxsize=256)
 def _free_edges(laminate: Laminate, ratio: float) -> FreeEdges:
     """Of a width over the thickness."""
-    faces, solids = _runs(laminate)
+    faces, solids = layer_runs(laminate)
     width = ratio * laminate.thickness
     found = _meshed(faces, solids, width)
     # From the curvature to the gradient of the strain.
@@ -149,7 +163,7 @@ def laminate_solid(laminate: Laminate, width: float) -> SolidSection:
     ComputationError
         If the cross-section cannot be solved.
     """
-    return _meshed(*_runs(laminate), width)
+    return _meshed(*layer_runs(laminate), width)
 
 
 def _meshed(faces: FloatArray, solids: FloatArray, width: float) -> SolidSection:
@@ -167,8 +181,20 @@ def _about_neutral_axis(stiffness: FloatArray) -> float:
     return float(stiffness[1, 1] - stiffness[0, 1] ** 2 / stiffness[0, 0])
 
 
-def _runs(laminate: Laminate) -> tuple[FloatArray, FloatArray]:
-    """Faces (n + 1,) of runs of like layers, and their stiffness (n, 6, 6)."""
+def layer_runs(laminate: Laminate) -> tuple[FloatArray, FloatArray]:
+    """Runs of like layers.
+
+    Parameters
+    ----------
+    laminate : Laminate
+
+    Returns
+    -------
+    faces : ndarray, shape (n + 1,)
+        In m.
+    stiffness : ndarray, shape (n, 6, 6)
+        By strains x, y, z, yz, xz and xy in Pa.
+    """
     own = np.stack([solid_stiffness(layer) for layer in laminate.layers])
     angles = np.array([layer.angle for layer in laminate.layers])
     change = np.abs(np.diff(own, axis=0)).max(axis=(1, 2), initial=0.0)

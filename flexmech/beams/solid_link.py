@@ -1,0 +1,212 @@
+"""A link of off-axis plies in three dimensions, between rigid end faces that turn about pins.
+
+Plies off the axis twist a link as it bends, and contract it across. What a beam makes of that is
+right for a long link in its first mode (:mod:`flexmech.sections.twist`). End faces that joints
+hold flat do more: they hold the warping and the curvature across as well, over about a width from
+each end, and a mode is no half sine. So the beam is held against the link itself, in elements with
+27 nodes, for its own length and width.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+
+from flexmech.beams.link_matrices import build_chain
+from flexmech.beams.parabolas import Parabolas
+from flexmech.beams.theories import BEAM_SHAPES
+from flexmech.linkages import LinkMass
+from flexmech.sections import BeamSection, LaminateSection
+from flexmech.sections.free_edges import is_off_axis, layer_runs
+from flexmech.sections.twist import FIRST_MODE
+from flexmech.types import FloatArray
+
+__all__ = ["BeamError", "beam_error", "bending_between_pins"]
+
+MODES = 2
+"""Bending modes that are compared."""
+# Runs of equal plies that are computed in three dimensions.
+MOST_RUNS = 8
+# Elements along the link (at least, and in each width of it), across its width and through it,
+# shorter towards ends and edges: within 0.3 % of a finer mesh.
+ALONG, A_WIDTH, ACROSS, ROWS = 14, 1.2, 4, 4
+GRADED = 0.6
+# Length over width up to which links are computed in three dimensions. What end faces hold besides
+# the twist changes longer ones by 1.5 % at most.
+SHORT = 20
+# Of the frequency between all strains across free and none.
+LEAST = 0.01
+# Strains x, y, z, yz, xz, xy: displacement and the direction along which it changes.
+STRAINS = (((0, 0),), ((1, 1),), ((2, 2),), ((1, 2), (2, 1)), ((0, 2), (2, 0)), ((0, 1), (1, 0)))
+
+
+@dataclass(frozen=True)
+class BeamError:
+    """How far a beam's bending frequencies are from those of the link itself, between pins.
+
+    Parameters
+    ----------
+    of_modes : tuple of float
+        Relative, of the first two modes; positive where the beam is too high.
+    solid : bool
+        Whether the link was computed in three dimensions; else by a beam whose ends hold the
+        twist, for links so long that what end faces hold besides does not matter.
+    """
+
+    of_modes: tuple[float, ...]
+    solid: bool
+
+
+@lru_cache(maxsize=64)
+def beam_error(section: LaminateSection, length: float) -> BeamError | None:
+    """Hold a beam of off-axis plies against the link itself.
+
+    Parameters
+    ----------
+    section : LaminateSection
+        With its twist as it is in the linkage.
+    length : float
+        In m.
+
+    Returns
+    -------
+    BeamError, optional
+        None where the plies are along or across, where nothing that joints hold can matter, and
+        for short links of more than :data:`MOST_RUNS` runs of equal plies.
+    """
+    if not is_off_axis(section.laminate):
+        return None
+    free = replace(section, reduction="narrow", twist="free")
+    wide = replace(section, reduction="wide", twist=None)
+    if wide.bending_stiffness <= (1 + LEAST) ** 2 * free.bending_stiffness:
+        return None
+    if length > SHORT * section.width:
+        exact = _by_beams(free, length, _twisted_back(free))
+    elif len(layer_runs(section.laminate)[0]) <= MOST_RUNS + 1:
+        exact = bending_between_pins(section, length)
+    else:
+        return None
+    off = _by_beams(section, length) / exact - 1
+    return BeamError(tuple(off.tolist()), solid=length <= SHORT * section.width)
+
+
+def _twisted_back(free: LaminateSection) -> float:
+    """Twist by a unit of curvature, squared, times the torsional stiffness, in N m^2."""
+    held = replace(free, twist="held")
+    return (held.bending_stiffness - free.bending_stiffness) / FIRST_MODE
+
+
+def _by_beams(section: LaminateSection, length: float, twisted_back: float = 0.0) -> FloatArray:
+    """Frequencies in Hz between pins, whose energy by the ends' rotations is told besides."""
+    beam = BeamSection.of_laminate(section)
+    mass = LinkMass(length, beam.mass_per_length)
+    model = build_chain("link", beam, mass, 2 * ALONG, BEAM_SHAPES["timoshenko"]).model
+    turned = np.zeros(model.size)
+    turned[model.start_rotation[0]], turned[model.end_rotation[0]] = -1.0, 1.0
+    stiffness = model.stiffness + twisted_back / length * np.outer(turned, turned)
+    kept = np.setdiff1d(np.arange(model.size), [*model.start, model.end[1]])
+    grid = np.ix_(kept, kept)
+    squares = scipy.linalg.eigh(stiffness[grid], model.mass[grid], eigvals_only=True)
+    return np.asarray(np.sqrt(squares[:MODES]) / (2 * np.pi))
+
+
+def bending_between_pins(section: LaminateSection, length: float) -> FloatArray:
+    """Bending frequencies of a link in three dimensions whose rigid end faces turn about pins.
+
+    Sine waves are one step of inverse iteration away from the modes: torsion, which follows
+    statically, does not stand among them.
+
+    Parameters
+    ----------
+    section : LaminateSection
+    length : float
+        In m.
+
+    Returns
+    -------
+    ndarray, shape (2,)
+        In Hz.
+    """
+    faces, stiffness = layer_runs(section.laminate)
+    s = np.linspace(0, 1, max(ALONG, round(A_WIDTH * length / section.width)) + 1)
+    x = Parabolas(length * (GRADED * (1 - np.cos(np.pi * s)) / 2 + (1 - GRADED) * s))
+    z = Parabolas(section.width / 2 * np.sin(np.pi / 2 * np.linspace(-1, 1, ACROSS + 1)))
+    rows = np.maximum(1, np.round(ROWS * np.diff(faces) / (faces[-1] - faces[0]))).astype(int)
+    pairs = zip(faces[:-1], faces[1:], rows, strict=True)
+    heights = [np.linspace(low, high, count + 1)[1:] for low, high, count in pairs]
+    y = Parabolas(np.concatenate([faces[:1], *heights]))
+    elastic = np.repeat(stiffness, rows, axis=0)
+    density = section.mass_per_length / (section.width * (faces[-1] - faces[0]))
+    weight = np.full(len(elastic), density)
+    blocks = [[_block(x, y, z, elastic, i, j) for j in range(3)] for i in range(3)]
+    one = sp.kron(x.mass(), sp.kron(y.mass(weight), z.mass()))
+    held = _between_pins(x, y, z)
+    k = (held.T @ sp.bmat(blocks, format="csc") @ held).tocsc()
+    m = (held.T @ sp.block_diag([one] * 3, format="csc") @ held).tocsc()
+    factors = spla.splu(
+        k, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+    )
+    waves = _sine_waves(x, y, z, held, length)
+    shapes = factors.solve(m @ waves)
+    squares = scipy.linalg.eigh(shapes.T @ (k @ shapes), shapes.T @ (m @ shapes), eigvals_only=True)
+    return np.asarray(np.sqrt(squares) / (2 * np.pi))
+
+
+def _block(
+    x: Parabolas, y: Parabolas, z: Parabolas, elastic: FloatArray, first: int, second: int
+) -> Any:
+    """Stiffness between two of the displacements along, through and across, (n, n)."""
+    total: Any = 0.0
+    for (a, p), (b, q) in itertools.product(_changes(first), _changes(second)):
+        if np.any(elastic[:, a, b]):
+            through = y.integral(p == 1, q == 1, elastic[:, a, b])
+            total = total + sp.kron(
+                x.integral(p == 0, q == 0), sp.kron(through, z.integral(p == 2, q == 2))
+            )
+    return total
+
+
+def _changes(displacement: int) -> Iterator[tuple[int, int]]:
+    """Strains in which a displacement is, each with the direction along which it changes."""
+    for strain, parts in enumerate(STRAINS):
+        for moved, direction in parts:
+            if moved == displacement:
+                yield strain, direction
+
+
+def _between_pins(x: Parabolas, y: Parabolas, z: Parabolas) -> Any:
+    """From free displacements, rotations of both faces and the slide of one to all, sparse."""
+    shape = (x.size, y.size, z.size)
+    number = np.arange(3 * np.prod(shape)).reshape(3, *shape)
+    free = number[:, 1:-1].ravel()
+    rows, columns, values = [free], [np.arange(len(free))], [np.ones(len(free))]
+    turned = -np.repeat(y.places, z.size)
+    for column, (face, value) in enumerate(((0, turned), (-1, turned), (-1, np.ones(len(turned))))):
+        rows.append(number[0, face].ravel())
+        columns.append(np.full(len(value), len(free) + column))
+        values.append(value)
+    places = (np.concatenate(rows), np.concatenate(columns))
+    return sp.csc_matrix((np.concatenate(values), places), shape=(number.size, len(free) + 3))
+
+
+def _sine_waves(x: Parabolas, y: Parabolas, z: Parabolas, held: Any, length: float) -> FloatArray:
+    """Bending by one and two half sines, in the free displacements, (n, 2)."""
+    waves = []
+    for count in range(1, MODES + 1):
+        k = count * np.pi / length
+        along = -k * np.cos(k * x.places)[:, None, None] * y.places[:, None]
+        up = np.sin(k * x.places)[:, None, None] * np.ones((y.size, 1))
+        parts = [np.broadcast_to(part, (x.size, y.size, z.size)) for part in (along, up, 0 * up)]
+        every = np.stack(parts)
+        inside = every[:, 1:-1].ravel()
+        slopes = [k, k * np.cos(k * length), 0.0]
+        waves.append(np.concatenate([inside, slopes]))
+    return np.stack(waves, axis=1)
