@@ -52,7 +52,19 @@ class Parabolas:
     def integral(
         self, slope_of_row: bool, slope_of_column: bool, weight: FloatArray | None = None
     ) -> Any:
-        """Any of the three, by whether row and column stand for slopes."""
+        """Any of the three.
+
+        Parameters
+        ----------
+        slope_of_row, slope_of_column : bool
+            Whether rows and columns stand for slopes.
+        weight : ndarray, shape (n,), optional
+            Of each element; one where it is left out.
+
+        Returns
+        -------
+        sparse matrix, shape (2 n + 1, 2 n + 1)
+        """
         if slope_of_row and slope_of_column:
             return self.stiffness(weight)
         if slope_of_row:
