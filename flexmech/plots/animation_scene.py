@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
@@ -219,7 +219,8 @@ class Scene:
         for sample in motion.frames:
             here = LinkageSketch(motion.deflected[sample], motion.parts).on_links()
             shown += [symbol.places for symbol in here]
-        limits = sketch.limits(np.concatenate([places.reshape(-1, 2) for places in shown]))
+        sketch = replace(sketch, around=np.concatenate([one.reshape(-1, 2) for one in shown]))
+        limits = sketch.limits(np.empty((0, 2)))
         height = height_of(limits, style.figure_width(), 2.0, 5.2) + TITLE_HEIGHT
         with sheet(grid(1, 1, height)) as drawn:
             drawn.header(handles, motion.title)

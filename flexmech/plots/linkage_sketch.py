@@ -73,6 +73,8 @@ class LinkageSketch:
         Of the marks of pins and welds over the usual one.
     travel : ndarray, shape (posture, link, station, 2), optional
         Postures over which the lines of sliders reach; this one alone if left out.
+    around : ndarray, shape (n, 2), optional
+        What else is drawn, in m: the arrow of gravity is to the left of it.
     """
 
     links: FloatArray
@@ -81,6 +83,7 @@ class LinkageSketch:
     mark_size: float = 1.0
     joint_size: float = 1.0
     travel: FloatArray | None = None
+    around: FloatArray | None = None
 
     @classmethod
     def of(cls, dataset: xr.Dataset, mass_color: str = MASS_COLOR) -> LinkageSketch:
@@ -213,7 +216,8 @@ class LinkageSketch:
         """Places of all that is drawn, with those of other symbols."""
         links = self.links if self.travel is None else self.travel
         drawn = (*self.ground(), *self.on_links(), *others)
-        return [links.reshape(-1, 2), *(symbol.places for symbol in drawn)]
+        beside = [] if self.around is None else [self.around]
+        return [links.reshape(-1, 2), *beside, *(symbol.places for symbol in drawn)]
 
     def draw_ground(self, axes: Axes) -> None:
         """Draw what stays in place, and the direction of gravity."""

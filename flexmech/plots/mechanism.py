@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -76,7 +76,8 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     is_pin = ~np.isin(dataset["joint_kind"].values, ["clamp", "pivot"])
     links = values_of(dataset["rigid_position"], "link", "station", "component")
     sketch = LinkageSketch.of(dataset, mass_color=MASS_COLOR)
-    limits = _limits(sketch, dataset, joints)
+    sketch = replace(sketch, around=_places(sketch, dataset, joints))
+    limits = _limits(sketch)
     stacks = _Stacks.of(dataset.assign(grey=_greys(dataset)))
     turns = "transmission_angle" in dataset
     with sheet(_layout(limits, stacks.height, turns), ax=ax) as drawn:
@@ -96,8 +97,8 @@ def plot_mechanism(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     return drawn.figure
 
 
-def _limits(sketch: LinkageSketch, dataset: xr.Dataset, joints: FloatArray) -> Bbox:
-    """Of the posture with its paths, the names of its joints and the thickness of its links."""
+def _places(sketch: LinkageSketch, dataset: xr.Dataset, joints: FloatArray) -> FloatArray:
+    """Of paths, the names of joints and the thickness of links, (n, 2)."""
     room = NAME_ROOM * sketch.size
     inside = [joints - room, joints + room]
     if "path" in dataset:
@@ -105,7 +106,12 @@ def _limits(sketch: LinkageSketch, dataset: xr.Dataset, joints: FloatArray) -> B
     ends = values_of(dataset["rigid_position"], "link", "station", "component")
     half = np.nan_to_num(values_of(dataset["in_plane_thickness"], "link"))[:, None, None] / 2
     inside += [ends - half, ends + half]
-    limits = sketch.limits(np.concatenate([points.reshape(-1, 2) for points in inside]))
+    return np.concatenate([points.reshape(-1, 2) for points in inside])
+
+
+def _limits(sketch: LinkageSketch) -> Bbox:
+    """Of the posture and all around it."""
+    limits = sketch.limits(np.empty((0, 2)))
     # Paths may be much larger than the linkage, which the room for the scale bar is made for.
     low = limits.y0 - BAR_ROOM * limits.height
     return Bbox.from_extents(limits.x0, low, limits.x1, limits.y1)

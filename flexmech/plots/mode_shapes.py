@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
@@ -78,6 +80,7 @@ def plot_mode_shapes(
     held = np.abs(shapes[..., [0, -1], :]).max(axis=(0, 1, -1)) <= AT_REST
     sketch = LinkageSketch(rigid[0], parts_of(dataset, rigid, held), mark_size=SMALL)
     deflected = _smooth(sketch.links + ENLARGED_TO * sketch.size * shapes)
+    sketch = replace(sketch, around=deflected.reshape(-1, 2))
     limits = sketch.limits(deflected, BAR_ROOM)
     n_speeds, n_modes = shapes.shape[:2]
     widths = _line_widths(n_speeds)

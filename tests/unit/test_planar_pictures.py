@@ -178,6 +178,9 @@ class TestScene:
         assert right < np.nanmin(others[:, 0])
         limits = sketch.limits(np.empty((0, 2)))
         assert limits.x0 < min(shaft.places[:, 0].min(), head.places[:, 0].min())
+        # And of what else is drawn there, such as paths.
+        beside = replace(sketch, around=np.array([[-3.0, 0.1]])).gravity()
+        assert max(one.places[:, 0].max() for one in beside) < -3.0
         assert not sketch_of(replace(PUSHER, gravity=(0.0, 0.0))).gravity()
 
     def test_a_bent_linkage_takes_its_parts_along(self):
