@@ -23,6 +23,7 @@ from flexmech.time_domain.harmonic_response import (
 from flexmech.time_domain.krein import krein_signature
 from flexmech.time_domain.linear_run import linear_run
 from flexmech.time_domain.locked_impact import pulse_response
+from flexmech.time_domain.marching import step_lag
 from flexmech.time_domain.moving_modes import MovingModes, counts_of_modes, moving_modes
 from flexmech.time_domain.nonlinear_orbit import NonlinearOrbit, nonlinear_orbit
 from flexmech.time_domain.orbit import PeriodicOrbit, simulated_orbit
@@ -35,7 +36,12 @@ from flexmech.time_domain.periodic_system import (
 from flexmech.time_domain.point_recording import BlockTaker, PointRecorder
 from flexmech.time_domain.pulse import HalfSinePulse, Impact
 from flexmech.time_domain.recording import EnergyHistory, Recorder, StepBlock, Trajectory
-from flexmech.time_domain.reduced_links import DETAIL, can_stretch, is_reduced
+from flexmech.time_domain.reduced_links import (
+    DETAIL,
+    can_stretch,
+    is_reduced,
+    stretches_in_runs,
+)
 from flexmech.time_domain.sampled_turn import SampledTurn
 from flexmech.time_domain.shaft_motion import ShaftMotion
 from flexmech.time_domain.shaft_torque import rigid_torque
@@ -101,5 +107,7 @@ __all__ = [
     "simulated_orbit",
     "simulator",
     "state_modes",
+    "step_lag",
+    "stretches_in_runs",
     "turn_map",
 ]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from flexmech.time_domain.low_pass import LowPass
@@ -22,12 +24,20 @@ class ForceRecord:
         Time step in s.
     band : float, optional
         Frequency in Hz up to which forces count; all frequencies where it is left out.
+    weights : sequence of float
+        Of the filter's integral: see :class:`LowPass`.
     """
 
-    def __init__(self, sample_time: FloatArray, step: float, band: float | None) -> None:
+    def __init__(
+        self,
+        sample_time: FloatArray,
+        step: float,
+        band: float | None,
+        weights: Sequence[float] = (1.0,),
+    ) -> None:
         self._sample_time = sample_time
         self._step = step
-        self._filter = None if band is None else LowPass(band, step)
+        self._filter = None if band is None else LowPass(band, step, weights)
         # Later steps are there for the filter alone.
         self._steps = max(1, int(np.ceil(sample_time[-1] / step - ON_A_STEP)))
         self._samples: list[FloatArray] = []

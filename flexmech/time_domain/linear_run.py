@@ -9,21 +9,17 @@ import numpy as np
 from flexmech.errors import ComputationError
 from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.time_domain.dynamics import LinkageDynamics
-from flexmech.time_domain.equations import Following
+from flexmech.time_domain.marching import marching
 from flexmech.time_domain.recording import Recorder, Trajectory
 from flexmech.time_domain.state import VibrationState
-from flexmech.time_domain.step_table import StepTable
-from flexmech.time_domain.stretch_march import Course, march_stretching
-from flexmech.time_domain.trapezoidal import initial_state, march
+from flexmech.time_domain.trapezoidal import initial_state
 from flexmech.types import FloatArray, StepProgress
 
-__all__ = ["BLOCK_STEPS", "linear_run", "march_on", "refuse_divergence", "start_state"]
+__all__ = ["BLOCK_STEPS", "linear_run", "refuse_divergence", "start_state"]
 
 
 # Steps that are recorded at once.
 BLOCK_STEPS = 1024
-# Steps whose operators are interpolated at once.
-CACHED_STEPS = 64
 # Displacements beyond this many metres are no small vibration of any linkage.
 DIVERGED = 1e6
 
@@ -38,7 +34,7 @@ def linear_run(
     *,
     band: float | None = None,
 ) -> Trajectory:
-    """Integrate the equations of motion by the trapezoidal rule.
+    """Integrate the equations of motion: see :func:`flexmech.time_domain.marching`.
 
     Parameters
     ----------
@@ -63,15 +59,15 @@ def linear_run(
     ComputationError
         If displacements grow beyond all bounds; names the time and the crank angle.
     """
-    dynamics, recorder = LinkageDynamics(linkage), Recorder(sample_time, step, band)
-    steps = recorder.steps
+    march, dynamics = marching(linkage, step), LinkageDynamics(linkage)
+    recorder = Recorder(sample_time, step, band, march.stride)
+    steps = march.stride * -(-recorder.steps // march.stride)
     state = start_state(linkage, position, velocity)
-    table, course = StepTable(linkage, step), Course()
     for done in range(0, steps, BLOCK_STEPS):
         count = min(BLOCK_STEPS, steps - done)
         time = step * np.arange(done, done + count + 1, dtype=float)
         with np.errstate(over="ignore", invalid="ignore"):
-            history, following, course = march_on(linkage, table, time, state, course)
+            history, following = march.on(time, state)
         refuse_divergence(linkage, time, history)
         recorder.add(dynamics.step_block(time, following, history))
         state = history[-1]
@@ -107,66 +103,6 @@ def start_state(
         )
         equations = replace(equations, force=equations.force - pulled)
     return initial_state(equations, position, velocity)
-
-
-def march_on(
-    linkage: DrivenLinkage,
-    table: StepTable,
-    time: FloatArray,
-    state: VibrationState,
-    course: Course,
-    force: FloatArray | None = None,
-) -> tuple[VibrationState, Following, Course]:
-    """March from the first of some times to the others, in parts that stay in the cache.
-
-    Parameters
-    ----------
-    linkage : DrivenLinkage
-    table : StepTable
-    time : ndarray, shape (m + 1,)
-        In s, one step apart.
-    state : VibrationState
-        At the first of them.
-    course : Course
-    force : ndarray, shape (m + 1,), optional
-        How much of the table's load acts at these times.
-
-    Returns
-    -------
-    VibrationState
-        Arrays of shape (m + 1, n).
-    Following
-        At the same times.
-    Course
-    """
-    acting = np.zeros_like(time) if force is None else force
-    histories, expansions, offsets = [], [], []
-    for first in range(0, len(time) - 1, CACHED_STEPS):
-        some = slice(first + 1, first + 1 + CACHED_STEPS)
-        rows = table.rows(time[some], acting[some])
-        if rows.stretch is None or linkage.stretch is None:
-            history = march(rows.linear, state)
-        else:
-            history, course = march_stretching(
-                rows.linear, rows.stretch, linkage.stretch, state, course
-            )
-        state = history[-1]
-        histories.append(history if first == 0 else history[1:])
-        expansions.append(rows.following.expansion)
-        offsets.append(rows.following.offset)
-    whole = VibrationState(
-        *(
-            np.concatenate([getattr(h, name) for h in histories])
-            for name in ("position", "velocity", "acceleration")
-        )
-    )
-    if not linkage.is_condensed:
-        return whole, Following.of_all(linkage.size), course
-    start = table.rows(time[:1], acting[:1]).following
-    following = Following(
-        np.concatenate([start.expansion, *expansions]), np.concatenate([start.offset, *offsets])
-    )
-    return whole, following, course
 
 
 def refuse_divergence(linkage: DrivenLinkage, time: FloatArray, history: VibrationState) -> None:

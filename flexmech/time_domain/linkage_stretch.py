@@ -86,6 +86,18 @@ class LinkageStretch:
                 rate[:, rows[:, None], led.columns] = led.rate
         return PinTurns(turn, rate)
 
+    def spread(self, turn: FloatArray, columns: FloatArray) -> FloatArray:
+        """Columns of z (..., n, r) with the followers' ends below them, (..., p, r).
+
+        Parameters
+        ----------
+        turn : ndarray, shape (..., f, k)
+            Of :class:`PinTurns`.
+        columns : ndarray, shape (..., n, r)
+        """
+        followers = turn @ columns[..., : self.end_count, :]
+        return np.concatenate([columns, followers], axis=-2)
+
     def remainder(self, turns: PinTurns, position: FloatArray, velocity: FloatArray) -> FloatArray:
         """Forces on z beyond the linear ones, elastic and of damping, (m, n).
 
@@ -95,15 +107,15 @@ class LinkageStretch:
             At m instants.
         position, velocity : ndarray, shape (m, n)
         """
-        parts = []
-        for turn, rate, z, v in zip(turns.turn, turns.rate, position, velocity, strict=True):
-            forces = StretchForces(self, len(z), 1.0)
-            forces.position[:], forces.rate[:] = z, v
-            force = forces.evaluate(turn, rate)
-            own = force[: len(z)].copy()
-            own[: self.end_count] += turn.T @ force[len(z) :]
-            parts.append(own)
-        return np.array(parts)
+        size, ends = position.shape[1], slice(self.end_count)
+        forces = StretchForces(self, len(position), 1.0)
+        forces.place[:] = self.spread(turns.turn, position[..., None])[..., 0]
+        forces.rate[:] = self.spread(turns.turn, velocity[..., None])[..., 0]
+        forces.rate[:, size:] += (turns.rate @ position[:, ends, None])[..., 0]
+        force = forces.evaluate()
+        own = force[:, :size].copy()
+        own[:, ends] += (force[:, None, size:] @ turns.turn)[:, 0]
+        return own
 
     def still(self, turns: PinTurns, position: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Force on z of links at rest beyond the linear one, (n,), and its derivative (n, n).
@@ -114,46 +126,16 @@ class LinkageStretch:
             At one instant.
         position : ndarray, shape (n,)
         """
-        forces, size = StretchForces(self, len(position), 1.0), len(position)
-        forces.position[:], forces.rate[:] = position, 0.0
-        spreading = np.eye(self.size, size)
-        spreading[size:, : self.end_count] = turns.turn[0]
-        force = forces.evaluate(turns.turn[0], 0.0 * turns.rate[0])
-        return spreading.T @ force, spreading.T @ forces.tangent(0.0) @ spreading
+        forces, spreading = StretchForces(self, 1, 1.0), self.spreading(turns.turn)[0]
+        forces.place[0], forces.rate[:] = spreading @ position, 0.0
+        force = forces.evaluate()[0]
+        elastic, _ = forces.tangents()
+        return force @ spreading, spreading.T @ elastic[0] @ spreading
 
-    def gathered(self, turns: PinTurns, columns: FloatArray) -> FloatArray:
-        """``columns @ spreading^T``: from forces on spread coordinates to those on z.
-
-        Parameters
-        ----------
-        turns : PinTurns
-        columns : ndarray, shape (m, r, n)
-
-        Returns
-        -------
-        ndarray, shape (m, r, p)
-        """
-        ends = columns[..., : self._frames.end_count]
-        return np.concatenate([columns, ends @ np.swapaxes(turns.turn, 1, 2)], axis=-1)
-
-    def yielding(self, turns: PinTurns, answer: FloatArray, step: float) -> FloatArray:
-        """By how much tensions fall within a step as links yield to them, (m, s, s).
-
-        Parameters
-        ----------
-        turns : PinTurns
-            At the ends of m steps.
-        answer : ndarray, shape (m, n, p)
-            By how much unit forces at a step's end move the next prediction, which is four
-            times how they move the position.
-        step : float
-            In s.
-        """
-        moved = answer @ self.gradient.T
-        followers = turns.turn @ moved[:, : self.end_count]
-        strain = self.gradient @ np.concatenate([moved, followers], axis=1) / 4
-        # A rate changes by two steps' worth of what the position changes by.
-        return np.asarray((1 + 2 * self.damping_time / step)[:, None] * strain)
+    def spreading(self, turn: FloatArray) -> FloatArray:
+        """From z to spread coordinates, (m, p, n); ``turn`` (m, f, k) of :class:`PinTurns`."""
+        size = self._frames.size
+        return self.spread(turn, np.broadcast_to(np.eye(size), (len(turn), size, size)))
 
     def _spread(self, name: str) -> FloatArray:
         blocks = []
@@ -167,7 +149,7 @@ class LinkageStretch:
 
 
 class StretchForces:
-    """Forces beyond the linear ones, one instant after the other.
+    """Forces beyond the linear ones, at some instants together.
 
     Everything that an evaluation needs is laid out before: what is left are some ten small
     products. They are called as methods of arrays, which costs least.
@@ -175,115 +157,97 @@ class StretchForces:
     Parameters
     ----------
     stretch : LinkageStretch
-    size : int
-        Number n of independent coordinates.
+    count : int
+        Number m of instants.
     step : float
-        Time step h in s; rates are given times h.
-    scale : float
-        Positions and rates are given times this, too.
+        Time step H in s; rates are given times H.
 
     Attributes
     ----------
-    position, rate : ndarray, shape (n,)
-        Where z and h z' of the instant, times ``scale``, are to be written.
-    second : ndarray, shape (s,)
+    place, rate : ndarray, shape (m, p)
+        Where spread coordinates of the instants and their rates times H are to be written.
+    second : ndarray, shape (m, s)
         The last second-order tensions.
     """
 
-    def __init__(self, stretch: LinkageStretch, size: int, step: float, scale: float = 1.0) -> None:
-        strains = len(stretch.gradient)
-        both = np.concatenate([stretch.gradient, stretch.slopes])
-        self._both, self._back = both / scale, np.ascontiguousarray(both.T)
-        self._weights, self._half = stretch.weights, stretch.weights / 2
-        self._spread = np.ascontiguousarray(stretch.weights.T)
+    def __init__(self, stretch: LinkageStretch, count: int, step: float) -> None:
+        strains, slopes = stretch.weights.shape
+        self._both = np.concatenate([stretch.gradient, stretch.slopes])
+        self._strains_and_slopes = np.ascontiguousarray(self._both.T)
+        self._weights, self._spread = np.ascontiguousarray(stretch.weights.T), stretch.weights
+        self._half = self._weights / 2
         self._times = stretch.damping_time / step if stretch.is_damped else None
-        self._end_count = stretch.end_count
-        self._turned = np.empty(stretch.size - size)
-        self._tension, self._tension_rate = np.empty((2, strains))
-        self._change, self._yielded = np.empty((2, strains))
-        self._square, self._spread_tension = np.empty((2, len(stretch.slopes)))
-        self._load = np.empty(len(self._both))
-        self.second, self._across = self._load[:strains], self._load[strains:]
-        self._force = np.empty(stretch.size)
-        # Spread coordinates and the strains and slopes that they make; of rates as well.
-        place, self._pulled = np.empty(stretch.size), np.empty(len(self._both))
-        moved, self._pulled_rate = np.empty(stretch.size), np.empty(len(self._both))
-        self._place, self._moved = place, moved
-        self.position, self.rate = place[:size], moved[:size]
-        self._ends, self._end_rates = place[: self._end_count], moved[: self._end_count]
-        self._followers, self._follower_rates = place[size:], moved[size:]
-        self._linear, self._slopes = self._pulled[:strains], self._pulled[strains:]
-        self._linear_rate, self._slope_rates = (
-            self._pulled_rate[:strains],
-            self._pulled_rate[strains:],
+        self.place, self.rate = np.zeros((2, count, stretch.size))
+        self._pulled, self._pulled_rate, self._load = np.empty((3, count, strains + slopes))
+        self._linear, self._slopes = self._pulled[:, :strains], self._pulled[:, strains:]
+        self._linear_rate = self._pulled_rate[:, :strains]
+        self._slope_rates = self._pulled_rate[:, strains:]
+        self.second, self._tension, self._tension_rate = np.empty((3, count, strains))
+        self._change, self._yielded = np.empty((2, count * strains))
+        self._changes, self._yieldings = (
+            flat.reshape(count, strains) for flat in (self._change, self._yielded)
         )
+        self._square, self._spread_tension = np.empty((2, count, slopes))
+        self._along, self._across = self._load[:, :strains], self._load[:, strains:]
+        self._force = np.empty((count, stretch.size))
 
     def evaluate(
-        self,
-        turn: FloatArray,
-        rate: FloatArray,
-        yielding: FloatArray | None = None,
-        second: FloatArray | None = None,
+        self, yielding: FloatArray | None = None, second: FloatArray | None = None
     ) -> FloatArray:
-        """Force on the spread coordinates at ``position`` and ``rate``; overwritten next time.
+        """Force on the spread coordinates, (m, p); overwritten next time.
 
         Parameters
         ----------
-        turn, rate : ndarray, shape (f, k)
-            Of :class:`PinTurns` at the instant.
-        yielding : ndarray, shape (s, s), optional
+        yielding : ndarray, shape (m s, m s), optional
             Let the links yield to the change of their second-order tension at once.
-        second : ndarray, shape (s,), optional
-            The second-order tension to which position and rate have yielded; overwritten by
-            that which is found.
+        second : ndarray, shape (m, s), optional
+            The second-order tension to which position and rate have yielded.
 
         Returns
         -------
-        ndarray, shape (p,)
+        ndarray, shape (m, p)
         """
-        turn.dot(self._ends, self._followers)
-        self._both.dot(self._place, self._pulled)
+        self.place.dot(self._strains_and_slopes, self._pulled)
         np.multiply(self._slopes, self._slopes, self._square)
-        self._half.dot(self._square, self.second)
+        self._square.dot(self._half, self.second)
         np.add(self._linear, self.second, self._tension)
         if self._times is not None:
-            self._add_damping(turn, rate)
+            self._add_damping(self._times)
         if yielding is not None and second is not None:
-            np.subtract(self.second, second, self._change)
-            second[:] = self.second
+            np.subtract(self.second, second, self._changes)
             yielding.dot(self._change, self._yielded)
-            np.subtract(self._tension, self._yielded, self._tension)
-        self._spread.dot(self._tension, self._spread_tension)
+            np.subtract(self._tension, self._yieldings, self._tension)
+        self._tension.dot(self._spread, self._spread_tension)
+        self._along[:] = self.second
         np.multiply(self._spread_tension, self._slopes, self._across)
-        return self._back.dot(self._load, self._force)
+        self._load.dot(self._both, self._force)
+        return self._force
 
-    def tangent(self, rate_by_position: float) -> FloatArray:
-        """Derivative of the last force by the spread coordinates, (p, p).
+    def tangents(self) -> tuple[FloatArray, FloatArray]:
+        """Derivatives of the last force by the spread coordinates and by their rates times H.
 
-        Parameters
-        ----------
-        rate_by_position : float
-            By how much h z' changes with z.
+        Returns
+        -------
+        tuple of ndarray, shape (m, p, p)
+            That by the rates is zero without damping.
         """
-        strains = len(self._tension)
-        gradient, slopes = self._back[:, :strains].T, self._back[:, strains:].T
-        own = gradient + (self._weights * self._slopes) @ slopes
-        weight = np.ones(strains)
-        if self._times is not None:
-            weight += rate_by_position * self._times
-        along = own.T @ (weight[:, None] * own) - gradient.T @ (weight[:, None] * gradient)
-        return np.asarray(along + slopes.T @ (self._spread_tension[:, None] * slopes))
+        strains = self._tension.shape[1]
+        gradient, slopes = self._both[:strains], self._both[strains:]
+        own = gradient + (self._spread * self._slopes[:, None]) @ slopes
+        turned = np.swapaxes(own, 1, 2)
+        elastic = turned @ own - gradient.T @ gradient
+        elastic += slopes.T @ (self._spread_tension[..., None] * slopes)
+        if self._times is None:
+            return elastic, np.zeros_like(elastic)
+        time = self._times[:, None]
+        return elastic, turned @ (time * own) - gradient.T @ (time * gradient)
 
-    def _add_damping(self, turn: FloatArray, rate: FloatArray) -> None:
-        assert self._times is not None
-        turn.dot(self._end_rates, self._follower_rates)
-        rate.dot(self._ends, self._turned)
-        np.add(self._follower_rates, self._turned, self._follower_rates)
-        self._both.dot(self._moved, self._pulled_rate)
+    def _add_damping(self, times: FloatArray) -> None:
+        self.rate.dot(self._strains_and_slopes, self._pulled_rate)
         np.multiply(self._slopes, self._slope_rates, self._square)
-        self._weights.dot(self._square, self._tension_rate)
-        np.multiply(self._tension_rate, self._times, self._tension_rate)
+        self._square.dot(self._weights, self._tension_rate)
+        np.multiply(self._tension_rate, times, self._tension_rate)
         np.add(self.second, self._tension_rate, self.second)
         np.add(self._tension, self._tension_rate, self._tension)
-        np.multiply(self._linear_rate, self._times, self._tension_rate)
+        np.multiply(self._linear_rate, times, self._tension_rate)
         np.add(self._tension, self._tension_rate, self._tension)

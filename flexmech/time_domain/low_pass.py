@@ -6,6 +6,8 @@ their raw peaks depend on the step. What is left below those frequencies does no
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.signal import firwin, kaiser_beta, oaconvolve
 
@@ -18,6 +20,8 @@ __all__ = ["LowPass"]
 ATTENUATION = 60.0
 # Parts of the kernel that are filtered at once, at least.
 KERNELS_AT_ONCE = 4
+# Bands that a step must show for weights to count.
+WEIGHTED = 3.0
 
 
 class LowPass:
@@ -34,6 +38,10 @@ class LowPass:
     step : float
         Between values in s. A step too long to show frequencies beyond the band leaves the
         history as it is.
+    weights : sequence of float
+        What the values count in an integral over time, in turn from the first one; their mean
+        is 1. Where their number is more than one they are left out unless the step shows three
+        times the band: at longer steps they would turn what is high into what is low.
 
     Attributes
     ----------
@@ -41,7 +49,7 @@ class LowPass:
         Values before and after an instant that its filtered value depends on.
     """
 
-    def __init__(self, band: float, step: float) -> None:
+    def __init__(self, band: float, step: float, weights: Sequence[float] = (1.0,)) -> None:
         middle, nyquist = 1.5 * band, 0.5 / step
         self.kernel: FloatArray = np.ones(1)
         if middle < nyquist:
@@ -49,6 +57,8 @@ class LowPass:
             half = int(np.ceil((ATTENUATION - 7.95) / (2.285 * np.pi * band / nyquist) / 2))
             self.kernel = firwin(2 * half + 1, middle, window=("kaiser", beta), fs=1 / step)
         self.half = len(self.kernel) // 2
+        self._weights = np.array(weights) if WEIGHTED * band < nyquist else np.ones(1)
+        self._taken = 0
         self._values: FloatArray | None = None
         self._begun = False
 
@@ -66,6 +76,9 @@ class LowPass:
         """
         if not self.half:
             return values
+        turn = np.arange(self._taken, self._taken + len(values)) % len(self._weights)
+        self._taken += len(values)
+        values = self._weights[turn, None] * values
         self._values = values if self._values is None else np.concatenate([self._values, values])
         if len(self._values) < KERNELS_AT_ONCE * len(self.kernel):
             return values[:0]

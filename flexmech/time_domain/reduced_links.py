@@ -17,6 +17,7 @@ __all__ = [
     "can_stretch",
     "is_reduced",
     "prestressed_links",
+    "stretches_in_runs",
     "stretching_links",
 ]
 
@@ -99,6 +100,22 @@ def can_stretch(engine: Engine) -> bool:
     topology = engine.mechanism.linkage.topology
     stiff = any(link.rigid for link in topology.links) or any(c.hub for c in topology.clamps)
     return engine.stretches is not None and not (stiff and engine.shaft == "free")
+
+
+def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
+    """Whether links stretch by the square of their slopes when an engine's own equations run.
+
+    Parameters
+    ----------
+    engine : Engine
+        One that simulates runs without them.
+    prestress : {"none", "axial", "equilibrium"}
+
+    Returns
+    -------
+    bool
+    """
+    return prestress == "equilibrium" and not engine.simulates and can_stretch(engine)
 
 
 def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:

@@ -9,11 +9,10 @@ import numpy as np
 from flexmech.choices import LinkDirection
 from flexmech.linear_system import LinkPoint, displacement_row
 from flexmech.time_domain.driven_linkage import DrivenLinkage
-from flexmech.time_domain.linear_run import BLOCK_STEPS, march_on, refuse_divergence, start_state
+from flexmech.time_domain.linear_run import BLOCK_STEPS, refuse_divergence, start_state
+from flexmech.time_domain.marching import marching
 from flexmech.time_domain.pulse import HalfSinePulse
 from flexmech.time_domain.state import VibrationState
-from flexmech.time_domain.step_table import StepTable
-from flexmech.time_domain.stretch_march import Course
 from flexmech.types import FloatArray
 
 __all__ = ["StruckLinkage"]
@@ -29,7 +28,7 @@ class StruckLinkage:
     linkage : DrivenLinkage
         At constant crank speed.
     step : float
-        Of the trapezoidal rule, in s.
+        In s.
     hit, seen : LinkPoint
         Where the impacts act, and where the displacement is read.
     direction : {"transverse", "axial"}
@@ -56,8 +55,7 @@ class StruckLinkage:
         self._row = displacement_row(linkage.links[self._place], seen.fraction, direction)
         load = [np.zeros(link.size) for link in linkage.links]
         load[struck] = displacement_row(linkage.links[struck], hit.fraction, direction)
-        self._table = StepTable(linkage, step, load)
-        self._table.rows(np.linspace(0.0, linkage.drive.revolution_time, BLOCK_STEPS))
+        self._march = marching(linkage, step, load)
 
     def run(
         self, start: VibrationState, steps: int, pulses: Sequence[HalfSinePulse] = ()
@@ -82,20 +80,20 @@ class StruckLinkage:
         ComputationError
             If displacements grow beyond all bounds; names the time and the crank angle.
         """
-        linkage, course = self._linkage, Course()
+        linkage, march = self._linkage, self._march
+        march.restart()
         state = start_state(linkage, start.position, start.velocity)
-        found = np.empty(steps + 1)
-        for done in range(0, steps, BLOCK_STEPS):
-            count = min(BLOCK_STEPS, steps - done)
+        whole = march.stride * -(-steps // march.stride)
+        found = np.empty(whole + 1)
+        for done in range(0, whole, BLOCK_STEPS):
+            count = min(BLOCK_STEPS, whole - done)
             time = self._step * np.arange(done, done + count + 1, dtype=float)
             force = np.zeros(len(time)) + sum(pulse.force(time) for pulse in pulses)
             with np.errstate(over="ignore", invalid="ignore"):
-                history, following, course = march_on(
-                    linkage, self._table, time, state, course, force
-                )
+                history, following = march.on(time, state, force)
             refuse_divergence(linkage, time, history)
             coordinates = following.expanded(history)
             moved = linkage.frames.link_motion(linkage.motion(time), *coordinates)
             found[done : done + count + 1] = moved[self._place][0] @ self._row
             state = history[-1]
-        return found
+        return found[: steps + 1]

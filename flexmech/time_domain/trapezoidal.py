@@ -77,9 +77,7 @@ def initial_state(
     return VibrationState(position, velocity, np.linalg.solve(equations.mass[0], rest))
 
 
-def step_operators(
-    equations: Equations, step: float, *, forces: bool = False
-) -> tuple[StepOperators, FloatArray]:
+def step_operators(equations: Equations, step: float) -> StepOperators:
     """Solve the effective mass matrix ``M + h/2 C + h^2/4 K`` of each step.
 
     Parameters
@@ -88,20 +86,15 @@ def step_operators(
         At the ends of m steps.
     step : float
         In s.
-    forces : bool
-        Whether the answer to any force is wanted as well.
 
     Returns
     -------
     StepOperators
-    ndarray, shape (m, n, n) or (m, n, 0)
-        By how much unit forces at the step's end move the next prediction.
     """
     mass, damping, stiffness = equations.mass, equations.damping, equations.stiffness
     effective = mass + step / 2 * damping + step**2 / 4 * stiffness
     size = mass.shape[-1]
-    unit = np.broadcast_to(np.eye(size), mass.shape)[..., : size if forces else 0]
-    right = [damping / step, stiffness, equations.force[..., None], unit]
+    right = [damping / step, stiffness, equations.force[..., None]]
     solved = np.linalg.solve(effective, step**2 * np.concatenate(right, axis=-1))
     # The predicted velocity is the difference of the last two predictions.
     by_velocity, by_position = solved[..., :size], solved[..., size : 2 * size]
@@ -109,8 +102,7 @@ def step_operators(
     place = np.arange(size)
     advance[:, place, place] -= 1.0
     advance[:, place, size + place] += 2.0
-    linear = StepOperators(step, advance, np.asarray(solved[..., 2 * size]))
-    return linear, np.asarray(solved[..., 2 * size + 1 :])
+    return StepOperators(step, advance, np.asarray(solved[..., 2 * size]))
 
 
 def predicted(state: VibrationState, step: float) -> FloatArray:

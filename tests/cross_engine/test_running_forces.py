@@ -126,8 +126,9 @@ def test_a_tangent_at_the_bowed_equilibrium_is_not_enough(slender):
 
 @pytest.mark.parametrize("seed", [3, 8])
 def test_random_mechanisms(seed):
+    """The step is Exudyn's: with twice as long a one it is off by 1.5 % itself."""
     case = random_case(seed, damped=True)
-    deflection, force, torque = gaps(both(case.mechanism, case.crank_speed, 0.1, 5760, elements=6))
+    deflection, force, torque = gaps(both(case.mechanism, case.crank_speed, 0.1, 11520, elements=6))
     assert deflection < 1e-2
     assert force < 2e-2
     assert torque < 2e-2

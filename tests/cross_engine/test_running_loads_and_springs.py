@@ -138,7 +138,7 @@ def test_tables_of_loads_are_not_smoothed_by_the_interpolation_of_steps() -> Non
     table = StepTable(linkage, 1e-4)
     assert linkage.connectors.is_interpolated
     found = table.rows(time).linear.forced
-    wanted = step_operators(linkage.equations(time), 1e-4)[0].forced
+    wanted = step_operators(linkage.equations(time), 1e-4).forced
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-5 * np.abs(wanted).max())
 
 

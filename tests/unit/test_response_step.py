@@ -14,10 +14,9 @@ MODEL = Path(__file__).parents[2] / "models" / "rotating_l_beam.toml"
 
 def test_links_that_bow_deeply_get_a_step_in_which_they_balance() -> None:
     engine = flexmech.ReferenceEngine(flexmech.load_mechanism(MODEL), 8, "euler")
-    drive, turns = flexmech.CrankDrive(6.0), 0.1
-    coarse = flexmech.ResponseRequest(drive, turns, step=7.272e-4)
+    drive = flexmech.CrankDrive(16.0)
+    coarse = flexmech.ResponseRequest(drive, 0.5, step=drive.revolution_time / 90)
     with pytest.raises(ComputationError, match="no balance in a time step"):
         flexmech.response(engine, coarse)
-    found = flexmech.response(engine, flexmech.ResponseRequest(drive, turns))
-    assert float(found.dataset["step"].max()) < 2e-4
+    found = flexmech.response(engine, flexmech.ResponseRequest(drive, 0.1))
     assert float(found.dataset["energy_error"].max()) < 1e-6

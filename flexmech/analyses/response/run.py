@@ -19,10 +19,10 @@ from flexmech.time_domain import (
     DrivenLinkage,
     Trajectory,
     UnbalancedStepError,
-    can_stretch,
     is_reduced,
     linear_run,
     simulator,
+    stretches_in_runs,
 )
 from flexmech.types import FloatArray, LabelledProgress, StepProgress
 
@@ -31,7 +31,8 @@ __all__ = ["NO_ERROR", "EngineRun", "RunError", "mesh_error", "run_engine"]
 logger = logging.getLogger(__name__)
 
 
-# Steps in a period of the highest frequency asked for, to begin with.
+# Steps in a period of the highest frequency asked for, to begin with; half as many where the
+# error of the step is of fourth order.
 STEPS_PER_PERIOD = 40
 # A free vibration runs out of phase in proportion to the time that it has run; the step is
 # halved until the estimated error of the deflections is below this part of their peak.
@@ -148,7 +149,8 @@ def run_engine(
         # Second order: the asked run is off by 4/3 of what halving changes.
         return judged(trajectory, _difference(engine, trajectory, finer) * (4 / 3))
     interval = float(sample_time[1] - sample_time[0])
-    step = interval / np.ceil(interval * highest * STEPS_PER_PERIOD)
+    steps = interval * highest * STEPS_PER_PERIOD
+    step = interval / np.ceil(steps / 2 if stretches_in_runs(engine, request.prestress) else steps)
     for _ in range(MOST_HALVINGS):
         try:
             return judged(*_with_halved_steps(engine, run, step))
@@ -161,7 +163,12 @@ def run_engine(
 def _with_halved_steps(
     engine: Engine, run: Callable[[float], Trajectory], step: float
 ) -> tuple[Trajectory, RunError]:
-    """The first run whose step is short enough, and its estimated error."""
+    """The first run whose step is short enough, and its estimated error.
+
+    Also of links that stretch, whose step is of fourth order: what is fast in their motion, and
+    all but invisible in deflections, is resolved last, and until then halving gains less (between
+    2 and 8 times where deflections are off by 1e-3).
+    """
     coarse = run(step)
     for _ in range(MOST_HALVINGS):
         step /= 2
@@ -259,7 +266,7 @@ def _run(
         request.prestress,
         modes=request.modes,
         detail=detail,
-        stretches=request.prestress == "equilibrium" and can_stretch(engine),
+        stretches=stretches_in_runs(engine, request.prestress),
     )
     state = linear_start(linkage, request, step)
     return linear_run(

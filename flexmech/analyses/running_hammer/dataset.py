@@ -13,6 +13,7 @@ from flexmech.analyses.running_hammer.peaks import order_peaks
 from flexmech.analyses.running_hammer.prediction import Prediction
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.linear_system import Engine
+from flexmech.time_domain import step_lag, stretches_in_runs
 from flexmech.types import ComplexArray
 
 __all__ = ["dataset_of"]
@@ -95,6 +96,10 @@ def dataset_of(
         turns=plan.turns,
         turn_time=plan.turn_time,
         step=plan.step,
+        step_lag=step_lag(
+            2 * np.pi * plan.bandwidth * plan.step,
+            stretches=stretches_in_runs(engine, request.prestress),
+        ),
         highest_fitted_order=plan.fitted,
         condition=estimate.condition,
         misfit=estimate.misfit,

@@ -19,9 +19,9 @@ from flexmech.time_domain import (
     Impact,
     LinkState,
     StruckLinkage,
-    can_stretch,
     nonlinear_orbit,
     simulator,
+    stretches_in_runs,
 )
 from flexmech.types import FloatArray, StepProgress
 
@@ -105,7 +105,7 @@ def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: 
         request.prestress,
         modes=count,
         with_energy=False,
-        stretches=request.prestress == "equilibrium" and can_stretch(engine),
+        stretches=stretches_in_runs(engine, request.prestress),
     )
     asked = ResponseRequest(drive, start="periodic", prestress=request.prestress, modes=count)
     start = linear_start(linkage, asked, plan.step)
