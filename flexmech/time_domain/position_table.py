@@ -23,6 +23,8 @@ __all__ = ["PositionTable"]
 # Of the k-th harmonic of its angle the interpolation misses 0.00024 times the tenth power of k
 # times this; that leaves 1e-7 of what the steps of the aluminium linkage are made of.
 SPACING = 0.08
+# A spring or load turns faster than the links where it is short.
+CONNECTED_SPACING = 0.04
 LEAST_POSITIONS = 96
 # Of the Lagrange polynomials, counted from the position before.
 STENCIL = np.arange(-4, 6)
@@ -59,7 +61,8 @@ class PositionTable:
         speeds = motion.angular_velocity
         relative = np.abs(speeds[:, :, None] - speeds[:, None, :])
         fastest = max(float(np.abs(speeds).max()), float(relative.max()))
-        self._count = max(LEAST_POSITIONS, int(np.ceil(fastest * period / SPACING)))
+        spacing = CONNECTED_SPACING if linkage.connectors.any else SPACING
+        self._count = max(LEAST_POSITIONS, int(np.ceil(fastest * period / spacing)))
         # The first positions follow once more after the last one.
         self._table: FloatArray | None = None
         self._values = np.empty((0, 0))

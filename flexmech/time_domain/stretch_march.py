@@ -49,6 +49,9 @@ AMPLE = 30
 # Newton's method with the tangent of the bowed links.
 NEWTON_PASSES = 12
 NEWTON_CHANGE = 1e-9
+# Links that all but stand still have no H^2 z'' to measure changes by: then this part of z is taken
+# in its place, in a pass and in Newton's method.
+STILL, NEWTON_STILL = 1e-6, 1e-3
 # Double steps whose operators stay in the cache.
 CACHED_STEPS = 32
 # Taylor's polynomial at the stages, from z, H z' and H^2 z'' at the start.
@@ -178,7 +181,7 @@ class StretchMarch:
                 continue
             self._passes = passes
             history, change = self._fixed_passes(rows, start, passes)
-            bent = _greatest(history[2])
+            bent = max(_greatest(history[2]), STILL * _greatest(history[0]))
             if change <= LAST_CHANGE * bent < np.inf:
                 if AMPLE * change <= LAST_CHANGE * bent:
                     self._passes = 0
@@ -321,7 +324,8 @@ def _newton(
             whole = np.eye(STAGES * size) + answer @ tangent.reshape(STAGES * spread, -1)
             change = np.linalg.solve(whole, gap.reshape(-1)).reshape(STAGES, size)
             now[3:] -= change
-            if np.abs(change).max() <= NEWTON_CHANGE * np.abs(now[4] - 2 * now[3] + now[0]).max():
+            bent = np.abs(now[4] - 2 * now[3] + now[0]).max()
+            if np.abs(change).max() <= NEWTON_CHANGE * max(bent, NEWTON_STILL * np.abs(now).max()):
                 break
         else:
             raise UnbalancedStepError(
