@@ -327,7 +327,7 @@ Step = Annotated[
 Samples = Annotated[int, Option(min=8, help="Samples saved of each turn.")]
 Integrator = Annotated[
     choices.Integrator,
-    Option(help="Time integration in Exudyn; the reference engine's is trapezoidal."),
+    Option(help="Time integration in Exudyn; the reference engine has its own."),
 ]
 
 # Heat and moisture.

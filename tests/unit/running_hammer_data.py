@@ -73,6 +73,7 @@ def running_hammer_dataset(orders: tuple[int, ...] = ORDERS, **attrs: Any) -> xr
         "turns": 23,
         "turn_time": np.pi / 10,
         "step": 2.8e-4,
+        "step_lag": 2e-6,
         "highest_fitted_order": 4,
         "condition": 1.3,
         "misfit": 0.01,

@@ -147,7 +147,7 @@ def planned(
         turn_time=time,
         turns=turns,
         steps=steps,
-        phase=_phases(2 * fitted + 1 + SPARE_IMPACTS, request.seed),
+        phase=_phases(2 * fitted + 1 + SPARE_IMPACTS, request.seed, steps // 2),
         pulse=pulse,
         peak_force=1.0,
         bandwidth=bandwidth,
@@ -178,10 +178,15 @@ def _turns(request: RunningHammerRequest, prediction: Prediction) -> int:
     return turns
 
 
-def _phases(count: int, seed: int) -> FloatArray:
-    """Evenly spaced places of the turn, each jittered, (count,)."""
+def _phases(count: int, seed: int, double_steps: int) -> FloatArray:
+    """Evenly spaced places of the turn, each jittered, (count,).
+
+    All impacts begin as a double step does: steps then make the same of each pulse, and what they
+    make of it is not taken for a dependence on the crank angle.
+    """
     jitter = JITTER * np.random.default_rng(seed).uniform(-1.0, 1.0, count)
-    return np.asarray((np.arange(count) + 0.5 + jitter) / count)
+    places = (np.arange(count) + 0.5 + jitter) / count
+    return np.asarray(np.round(double_steps * places) / double_steps)
 
 
 def _greatest(forced: ForcedPeriodicSystem, steps: int, plan: RunPlan, orders: IntArray) -> float:

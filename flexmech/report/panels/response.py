@@ -98,8 +98,9 @@ def response_panel(results: Results) -> Panel | None:
         ),
         equation="M_r z̈ + C_r ż + K_r z = f(t),  q = N(t) z",
         source=(
-            "link frames joined at the pins; reference engine: trapezoidal rule, links that "
-            "stretch by the square of their slopes; Exudyn: full nonlinear simulation"
+            "link frames joined at the pins; reference engine: linear links by the trapezoidal "
+            "rule, links that stretch by the square of their slopes by Lobatto's method; Exudyn: "
+            "full nonlinear simulation"
         ),
         plots=plots,
         readings=tuple(readings),
