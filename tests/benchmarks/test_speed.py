@@ -70,13 +70,16 @@ def test_rest_against_plain_assembly_and_eigh(aluminium, against):
     )
 
 
-def test_rest_against_reduced_eigvalsh(aluminium, against):
-    system = ReferenceEngine(aluminium, 8).linear_system(ANGLES, modes=MODES)
+@pytest.mark.parametrize("positions", [361, 10_001])
+def test_rest_against_reduced_eigvalsh(aluminium, against, positions):
+    angles = np.linspace(0.0, 2 * np.pi, positions)
+    request = FrequencyRequest(angles, [0.0], Formulation("none", False, MODES))
+    system = ReferenceEngine(aluminium, 8).linear_system(angles, modes=MODES)
     lower = np.linalg.inv(np.linalg.cholesky(system.mass))
     standard = lower @ system.stiffness @ np.swapaxes(lower, 1, 2)
     against(
-        "rest: 361 frequencies against eigvalsh of the reduced stack",
-        lambda: frequency_map(ReferenceEngine(aluminium, 8), rest()),
+        f"rest: {positions} frequencies against eigvalsh of the reduced stack",
+        lambda: frequency_map(ReferenceEngine(aluminium, 8), request),
         lambda: np.linalg.eigvalsh(standard),
         plain_rounds=7,
     )
