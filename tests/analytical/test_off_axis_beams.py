@@ -206,3 +206,21 @@ def test_short_links_of_many_plies_are_told_of_without_computing() -> None:
     assert "crank: 3.8 widths long, of off-axis plies" in text
     assert "its first frequency may be up to 10 % too low (within 5 % from 5 widths on)" in text
     assert "three-dimensional" not in text
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("angles", [(0, 90, 90, 0), (0, 90), (0, 10, 0), (60,)])
+@pytest.mark.parametrize(("width", "length"), [(2, 30), (8, 45)])
+def test_what_is_not_told_of_is_within_a_percent(
+    angles: tuple[float, ...], width: float, length: float
+) -> None:
+    """Both modes of links whose plies hardly twist, in three dimensions."""
+    layers = section_of(angles, width).layers
+    assert layers is not None
+    section = section_of(angles, width, "held" if layers.twists else None)
+    exact = bending_between_pins(section.layers, length * THICKNESS)  # type: ignore[arg-type]
+    assert lowest(section, "timoshenko", length * THICKNESS, "pinned") == pytest.approx(
+        exact[0], rel=0.01
+    )
+    found = beam_error(section.layers, length * THICKNESS)  # type: ignore[arg-type]
+    assert found is None or max(map(abs, found.of_modes)) < 0.012

@@ -122,3 +122,31 @@ def test_stiff_links_with_masses_and_bodies_are_those_of_beams(
     assert np.abs(elastic / compared.frequency("zigzag") - 1).max() > 1e-6
     light = compare_theories(replace(mechanism, bodies=(), link_masses=(), joint_masses={}))
     assert np.all(light.frequency("zigzag")[:, 0] > 1.05 * elastic[:, 0])
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(20))
+def test_random_arms_are_within_what_is_told(seed: int) -> None:
+    """Cores of 1e-5 to 0.1 of the faces' modulus; a percent need not be told."""
+    random = np.random.default_rng(seed)
+    modulus, share = 70e9 * 10 ** random.uniform(-5, -1), random.uniform(0.3, 0.95)
+    face = Ply.isotropic(Material(70e9, 2700.0, 0.33))
+    core = Ply.isotropic(Material(modulus, random.uniform(50, 1200), random.uniform(0.2, 0.45)))
+    thickness, lower = random.uniform(5, 30), random.uniform(0.2, 0.8)
+    faces = (1 - share) * thickness
+    section = section_of(
+        (face, lower * faces, 0), (core, share * thickness, 0), (face, (1 - lower) * faces, 0)
+    )
+    length = 1e-3 * thickness * float(np.exp(random.uniform(np.log(8), np.log(100))))
+    exact = arm_in_elasticity(section, length)
+    mechanism = Mechanism(RotatingArm(length), {"arm": section})
+    engines = [ReferenceEngine(mechanism), ExudynEngine(mechanism, 24)]
+    told = theory_attributes(engines, 4)["beam_theory_warnings"].splitlines()
+    for engine in engines:
+        bounds = [
+            float(line.split("may be off by ")[1].split(" %")[0])
+            for line in told
+            if f"({engine.name})" in line
+        ]
+        off = 100 * np.abs(natural_frequencies(engine, 0.3) / exact - 1).max()
+        assert off < (bounds[0] if bounds else 1.5)
