@@ -331,9 +331,7 @@ class DrivenLinkage:
             position[axial] = np.linalg.solve(stiffness[np.ix_(axial, axial)], force[axial])
         return position
 
-    def balanced(
-        self, position: FloatArray, time: float = 0.0, *, axial_only: bool = False
-    ) -> FloatArray:
+    def balanced(self, position: FloatArray, time: float = 0.0) -> FloatArray:
         """Position z of links that stretch at which they stand still under the loads, (n,).
 
         Parameters
@@ -342,8 +340,6 @@ class DrivenLinkage:
             Near it.
         time : float
             In s.
-        axial_only : bool
-            Move the links along themselves alone, and leave how they are bent.
 
         Returns
         -------
@@ -357,8 +353,7 @@ class DrivenLinkage:
         assert self.stretch is not None
         equations = self.standing(np.array([time]))
         turns = self.stretch.pin_turns(equations.motion)
-        moved = np.flatnonzero(self._axial()) if axial_only else np.arange(self.size)
-        moved = np.setdiff1d(moved, self.shaft_coordinates)
+        moved = np.setdiff1d(np.arange(self.size), self.shaft_coordinates)
         stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
         for _ in range(MOST_PASSES):
             pulled, tangent = self.stretch.still(turns, z)

@@ -188,17 +188,21 @@ def test_other_starts(aluminium, start):
     assert float(run.force_agreement()["peak_joint_force"].max()) < 2e-2
 
 
-def test_a_simulation_on_the_periodic_motion_begins_without_ringing():
+def test_runs_on_the_periodic_motion_begin_without_ringing():
     """A stiff rocker was stretched by the square of slopes that the linear equations leave out.
 
-    It was strained by 1.2e-5, and its deflection was 0.6 of the peak away from the reference's.
+    It was strained by 1.2e-5, and its deflection was 0.6 of the peak away from the reference's,
+    whose tension in turn lacked the inertia forces of the vibration: by itself it is 0.3 away.
     """
     case = random_case(6316)
-    engine = ExudynEngine(case.mechanism, 4)
-    request = ResponseRequest(CrankDrive(2 * case.crank_speed), 0.02, 360, "periodic", step=1e-4)
-    run = response(engine, request).dataset.sel(engine="exudyn")
-    assert float(run["peak_strain"].sel(link="rocker")) < 2e-6
-    assert float(run["energy_error"]) < 1e-6
+    engines = [ReferenceEngine(case.mechanism, 4), ExudynEngine(case.mechanism, 4)]
+    request = ResponseRequest(CrankDrive(2 * case.crank_speed), 0.01, 360, "periodic", step=2e-4)
+    run = response(engines, request)
+    simulated = run.dataset.sel(engine="exudyn")
+    assert float(simulated["peak_strain"].sel(link="rocker")) < 2e-6
+    assert float(simulated["energy_error"]) < 1e-6
+    assert float(run.agreement().max()) < 1e-2
+    assert float(run.force_agreement()["peak_joint_force"].max()) < 1e-3
 
 
 @pytest.mark.thorough

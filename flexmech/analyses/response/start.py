@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.response.second_order import without_second_order_stretch
-from flexmech.linear_system import Engine
-from flexmech.linkages import CrankDrive
+from flexmech.analyses.response.second_order import linear_forces, without_second_order_stretch
+from flexmech.linear_system import Engine, LinkFrames
+from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain import DrivenLinkage, LinkState, VibrationState, periodic_state
 from flexmech.types import FloatArray
 
@@ -46,36 +48,74 @@ def simulation_start(engine: Engine, request: ResponseRequest, step: float) -> L
     return _on_periodic_motion(engine, request, step)
 
 
+@dataclass(frozen=True)
+class _PeriodicMotion:
+    """The periodic motion of the linear equations at the times of a start.
+
+    Parameters
+    ----------
+    time : ndarray, shape (3,)
+    motion : RigidMotion
+    displacement : list of ndarray, shape (3, n_link)
+        Of the engine's links.
+    rate : list of ndarray, shape (n_link,)
+        At the first of the times.
+    """
+
+    time: FloatArray
+    motion: RigidMotion
+    displacement: list[FloatArray]
+    rate: list[FloatArray]
+
+    @classmethod
+    def of(cls, engine: Engine, request: ResponseRequest, step: float) -> _PeriodicMotion:
+        """Find it, and follow it for a moment."""
+        linkage = DrivenLinkage(
+            engine, request.drive, request.prestress, modes=request.modes, with_energy=False
+        )
+        first = periodic_state(linkage, _steps_of_a_turn(request, step))
+        time = _start_times(request.drive)
+        after = time[:, None]
+        near = VibrationState(
+            first.position + after * first.velocity + after**2 / 2 * first.acceleration,
+            first.velocity + after * first.acceleration,
+            np.tile(first.acceleration, (len(time), 1)),
+        )
+        links = list(
+            zip(linkage.bases, linkage.link_motion(linkage.equations(time), near), strict=True)
+        )
+        return cls(
+            time,
+            linkage.motion(time),
+            [q @ basis.T for basis, (q, _, _) in links],
+            [basis @ rate[0] for basis, (_, rate, _) in links],
+        )
+
+
 def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -> LinkState:
     """On the periodic motion of the linear equations at time zero.
 
     A simulation counts the stretch by the square of the slopes, which these leave out.
     """
-    linkage = DrivenLinkage(
-        engine, request.drive, request.prestress, modes=request.modes, with_energy=False
+    linear = _PeriodicMotion.of(engine, request, step)
+    time, motion, was = linear.time, linear.motion, linear.displacement
+
+    def internal_forces(displacement: list[FloatArray]) -> list[FloatArray]:
+        found = engine.running_links(motion, displacement).internal_force
+        assert found is not None
+        return found
+
+    placed = without_second_order_stretch(
+        LinkFrames(engine.tied_topology, engine.links),
+        motion,
+        was,
+        linear_forces(engine, motion, was, request.prestress),
+        internal_forces,
     )
-    first = periodic_state(linkage, _steps_of_a_turn(request, step))
-    if not engine.simulates:
-        start = VibrationState(first.position[None], first.velocity[None], first.acceleration[None])
-        return linkage.link_state(linkage.equations(np.zeros(1)), start)
-    time = _start_times(request.drive)
-    after = time[:, None]
-    near = VibrationState(
-        first.position + after * first.velocity + after**2 / 2 * first.acceleration,
-        first.velocity + after * first.acceleration,
-        np.tile(first.acceleration, (len(time), 1)),
-    )
-    motions = linkage.link_motion(linkage.equations(time), near)
-    linear = [q @ basis.T for basis, (q, _, _) in zip(linkage.bases, motions, strict=True)]
-    placed = without_second_order_stretch(engine, linkage.motion(time), linear, request.prestress)
+    moved = [q - before for q, before in zip(placed, was, strict=True)]
     return LinkState(
         displacement=[q[0] for q in placed],
-        rate=[
-            basis @ rate[0] + _rate(q - was, time)
-            for basis, (_, rate, _), q, was in zip(
-                linkage.bases, motions, placed, linear, strict=True
-            )
-        ],
+        rate=[v + _rate(q, time) for v, q in zip(linear.rate, moved, strict=True)],
     )
 
 
@@ -132,12 +172,42 @@ def _stretching_start(
     The linear equations and the equilibrium of corotational beams put link ends where they
     are but for the fourth order of the slopes; the tension of a link would feel that.
     """
-    position, velocity = linkage.coordinates(simulation_start(linkage.engine, request, step))
     if request.start == "periodic":
-        return VibrationState(linkage.balanced(position, axial_only=True), velocity, 0 * velocity)
+        return _stretching_on_periodic_motion(linkage, request, step)
+    position, _ = linkage.coordinates(_equilibrium(linkage.engine, request.drive))
     time = _start_times(request.drive)
     still = np.stack([linkage.balanced(position, float(t)) for t in time])
-    return VibrationState(still[0], _rate(still, time), 0 * velocity)
+    return VibrationState(still[0], _rate(still, time), np.zeros_like(position))
+
+
+def _stretching_on_periodic_motion(
+    linkage: DrivenLinkage, request: ResponseRequest, step: float
+) -> VibrationState:
+    """The same of links that stretch as the linkage says."""
+    assert linkage.stretch is not None
+    linear = _PeriodicMotion.of(linkage.engine, request, step)
+    time, motion, frames = linear.time, linear.motion, linkage.frames
+    forces = linear_forces(linkage.engine, motion, linear.displacement, request.prestress)
+    links = list(zip(frames.links, linkage.stretch.links, strict=True))
+
+    def internal_forces(displacement: list[FloatArray]) -> list[FloatArray]:
+        return [
+            p @ link.stiffness + stretch.remainder(p, np.zeros_like(p))[0]
+            for (link, stretch), p in zip(links, displacement, strict=True)
+        ]
+
+    states = [
+        linkage.coordinates(LinkState([q[i] for q in linear.displacement], linear.rate), float(t))
+        for i, t in enumerate(time)
+    ]
+    position = np.stack([z for z, _ in states])
+    was = [p[..., 0] for p in frames.link_coordinates(motion, position[..., None])]
+    expected = [force @ basis for force, basis in zip(forces, linkage.bases, strict=True)]
+    placed = without_second_order_stretch(frames, motion, was, expected, internal_forces)
+    moved = [(p - before)[..., None] for p, before in zip(placed, was, strict=True)]
+    taken_back = frames.independent(motion, moved)[..., 0]
+    velocity = states[0][1] + _rate(taken_back, time)
+    return VibrationState(position[0] + taken_back[0], velocity, np.zeros_like(velocity))
 
 
 def _start_times(drive: CrankDrive) -> FloatArray:
