@@ -2,7 +2,7 @@
 
 The coupler of the composite four-bar, whose plies damp it, is hit in the middle and looked at
 there; force and displacement have white noise of 1 and of 5 percent of their root mean square.
-Three impacts are averaged. Over 25 draws of the noise with fixed seeds: bias (mean error) and
+Three impacts are averaged. Over 15 draws of the noise with fixed seeds: bias (mean error) and
 scatter (standard deviation) of frequency and damping of the first three modes, by both methods.
 
     python scenarios/hammer_noise.py [--out results/hammer_noise]
@@ -24,7 +24,7 @@ from flexmech.types import FloatArray
 
 NOISE = (0.01, 0.05)
 METHODS = ("lscf", "circle-fit")
-DRAWS, MODES = 25, 3
+DRAWS, MODES = 15, 3
 CRANK_ANGLE = 96.9
 FACTORS = (1e6, 100.0)
 """Of errors of frequency and damping: millionths and percent."""

@@ -122,7 +122,7 @@ def _force_title(dataset: xr.Dataset) -> str:
     """Heading that says up to which frequency the forces count."""
     band = dataset.attrs.get("force_band")
     title = run_title(dataset)
-    return title if band is None else f"{title}, forces up to {band:.3g} Hz"
+    return title if band is None else f"{title}, forces up to {band:.4g} Hz"
 
 
 def engine_lines(dataset: xr.Dataset) -> list[Artist]:
