@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Iterator, Mapping
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -11,9 +12,15 @@ from typing import Any
 import h5py
 import xarray as xr
 
-from flexmech.errors import InputError
+from flexmech.errors import FlexmechError, InputError, one_line
 
-__all__ = ["FILE_ATTRIBUTES", "file_attributes", "netcdf_bytes", "read_netcdf"]
+__all__ = [
+    "FILE_ATTRIBUTES",
+    "file_attributes",
+    "netcdf_bytes",
+    "read_netcdf",
+    "told_as_damaged",
+]
 
 # The first with integers of 64 bits is 1.9.
 CONVENTIONS = "CF-1.11"
@@ -100,6 +107,31 @@ def read_netcdf(path: Path) -> xr.Dataset:
     except Exception as error:
         raise InputError(
             f"{path}: not a NetCDF file of flexmech, or a damaged one ({error})"
+        ) from error
+
+
+@contextmanager
+def told_as_damaged(place: object) -> Iterator[None]:
+    """Use what a file holds; where something is missing in it, say so.
+
+    Parameters
+    ----------
+    place : path-like
+        File or folder that messages name.
+
+    Raises
+    ------
+    InputError
+        If what is used is not there, or of another kind or shape than a result has it.
+    """
+    try:
+        yield
+    except FlexmechError:
+        raise
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        raise InputError(
+            f"{place}: lacks something that a result holds ({one_line(str(error), 200)}); it is "
+            "damaged, changed by another program or of another version: compute it again"
         ) from error
 
 

@@ -13,12 +13,18 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
-from flexmech.analyses.netcdf import FILE_ATTRIBUTES, file_attributes, netcdf_bytes, read_netcdf
+from flexmech.analyses.netcdf import (
+    FILE_ATTRIBUTES,
+    file_attributes,
+    netcdf_bytes,
+    read_netcdf,
+    told_as_damaged,
+)
 from flexmech.analyses.summary import Summary
 from flexmech.choices import PAGE_WIDTHS, PICTURE_FORMATS, PageWidth, PictureFormat
 from flexmech.errors import InputError
 from flexmech.files import given_path, moved_into
-from flexmech.numbers import check_choice, check_flag, checked_tuple
+from flexmech.numbers import check_flag
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -145,9 +151,7 @@ class Result(ABC):
         """
         folder, names = given_path(folder), []
         check_flag(figures, "figures")
-        check_choice(width, tuple(PAGE_WIDTHS), "width")
-        if figures:
-            _check_pictures(formats)
+        _check_pictures(formats if figures else ("png",), width)
         form = f"%.{self.significant_digits}g"
         attributes = file_attributes(self.title, command_line) | dict(self.stored_as)
 
@@ -225,14 +229,17 @@ class Result(ABC):
         Raises
         ------
         InputError
-            If it is no such result of flexmech.
+            If it is no such result of flexmech, or lacks what one holds.
         """
         if cls.hallmark not in loaded:
             raise InputError(
                 f"{path}: holds no variable {cls.hallmark!r}; not a {cls.stem} result of flexmech"
             )
         given = [name for name in FILE_ATTRIBUTES if name in loaded.attrs]
-        return cls(loaded, {name: str(loaded.attrs.pop(name)) for name in given})
+        found = cls(loaded, {name: str(loaded.attrs.pop(name)) for name in given})
+        with told_as_damaged(path):
+            found.summary()
+        return found
 
     def __repr__(self) -> str:
         sizes = ", ".join(f"{name} {size}" for name, size in self.dataset.sizes.items())
@@ -246,12 +253,12 @@ class Result(ABC):
         return picture + self.summary()._repr_html_()
 
 
-def _check_pictures(formats: Sequence[str]) -> None:
-    """Refuse formats that are not known, and none."""
-    known = ", ".join(map(repr, PICTURE_FORMATS))
-    if not isinstance(formats, Sequence):
+def _check_pictures(formats: Sequence[str], width: str) -> None:
+    """Refuse formats that are not known, none, and other widths than those of a page."""
+    listed = isinstance(formats, Sequence) and not isinstance(formats, str | bytes)
+    if not listed or not formats or any(form not in [*PICTURE_FORMATS] for form in formats):
+        known = ", ".join(map(repr, PICTURE_FORMATS))
         raise InputError(f"formats: must be one or more of {known} in a list, got {formats!r}")
-    for form in checked_tuple(formats, object, "formats", f"give one or more of {known} in a list"):
-        check_choice(form, PICTURE_FORMATS, "formats")
-    if not formats:
-        raise InputError(f"formats: must be one or more of {known} in a list, got none")
+    if not isinstance(width, str) or width not in PAGE_WIDTHS:
+        known = " or ".join(map(repr, PAGE_WIDTHS))
+        raise InputError(f"width: must be {known}, got {width!r}")

@@ -46,6 +46,7 @@ def report(
 
     import numpy as np
 
+    from flexmech.analyses.netcdf import told_as_damaged
     from flexmech.modelfile import load_mechanism
     from flexmech.report import (
         ReportRequest,
@@ -62,8 +63,7 @@ def report(
         if not out.parent.is_dir():
             raise InputError(f"{out}: there is no folder {out.parent}; make it first")
         check_writable(out.parent, [out.name])
-    source, remark = given_path(model), ""
-    unit = "rad/s" if given is None else given.unit
+    source, remark, unit = given_path(model), "", "rad/s" if given is None else given.unit
     with progress_bar() as progress, telling(model, unit):
         if source.is_dir():
             _refuse_computing(include, speeds, campbell_speeds, environment)
@@ -83,10 +83,10 @@ def report(
             engines = make_engines(mechanism, engine, element, elements or ELEMENTS_A_LINK)
             results = report_results(engines, request, progress)
             remark = "" if given is None else speed_remark("--speeds", str(speeds), given.values)
-        with naming("--out"):
+        with told_as_damaged(source) if source.is_dir() else telling(None, unit), naming("--out"):
             write_report(results.all, out, command_line=command_line())
-    size = out.stat().st_size / 1e6
-    lines = (f"file: {one_line(str(out))} ({size:.1f} MB), open it in a browser",)
+    size = f"{out.stat().st_size / 1e6:.1f} MB"
+    lines = (f"file: {one_line(str(out))} ({size}), open it in a browser",)
     Report(report_summary(results), (out,), lines, remark).print()
 
 

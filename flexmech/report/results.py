@@ -24,7 +24,7 @@ from flexmech.analyses import (
     SpeedSweep,
     StabilityMap,
 )
-from flexmech.analyses.netcdf import read_netcdf
+from flexmech.analyses.netcdf import read_netcdf, told_as_damaged
 from flexmech.errors import InputError
 from flexmech.files import given_path
 from flexmech.numbers import check_instance, checked_tuple
@@ -141,12 +141,14 @@ def stored_results(folder: str | Path) -> Results:
     files = sorted(folder.rglob("*.nc"), key=lambda path: (len(path.parts), path))
     whole = {path.parent for path in files if path.name == BOTH_STATES}
     parts = {place / name for place in whole for name in EACH_STATE}
-    found = [_load(path) for path in files if path not in parts]
+    with told_as_damaged(folder):
+        found = [_load(path) for path in files if path not in parts]
     if not found:
         raise InputError(
             f"{folder}: holds no NetCDF file of a result; run a command with --out {folder} first"
         )
-    return Results(tuple(found))
+    with told_as_damaged(folder):
+        return Results(tuple(found))
 
 
 def _load(path: Path) -> Result:

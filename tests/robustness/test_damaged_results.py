@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import h5py
 import numpy as np
 import pytest
+import xarray as xr
+from typer.testing import CliRunner
 
 from flexmech.analyses import MovingFrequencies, moving_frequencies
+from flexmech.cli import app
 from flexmech.errors import InputError
 from flexmech.reference import ReferenceEngine
 from tests.strategies import fourbar
@@ -64,4 +69,34 @@ def test_no_other_file_is_read(kind: str, saved: bytes, tmp_path: Path) -> None:
             layout[:] = h5py.VirtualSource(str(other), "crank_angle", shape=(2,))
             file.create_virtual_dataset("more", layout)
     with pytest.raises(InputError, match=r"frequencies\.nc: (frequency|more) is "):
+        MovingFrequencies.load(path)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda dataset: dataset.drop_vars("mode"),
+        lambda dataset: dataset.drop_vars("discretisation_error", errors="raise"),
+        lambda dataset: dataset.isel(crank_angle=slice(0, 0)),
+        lambda dataset: dataset.isel(crank_speed=0),
+        lambda dataset: dataset.assign_attrs(provenance_name=[1.0, 2.0], mechanism=[1.0, 2.0]),
+    ],
+    ids=["coordinate", "variable", "empty", "squeezed", "attribute"],
+)
+def test_what_another_program_changed_is_loaded_or_refused(
+    change: Callable[[xr.Dataset], xr.Dataset], saved: bytes, tmp_path: Path
+) -> None:
+    """Both by the file itself and by the report of its folder."""
+    path = tmp_path / "results" / "frequencies.nc"
+    path.parent.mkdir()
+    path.write_bytes(saved)
+    with xr.open_dataset(path, engine="h5netcdf") as found:
+        changed = change(found.load())
+    changed.to_netcdf(path, engine="h5netcdf")
+    done = CliRunner().invoke(
+        app, ["report", str(path.parent), "--out", str(tmp_path / "report.html")]
+    )
+    assert done.exit_code in (0, 2), done.exception
+    assert done.exit_code == 0 or "lacks something that a result holds" in done.stderr
+    with suppress(InputError):
         MovingFrequencies.load(path)

@@ -64,7 +64,7 @@ class ComparisonRequest:
         if self.quantity is not None:
             check_instance(self.quantity, str, "quantity", "write the name of a column")
         if self.fit is not None:
-            remedy = "give names in a tuple, as ('damping',), or ('none',) to fit nothing"
+            remedy = "it must be a tuple of names, as ('damping',), or ('none',) to fit nothing"
             object.__setattr__(self, "fit", checked_tuple(self.fit, str, "fit", remedy))
             if not self.fit:
                 raise InputError(f"fit is empty; {remedy}")
