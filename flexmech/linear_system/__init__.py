@@ -23,6 +23,7 @@ from flexmech.linear_system.constant_turn import (
 )
 from flexmech.linear_system.engine import Engine
 from flexmech.linear_system.following_rows import FollowingRows
+from flexmech.linear_system.joint_couples import has_dampers
 from flexmech.linear_system.link_bodies import (
     BodyMatrices,
     body_couple,
@@ -132,6 +133,7 @@ __all__ = [
     "element_tensions",
     "forces_of_links",
     "free_load",
+    "has_dampers",
     "inertia_loads",
     "inverse_mass_root",
     "is_constant_turn",

@@ -30,6 +30,9 @@ class AttachedPoint:
     rows : ndarray, shape (3, n_link)
         Displacement along and across the link's frame, and rotation, by the link's coordinates;
         of a rigid link as long as its rotation is small.
+    end_rows : ndarray, shape (3, n_link)
+        The same by the link's joined ends alone; see
+        :class:`flexmech.linear_system.link_model.EndMatrices`.
     rigid : bool
         Whether the link is rigid.
     """
@@ -37,6 +40,7 @@ class AttachedPoint:
     link: int
     x: float
     rows: FloatArray
+    end_rows: FloatArray
     rigid: bool = False
 
     @classmethod
@@ -55,11 +59,13 @@ class AttachedPoint:
         length : float
             Of the link in m.
         """
-        readings = links[link].readings
-        moved = readings.displacement_at(np.array([fraction]))[0]
-        turned = readings.rotation_at(fraction)
-        rows = np.concatenate([moved, turned[None]])
-        return cls(link, fraction * length, rows, links[link].rigid)
+        rows, end_rows = (
+            np.concatenate(
+                [each.displacement_at(np.array([fraction]))[0], each.rotation_at(fraction)[None]]
+            )
+            for each in (links[link].readings, links[link].ends.readings)
+        )
+        return cls(link, fraction * length, rows, end_rows, links[link].rigid)
 
     def force(
         self,
@@ -239,7 +245,7 @@ class MovedPoint:
         value[:, :, frames.targets[link][own]] = point.rows[:, own]
         for led in following:
             value[:, :, led.columns] += point.rows[:, led.rows] @ led.turn
-            rate[:, :, led.columns] += point.rows[:, led.rows] @ led.rate
+            rate[:, :, led.columns] += point.end_rows[:, led.rows] @ led.rate
         angle, speed = motion.angle[:, link], motion.angular_velocity[:, link]
         cosine, sine = np.cos(angle), np.sin(angle)
         turn, quarter = np.zeros((2, batch, 3, 3))

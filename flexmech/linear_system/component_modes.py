@@ -134,6 +134,7 @@ def component_modes(
     axial_modes: int | None = None,
     turning_sections: bool = True,
     answers_damping: bool = False,
+    couples: Sequence[FloatArray] | None = None,
     parts_mass: bool = False,
 ) -> ComponentModes:
     """Choose and build the component modes of every link.
@@ -162,6 +163,8 @@ def component_modes(
         turn against it.
     answers_damping : bool
         Keep the static answers to damping forces, on which frozen damping ratios rest.
+    couples : sequence of ndarray, shape (n_link, k), optional
+        Forces of springs in joints that turn the links' ends: static answers to them are kept.
     parts_mass : bool
         Take from the static shapes what the modes have in them, so that the mass couples no end
         with a mode. Frozen matrices are then of simpler form; moving modes, which are sought
@@ -172,7 +175,10 @@ def component_modes(
     ComponentModes
     """
     ends = JoinedEnds.of(topology)
-    held = [hold_ends(ends, link) for link in links if not link.rigid]
+    if couples is None:
+        couples = [np.zeros((link.size, 0)) for link in links]
+    pairs = zip(links, couples, strict=True)
+    held = [hold_ends(ends, link, turning) for link, turning in pairs if not link.rigid]
     every = np.sort(np.concatenate([h.bending_frequency for h in held]))
     usual_cutoff = BENDING_CUTOFF * every[min(modes, len(every)) - 1]
     bending_cutoff = detail * usual_cutoff

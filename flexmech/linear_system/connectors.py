@@ -309,7 +309,7 @@ class Connectors:
 
     def point_of(self, load: Load) -> AttachedPoint:
         """Where a load acts."""
-        point = self._point(load.point)
+        point = self.point(load.point)
         assert point is not None
         return point
 
@@ -348,7 +348,8 @@ class Connectors:
         length = self._topology.links[number].length
         return AttachedPoint.of(self.links, number, x / length, length)
 
-    def _point(self, point: LinkPoint) -> AttachedPoint | None:
+    def point(self, point: LinkPoint) -> AttachedPoint | None:
+        """Where a point of a link is attached; None on the ground."""
         if point.link == GROUND:
             return None
         return self._at(self._topology.index(point.link), point.x)
@@ -390,7 +391,7 @@ class Connectors:
     def _spring_end(
         self, point: LinkPoint, motion: RigidMotion, displacement: Sequence[FloatArray] | None
     ) -> SpringEnd:
-        found = self._point(point)
+        found = self.point(point)
         if found is None:
             still = np.broadcast_to((point.x, point.y), (len(motion.crank_angle), 2))
             return SpringEnd(None, still, np.zeros_like(still))

@@ -23,6 +23,7 @@ from flexmech.linear_system.checks import check_elastic, checked_elements, check
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
 from flexmech.linear_system.engine_links import EngineLinks
 from flexmech.linear_system.free_shaft import FreeShaft
+from flexmech.linear_system.joint_couples import joint_couples
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.reduced_system import Connect, reduced_system, unreduced_system
 from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
@@ -40,6 +41,7 @@ __all__ = ["Engine"]
 SYSTEM_MODES = MODES + 2
 # Working memory of a batch; keeps what is alive at a time independent of the map's size.
 BATCH_BYTES = 32_000_000
+LEAST_BATCH = 4
 
 
 class Engine(EngineLinks):
@@ -235,7 +237,7 @@ class Engine(EngineLinks):
     def batch_size(self) -> int:
         """Positions to hold in memory at a time."""
         coordinates = sum(link.size**2 for link in self.links)
-        return max(16, BATCH_BYTES // (8 * 4 * coordinates))
+        return max(LEAST_BATCH, BATCH_BYTES // (8 * 4 * coordinates))
 
     def linear_system(
         self,
@@ -373,6 +375,7 @@ class Engine(EngineLinks):
                 couples_axially=loaded,
                 detail=detail,
                 answers_damping=any(link.damping.any() for link in self.links),
+                couples=joint_couples(self.mechanism, self.connectors),
                 parts_mass=True,
             )
         return self._reductions[key]

@@ -55,7 +55,7 @@ class HeldLink:
     flexibility: FloatArray
 
 
-def hold_ends(ends: JoinedEnds, link: LinkModel) -> HeldLink:
+def hold_ends(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> HeldLink:
     """Static shapes and vibration modes of a flexible link.
 
     Parameters
@@ -64,6 +64,8 @@ def hold_ends(ends: JoinedEnds, link: LinkModel) -> HeldLink:
         Of the linkage.
     link : LinkModel
         Unreduced.
+    couples : ndarray, shape (n, k)
+        Forces of springs in joints that turn the link's ends.
 
     Returns
     -------
@@ -86,7 +88,10 @@ def hold_ends(ends: JoinedEnds, link: LinkModel) -> HeldLink:
     stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
     axial, axial_frequency = _modes_of(link, _unit_shapes(link, stretching))
     bending, bending_frequency = _modes_of(link, _free_bending(link, turning, stretching))
-    couples = _turning_of_arms(link, inner, flexibility)
+    answers = [relief[:, ~axial_boundary], _turning_of_arms(link, inner, flexibility)]
+    # Modes of a link whose ends turn freely converge slowly to a spring against that.
+    turned = np.zeros_like(couples)
+    turned[inner] = flexibility @ couples[inner]
     return HeldLink(
         link=link,
         boundary=boundary,
@@ -95,7 +100,7 @@ def hold_ends(ends: JoinedEnds, link: LinkModel) -> HeldLink:
         bending_frequency=bending_frequency,
         axial=axial,
         axial_frequency=axial_frequency,
-        bending_relief=np.concatenate([relief[:, ~axial_boundary], couples], axis=1),
+        bending_relief=np.concatenate([*answers, turned], axis=1),
         axial_relief=axial_relief,
         floating_relief=floating_relief if floats else relief[:, :0],
         layers=layers,

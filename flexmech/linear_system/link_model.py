@@ -53,6 +53,7 @@ class EndMatrices:
     mass: FloatArray
     gyroscopic: FloatArray
     damping: FloatArray
+    readings: LinkReadings
 
 
 @dataclass(frozen=True)
@@ -131,7 +132,9 @@ class LinkModel:
     @property
     def ends(self) -> EndMatrices:
         """Forces from displacing the joined ends alone."""
-        return self.reduced_ends or EndMatrices(self.mass, self.gyroscopic, self.damping)
+        return self.reduced_ends or EndMatrices(
+            self.mass, self.gyroscopic, self.damping, self.readings
+        )
 
     @property
     def shape(self) -> FloatArray:
@@ -211,6 +214,7 @@ class LinkModel:
             mass=basis.T @ self.mass @ unit,
             gyroscopic=basis.T @ self.gyroscopic @ unit,
             damping=basis.T @ self.damping @ unit,
+            readings=self.readings.projected(unit),
         )
         axial = np.abs(basis[self.is_axial]).sum(axis=0) > np.abs(basis[~self.is_axial]).sum(axis=0)
         return replace(

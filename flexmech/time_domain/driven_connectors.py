@@ -287,7 +287,7 @@ def _moved(point: AttachedPoint, motion: RigidMotion, elastic: LinkMotion) -> Fl
 def _on_fields(push: Push, motion: RigidMotion) -> FloatArray:
     """A force on the rigid fields of its link: along, across, turning, and by the distance."""
     place = push.point
-    unit = AttachedPoint(place.link, place.x, np.eye(3))
+    unit = AttachedPoint(place.link, place.x, np.eye(3), np.eye(3))
     along, across, torque = unit.force(motion, push.force, push.torque).T
     return np.stack([along, across, place.x * across + torque, place.x * along], axis=1)
 

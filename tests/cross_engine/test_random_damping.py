@@ -18,6 +18,7 @@ from flexmech import (
     natural_frequencies,
 )
 from flexmech.analyses import solve_frequencies, solve_modes
+from flexmech.linkages import LinkPoint, Spring
 from flexmech.mechanism import Mechanism
 from tests.random_mechanisms import RandomCase, random_case
 
@@ -178,3 +179,18 @@ def test_the_summary_gives_errors_as_shares_of_the_ratio():
     known = float(data["damping_ratio_discretisation_error"].max())
     last_place = 10.0 ** -len(line.split(": ")[1].split()[0].partition(".")[2])
     assert known / 100 < last_place < known
+
+
+def test_ratios_of_dampers_alone_have_errors_and_negative_ones_are_explained():
+    case = random_case(5024)
+    ground = LinkPoint("ground", 0.1, -0.3)
+    damper = Spring("s", LinkPoint("coupler", 0.05), ground, 1.0, 0.3, damping=1e-4)
+    mechanism = replace(case.mechanism, springs=(damper,))
+    result = moving_frequencies(
+        ReferenceEngine(mechanism, 8, "euler"), case.crank_angles, [case.crank_speed], modes=1
+    )
+    assert result.dataset["damping_ratio_reduction_error"].max() < 1e-6
+    assert result.dataset["damping_ratio"].min() < 0
+    said = str(result.summary())
+    assert "damping ratio (dampers) of mode 1" in said
+    assert "that is no instability" in said

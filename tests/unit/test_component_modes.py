@@ -24,6 +24,7 @@ from flexmech.linear_system import (
 from flexmech.linear_system.reduced_system import reduced_system
 from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.system import condense
+from flexmech.linkages import JointSpring, LinkPoint, Spring
 from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
@@ -326,6 +327,29 @@ def test_random_damped_mechanisms_stay_reduced_at_high_speed(seeds: range) -> No
             details.append(checked.systems.detail)
     assert len(details) >= 7 / 8 * len(seeds)
     assert details.count(GREAT_DETAIL) >= len(seeds) // 4
+
+
+@pytest.mark.parametrize("seed", [5303, 5312, 5317])
+@pytest.mark.parametrize("engine_kind", [ReferenceEngine, ExudynEngine])
+def test_dampers_of_springs_and_joints_stay_reduced(engine_kind: type[Engine], seed: int) -> None:
+    """A following end alone turns in the frozen frame, and not the shape that it carries.
+
+    A spring's and a joint's forces on links bend them in ways that few modes have.
+    """
+    case = random_case(seed, angles=3)
+    lengths, ground = case.mechanism.linkage.lengths, LinkPoint("ground", 0.1, -0.3)
+    on_coupler = LinkPoint("coupler", 0.4 * lengths["coupler"])
+    mechanism = replace(
+        case.mechanism,
+        springs=(Spring("damper", on_coupler, ground, 1000.0, 0.3, damping=3.0),),
+        joint_springs=(JointSpring("B", torsional_stiffness=1.0, torsional_damping=0.01),),
+    )
+    engine, angles, speed = engine_kind(mechanism, 8), case.crank_angles, case.crank_speed
+    system = engine.linear_system(angles, speed, prestress="none", modes=2, detail=2.0)
+    assert system.size <= 30
+    whole = engine.unreduced().linear_system(angles, speed, prestress="none")
+    exact = solve_modes(whole, 2).eigenvalues
+    np.testing.assert_allclose(solve_modes(system, 2).eigenvalues, exact, rtol=1e-5)
 
 
 def test_condensation_keeps_what_is_first_order_in_the_eigenvalue() -> None:

@@ -189,6 +189,7 @@ def _map_on_mesh(
             part = part.assign(_extremes(systems, asked, speed, part))
         parts.append(part)
     dataset = xr.concat(parts, pd.Index(asked.crank_speeds, name="crank_speed"), join="inner")
+    dataset.attrs["damped_by"] = checks[0].systems.damped_by
     used = tuple(check.systems for check in checks)
     if request.formulation.prestress == "trajectory":
         quasi_static = dataset["frequency"]

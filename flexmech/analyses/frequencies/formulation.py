@@ -9,7 +9,13 @@ import numpy as np
 
 from flexmech.analyses.frequencies.running_states import RunningStates
 from flexmech.choices import MODES, MOST_MODES, PRESTRESS_LEVELS, MapPrestress, Prestress
-from flexmech.linear_system import Engine, LinearSystem, RotationTerms, StressedLinks
+from flexmech.linear_system import (
+    Engine,
+    LinearSystem,
+    RotationTerms,
+    StressedLinks,
+    has_dampers,
+)
 from flexmech.numbers import check_choice, check_count
 from flexmech.types import FloatArray
 
@@ -84,8 +90,15 @@ class Systems:
 
     @property
     def is_damped(self) -> bool:
-        """Whether a link has Kelvin-Voigt damping."""
-        return any(link.damping.any() for link in self.engine.links)
+        """Whether a link has Kelvin-Voigt damping, or a spring a damper."""
+        return bool(self.damped_by)
+
+    @property
+    def damped_by(self) -> str:
+        """What damps, in words; empty if nothing does."""
+        links = any(link.damping.any() for link in self.engine.links)
+        kinds = {"Kelvin-Voigt": links, "dampers": has_dampers(self.engine.mechanism)}
+        return " and ".join(name for name, damps in kinds.items() if damps)
 
     def stressed(self, crank_angle: FloatArray, crank_speed: FloatArray | float) -> StressedLinks:
         """Links under their stress at crank angles (B,) and speeds that match them."""

@@ -164,6 +164,7 @@ def reduction_error(
             if full.is_conservative
             else _newton_step(full, modes.eigenvalues[part], shapes[part])
         )
+        del full  # before the next ones are built
     better = Modes(improved, modes.vectors)
     return ReductionError(
         frequency=np.abs(modes.frequency / better.frequency - 1),

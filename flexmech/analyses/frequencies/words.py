@@ -205,6 +205,7 @@ def damping_ratio_lines(dataset: xr.Dataset) -> list[str]:
     if "damping_ratio_reduction_error" not in dataset:
         return []
     ratio, over = dataset["damping_ratio"], ["engine", "crank_speed", "crank_angle"]
+    damped_by = dataset.attrs.get("damped_by", "Kelvin-Voigt")
     at_checks = abs(ratio.sel(crank_angle=dataset["check_angle"]))
     lines = []
     for mode in ratio["mode"].values:
@@ -220,9 +221,14 @@ def damping_ratio_lines(dataset: xr.Dataset) -> list[str]:
             float(each) for each in (ratio.sel(mode=mode).min(over), ratio.sel(mode=mode).max(over))
         )
         lines.append(
-            f"damping ratio (Kelvin-Voigt) of mode {mode}: {low:.{places}f} to {high:.{places}f}; "
+            f"damping ratio ({damped_by}) of mode {mode}: {low:.{places}f} to {high:.{places}f}; "
             f"discretisation error (estimated) at most {100 * of_ratio:.2g} % of it, reduction "
             f"error at most {100 * of_reduced:.2g} % of it"
+        )
+    if dataset.attrs.get("rotation_terms") == "on" and float(ratio.min()) < 0:
+        lines.append(
+            "damping ratio: turning link frames may make it negative in a frozen position; "
+            "that is no instability, whether vibrations grow is told by `flexmech stability`"
         )
     return lines
 
