@@ -48,6 +48,12 @@ class EndMatrices:
     matrices. In component modes an end's coordinate carries a static shape with it, but
     the frame that turns with the leader holds the end alone: the reduction must not change
     the frame, because frozen eigenvalues depend on it.
+
+    Parameters
+    ----------
+    mass, gyroscopic, damping : ndarray, shape (n, n)
+    readings : LinkReadings
+        Displacements by the ends alone.
     """
 
     mass: FloatArray
