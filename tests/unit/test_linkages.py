@@ -218,7 +218,7 @@ def test_a_length_must_be_positive(length: float) -> None:
 
 
 def test_an_unknown_branch_is_refused() -> None:
-    with pytest.raises(InputError, match="'open' or 'crossed', got 'closed'"):
+    with pytest.raises(InputError, match="one of open, crossed, got 'closed'"):
         FourBar(1.0, 1.0, 1.0, 1.0, "closed")  # type: ignore[arg-type]
 
 

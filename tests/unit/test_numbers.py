@@ -98,7 +98,7 @@ def test_arrays_without_missing_values(wrong):
         (lambda: replace(STEEL_PLY, density="7800"), "density of a ply must be a number of kg/m"),
         (lambda: Layer(STEEL_PLY, 1e-3, 45.0), r"angle of a layer .*give np.radians\(45.0\)"),
         (lambda: Layer(STEEL, 1e-3), "ply of a layer must be a Ply, got <Material: E 200 GPa"),
-        (lambda: Laminate((STEEL_PLY,)), "each layer must be a Layer, got <Ply: "),
+        (lambda: Laminate((STEEL_PLY,)), "layers holds <Ply: "),
         (lambda: LaminateSection(STEEL_PLY, 0.02), "laminate must be a Laminate"),
         (lambda: BeamSection.rectangle("steel", 0.01, 0.02), "material must be a Material"),
         (lambda: BeamSection.rectangle(STEEL, "10 mm", 0.02), "in_plane_thickness must be a num"),
@@ -112,7 +112,7 @@ def test_arrays_without_missing_values(wrong):
         (lambda: fourbar(gravity="9.81"), "gravity must be two numbers, got '9.81'"),
         (lambda: fourbar(gravity=(0, "-9.81")), "gravity must be a number of m/s"),
         (lambda: fourbar(joint_masses={"A": "20 g"}), "joint_masses: A must be a number of kg"),
-        (lambda: fourbar(link_masses=((0.1, 1.0),)), "each of link_masses must be a PointMass"),
+        (lambda: fourbar(link_masses=((0.1, 1.0),)), "link_masses holds .*; give PointMass"),
         (
             lambda: fourbar(link_masses=(PointMass("crank", "0.1", 1.0),)),
             "link_masses: position on the crank must be a number of m",
