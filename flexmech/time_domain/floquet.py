@@ -83,10 +83,15 @@ class FloquetModes:
     def liouville_defect(self) -> float:
         """Sum of the logarithms of all moduli against the integral of the trace.
 
-        Relative to the sum of the logarithms' sizes, or absolute where that is below one.
+        Relative to the sum of the logarithms' sizes, or absolute where that is below one. The
+        phases of a constant system count as well: its eigenvalues are rounded off as a whole,
+        and a slow crank lets them turn millions of times in a period.
         """
         defect = abs(float(self.log_modulus.sum()) - self.trace_integral)
-        return defect / max(1.0, float(np.abs(self.log_modulus).sum()))
+        size = float(np.abs(self.log_modulus).sum())
+        if self.whole_turns is not None:
+            size += 2 * np.pi * float(np.abs(self.whole_turns).sum())
+        return defect / max(1.0, size)
 
     @property
     def whole_turns(self) -> FloatArray | None:
