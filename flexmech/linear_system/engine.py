@@ -42,6 +42,8 @@ SYSTEM_MODES = MODES + 2
 # Working memory of a batch; keeps what is alive at a time independent of the map's size.
 BATCH_BYTES = 32_000_000
 LEAST_BATCH = 4
+# Component modes that an engine keeps: a map over speeds asks for some at each, and not again.
+KEPT_REDUCTIONS = 16
 
 
 class Engine(EngineLinks):
@@ -367,6 +369,8 @@ class Engine(EngineLinks):
     def _reduction(self, modes: int, fastest: float, loaded: bool, detail: float) -> ComponentModes:
         key = (modes, fastest, loaded, detail)
         if key not in self._reductions:
+            if len(self._reductions) >= KEPT_REDUCTIONS:
+                del self._reductions[next(iter(self._reductions))]
             self._reductions[key] = component_modes(
                 self.topology,
                 self.links,
