@@ -7,13 +7,55 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from flexmech.types import FloatArray
+from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Parabolas"]
+__all__ = ["Parabolas", "graded", "rows_of_runs"]
 
 MASS = np.array([[4.0, 2.0, -1.0], [2.0, 16.0, 2.0], [-1.0, 2.0, 4.0]]) / 30
 STIFFNESS = np.array([[7.0, -8.0, 1.0], [-8.0, 16.0, -8.0], [1.0, -8.0, 7.0]]) / 3
 COUPLING = np.array([[-3.0, 4.0, -1.0], [-4.0, 0.0, 4.0], [1.0, -4.0, 3.0]]) / 6
+
+
+def graded(count: int, share: float) -> FloatArray:
+    """Ends of elements between 0 and 1, shorter towards both.
+
+    Parameters
+    ----------
+    count : int
+        Of the elements.
+    share : float
+        Of spacing by a cosine; the rest is even.
+
+    Returns
+    -------
+    ndarray, shape (count + 1,)
+    """
+    s = np.linspace(0, 1, count + 1)
+    return np.asarray(share * (1 - np.cos(np.pi * s)) / 2 + (1 - share) * s)
+
+
+def rows_of_runs(faces: FloatArray, total: int) -> tuple[FloatArray, IntArray]:
+    """Share rows of elements among runs of layers by their thickness, one at least to each.
+
+    Parameters
+    ----------
+    faces : ndarray, shape (n + 1,)
+        Of the runs, ascending.
+    total : int
+        About how many rows.
+
+    Returns
+    -------
+    ends : ndarray, shape (m + 1,)
+        Of all rows.
+    count : ndarray of int, shape (n,)
+        Rows of each run.
+    """
+    shares = total * np.diff(faces) / (faces[-1] - faces[0])
+    count = np.maximum(1, np.round(shares)).astype(int)
+    pairs = zip(faces[:-1], faces[1:], count, strict=True)
+    heights = [np.linspace(low, high, rows + 1)[1:] for low, high, rows in pairs]
+    return np.concatenate([faces[:1], *heights]), count
 
 
 class Parabolas:

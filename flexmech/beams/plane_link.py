@@ -19,7 +19,7 @@ import scipy.linalg
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
-from flexmech.beams.parabolas import Parabolas
+from flexmech.beams.parabolas import Parabolas, graded, rows_of_runs
 from flexmech.linear_system import LinkModel, LinkReadings, RigidFields
 from flexmech.linkages import LinkBody, LinkMass
 from flexmech.materials import solid_stiffness
@@ -154,14 +154,10 @@ class _Rows:
             if n == 0 or (layer.ply, layer.angle) != (layers[n - 1].ply, layers[n - 1].angle)
         ]
         bounds = laminate.boundaries[[*starts, len(layers)]]
-        share = ROWS * np.diff(bounds) / laminate.thickness
-        parts = np.maximum(1, np.round(share)).astype(int)
-        pairs = zip(bounds[:-1], bounds[1:], parts, strict=True)
-        heights = [np.linspace(low, high, count + 1)[1:] for low, high, count in pairs]
+        faces, parts = rows_of_runs(bounds, ROWS)
         along = _moduli_along(section)
         own = np.stack([_plane_stiffness(section, layers[n], along[n]) for n in starts])
         density = np.array([layers[n].ply.density for n in starts])
-        faces = np.concatenate([bounds[:1], *heights])
         return cls(faces, np.repeat(own, parts, axis=0), np.repeat(density, parts))
 
 
@@ -280,8 +276,7 @@ class _PlaneSolid:
 
 def _nodes_along(mass: LinkMass) -> FloatArray:
     """Nodes in m, close at the ends and one at each point mass and body."""
-    s = np.linspace(0, 1, ALONG + 1)
-    nodes = mass.length * (GRADED * (1 - np.cos(np.pi * s)) / 2 + (1 - GRADED) * s)
+    nodes = mass.length * graded(ALONG, GRADED)
     fixed = [*mass.point_positions, *(body.position for body in mass.bodies)]
     inside = np.unique([x for x in fixed if NEAR < x / mass.length < 1 - NEAR])
     if not len(inside):

@@ -21,7 +21,7 @@ import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
 from flexmech.beams.link_matrices import build_chain
-from flexmech.beams.parabolas import Parabolas
+from flexmech.beams.parabolas import Parabolas, graded, rows_of_runs
 from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.linkages import LinkMass
 from flexmech.sections import BeamSection, LaminateSection
@@ -136,13 +136,10 @@ def bending_between_pins(section: LaminateSection, length: float) -> FloatArray:
         In Hz.
     """
     faces, stiffness = layer_runs(section.laminate)
-    s = np.linspace(0, 1, max(ALONG, round(A_WIDTH * length / section.width)) + 1)
-    x = Parabolas(length * (GRADED * (1 - np.cos(np.pi * s)) / 2 + (1 - GRADED) * s))
+    x = Parabolas(length * graded(max(ALONG, round(A_WIDTH * length / section.width)), GRADED))
     z = Parabolas(section.width / 2 * np.sin(np.pi / 2 * np.linspace(-1, 1, ACROSS + 1)))
-    rows = np.maximum(1, np.round(ROWS * np.diff(faces) / (faces[-1] - faces[0]))).astype(int)
-    pairs = zip(faces[:-1], faces[1:], rows, strict=True)
-    heights = [np.linspace(low, high, count + 1)[1:] for low, high, count in pairs]
-    y = Parabolas(np.concatenate([faces[:1], *heights]))
+    ends, rows = rows_of_runs(faces, ROWS)
+    y = Parabolas(ends)
     elastic = np.repeat(stiffness, rows, axis=0)
     density = section.mass_per_length / (section.width * (faces[-1] - faces[0]))
     weight = np.full(len(elastic), density)
