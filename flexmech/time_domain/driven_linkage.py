@@ -191,27 +191,32 @@ class DrivenLinkage:
         matrices = self._matrices(time, motion, stress, still=still)
         return Equations.condensed(motion, matrices, force, self._condensed)
 
-    def unit_equations(self, time: FloatArray) -> list[Equations]:
+    def unit_equations(
+        self, time: FloatArray, load: Sequence[FloatArray] | None = None
+    ) -> list[Equations]:
         """Equations of motion under a unit of each load with a table in place of all forces.
 
         Parameters
         ----------
         time : ndarray, shape (m,)
             In s.
+        load : sequence of ndarray, shape (n_link,), optional
+            One more load, the last: see :meth:`equations`.
 
         Returns
         -------
         list of Equations
         """
+        own = [] if load is None else [self.equations(time, load=load)]
         if not self.connectors.table_count:
-            return []
+            return own
         motion = self.motion(time)
         matrices = self._matrices(time, motion, self._stress.at(time))
         units = self.connectors.unit_forces(motion)
         return [
             Equations.condensed(motion, matrices, self._with_torque(motion, force), self._condensed)
             for force in units
-        ]
+        ] + own
 
     def _matrices(
         self,

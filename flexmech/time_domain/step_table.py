@@ -98,9 +98,7 @@ class StepTable:
         parts = [linear.advance, linear.forced]
         if linkage.is_condensed:
             parts += [following.expansion, following.offset]
-        loaded = linkage.unit_equations(time)
-        if self._load is not None:
-            loaded.append(linkage.equations(time, load=self._load))
+        loaded = linkage.unit_equations(time, self._load)
         if loaded:
             pushed = [step_operators(one, self._step).forced for one in loaded]
             size = linkage.frames.size

@@ -143,9 +143,7 @@ class StretchMarch:
         time = np.column_stack([end - self._step, end]).reshape(-1)
         equations = linkage.equations(time, tables=False)
         rows = stage_operators(equations, self._stretch, 2 * self._step)
-        loaded = linkage.unit_equations(time)
-        if self._load is not None:
-            loaded.append(linkage.equations(time, load=self._load))
+        loaded = linkage.unit_equations(time, self._load)
         units = np.zeros((count, STAGES, len(loaded), linkage.size))
         for number, one in enumerate(loaded):
             units[:, :, number] = one.force.reshape(count, STAGES, -1)
