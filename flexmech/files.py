@@ -57,9 +57,10 @@ def given_path(path: str | os.PathLike[str]) -> Path:
         ) from error
     try:
         found.stat()
-    except (FileNotFoundError, NotADirectoryError):
-        pass  # what is to be read is missed by its reader, what is to be written is made
     except (OSError, ValueError) as error:
+        if isinstance(error, FileNotFoundError | NotADirectoryError):
+            # What is to be read is missed by its reader, what is to be written is made.
+            return found
         reason = getattr(error, "strerror", None) or error
         shown = one_line(os.fspath(path), MOST_SHOWN)
         raise InputError(f"{shown}: cannot be reached ({reason}); give another path") from error
