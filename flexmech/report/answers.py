@@ -18,7 +18,6 @@ from flexmech.analyses import (
 )
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.report.panels.frequencies import in_each_state
-from flexmech.report.panels.response import error_over_peak
 from flexmech.report.results import Results
 from flexmech.report.words import (
     engine_names,
@@ -199,7 +198,8 @@ def _deflection(results: Results) -> tuple[str, ...]:
         engine = engine_names(data)[0]
         link = str(peaks["deflection"].idxmax("link").item())
         value = 1e3 * float(peaks["deflection"].max())
-        known = with_error(value, value * error_over_peak(data, engine))
+        error = run.errors()["peak_deflection"].sel(engine=engine, link=link)
+        known = with_error(value, value * float(error))
         joint = str(peaks["joint_force"].idxmax("joint").item())
         force = float(peaks["joint_force"].max())
         state = state_of(data.attrs)

@@ -199,14 +199,15 @@ def test_a_saved_run_says_the_same(short_response: Response, tmp_path: Path) -> 
 def test_the_last_line_compares_the_engines(
     short_response: Response, two_responses: Response
 ) -> None:
-    summary, data = two_responses.summary(), short_response.dataset
-    reference = f"{float(data['step_error'][0] + data['reduction_error'][0]):.1e}"
+    summary, own = two_responses.summary(), short_response.errors()["deflection"].isel(engine=0)
+    worst = str(own.idxmin().item())
+    reference = f"{float(own.min()):.1e}"
     assert summary.verdict == (
         "engines: deflections of reference and exudyn differ by at most 9.9e-03 (crank), "
         "9.9e-03 (coupler), 9.9e-03 (rocker) of the link's peak"
-        f", which is beyond their estimated errors, {reference} (reference), {reference} (exudyn); "
-        "trust reference, whose errors are the smaller; --check-mesh gives the error by the mesh, "
-        "which is not among them"
+        f", which is beyond their estimated errors (of {worst}: {reference} (reference), "
+        f"{reference} (exudyn)); trust reference, whose errors are the smaller; --check-mesh gives "
+        "the error by the mesh, which is not among them"
     )
     table: Any = summary.parts[0]
     assert [row[:2] for group in table.groups for row in group] == [
@@ -221,13 +222,31 @@ def test_the_last_line_compares_the_engines(
 
 def test_engines_that_agree_have_one_block_of_the_table(two_responses: Response) -> None:
     data = two_responses.dataset.copy(deep=True)
-    data["step_error"][:] = 0.006
+    data["step_error_of_deflection"][:] = 0.006
     summary = Response(data).summary()
     assert summary.verdict.endswith("of the link's peak, within their estimated errors")
     table: Any = summary.parts[0]
     assert [row[:2] for group in table.groups for row in group] == [
         ("both", link) for link in ("crank", "coupler", "rocker")
     ]
+
+
+def test_a_small_links_own_error_counts(two_responses: Response) -> None:
+    """Over the greatest deflection of the linkage its error was nothing."""
+    data = two_responses.dataset.copy(deep=True)
+    for of in ("deflection", "peak_deflection"):
+        data[f"step_error_of_{of}"].loc[{"link": "crank"}] = 0.006
+        data[f"step_error_of_{of}"].loc[{"link": ["coupler", "rocker"]}] = 1e-4
+    changed = Response(data)
+    within = changed.within_errors()
+    assert within is not None
+    assert within["deflection"].values.tolist() == [True, False, False]
+    assert "beyond their estimated errors (of coupler: " in changed.summary().verdict
+    line = next(line for line in check_lines(data) if line.startswith("error by the time step"))
+    assert "6.0e-03 (crank), 1.0e-04 (coupler), 1.0e-04 (rocker), exudyn" in line
+    table: Any = changed.summary().parts[0]
+    digits = [len(row[3].replace(".", "").lstrip("0")) for group in table.groups for row in group]
+    assert digits[0] == 3 < digits[1]
 
 
 def test_of_deep_bows_the_nonlinear_engine_is_trusted(two_responses: Response) -> None:
@@ -244,24 +263,33 @@ def test_checks_and_loads_are_listed_engine_by_engine(
 ) -> None:
     result = two_responses
     step = float(short_response.dataset["step"][0])
-    errors = (
-        "mesh_error",
-        "mesh_error_of_force",
-        "mesh_error_of_torque",
-        "mesh_error_of_peak_force",
-        "mesh_error_of_peak_torque",
-    )
-    data = result.dataset.assign(
-        {name: ("engine", [i * 1e-3, i * 2e-3]) for i, name in enumerate(errors, start=1)}
+    errors = {
+        "mesh_error": "engine",
+        "mesh_error_of_deflection": "link",
+        "mesh_error_of_peak_deflection": "link",
+        "mesh_error_of_force": "joint",
+        "mesh_error_of_peak_force": "joint",
+        "mesh_error_of_torque": "engine",
+        "mesh_error_of_peak_torque": "engine",
+    }
+    data = result.dataset
+    of_engines = xr.DataArray([1e-3, 2e-3], coords={"engine": data["engine"]})
+    data = data.assign(
+        {
+            name: number
+            * (of_engines if over == "engine" else of_engines * xr.ones_like(data[over], float))
+            for number, (name, over) in enumerate(errors.items(), start=1)
+        }
     )
     lines = check_lines(data)
     assert f"time step: {step:.4g} s (reference), {2 * step:.4g} s (exudyn)" in lines
     assert lines[-2:] == [
-        "mesh: twice the elements change deflections by 1.0e-03 (reference), 2.0e-03 (exudyn) of "
-        "their peak",
-        "mesh: twice the elements change forces, of the peak: joint forces 2.0e-03 (reference), "
-        "4.0e-03 (exudyn), their peaks 4.0e-03 (reference), 8.0e-03 (exudyn); torque 3.0e-03 "
-        "(reference), 6.0e-03 (exudyn), its peak 5.0e-03 (reference), 1.0e-02 (exudyn)",
+        "mesh: twice the elements change deflections, of the link's peak: 2.0e-03 (crank), "
+        "2.0e-03 (coupler), 2.0e-03 (rocker), reference; 4.0e-03 (crank), 4.0e-03 (coupler), "
+        "4.0e-03 (rocker), exudyn",
+        "mesh: twice the elements change forces, of the peak: joint forces 4.0e-03 (reference), "
+        "8.0e-03 (exudyn), their peaks 5.0e-03 (reference), 1.0e-02 (exudyn); torque 6.0e-03 "
+        "(reference), 1.2e-02 (exudyn), its peak 7.0e-03 (reference), 1.4e-02 (exudyn)",
     ]
     assert len(check_lines(result.dataset)) == len(lines) - 2
     band, torque, *forces = load_lines(result.peaks(), result.dataset)
@@ -312,7 +340,20 @@ def test_forces_have_an_agreement_of_their_own(two_responses: Response) -> None:
     assert agreement["joint_force"].values == pytest.approx(expected)
     assert f"{expected[0]:.1e} (O2)" in histories
     assert "peaks of these joint forces differ by 2.0e-02 (O2), 2.0e-02 (A)" in peaks
+    # Errors of a fiftieth explain the peaks of the forces, not that of torque by itself.
+    assert "(of torque: " in histories
+    assert "beyond their estimated errors (of " in peaks
+    data["step_error_of_peak_force"][:] = data["step_error_of_peak_torque"][:] = 0.011
+    lines = [str(part) for part in Response(data).summary().parts[1:]]
+    histories, peaks = (line for line in lines if line.startswith("engines: "))
+    assert peaks.endswith("of torque by 0.0e+00, within their estimated errors")
+    assert "beyond their estimated errors (of torque: " in histories
+    within = Response(data).within_errors()
+    assert within is not None
+    assert bool(within["peak_joint_force"].all())
+    assert not bool(within["driving_torque"])
     same = Response(data.sel(engine=["reference"]))
+    assert same.within_errors() is None
     assert same.force_agreement() is None
     assert not any(str(part).startswith("engines: ") for part in same.summary().parts[1:])
 

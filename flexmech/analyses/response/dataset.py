@@ -35,6 +35,9 @@ SPECTRUM_REACH = 1.5
 # Positions at which the length of the spectrogram's window is chosen.
 PREDICTIONS = 145
 
+ErrorVariable = float | tuple[str, FloatArray]
+"""Of a dataset: a number, or a dimension and what stands along it."""
+
 
 def build_dataset(
     runs: Sequence[EngineRun],
@@ -198,13 +201,15 @@ def add_mesh_errors(dataset: xr.Dataset, errors: Sequence[RunError]) -> None:
     dataset.update(xr.concat(parts, dataset["engine"]))
 
 
-def _errors(kind: str, error: RunError) -> dict[str, float]:
+def _errors(cause: str, error: RunError) -> dict[str, ErrorVariable]:
     return {
-        f"{kind}_error": error.deflection,
-        f"{kind}_error_of_force": error.force,
-        f"{kind}_error_of_torque": error.torque,
-        f"{kind}_error_of_peak_force": error.peak_force,
-        f"{kind}_error_of_peak_torque": error.peak_torque,
+        f"{cause}_error": error.linkage,
+        f"{cause}_error_of_deflection": ("link", error.deflection),
+        f"{cause}_error_of_peak_deflection": ("link", error.peak_deflection),
+        f"{cause}_error_of_force": ("joint", error.force),
+        f"{cause}_error_of_peak_force": ("joint", error.peak_force),
+        f"{cause}_error_of_torque": error.torque,
+        f"{cause}_error_of_peak_torque": error.peak_torque,
     }
 
 

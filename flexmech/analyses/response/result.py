@@ -14,6 +14,13 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
 from flexmech.analyses.response import words
+from flexmech.analyses.response.agreement import (
+    agreement_line,
+    errors_of,
+    force_agreement_lines,
+    standing_for_all,
+    within_errors,
+)
 from flexmech.analyses.response.measurements import NO_DEFLECTION
 from flexmech.analyses.response.stored import needed
 from flexmech.analyses.result import Result
@@ -127,6 +134,32 @@ class Response(Result):
             "peak_driving_torque": abs(first["peak_driving_torque"] - torque) / torque,
         }
         return xr.Dataset(parts).fillna(0.0)
+
+    def errors(self) -> xr.Dataset:
+        """Estimated errors of each engine by step, component modes and, where checked, mesh.
+
+        Returns
+        -------
+        xarray.Dataset
+            Sums, each over its own peak: ``deflection`` and ``peak_deflection`` over (engine,
+            link), ``joint_force`` and ``peak_joint_force`` over (engine, joint),
+            ``driving_torque`` and ``peak_driving_torque`` over (engine).
+        """
+        return errors_of(self.dataset)
+
+    def within_errors(self) -> xr.Dataset | None:
+        """Whether two engines differ by no more than their estimated errors together.
+
+        Returns
+        -------
+        xarray.Dataset or None
+            Of bool: ``deflection`` over (link), and by the names of :meth:`force_agreement`.
+            None with a single engine.
+        """
+        deflections, forces = self.agreement(), self.force_agreement()
+        if deflections is None or forces is None:
+            return None
+        return within_errors(forces.assign(deflection=deflections), self.dataset)
 
     def save(
         self,
@@ -264,16 +297,22 @@ class Response(Result):
         data, peaks, unit = self.dataset, self.peaks(), self.dataset.attrs["speed_unit"]
         speed = f"{from_si(data.attrs['crank_speed'], unit):.6g} {unit}"
         title, agreement = f"peaks at {speed}, {data.attrs['mechanism']}", self.agreement()
-        trusted = words.standing_for_all(agreement, data)
+        trusted = standing_for_all(agreement, data)
         parts = (
-            words.peak_table(peaks, float(data["crank_angle"][0]), title, trusted),
+            words.peak_table(
+                peaks,
+                float(data["crank_angle"][0]),
+                title,
+                trusted,
+                errors_of(data)["peak_deflection"],
+            ),
             *theory_lines(data.attrs),
             *words.check_lines(data),
             *words.load_lines(peaks, data),
             *words.shaft_lines(data),
             *words.spectrogram_lines(data),
-            *words.force_agreement_line(self.force_agreement(), data),
+            *force_agreement_lines(self.force_agreement(), data),
             *data.attrs["environment_lines"].splitlines(),
         )
-        verdict = words.agreement_line(agreement, data)
+        verdict = agreement_line(agreement, data)
         return Summary(parts, verdict, theory_warnings(data.attrs))

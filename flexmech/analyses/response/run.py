@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 
 from flexmech.analyses.response.measurements import NO_DEFLECTION, deflections
+from flexmech.analyses.response.peaks import peaks_between
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start, simulation_start
 from flexmech.errors import ComputationError
@@ -26,7 +27,7 @@ from flexmech.time_domain import (
 )
 from flexmech.types import FloatArray, LabelledProgress, StepProgress
 
-__all__ = ["NO_ERROR", "EngineRun", "RunError", "mesh_error", "run_engine"]
+__all__ = ["EngineRun", "RunError", "mesh_error", "run_engine"]
 
 logger = logging.getLogger(__name__)
 
@@ -44,33 +45,33 @@ NO_FORCE = 1e-9
 
 @dataclass(frozen=True)
 class RunError:
-    """How far histories are off, each over its peak.
+    """How far histories and their peaks are off, each over its own peak.
+
+    A vibration that runs out of phase changes a history far more than its peak.
 
     Parameters
     ----------
-    deflection : float
-        Of all links, over the greatest peak.
-    force : float
-        Of the joint that is off most, over that joint's peak.
-    torque : float
-    peak_force : float
-        Of the peak alone, of the joint whose peak is off most. A vibration that runs out of
-        phase changes a history far more than its peak.
-    peak_torque : float
+    linkage : float
+        Of the deflections of all links, over the greatest peak among them: what a step is
+        chosen by.
+    deflection, peak_deflection : ndarray, shape (n_links,)
+        Of each link over its own peak.
+    force, peak_force : ndarray, shape (n_joints,)
+        Of each joint over its own peak.
+    torque, peak_torque : float
     """
 
-    deflection: float
-    force: float
+    linkage: float
+    deflection: FloatArray
+    peak_deflection: FloatArray
+    force: FloatArray
+    peak_force: FloatArray
     torque: float
-    peak_force: float
     peak_torque: float
 
     def __mul__(self, factor: float) -> RunError:
         """The same, a factor greater."""
         return RunError(*(factor * value for value in astuple(self)))
-
-
-NO_ERROR = RunError(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -138,7 +139,7 @@ def run_engine(
         return _run(engine, request, sample_time, step, band, progress, detail)
 
     def judged(trajectory: Trajectory, step_error: RunError) -> EngineRun:
-        reduction_error = NO_ERROR
+        reduction_error = _difference(engine, trajectory, trajectory)
         if not engine.simulates and is_reduced(engine):
             finer = run(trajectory.step, 2 * DETAIL)
             reduction_error = _difference(engine, trajectory, finer)
@@ -175,18 +176,18 @@ def _with_halved_steps(
         fine = run(step)
         # Second order: the finer run is off by a third of what halving has changed.
         error = _difference(engine, coarse, fine) * (1 / 3)
-        if error.deflection <= STEP_TOLERANCE:
+        if error.linkage <= STEP_TOLERANCE:
             return fine, error
         logger.info(
             "%s: step %.3g s, error %.1e of the peak deflection",
             engine.name,
             step,
-            error.deflection,
+            error.linkage,
         )
         coarse = fine
     raise ComputationError(
         f"no time step is short enough for the {engine.name} run: with {step:.3g} s deflections "
-        f"are still off by about {100 * error.deflection:.3g} % of their peak; run fewer "
+        f"are still off by about {100 * error.linkage:.3g} % of their peak; run fewer "
         "revolutions, add damping, or give a step of your own"
     )
 
@@ -226,16 +227,20 @@ def _difference(
     """
     before, after = deflections(engine, first), deflections(finer or engine, second)
     extent = sum(link.length for link in engine.mechanism.linkage.topology.links)
-    peak = max(float(np.abs(after).max()), NO_DEFLECTION * extent)
-    apart = np.linalg.norm(second.joint_force - first.joint_force, axis=-1).max(axis=0)
+    deflection = np.maximum(np.abs(after).max(axis=0), NO_DEFLECTION * extent)
+    apart = np.abs(before - after).max(axis=0)
+    reached, reaches = (peaks_between(history, first.time)[0] for history in (before, after))
     nothing = NO_FORCE * max(float(second.peak_joint_force.max()), np.finfo(float).tiny)
     force = np.maximum(second.peak_joint_force, nothing)
     torque = max(second.peak_driving_torque, nothing * extent)
+    forces_apart = np.linalg.norm(second.joint_force - first.joint_force, axis=-1).max(axis=0)
     return RunError(
-        deflection=float(np.abs(before - after).max() / peak),
-        force=float((apart / force).max()),
+        linkage=float(apart.max() / deflection.max()),
+        deflection=apart / deflection,
+        peak_deflection=np.abs(reaches - reached) / deflection,
+        force=forces_apart / force,
+        peak_force=np.abs(second.peak_joint_force - first.peak_joint_force) / force,
         torque=float(np.abs(second.driving_torque - first.driving_torque).max() / torque),
-        peak_force=float((np.abs(second.peak_joint_force - first.peak_joint_force) / force).max()),
         peak_torque=abs(second.peak_driving_torque - first.peak_driving_torque) / torque,
     )
 

@@ -7,26 +7,23 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.beam_theory import theory_reason
+from flexmech.analyses.response.agreement import errors_of, listed
 from flexmech.analyses.summary import Table
 from flexmech.analyses.tables import DEGREES
 
 __all__ = [
-    "agreement_line",
     "check_lines",
-    "force_agreement_line",
     "load_lines",
     "peak_table",
     "shaft_columns",
     "shaft_lines",
     "spectrogram_lines",
-    "standing_for_all",
     "supported",
 ]
 
 MOST_DIGITS = 4
-# Deflection over a link's length beyond which linear kinematics shows.
-LARGE_BOW = 0.01
+# Of deflections in the table of peaks.
+TABLE_DIGITS = 5
 # Rotation of a free shaft in rad beyond which equations that are linear in it show.
 LARGE_ROTATION = np.radians(5)
 # A crank angle this close below a whole turn, in turns, is the turn's end.
@@ -34,7 +31,11 @@ _WHOLE_TURN = 1e-9
 
 
 def peak_table(
-    peaks: xr.Dataset, start: float, title: str, trusted: tuple[str, str] | None = None
+    peaks: xr.Dataset,
+    start: float,
+    title: str,
+    trusted: tuple[str, str] | None = None,
+    errors: xr.DataArray | None = None,
 ) -> Table:
     """Peak deflection and strain of each link, and where the crank stands then.
 
@@ -47,6 +48,9 @@ def peak_table(
     title : str
     trusted : (str, str), optional
         Engine that stands for all, where they agree, and what it is called then.
+    errors : xarray.DataArray, optional
+        Of the peak deflections over themselves, over (engine, link): digits that they do not
+        support are left out.
 
     Returns
     -------
@@ -60,7 +64,10 @@ def peak_table(
         degrees, turn = _crank(float(peak["deflection_angle"]), start)
         # A clamped link is bent most at its clamp; strain in its middle is no peak.
         strain = f"{1e6 * float(peak['strain']):.4g}" if place == "middle" else "-"
-        deflection = f"{1e3 * float(peak['deflection']):.5g}"
+        deflection = f"{1e3 * float(peak['deflection']):.{TABLE_DIGITS}g}"
+        if errors is not None:
+            error = float(errors.sel(engine=engine, link=link))
+            deflection = supported(1e3 * float(peak["deflection"]), error, TABLE_DIGITS)
         return (label, link, place, deflection, f"{degrees:.1f}", str(turn), strain)
 
     headings = ("engine", "link", "place", "deflection mm", "at deg", "turn", "strain 1e-6")
@@ -73,41 +80,55 @@ def peak_table(
 
 def check_lines(dataset: xr.Dataset) -> list[str]:
     """Report how far the run may be trusted: energy, constraints, time step and mesh."""
-    energy = _listed(dataset["energy_error"])
+    energy = listed(dataset["energy_error"])
     lines = [
         f"energy balance: off by at most {energy} of the peak kinetic energy",
-        f"constraint drift: at most {_listed(dataset['constraint_drift'], '{:.1e} m')}",
-        f"time step: {_listed(dataset['step'], '{:.4g} s')}",
-        "error by the time step (estimated): at most "
-        f"{_listed(dataset['step_error'])} of the peak deflection",
+        f"constraint drift: at most {listed(dataset['constraint_drift'], '{:.1e} m')}",
+        f"time step: {listed(dataset['step'], '{:.4g} s')}",
+        _deflection_errors(dataset, "step", "error by the time step (estimated)"),
         _force_errors(dataset, "step", "error of forces by the time step (estimated)"),
     ]
     reduced = dataset.sel(engine=dataset["reduction_error"] > 0)
     if reduced.sizes["engine"]:
-        changes = _listed(reduced["reduction_error"])
+        lead = "component modes: twice the detail changes deflections"
         lines += [
-            f"component modes: twice the detail changes deflections by {changes}",
+            _deflection_errors(reduced, "reduction", lead),
             _force_errors(reduced, "reduction", "component modes: twice the detail changes forces"),
         ]
     if "mesh_error" in dataset:
-        changes = _listed(dataset["mesh_error"])
         lines += [
-            f"mesh: twice the elements change deflections by {changes} of their peak",
+            _deflection_errors(dataset, "mesh", "mesh: twice the elements change deflections"),
             _force_errors(dataset, "mesh", "mesh: twice the elements change forces"),
         ]
     return lines
 
 
-def _force_errors(dataset: xr.Dataset, kind: str, lead: str) -> str:
-    """Errors of joint forces and torque by one cause."""
+def _deflection_errors(dataset: xr.Dataset, cause: str, lead: str) -> str:
+    """Errors of deflections by one cause, of each link that deflects over its own peak."""
+    bent = (dataset["peak_deflection"] > 0).any("engine")
+    errors = dataset[f"{cause}_error_of_deflection"]
+    errors = errors.sel(link=bent) if bent.any() else errors
+    told = "; ".join(
+        f"{listed(errors.sel(engine=engine))}, {engine}" for engine in errors["engine"].values
+    )
+    return f"{lead}, of the link's peak: {told}"
+
+
+def _force_errors(dataset: xr.Dataset, cause: str, lead: str) -> str:
+    """Errors of joint forces and torque by one cause; of the joint that is off most."""
 
     def error(of: str) -> str:
-        return _listed(dataset[f"{kind}_error_of_{of}"])
+        return listed(_greatest(dataset[f"{cause}_error_of_{of}"]))
 
     return (
         f"{lead}, of the peak: joint forces {error('force')}, their peaks {error('peak_force')}; "
         f"torque {error('torque')}, its peak {error('peak_torque')}"
     )
+
+
+def _greatest(errors: xr.DataArray) -> xr.DataArray:
+    """Over engine."""
+    return errors.max([name for name in errors.dims if name != "engine"])
 
 
 def shaft_columns(data: xr.Dataset) -> dict[str, xr.DataArray]:
@@ -139,8 +160,8 @@ def shaft_lines(data: xr.Dataset) -> list[str]:
     part = 100 * data["peak_crank_speed_fluctuation"] / abs(data.attrs["crank_speed"])
     lines = [
         "shaft: free, under the torque that drives the rigid linkage; it leaves its prescribed "
-        f"angle by at most {_listed(DEGREES * peak, '{:.4g} deg')}, its speed the crank speed "
-        f"by at most {_listed(part, '{:.3g} %')}"
+        f"angle by at most {listed(DEGREES * peak, '{:.4g} deg')}, its speed the crank speed "
+        f"by at most {listed(part, '{:.3g} %')}"
     ]
     linear = peak.sel(engine=~data["nonlinear"].astype(bool))
     if linear.sizes["engine"] and float(linear.max()) > LARGE_ROTATION:
@@ -169,38 +190,41 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
     rigid_torque = float(abs(data["rigid_driving_torque"]).max())
     rigid_force = np.hypot(*np.moveaxis(data["rigid_joint_force"].values, -1, 0)).max(axis=0)
     engines = [str(engine) for engine in data["engine"].values]
+    errors = errors_of(data)
 
-    def error(engine: str, quantity: str) -> float:
-        causes = [f"{cause}_error_of_peak_{quantity}" for cause in ("step", "reduction", "mesh")]
-        return sum(float(data[name].sel(engine=engine)) for name in causes if name in data)
+    def forces(engine: str) -> str:
+        own = peaks["joint_force"].sel(engine=engine).values
+        error = errors["peak_joint_force"].sel(engine=engine).values
+        return line([supported(*pair) for pair in zip(own, error, strict=True)], engine)
 
-    def line(forces: Iterable[float], name: str, relative: float | None) -> str:
-        joints = zip(data["joint"].values, forces, strict=True)
-        shown = ", ".join(
-            f"{joint} {force:.4g}" if relative is None else f"{joint} {supported(force, relative)}"
-            for joint, force in joints
-        )
+    def line(told: Iterable[str], name: str) -> str:
+        pairs = zip(data["joint"].values, told, strict=True)
+        shown = ", ".join(f"{joint} {force}" for joint, force in pairs)
         return f"peak joint forces: {shown} N ({name})"
 
-    torques = [
-        f"{supported(float(peaks['driving_torque'].sel(engine=e)), error(e, 'torque'))} N m ({e})"
-        for e in engines
-    ]
+    def torque(engine: str) -> str:
+        own = peaks["driving_torque"].sel(engine=engine)
+        error = errors["peak_driving_torque"].sel(engine=engine)
+        return f"{supported(float(own), float(error))} N m ({engine})"
+
+    torques = ", ".join(map(torque, engines))
     return [
         f"forces and torque of elastic links count up to {data.attrs['force_band']:.4g} Hz, half "
         "the lowest frequency at which the links vibrate along themselves",
-        f"peak driving torque: {', '.join(torques)}, {rigid_torque:.4g} N m (rigid links)",
-        *(line(peaks["joint_force"].sel(engine=e).values, e, error(e, "force")) for e in engines),
-        line(rigid_force, "rigid links", None),
+        f"peak driving torque: {torques}, {rigid_torque:.4g} N m (rigid links)",
+        *map(forces, engines),
+        line([f"{force:.4g}" for force in rigid_force], "rigid links"),
     ]
 
 
-def supported(value: float, error: float) -> str:
+def supported(value: float, error: float, most: int = MOST_DIGITS) -> str:
     """A value with the digits that its relative error supports, four at most.
 
     Parameters
     ----------
     value, error : float
+    most : int
+        Digits.
 
     Returns
     -------
@@ -214,9 +238,9 @@ def supported(value: float, error: float) -> str:
     """
     if not value:
         return "0"
-    digits = MOST_DIGITS
+    digits = most
     if error > 0:
-        digits = min(MOST_DIGITS, max(1, int(np.floor(-np.log10(error))) + 1))
+        digits = min(most, max(1, int(np.floor(-np.log10(error))) + 1))
     decimals = digits - 1 - int(np.floor(np.log10(abs(value))))
     return f"{round(value, decimals):.{max(decimals, 0)}f}"
 
@@ -234,85 +258,8 @@ def spectrogram_lines(dataset: xr.Dataset) -> list[str]:
     ]
 
 
-def _deflection_errors(dataset: xr.Dataset) -> xr.DataArray:
-    """Errors of the deflections over their peak by all causes that are known, over engine."""
-    causes = ("step_error", "reduction_error", "mesh_error")
-    return sum((dataset[name] for name in causes if name in dataset), xr.DataArray(0.0))
-
-
-def standing_for_all(agreement: xr.DataArray | None, dataset: xr.Dataset) -> tuple[str, str] | None:
-    """The engine of the smallest errors where two agree within them, and what stands for both."""
-    if agreement is None:
-        return None
-    errors = _deflection_errors(dataset)
-    if float(agreement.max()) > float(errors[:2].sum()):
-        return None
-    return str(errors.idxmin("engine").item()), "both"
-
-
-def agreement_line(agreement: xr.DataArray | None, dataset: xr.Dataset) -> str:
-    """Say how far the engines differ at most, link by link; or that there is no comparison.
-
-    Where that is more than their errors, also which one to trust.
-    """
-    engines = dataset["engine"].values
-    if agreement is None:
-        return f"engines: no comparison was made, only the {engines[0]} engine ran"
-    line = (
-        f"engines: deflections of {engines[0]} and {engines[1]} differ by at most "
-        f"{_listed(agreement)} of the link's peak"
-    )
-    if standing_for_all(agreement, dataset):
-        return f"{line}, within their estimated errors"
-    return f"{line}{theory_reason(dataset.attrs) or _whom_to_trust(dataset)}"
-
-
-def _whom_to_trust(dataset: xr.Dataset) -> str:
-    """Of engines that differ by more than their errors."""
-    bow = abs(dataset["deflection"]).max(("engine", "time")) / dataset["length"]
-    nonlinear = dataset["nonlinear"].astype(bool)
-    simulated = dataset["engine"].values[nonlinear.values]
-    if float(bow.max()) > LARGE_BOW and len(simulated) == 1:
-        link, most = bow.idxmax("link").item(), 100 * float(bow.max())
-        return (
-            f"; trust {simulated[0]}, which follows displacements of any size: {link} deflects by "
-            f"up to {most:.2g} % of its length, and linear equations leave the joints where the "
-            "rigid linkage has them"
-        )
-    errors = _deflection_errors(dataset)
-    better = f"trust {errors.idxmin('engine').item()}, whose errors are the smaller"
-    if "mesh_error" not in dataset:
-        better += "; --check-mesh gives the error by the mesh, which is not among them"
-    said = _listed(errors)
-    return f", which is beyond their estimated errors, {said}; {better}"
-
-
-def force_agreement_line(agreement: xr.Dataset | None, dataset: xr.Dataset) -> list[str]:
-    """Say how far the engines' forces and torque differ at most, if there are two."""
-    if agreement is None:
-        return []
-    first, second = dataset["engine"].values[:2]
-    band = f"up to {dataset.attrs['force_band']:.3g} Hz"
-    forces, torque = agreement["joint_force"], float(agreement["driving_torque"])
-    peaks, peak = agreement["peak_joint_force"], float(agreement["peak_driving_torque"])
-    return [
-        f"engines: joint forces {band} of {first} and {second} differ by at most "
-        f"{_listed(forces)} of the joint's peak, torque by {torque:.1e}",
-        f"engines: peaks of these joint forces differ by {_listed(peaks)}, of torque by {peak:.1e}",
-    ]
-
-
 def _crank(angle: float, start: float) -> tuple[float, int]:
     """Crank angle in degrees from 0 to 360, and the turn since the start that it is in."""
     turned = abs(angle - start) / (2 * np.pi)
     degrees = round(float(np.degrees(angle)), 6) % 360
     return degrees, int(turned + _WHOLE_TURN) + 1
-
-
-def _listed(values: xr.DataArray, form: str = "{:.1e}") -> str:
-    """Values along a dimension, each with its label behind it."""
-    labels = values[values.dims[0]].values
-    return ", ".join(
-        f"{form.format(value)} ({label})"
-        for label, value in zip(labels, values.values, strict=True)
-    )

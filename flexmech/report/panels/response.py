@@ -20,9 +20,7 @@ from flexmech.report.words import (
 )
 from flexmech.types import FloatArray
 
-__all__ = ["error_over_peak", "response_panel", "spectrum_panel"]
-
-CAUSES = ("step_error", "reduction_error", "mesh_error")
+__all__ = ["response_panel", "spectrum_panel"]
 
 
 def response_panel(results: Results) -> Panel | None:
@@ -43,7 +41,7 @@ def response_panel(results: Results) -> Panel | None:
             deflection += _deflections(data, turn, engine, when)
             force += _forces(data, turn, engine, when)
             shaft += _shaft(data, turn, engine, when)
-            readings += _readings(data, turn, engine, when)
+            readings += _readings(run, turn, engine, when)
         if turn.left_out:
             thinned.append(
                 f"run at {when['speed']}: {len(turn.angle)} of {turn.samples} samples of the last "
@@ -249,43 +247,23 @@ def _shaft_plot(traces: list[Trace]) -> Plot:
     )
 
 
-def error_over_peak(data: xr.Dataset, engine: str, ending: str = "") -> float:
-    """Errors of a quantity by step, component modes and, if it is known, mesh; over its peak.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Of a response.
-    engine : str
-    ending : str
-        Of the variables' names, such as ``"_of_force"``; empty for deflections.
-
-    Returns
-    -------
-    float
-    """
-    names = [f"{cause}{ending}" for cause in CAUSES]
-    own = data.sel(engine=engine)
-    return sum(float(own[name]) for name in names if name in own)
-
-
-def _readings(data: xr.Dataset, turn: LastTurn, engine: str, when: Choice) -> list[Reading]:
-    own = data.sel(engine=engine)
+def _readings(run: Response, turn: LastTurn, engine: str, when: Choice) -> list[Reading]:
+    data = run.dataset
+    own, errors = data.sel(engine=engine), run.errors().sel(engine=engine)
     found: list[tuple[str, str, str, FloatArray, float]] = []
     for link in map(str, data["link"].values):
         values = 1e3 * own["deflection"].sel(link=link).values
         peak = 1e3 * float(own["peak_deflection"].sel(link=link))
-        found.append(("Deflection", link, "mm", values, peak * error_over_peak(data, engine)))
+        error = peak * float(errors["deflection"].sel(link=link))
+        found.append(("Deflection", link, "mm", values, error))
     for joint in map(str, data["joint"].values):
         values = _sizes(own["joint_force"].sel(joint=joint))
         peak = float(own["peak_joint_force"].sel(joint=joint))
-        found.append(
-            ("Joint force", joint, "N", values, peak * error_over_peak(data, engine, "_of_force"))
-        )
+        error = peak * float(errors["joint_force"].sel(joint=joint))
+        found.append(("Joint force", joint, "N", values, error))
     torque, peak = own["driving_torque"].values, float(own["peak_driving_torque"])
-    found.append(
-        ("Torque", "shaft", "N m", torque, peak * error_over_peak(data, engine, "_of_torque"))
-    )
+    error = peak * float(errors["driving_torque"])
+    found.append(("Torque", "shaft", "N m", torque, error))
     return [
         Reading(group, label, unit, turn.angle, turn.of(values), error, when, decimals_of(error))
         for group, label, unit, values, error in found
@@ -310,24 +288,26 @@ def _peak_table(runs: list[Response], unit: str) -> Table:
         speed = speed_name(float(data.attrs["crank_speed"]), unit)
         for engine in engine_names(data):
             own, start = peaks.sel(engine=engine), (state_of(data.attrs), engine, speed)
+            errors = run.errors().sel(engine=engine)
             found = [
-                (link, "deflection (mm)", 1e3 * float(own["deflection"].sel(link=link)), "")
+                (
+                    *(link, "deflection (mm)", 1e3 * float(own["deflection"].sel(link=link))),
+                    float(errors["peak_deflection"].sel(link=link)),
+                )
                 for link in map(str, data["link"].values)
             ]
             found += [
-                (joint, "force (N)", float(own["joint_force"].sel(joint=joint)), "_of_peak_force")
+                (
+                    *(joint, "force (N)", float(own["joint_force"].sel(joint=joint))),
+                    float(errors["peak_joint_force"].sel(joint=joint)),
+                )
                 for joint in map(str, data["joint"].values)
             ]
-            torque = float(own["driving_torque"])
-            found.append(("shaft", "torque (N m)", torque, "_of_peak_torque"))
+            torque = float(own["driving_torque"]), float(errors["peak_driving_torque"])
+            found.append(("shaft", "torque (N m)", *torque))
             rows += [
-                (
-                    *start,
-                    of,
-                    what,
-                    with_error(value, abs(value) * error_over_peak(data, engine, ending)),
-                )
-                for of, what, value, ending in found
+                (*start, of, what, with_error(value, abs(value) * error))
+                for of, what, value, error in found
             ]
     return Table(
         "Peaks",

@@ -1,0 +1,198 @@
+"""Whether two engines agree within the errors that they estimate of themselves, and in words."""
+
+from __future__ import annotations
+
+import xarray as xr
+
+from flexmech.analyses.beam_theory import theory_reason
+
+__all__ = [
+    "agreement_line",
+    "errors_of",
+    "force_agreement_lines",
+    "listed",
+    "standing_for_all",
+    "within_errors",
+]
+
+CAUSES = ("step", "reduction", "mesh")
+# Names of :meth:`Response.agreement` and :meth:`Response.force_agreement`, and of the errors of
+# each cause.
+ERRORS = {
+    "deflection": "deflection",
+    "peak_deflection": "peak_deflection",
+    "joint_force": "force",
+    "peak_joint_force": "peak_force",
+    "driving_torque": "torque",
+    "peak_driving_torque": "peak_torque",
+}
+# Deflection over a link's length beyond which linear kinematics shows.
+LARGE_BOW = 0.01
+
+
+def errors_of(dataset: xr.Dataset) -> xr.Dataset:
+    """Errors by step, component modes and, where it was checked, mesh together.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Of a response.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``deflection`` and ``peak_deflection`` over (engine, link), ``joint_force`` and
+        ``peak_joint_force`` over (engine, joint), ``driving_torque`` and ``peak_driving_torque``
+        over (engine); each over its own peak.
+    """
+    known = [cause for cause in CAUSES if f"{cause}_error" in dataset]
+    return xr.Dataset(
+        {
+            name: sum(
+                (dataset[f"{cause}_error_of_{of}"] for cause in known), start=xr.DataArray(0.0)
+            )
+            for name, of in ERRORS.items()
+        }
+    )
+
+
+def within_errors(gaps: xr.Dataset, dataset: xr.Dataset) -> xr.Dataset:
+    """Whether two engines differ by no more than their errors together.
+
+    Parameters
+    ----------
+    gaps : xarray.Dataset
+        Differences over the peak, by the names of :func:`errors_of`.
+    dataset : xarray.Dataset
+        Of the response.
+
+    Returns
+    -------
+    xarray.Dataset
+        Of bool, by the names and the dimensions of the differences.
+    """
+    allowed = errors_of(dataset).isel(engine=slice(2)).sum("engine")
+    return xr.Dataset({name: gaps[name] <= allowed[name] for name in gaps})
+
+
+def standing_for_all(agreement: xr.DataArray | None, dataset: xr.Dataset) -> tuple[str, str] | None:
+    """The engine of the smallest errors where two agree within them, and what stands for both."""
+    if agreement is None:
+        return None
+    if not within_errors(xr.Dataset({"deflection": agreement}), dataset)["deflection"].all():
+        return None
+    worst = errors_of(dataset)["deflection"].max("link")
+    return str(worst.idxmin("engine").item()), "both"
+
+
+def agreement_line(agreement: xr.DataArray | None, dataset: xr.Dataset) -> str:
+    """Say how far the engines differ at most, link by link; or that there is no comparison.
+
+    Where that is more than their errors, also which one to trust.
+    """
+    engines = dataset["engine"].values
+    if agreement is None:
+        return f"engines: no comparison was made, only the {engines[0]} engine ran"
+    return (
+        f"engines: deflections of {engines[0]} and {engines[1]} differ by at most "
+        f"{listed(agreement)} of the link's peak"
+        f"{_verdict(agreement, errors_of(dataset)['deflection'], dataset)}"
+    )
+
+
+def force_agreement_lines(agreement: xr.Dataset | None, dataset: xr.Dataset) -> list[str]:
+    """Say how far the engines' forces and torque differ, and whether their errors explain it.
+
+    None with a single engine.
+    """
+    if agreement is None:
+        return []
+    first, second = dataset["engine"].values[:2]
+    band = f"up to {dataset.attrs['force_band']:.3g} Hz"
+    torque, peak = (float(agreement[name]) for name in ("driving_torque", "peak_driving_torque"))
+    errors = errors_of(dataset)
+
+    def judged(force: str, torque: str) -> str:
+        gaps, own = (_side_by_side(part, force, torque) for part in (agreement, errors))
+        return _verdict(gaps, own, dataset)
+
+    return [
+        f"engines: joint forces {band} of {first} and {second} differ by at most "
+        f"{listed(agreement['joint_force'])} of the joint's peak, torque by {torque:.1e}"
+        f"{judged('joint_force', 'driving_torque')}",
+        "engines: peaks of these joint forces differ by "
+        f"{listed(agreement['peak_joint_force'])}, of torque by {peak:.1e}"
+        f"{judged('peak_joint_force', 'peak_driving_torque')}",
+    ]
+
+
+def _side_by_side(part: xr.Dataset, force: str, torque: str) -> xr.DataArray:
+    """Joint forces and torque along one dimension."""
+    both = (part[force], part[torque].expand_dims(joint=["torque"]))
+    return xr.concat([values.drop_vars("joint_kind", errors="ignore") for values in both], "joint")
+
+
+def _verdict(gaps: xr.DataArray, errors: xr.DataArray, dataset: xr.Dataset) -> str:
+    """How a line on differences ends: within the errors, or why not and which engine to trust.
+
+    Parameters
+    ----------
+    gaps : xarray.DataArray
+        Over links, or joints and torque.
+    errors : xarray.DataArray
+        Over engine too.
+    dataset : xarray.Dataset
+    """
+    (of,) = gaps.dims
+    errors = errors.sel({of: gaps[of]}).isel(engine=slice(2))
+    allowed = errors.sum("engine")
+    if bool((gaps <= allowed).all()):
+        return ", within their estimated errors"
+    if reason := theory_reason(dataset.attrs):
+        return reason
+    if large := _large_bow(dataset):
+        return large
+    # Where the difference is least explained.
+    worst = {of: (gaps - allowed).idxmax(of).item()}
+    told = errors.sel(worst)
+    said = (
+        f", which is beyond their estimated errors (of {worst[of]}: {listed(told)}); trust "
+        f"{told.idxmin('engine').item()}, whose errors are the smaller"
+    )
+    if "mesh_error" not in dataset:
+        said += "; --check-mesh gives the error by the mesh, which is not among them"
+    return said
+
+
+def _large_bow(dataset: xr.Dataset) -> str:
+    """Why to trust the engine that follows large displacements; nothing where they are small."""
+    bow = abs(dataset["deflection"]).max(("engine", "time")) / dataset["length"]
+    simulated = dataset["engine"].values[dataset["nonlinear"].values.astype(bool)]
+    if float(bow.max()) <= LARGE_BOW or len(simulated) != 1:
+        return ""
+    link, most = bow.idxmax("link").item(), 100 * float(bow.max())
+    return (
+        f"; trust {simulated[0]}, which follows displacements of any size: {link} deflects by "
+        f"up to {most:.2g} % of its length, and linear equations leave the joints where the "
+        "rigid linkage has them"
+    )
+
+
+def listed(values: xr.DataArray, form: str = "{:.1e}") -> str:
+    """Values along a dimension, each with its label behind it.
+
+    Parameters
+    ----------
+    values : xarray.DataArray
+        Of one dimension with labels.
+    form : str
+
+    Returns
+    -------
+    str
+    """
+    labels = values[values.dims[0]].values
+    return ", ".join(
+        f"{form.format(value)} ({label})"
+        for label, value in zip(labels, values.values, strict=True)
+    )
