@@ -13,7 +13,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator
 
 from flexmech.errors import InputError
 from flexmech.plots import scales, style
-from flexmech.plots.labels import speed_unit
+from flexmech.plots.labels import speed_unit, spread
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import cell_edges, values_of
 from flexmech.plots.series import Look, line_handle, series_style
@@ -33,8 +33,8 @@ HEIGHT, NARROW_HEIGHT, AXES_HEIGHT = 3.9, 3.2, 0.9
 FILL: Look = {"alpha": 0.22, "lw": 0}
 POINT_SIZE = 2.2
 LABEL_POINTS = 7.0
-# Of two numbers at the edge, so that they do not touch.
-LEAST_RATIO = 1.12
+# Of the axes' height: distance of two numbers at the edge, so that they do not touch.
+NUMBER_HEIGHT = 0.035
 ROOM = 1.06
 # Of the lowest mean frequency, at which the axis begins: the linkage may be near to buckling.
 LOWEST_PART = 0.4
@@ -84,9 +84,9 @@ def plot_floquet_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None)
         speed = factor * dataset["crank_speed"].values
         for branch in range(frequency.shape[1]):
             axes.plot(speed, frequency[:, branch], **_points(branch), zorder=3)
-        _number_branches(axes, dataset)
         low, high = _limits(dataset, frequency)
         scales.log_scale(axes, low, high)
+        _number_branches(axes, dataset)
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axes.set_ylabel("Frequency (Hz)")
@@ -174,18 +174,17 @@ def _draw_moving(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
 
 
 def _number_branches(axes: Axes, dataset: xr.Dataset) -> None:
-    """Numbers of the branches beside the right edge, at their means."""
+    """Numbers of the branches beside the right edge, at their means, spread to be read."""
     if not dataset.sizes["moving_speed"]:
         return
     mean = values_of(dataset["mean_frequency"], "branch", "moving_speed")[:, -1]
-    free = 0.0
+    upward = np.argsort(mean)
+    bottom, top = np.log(axes.get_ylim())
+    heights = np.exp(spread(np.log(mean[upward]), NUMBER_HEIGHT * (top - bottom)))
     look: Look = {"fontsize": LABEL_POINTS, "va": "center", "textcoords": "offset points"}
-    for number, value in zip(dataset["branch"].values.tolist(), mean.tolist(), strict=True):
-        if value >= LEAST_RATIO * free:
-            free = value
-            place = (axes.get_xlim()[1], value)
-            color = series_style(number - 1).color
-            axes.annotate(str(number), place, xytext=(3, 0), color=color, **look)
+    for number, height in zip(dataset["branch"].values[upward].tolist(), heights, strict=True):
+        place, color = (axes.get_xlim()[1], height), series_style(number - 1).color
+        axes.annotate(str(number), place, xytext=(3, 0), color=color, **look)
 
 
 def _points(branch: int) -> Look:

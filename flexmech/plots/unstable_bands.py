@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from flexmech.plots import style
-from flexmech.plots.labels import speed_unit, spread
+from flexmech.plots.labels import speed_unit
 from flexmech.plots.series import Look, series_style
 from flexmech.runs import unbroken_runs
 from flexmech.units import from_si
@@ -84,23 +84,25 @@ def draw_gaps(axes: Axes, dataset: xr.Dataset) -> None:
 
 
 def name_bands(axes: Axes, dataset: xr.Dataset) -> None:
-    """Write the names of the fastest growing bands upright along the top of axes, inside."""
+    """Write the names of the fastest growing bands upright over them, at the top of axes.
+
+    A band that has no room beside those that grow faster has no name: a name that stood beside its
+    band would be read as its neighbour's.
+    """
     narrow = style.is_narrow()
     most = MOST_NARROW_NAMES if narrow else MOST_NAMES
     bands = sorted(_bands(dataset), key=lambda band: -float(band["band_largest_growth_rate"]))
     greatest = max((float(band["band_largest_growth_rate"]) for band in bands), default=0.0)
-    fast = [
-        band for band in bands if float(band["band_largest_growth_rate"]) >= LEAST_NAMED * greatest
-    ]
-    named = sorted(fast[:most], key=lambda band: sum(_ends(band, dataset)))
     low, high = axes.get_xlim()
     width = (NARROW_NAME_WIDTH if narrow else NAME_WIDTH) * (high - low)
-    middles = np.array([np.clip(sum(_ends(b, dataset)) / 2, low, high) for b in named])
-    places = np.clip(spread(middles, width), low + width / 2, high - width / 2)
-    # Those pushed back from the edge push the others.
-    for n in range(len(places) - 2, -1, -1):
-        places[n] = min(places[n], places[n + 1] - width)
-    for place, band in zip(places.tolist(), named, strict=True):
+    taken: list[float] = []
+    for band in bands:
+        middle = sum(_ends(band, dataset)) / 2
+        place = float(np.clip(middle, low + width / 2, high - width / 2))
+        slow = float(band["band_largest_growth_rate"]) < LEAST_NAMED * greatest
+        if slow or any(abs(place - other) < width for other in taken) or len(taken) == most:
+            continue
+        taken.append(place)
         axes.text(
             place,
             0.98,

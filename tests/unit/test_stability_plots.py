@@ -70,14 +70,20 @@ class TestGrowth:
     def test_bands_are_named_and_gaps_hatched(self) -> None:
         figure = plots.plot_stability(stability_dataset())
         growth = panels(figure)[0]
-        names = [text.get_text() for text in growth.texts]
-        assert names == ["2f₂ = 7f", "f₁+f₃ = 11f", "?"]
+        names = {text.get_text(): text.get_position()[0] for text in growth.texts}
+        assert names == pytest.approx({"f₁+f₃ = 11f": 88.7, "2f₂ = 7f": 84.1, "?": 98.5}, abs=0.1)
         assert {"twice a frequency", "sum of two frequencies", "unnamed band"} <= set(
             legend_texts(figure)
         )
         hatched = [patch for patch in growth.patches if patch.get_hatch() == "////"]
         assert len(hatched) == 1
         assert hatched[0].get_x() == 97.5
+
+    def test_a_name_without_room_is_left_out_and_not_set_over_another_band(self) -> None:
+        dataset = stability_dataset()
+        dataset["band_lower"].values[0], dataset["band_upper"].values[0] = 88.75, 88.77
+        growth = panels(plots.plot_stability(dataset))[0]
+        assert {text.get_text() for text in growth.texts} == {"f₁+f₃ = 11f", "?"}
 
     def test_narrow_bands_are_marks_and_wide_ones_are_shaded(self) -> None:
         growth = panels(plots.plot_stability(stability_dataset()))[0]
@@ -109,6 +115,14 @@ class TestFrequencies:
         for area, frequency in zip(filled, FREQUENCIES, strict=True):
             box = area.get_paths()[0].get_extents()
             assert (box.y0, box.y1) == pytest.approx((0.9 * frequency, 1.1 * frequency))
+
+    def test_every_branch_has_its_number_though_two_are_close(self) -> None:
+        dataset = stability_dataset()
+        mean = dataset["mean_frequency"] = dataset["mean_frequency"].copy()
+        mean[{"branch": 1}] = 1.001 * mean.isel(branch=0)
+        (axes,) = panels(plots.plot_floquet_frequencies(dataset))
+        numbers = [text.get_text() for text in axes.texts]
+        assert numbers == [str(n) for n in dataset["branch"].values]
 
 
 class TestHarmonics:
