@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -15,6 +15,7 @@ from flexmech.choices import MODES
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     ELASTICITY,
+    Connectors,
     LinkFrames,
     LinkModel,
     RotationTerms,
@@ -22,13 +23,15 @@ from flexmech.linear_system import (
     rigid_link,
 )
 from flexmech.linkages import (
-    Linkage,
+    JointSpring,
     LinkEnd,
     LinkMass,
     RigidMotion,
+    Spring,
     Topology,
     shown_crank_angle,
 )
+from flexmech.linkages.spring_line import SpringLine
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, DampingTimes
 from flexmech.threads import one_thread
@@ -75,10 +78,17 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
         )
         for link in topology.links
     )
-    motion = _configurations(mechanism.linkage)
-    angles = tuple(map(tuple, motion.angle.tolist()))
-    origins = tuple(tuple(map(tuple, places)) for places in motion.origin.tolist())
-    links = _Links(topology, sections, mechanism.link_masses_in_order, angles, origins)
+    motion = _configurations(mechanism)
+    links = _Links(
+        topology,
+        sections,
+        mechanism.link_masses_in_order,
+        tuple(map(tuple, motion.angle.tolist())),
+        tuple(tuple(map(tuple, places)) for places in motion.origin.tolist()),
+        mechanism.springs,
+        mechanism.joint_springs,
+        mechanism,
+    )
     counted = max(modes, MODES)
     return TheoryComparison(
         lambda theory: _frequencies(links, theory, counted)[:, :modes], mechanism.is_eccentric
@@ -87,28 +97,63 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
 
 @dataclass(frozen=True)
 class _Links:
-    """What frequencies at rest depend on, and nothing else."""
+    """What frequencies at rest depend on; nothing else tells one from another.
+
+    The mechanism is that whose springs these are.
+    """
 
     topology: Topology
     sections: tuple[BeamSection | None, ...]
     masses: tuple[LinkMass, ...]
     angles: tuple[tuple[float, ...], ...]
     origins: tuple[tuple[tuple[float, ...], ...], ...]
+    springs: tuple[Spring, ...]
+    joint_springs: tuple[JointSpring, ...]
+    mechanism: Mechanism = field(compare=False)
+
+    @property
+    def motion(self) -> RigidMotion:
+        """The linkage at rest."""
+        angle, places = np.array(self.angles), np.array(self.origins)
+        still, nowhere = np.zeros(angle.shape), np.zeros((*angle.shape, 2))
+        return RigidMotion(still[:, 0], still[:, 0], angle, still, still, places, nowhere, nowhere)
+
+    def spring_places(self, link: int) -> tuple[float, ...]:
+        """Places along a link, from its start, that springs between points hold."""
+        name = self.topology.link_names[link]
+        ends = (end for spring in self.springs for end in (spring.first, spring.second))
+        return tuple(end.x for end in ends if end.link == name)
 
 
-def _configurations(linkage: Linkage) -> RigidMotion:
+def _configurations(mechanism: Mechanism) -> RigidMotion:
     """The linkage at rest at those crank angles that it can stand at."""
     try:
-        return linkage.motion(ANGLES)
+        return _standing(mechanism, ANGLES)
     except InputError:  # it does not turn fully
         possible = []
     for angle in ANGLES:
         try:
-            linkage.motion(angle)
+            _standing(mechanism, np.array([angle]))
         except InputError:
             continue
         possible.append(angle)
+    linkage = mechanism.linkage
     return linkage.motion(np.array(possible or [shown_crank_angle(linkage)]))
+
+
+def _standing(mechanism: Mechanism, crank_angle: FloatArray) -> RigidMotion:
+    """The linkage at crank angles, where its springs have a direction; InputError elsewhere."""
+    motion, topology = mechanism.linkage.motion(crank_angle), mechanism.linkage.topology
+    nowhere, size = np.zeros((len(crank_angle), 2)), max(link.length for link in topology.links)
+    for spring in mechanism.springs:
+        places = [
+            nowhere + (end.x, end.y)
+            if end.is_ground
+            else motion.position(topology.index(end.link), end.x)
+            for end in (spring.first, spring.second)
+        ]
+        SpringLine.of(spring, crank_angle, places, [nowhere, nowhere], size)
+    return motion
 
 
 @lru_cache(maxsize=256)
@@ -125,13 +170,11 @@ def _frequencies(links: _Links, theory: str, modes: int) -> FloatArray:
         _plane(links, number, modes) if plane else _beam(links, number, theory, modes)
         for number, plane in enumerate(compressed)
     ]
-    angle = np.array(links.angles)
-    still, nowhere = np.zeros(angle.shape), np.zeros((*angle.shape, 2))
-    places = np.array(links.origins)
-    motion = RigidMotion(still[:, 0], still[:, 0], angle, still, still, places, nowhere, nowhere)
+    motion, still = links.motion, RotationTerms.all_or_none(False)
     frames = LinkFrames(links.topology, chains)
-    stiffness = [chain.stiffness for chain in chains]
-    system = frames.assemble(motion, stiffness, RotationTerms.all_or_none(False))
+    system = frames.assemble(motion, [chain.stiffness for chain in chains], still)
+    if links.springs or links.joint_springs:
+        system = Connectors(links.mechanism, chains).added(frames, motion, system, still, "none")
     with one_thread():
         squares = [
             scipy.linalg.eigh(k, m, eigvals_only=True, subset_by_index=(0, min(modes, len(k)) - 1))
@@ -159,7 +202,7 @@ def _plane(links: _Links, number: int, modes: int) -> LinkModel:
     name = links.topology.link_names[number]
     ends = (LinkEnd(name, "start"), LinkEnd(name, "end"))
     joined = [end in links.topology.joined_ends for end in ends]
-    return plane_link(name, section.layers, mass, joined, modes)
+    return plane_link(name, section.layers, mass, joined, modes, links.spring_places(number))
 
 
 def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:

@@ -11,7 +11,7 @@ motion of the rigid end faces and the lowest modes between these (Craig & Bampto
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -66,7 +66,12 @@ def compression_frequency(section: LaminateSection) -> float:
 
 
 def plane_link(
-    name: str, section: LaminateSection, mass: LinkMass, joined: Sequence[bool], modes: int
+    name: str,
+    section: LaminateSection,
+    mass: LinkMass,
+    joined: Sequence[bool],
+    modes: int,
+    sprung: Sequence[float] = (),
 ) -> LinkModel:
     """Mass and stiffness of a link in plane stress.
 
@@ -82,17 +87,23 @@ def plane_link(
         Whether start and end are at joints, whose fittings hold the end faces plane.
     modes : int
         How many of the linkage's lowest modes count.
+    sprung : sequence of float
+        Places in m from the start at which springs act: on the section as a whole.
 
     Returns
     -------
     LinkModel
-        Without what frequencies at rest do not depend on.
+        With readings at the ends and those places, and without what frequencies at rest do not depend on.
     """
     places = [x for x, held in zip((0.0, mass.length), joined, strict=True) if held]
     attached = [(x, value * np.diag([1.0, 1.0, 0.0])) for x, value in _points(mass)]
     attached += [(body.position, _inertia_of(body)) for body in mass.bodies]
-    solid = _PlaneSolid.of(section, mass, [each for each in attached if each[0] not in places])
-    stiffness, inertia = solid.reduced(places, INNER_MODES * modes + MORE_INNER_MODES)
+    solid = _PlaneSolid.of(
+        section, mass, [each for each in attached if each[0] not in places], sprung
+    )
+    basis, stiffness, inertia = solid.reduced(places, INNER_MODES * modes + MORE_INNER_MODES)
+    read = np.unique([0.0, mass.length, *sprung])
+    sections = np.concatenate([solid.section_at(x) @ basis for x in read])
     size = len(stiffness)
     for x, own in attached:
         if x in places:
@@ -115,7 +126,7 @@ def plane_link(
         end=at_end[:2],
         start_rotation=at_start[2:],
         end_rotation=at_end[2:],
-        readings=LinkReadings(np.array(places), FACE, _unread, slope=2, deflection=None),
+        readings=LinkReadings(read, FACE, _at_nodes, slope=2, deflection=None, basis=sections),
         fields=RigidFields(still, still, still, still),
     )
 
@@ -131,8 +142,13 @@ def _inertia_of(body: LinkBody) -> FloatArray:
     return np.asarray(body.mass * moved.T @ moved + np.diag([0.0, 0.0, body.inertia]))
 
 
-def _unread(fraction: FloatArray, length: FloatArray) -> FloatArray:
-    raise NotImplementedError("frequencies at rest read no displacements between the faces")
+def _at_nodes(fraction: FloatArray, length: FloatArray) -> FloatArray:
+    """Displacement at the nodes that are read, (s, 2, 2 FACE); between them it is not asked for."""
+    shapes = np.zeros((len(fraction), 2, 2 * FACE))
+    for number, share in enumerate((1.0 - fraction, fraction)):
+        for component in range(2):
+            shapes[:, component, FACE * number + component] = share
+    return shapes
 
 
 @dataclass(frozen=True)
@@ -205,16 +221,21 @@ class _PlaneSolid:
 
     along: Parabolas
     through: Parabolas
+    means: FloatArray
     stiffness: Any
     mass: Any
 
     @classmethod
     def of(
-        cls, section: LaminateSection, mass: LinkMass, attached: Sequence[tuple[float, FloatArray]]
+        cls,
+        section: LaminateSection,
+        mass: LinkMass,
+        attached: Sequence[tuple[float, FloatArray]],
+        sprung: Sequence[float],
     ) -> _PlaneSolid:
         """With inertia (3, 3) on cross-sections that are not held rigid, each with its place."""
         rows = _Rows.of(section)
-        along, through = Parabolas(_nodes_along(mass)), Parabolas(rows.faces)
+        along, through = Parabolas(_nodes_along(mass, sprung)), Parabolas(rows.faces)
         d, width = rows.stiffness, section.width
         mass_x, stiff_x, coupled_x = along.mass(), along.stiffness(), along.coupling()
 
@@ -231,16 +252,25 @@ class _PlaneSolid:
         inertia = over(through.mass(rows.density), mass_x)
         inertia = inertia * (mass.mass_per_length / section.mass_per_length)
         both = sp.block_diag([inertia, inertia], format="csc")
-        means = _means(through, d[:, 0, 0])
+        solid = cls(along, through, _means(through, d[:, 0, 0]), stiffness, both)
         for x, own in attached:
-            row = np.zeros(along.size)
-            row[np.argmin(np.abs(along.places - x))] = 1.0
-            moved = sp.csr_matrix(np.kron(means, row))
+            moved = solid.section_at(x)
             both = both + moved.T @ sp.csr_matrix(own) @ moved
-        return cls(along, through, stiffness, both.tocsc())
+        return replace(solid, mass=both.tocsc())
 
-    def reduced(self, places: Sequence[float], count: int) -> tuple[FloatArray, FloatArray]:
-        """Stiffness and mass by rigid faces at k places and modes between, 3 k + count of each."""
+    def section_at(self, x: float) -> Any:
+        """Displacement along and across and rotation of a section as a whole, (3, n), sparse."""
+        row = np.zeros(self.along.size)
+        row[np.argmin(np.abs(self.along.places - x))] = 1.0
+        return sp.csr_matrix(np.kron(self.means, row))
+
+    def reduced(
+        self, places: Sequence[float], count: int
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Basis (n, s) of rigid faces at k places and modes between, s = 3 k + count.
+
+        And stiffness and mass in it, (s, s).
+        """
         by_faces, held = self._by_faces(places)
         inner = np.setdiff1d(np.arange(self.mass.shape[0]), held)
         own, inertia = (matrix[inner][:, inner] for matrix in (self.stiffness, self.mass))
@@ -258,7 +288,7 @@ class _PlaneSolid:
         basis[inner, by_faces.shape[1] :] = vectors
         both = (basis.T @ (matrix @ basis) for matrix in (self.stiffness, self.mass))
         stiffness, mass = ((matrix + matrix.T) / 2 for matrix in both)
-        return stiffness, mass
+        return basis, stiffness, mass
 
     def _by_faces(self, places: Sequence[float]) -> tuple[FloatArray, IntArray]:
         """Displacements (n, 3 k) of rigid faces at places, and which ones they hold."""
@@ -274,10 +304,10 @@ class _PlaneSolid:
         return moved, np.concatenate(held)
 
 
-def _nodes_along(mass: LinkMass) -> FloatArray:
-    """Nodes in m, close at the ends and one at each point mass and body."""
+def _nodes_along(mass: LinkMass, sprung: Sequence[float]) -> FloatArray:
+    """Nodes in m, close at the ends and one at each point mass, body and spring."""
     nodes = mass.length * graded(ALONG, GRADED)
-    fixed = [*mass.point_positions, *(body.position for body in mass.bodies)]
+    fixed = [*mass.point_positions, *(body.position for body in mass.bodies), *sprung]
     inside = np.unique([x for x in fixed if NEAR < x / mass.length < 1 - NEAR])
     if not len(inside):
         return nodes

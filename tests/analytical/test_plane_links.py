@@ -13,7 +13,7 @@ from flexmech.analyses import natural_frequencies
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.beams import compare_theories, comparison
 from flexmech.linear_system import ELASTICITY
-from flexmech.linkages import FourBar, RotatingArm
+from flexmech.linkages import GROUND, FourBar, JointSpring, LinkPoint, RotatingArm, Spring
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.mechanism import AttachedBody, Mechanism, PointMass
 from flexmech.multibody import ExudynEngine
@@ -113,6 +113,8 @@ def test_stiff_links_with_masses_and_bodies_are_those_of_beams(
         joint_masses={"A": 0.05, "B": 0.1},
         link_masses=(PointMass("coupler", 0.25, 0.1), PointMass("rocker", 0.31, 0.06)),
         bodies=(AttachedBody("rocker", 0.2, 0.2, 1e-4, (0.01, 0.03)),),
+        springs=(Spring("s", LinkPoint("coupler", 0.2), LinkPoint(GROUND, 0.3, -0.2), 5e4, 0.3),),
+        joint_springs=(JointSpring("O4", torsional_stiffness=500.0),),
     )
     comparison._frequencies.cache_clear()
     compared = compare_theories(mechanism)
@@ -122,6 +124,9 @@ def test_stiff_links_with_masses_and_bodies_are_those_of_beams(
     assert np.abs(elastic / compared.frequency("zigzag") - 1).max() > 1e-6
     light = compare_theories(replace(mechanism, bodies=(), link_masses=(), joint_masses={}))
     assert np.all(light.frequency("zigzag")[:, 0] > 1.05 * elastic[:, 0])
+    for freed in (replace(mechanism, springs=()), replace(mechanism, joint_springs=())):
+        softer = compare_theories(freed).frequency("zigzag")
+        assert np.abs(elastic / softer - 1).max() > 0.02
 
 
 @pytest.mark.thorough

@@ -17,7 +17,7 @@ from flexmech.analyses.speed_sweep import speed_sweep
 from flexmech.beams import compare_theories
 from flexmech.cli import app
 from flexmech.linear_system import NEGLIGIBLE, Engine
-from flexmech.linkages import FourBar
+from flexmech.linkages import GROUND, FourBar, JointSpring, LinkPoint, Spring
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
@@ -97,6 +97,28 @@ def test_a_linkage_that_cannot_turn_round_is_judged_where_it_stands() -> None:
     )
     mechanism = Mechanism(FourBar(0.5, 0.4, 0.2, 0.25), sections)
     assert ReferenceEngine(mechanism).element == "timoshenko"
+
+
+def test_springs_and_bearings_count_in_the_choice() -> None:
+    """A bearing holds what no pin holds: without it links would be free of each other."""
+    slender = rectangle(2e-3)
+    linkage = replace(slender.linkage, sprung=("A",))
+    bearing = JointSpring("A", radial_stiffness=3e4)
+    torsion = JointSpring("O4", torsional_stiffness=30.0)
+    spring = Spring("s", LinkPoint("coupler", 0.3), LinkPoint(GROUND, 0.2, -0.3), 2e3, 0.2)
+    mechanism = replace(
+        slender, linkage=linkage, springs=(spring,), joint_springs=(bearing, torsion)
+    )
+    compared = compare_theories(mechanism)
+    for theory in ("euler", "zigzag"):
+        engine = ReferenceEngine(mechanism, 8, theory)
+        known = natural_frequencies(engine, ANGLES, prestress="none", rotation_terms=False)
+        assert compared.frequency(theory) == pytest.approx(known, rel=1e-4)  # another mesh
+    assert elements_of(mechanism) == ("euler", "ancf")
+    # Where the ends of a spring meet it has no direction: the other angles judge.
+    motion = slender.linkage.motion(ANGLES[:1])
+    met = replace(spring, second=LinkPoint(GROUND, *motion.position(1, 0.3)[0].tolist()))
+    assert len(compare_theories(replace(slender, springs=(met,))).frequency("euler")) == 5
 
 
 def test_damping_and_free_strain_do_not_matter_to_the_choice() -> None:
