@@ -93,7 +93,8 @@ def plane_link(
     Returns
     -------
     LinkModel
-        With readings at the ends and those places, and without what frequencies at rest do not depend on.
+        With readings at the ends and those places; without what frequencies at rest do not
+        depend on.
     """
     places = [x for x, held in zip((0.0, mass.length), joined, strict=True) if held]
     attached = [(x, value * np.diag([1.0, 1.0, 0.0])) for x, value in _points(mass)]
