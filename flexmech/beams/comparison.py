@@ -147,7 +147,7 @@ def _standing(mechanism: Mechanism, crank_angle: FloatArray) -> RigidMotion:
     nowhere, size = np.zeros((len(crank_angle), 2)), max(link.length for link in topology.links)
     for spring in mechanism.springs:
         places = [
-            nowhere + (end.x, end.y)
+            np.broadcast_to((end.x, end.y), nowhere.shape)
             if end.is_ground
             else motion.position(topology.index(end.link), end.x)
             for end in (spring.first, spring.second)
