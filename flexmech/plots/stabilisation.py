@@ -21,6 +21,15 @@ HEIGHT = 3.0
 BEHIND = 0.9
 CURVE: Look = {"color": style.MID_GREY, "lw": 0.8, "zorder": 1}
 EIGEN: Look = {"color": "0.1", "lw": 0.8, "ls": (0, (1, 2)), "zorder": 1.5}
+# On the axis: modes that the fit keeps, since noise does not explain them as well.
+IDENTIFIED: Look = {
+    "marker": "^",
+    "markersize": 6.5,
+    "color": series_style(2).color,
+    "ls": "none",
+    "clip_on": False,
+    "zorder": 5,
+}
 STATES: dict[str, tuple[str, Look]] = {
     "new": (
         "new pole",
@@ -42,7 +51,7 @@ STATES: dict[str, tuple[str, Look]] = {
         {"marker": "o", "markersize": 3.5, "color": series_style(0).color, "ls": "none"},
     ),
     "chosen": (
-        "chosen",
+        "chosen to begin the fit",
         {
             "marker": "D",
             "markersize": 5.5,
@@ -62,7 +71,8 @@ def plot_stabilisation(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     """Draw the poles of models of rising order over frequency, at the first crank angle.
 
     Behind them is the receptance on a logarithmic scale of its own, and dotted are the natural
-    frequencies of the eigen model.
+    frequencies of the eigen model. Triangles on the axis are the modes identified: a pole that was
+    chosen to begin the fit is dropped by it where noise explains the receptances as well.
 
     Parameters
     ----------
@@ -105,6 +115,8 @@ def _draw(axes: Axes, one: xr.Dataset) -> None:
     for name, (_, look) in STATES.items():
         which = state == name
         axes.plot(one["chart_frequency"].values[which], one["chart_order"].values[which], **look)
+    identified = one["identified_frequency"].values
+    axes.plot(identified, np.zeros_like(identified), **IDENTIFIED)
     axes.set_xlim(0.0, float(lines[-1]))
     axes.set_ylim(0.0, 1.04 * orders)
 
@@ -113,6 +125,7 @@ def _handles() -> list[Artist]:
     poles = [line_handle(words, **look) for words, look in STATES.values()]
     return [
         *poles,
+        line_handle("identified", **IDENTIFIED),
         line_handle("receptance, logarithmic", **CURVE),
         line_handle("eigen model", **EIGEN),
     ]

@@ -200,6 +200,8 @@ def test_figures_show_the_dataset():
     dots = next(line for line in chart.axes[0].lines if len(line.get_xdata()) == stable.sum())
     np.testing.assert_array_equal(dots.get_xdata(), first["chart_frequency"].values[stable])
     np.testing.assert_array_equal(dots.get_ydata(), first["chart_order"].values[stable])
+    triangles = next(line for line in chart.axes[0].lines if line.get_marker() == "^")
+    np.testing.assert_array_equal(triangles.get_xdata(), first["identified_frequency"].values)
     shapes = plots.plot_impact_shapes(data)
     check_layout(shapes)
     drawn = shapes.axes[0].lines[-1]
