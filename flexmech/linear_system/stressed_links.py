@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from flexmech.linear_system.link_model import LinkModel
-from flexmech.types import FloatArray
+from flexmech.types import FloatArray, IntArray
 
 __all__ = ["StressedLinks"]
 
@@ -76,12 +76,12 @@ class StressedLinks:
             None if self.guiding is None else np.repeat(self.guiding, count, axis=0),
         )
 
-    def at(self, which: slice) -> Self:
+    def at(self, which: slice | IntArray) -> Self:
         """Those of some positions of a batch.
 
         Parameters
         ----------
-        which : slice
+        which : slice or ndarray of int
         """
 
         def some(values: list[FloatArray] | None) -> list[FloatArray] | None:

@@ -8,7 +8,7 @@ from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.analyses.frequencies.running_states import RunningStates
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, StressedLinks
 from flexmech.threads import one_thread
 from flexmech.types import FloatArray
 
@@ -70,7 +70,10 @@ def frequency_map(engine: Engine, request: FrequencyRequest, detail: float = 1.0
 
 
 def frequencies_along(
-    systems: Systems, crank_angles: FloatArray, crank_speed: FloatArray | float
+    systems: Systems,
+    crank_angles: FloatArray,
+    crank_speed: FloatArray | float,
+    stressed: StressedLinks | None = None,
 ) -> FloatArray:
     """Natural frequencies of systems along crank angles.
 
@@ -81,6 +84,8 @@ def frequencies_along(
         In rad.
     crank_speed : float or ndarray, shape (A,)
         In rad/s.
+    stressed : StressedLinks, optional
+        In these positions, which are then solved in one batch; it is sought if left out.
 
     Returns
     -------
@@ -88,5 +93,7 @@ def frequencies_along(
         In Hz, ascending.
     """
     count = systems.formulation.modes
+    if stressed is not None:
+        return solve_frequencies(systems.at(crank_angles, crank_speed, stressed), count)
     batches = systems.batches(crank_angles, crank_speed)
     return np.concatenate([solve_frequencies(system, count) for system in batches])

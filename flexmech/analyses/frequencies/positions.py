@@ -91,10 +91,15 @@ def frequencies_at(
         raise InputError("crank_angle is empty; give one crank angle or more")
     some = check_angle_indices(np.arange(angle.size, dtype=float), full_turn=False)
     with one_thread():
-        checked = settled(systems, flat_angle[some], flat_speed[some])
+        # The stress is the same in whatever modes: if all positions fit, it is sought once.
+        stressed = None
+        if angle.size <= engine.batch_size:
+            stressed = systems.stressed(flat_angle, flat_speed)
+        there = stressed and stressed.at(some)
+        checked = settled(systems, flat_angle[some], flat_speed[some], stressed=there)
         if len(some) == angle.size:
             return checked.modes.frequency.reshape(*angle.shape, formulation.modes)
-        found = frequencies_along(checked.systems, flat_angle, flat_speed)
+        found = frequencies_along(checked.systems, flat_angle, flat_speed, stressed)
     return found.reshape(*angle.shape, formulation.modes)
 
 

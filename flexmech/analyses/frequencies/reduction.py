@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
 
+from flexmech.analyses.frequencies.band_form import BandForm
 from flexmech.analyses.frequencies.eigenproblem import Modes, solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.linear_system import GREAT_DETAIL, LinearSystem, StressedLinks, inverse_mass_root
 from flexmech.types import FloatArray
 
-__all__ = ["CheckedModes", "ReductionError", "reduction_error", "settled"]
+__all__ = ["CheckedModes", "ReductionError", "UnreducedPositions", "reduction_error", "settled"]
 
 logger = logging.getLogger(__name__)
 
@@ -80,7 +81,11 @@ class CheckedModes:
 
 
 def settled(
-    systems: Systems, crank_angle: FloatArray, crank_speed: FloatArray | float, spare: int = 0
+    systems: Systems,
+    crank_angle: FloatArray,
+    crank_speed: FloatArray | float,
+    spare: int = 0,
+    stressed: StressedLinks | None = None,
 ) -> CheckedModes:
     """Modes with as many component modes as they need.
 
@@ -93,6 +98,8 @@ def settled(
         In rad/s.
     spare : int
         Modes to solve for besides those that must be accurate.
+    stressed : StressedLinks, optional
+        In these positions; it is sought if left out.
 
     Returns
     -------
@@ -103,16 +110,17 @@ def settled(
     unreduced = replace(systems, engine=systems.engine.unreduced(), detail=DETAILS[0])
     speed = np.broadcast_to(crank_speed, crank_angle.shape)
     # The stress is the same in whatever modes, and costs more than they do.
-    stressed = systems.stressed(crank_angle, speed)
+    if stressed is None:
+        stressed = systems.stressed(crank_angle, speed)
+    exact = UnreducedPositions(unreduced, crank_angle, speed, stressed)
     for detail in DETAILS:
         detailed = replace(systems, detail=detail)
         system = detailed.at(crank_angle, crank_speed, stressed)
         modes = solve_modes(system, count, max(0, min(spare, system.size - count)))
         if not systems.engine.component_modes:
-            exact = np.zeros((len(modes.frequency), count))
-            return CheckedModes(detailed, system, modes, ReductionError(exact, exact))
-        lowest = modes.lowest(count)
-        error = reduction_error(unreduced, crank_angle, speed, system, lowest, stressed)
+            none = np.zeros((len(modes.frequency), count))
+            return CheckedModes(detailed, system, modes, ReductionError(none, none))
+        error = reduction_error(exact, system, modes.lowest(count))
         if error.is_small(modes, damped=systems.is_damped):
             return CheckedModes(detailed, system, modes, error)
         logger.info(
@@ -121,44 +129,74 @@ def settled(
             error.frequency.max(),
             error.damping_ratio.max(),
         )
-    return settled(unreduced, crank_angle, crank_speed, spare)
+    return settled(unreduced, crank_angle, crank_speed, spare, stressed)
+
+
+@dataclass(frozen=True)
+class UnreducedPositions:
+    """Unreduced systems in B positions, few of which are held at a time: they are large.
+
+    Parameters
+    ----------
+    systems : Systems
+        Of the unreduced engine.
+    crank_angle, crank_speed : ndarray, shape (B,)
+    stressed : StressedLinks
+        In these positions.
+    """
+
+    systems: Systems
+    crank_angle: FloatArray
+    crank_speed: FloatArray
+    stressed: StressedLinks
+
+    def parts(self) -> Iterator[tuple[slice, LinearSystem]]:
+        """Runs of positions and their systems; those of a single run are kept."""
+        if self._at_a_time >= len(self.crank_angle):
+            yield slice(None), self._every
+            return
+        for start in range(0, len(self.crank_angle), self._at_a_time):
+            part = slice(start, start + self._at_a_time)
+            yield part, self._at(part)
+
+    @cached_property
+    def _every(self) -> LinearSystem:
+        return self._at(slice(None))
+
+    @property
+    def _at_a_time(self) -> int:
+        return max(1, MATRIX_BYTES // (8 * self.systems.engine.frames.size**2))
+
+    def _at(self, part: slice) -> LinearSystem:
+        return self.systems.at(
+            self.crank_angle[part], self.crank_speed[part], self.stressed.at(part)
+        )
 
 
 def reduction_error(
-    unreduced: Systems,
-    crank_angle: FloatArray,
-    crank_speed: FloatArray,
-    reduced: LinearSystem,
-    modes: Modes,
-    stressed: StressedLinks,
+    unreduced: UnreducedPositions, reduced: LinearSystem, modes: Modes
 ) -> ReductionError:
     """Error of reduced modes against the unreduced matrices.
 
     The reduced modes are improved by one step of inverse iteration on the unreduced
-    matrices; what frequency and damping ratio still move by is the reduction's error. Few
-    positions are held at a time: unreduced matrices are large.
+    matrices; what frequency and damping ratio still move by is the reduction's error.
 
     Parameters
     ----------
-    unreduced : Systems
-    crank_angle, crank_speed : ndarray, shape (B,)
+    unreduced : UnreducedPositions
+        B of them.
     reduced : LinearSystem
         In these positions.
     modes : Modes
         Of ``reduced``; m of them.
-    stressed : StressedLinks
-        In these positions.
 
     Returns
     -------
     ReductionError
     """
-    frames, improved = unreduced.engine.frames, np.empty_like(modes.eigenvalues)
-    shapes = reduced.unreduced_vectors(modes.vectors, frames)
-    at_a_time = max(1, MATRIX_BYTES // (8 * frames.size**2))
-    for start in range(0, len(crank_angle), at_a_time):
-        part = slice(start, start + at_a_time)
-        full = unreduced.at(crank_angle[part], crank_speed[part], stressed.at(part))
+    improved = np.empty_like(modes.eigenvalues)
+    shapes = reduced.unreduced_vectors(modes.vectors, unreduced.systems.engine.frames)
+    for part, full in unreduced.parts():
         improved[part] = (
             _inverse_iteration(full, shapes[part])
             if full.is_conservative
@@ -203,30 +241,20 @@ def _in_space(inertia: FloatArray, stiffness: FloatArray) -> NDArray[np.complex1
 def _newton_step(
     full: LinearSystem, eigenvalues: NDArray[np.complex128], shapes: NDArray[Any]
 ) -> NDArray[np.complex128]:
-    """One Newton step on ``P(lambda) x = 0`` for each mode (Ruhe 1973, eq. 3.5).
-
-    Links are chains of elements: few entries of the unreduced matrices are not zero.
-    """
-    improved = np.empty_like(eigenvalues)
-    for position, of_modes in enumerate(eigenvalues):
-        mass, damping, stiffness = _sparse(
-            full.mass[position], full.damping[position], full.stiffness[position]
-        )
-        for mode, value in enumerate(of_modes):
-            x = shapes[position, :, mode].astype(complex)
-            inertia = mass @ x
-            dynamic = mass.astype(complex)
-            dynamic.data = value * (value * mass.data + damping.data) + stiffness.data
-            better = splu(dynamic).solve(2 * value * inertia + damping @ x)
-            improved[position, mode] = value - np.vdot(inertia, x) / np.vdot(inertia, better)
+    """One Newton step on ``P(lambda) x = 0`` for each mode (Ruhe 1973, eq. 3.5)."""
+    band = BandForm.of(full.mass, full.damping, full.stiffness)
+    mass, damping, stiffness = map(band.entries, (full.mass, full.damping, full.stiffness))
+    inertia = full.mass @ shapes
+    right = 2 * eigenvalues[:, None] * inertia + full.damping @ shapes
+    shapes, inertia, right = (
+        np.swapaxes(columns[:, band.order], 1, 2) for columns in (shapes, inertia, right)
+    )
+    improved = eigenvalues.copy()
+    for position, values in enumerate(eigenvalues[..., None]):
+        dynamic = values * (values * mass[position] + damping[position]) + stiffness[position]
+        better = band.solve(dynamic, right[position])
+        of_modes = inertia[position].conj()
+        change = (of_modes * shapes[position]).sum(axis=1) / (of_modes * better).sum(axis=1)
+        # Where the matrix is singular the value is an eigenvalue.
+        improved[position] -= np.where(np.isnan(better[:, 0]), 0.0, change)
     return improved
-
-
-def _sparse(*matrices: FloatArray) -> list[csc_array]:
-    """Matrices (n, n) with their entries at the same places, those that are zero in none."""
-    taken = np.any([matrix.T != 0 for matrix in matrices], axis=0)
-    columns, rows = np.nonzero(taken)
-    starts = np.concatenate([[0], np.cumsum(taken.sum(axis=1))])
-    return [
-        csc_array((matrix[rows, columns], rows, starts), shape=matrix.shape) for matrix in matrices
-    ]
