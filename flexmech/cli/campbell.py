@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from flexmech.choices import ELEMENTS_A_LINK, MODES, TOLERANCE
+from flexmech.choices import ELEMENTS_A_LINK, TOLERANCE
 from flexmech.cli import options
 from flexmech.cli.arguments import parse_angles, parse_orders, parse_speeds, speed_remark
 from flexmech.cli.deliver import deliver
@@ -17,7 +17,7 @@ def campbell(
     speeds: options.CampbellSpeeds,
     orders: options.Orders = "1:10",
     angles: options.Angles = "0:360:5",
-    modes: options.Modes = MODES,
+    modes: options.Modes = None,
     engine: options.CampbellEngine = "reference",
     element: options.Element = None,
     prestress: options.Prestress = "equilibrium",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from flexmech.choices import ELEMENTS_A_LINK, MODES, TOLERANCE
+from flexmech.choices import ELEMENTS_A_LINK, TOLERANCE
 from flexmech.cli import options
 from flexmech.cli.arguments import parse_angles, parse_speeds, speed_remark
 from flexmech.cli.deliver import deliver
@@ -17,7 +17,7 @@ def frequencies(
     model: options.Model,
     speeds: options.Speeds = None,
     angles: options.Angles = "0:360:5",
-    modes: options.Modes = MODES,
+    modes: options.Modes = None,
     shapes_at: options.ShapesAt = None,
     engine: options.Engine = "both",
     element: options.Element = None,

@@ -188,7 +188,14 @@ Tolerance = Annotated[
 CheckMesh = Annotated[
     bool, Option("--check-mesh", help="Repeat with twice the elements and compare.")
 ]
-Modes = Annotated[int, Option(min=1, max=choices.MOST_MODES, help="Number of natural frequencies.")]
+Modes = Annotated[
+    int | None,
+    Option(
+        min=1,
+        max=choices.MOST_MODES,
+        help=f"Number of natural frequencies. Left out: {choices.MODES}, or as many as there are.",
+    ),
+]
 ModesOfInterest = Annotated[
     int,
     Option(

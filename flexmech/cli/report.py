@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from flexmech.choices import ELEMENTS_A_LINK, MODES, REPORT_PARTS, TOLERANCE, ReportPart
+from flexmech.choices import ELEMENTS_A_LINK, REPORT_PARTS, TOLERANCE, ReportPart
 from flexmech.cli import options
 from flexmech.cli.arguments import parse_angles, parse_speeds, speed_remark
 from flexmech.cli.command_line import command_line
@@ -24,7 +24,7 @@ def report(
     speeds: options.Speeds = None,
     angles: options.Angles = "0:360:5",
     campbell_speeds: options.FurtherCampbellSpeeds = None,
-    modes: options.Modes = MODES,
+    modes: options.Modes = None,
     engine: options.Engine = "both",
     element: options.Element = None,
     elements: options.PinnedElements = None,

@@ -36,10 +36,10 @@ from flexmech.linear_system.link_points import LinkPoint, displacement_row, poin
 from flexmech.linear_system.link_readings import LinkReadings
 from flexmech.linear_system.link_stretch import LinkStretch
 from flexmech.linear_system.mass_root import inverse_mass_root
+from flexmech.linear_system.mode_errors import OverdampedError, TooManyModesError
 from flexmech.linear_system.posed_ties import PosedTies
 from flexmech.linear_system.position_errors import (
     LESS_LOADED,
-    OverdampedError,
     RefusedPositionsError,
     refuse_positions,
 )
@@ -121,6 +121,7 @@ __all__ = [
     "SystemMatrices",
     "TheoryComparison",
     "TheoryDifference",
+    "TooManyModesError",
     "acts_still",
     "body_couple",
     "body_nodes",

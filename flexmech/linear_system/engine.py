@@ -25,6 +25,7 @@ from flexmech.linear_system.engine_links import EngineLinks
 from flexmech.linear_system.free_shaft import FreeShaft
 from flexmech.linear_system.joint_couples import joint_couples
 from flexmech.linear_system.link_frames import LinkFrames
+from flexmech.linear_system.mode_errors import TooManyModesError
 from flexmech.linear_system.reduced_system import Connect, reduced_system, unreduced_system
 from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linear_system.stressed_links import StressedLinks
@@ -249,7 +250,7 @@ class Engine(EngineLinks):
         prestress: Prestress = "equilibrium",
         running: Sequence[FloatArray] | None = None,
         rotation_terms: bool | RotationTerms = True,
-        modes: int = SYSTEM_MODES,
+        modes: int | None = None,
         fastest: float | None = None,
         detail: float = 1.0,
         stressed: StressedLinks | None = None,
@@ -267,8 +268,9 @@ class Engine(EngineLinks):
             Elastic displacements of states to linearize about, in place of the prestress.
         rotation_terms : bool or RotationTerms
             Terms of the turning frames; at crank speed zero they vanish.
-        modes : int
-            Number of natural frequencies that the reduction must get right.
+        modes : int, optional
+            Number of natural frequencies that the reduction must get right. Left out: six, or as
+            many as there are.
         fastest : float, optional
             Greatest angular velocity of a link in the whole map in rad/s, by which the
             reduction is chosen; the greatest of this batch by default.
@@ -292,7 +294,8 @@ class Engine(EngineLinks):
         """
         check_elastic(self.mechanism)
         check_choice(prestress, PRESTRESS_LEVELS, "prestress")
-        check_count(modes, "modes", most=MOST_MODES)
+        if modes is not None:
+            check_count(modes, "modes", most=MOST_MODES)
         check_number(detail, "detail", "", POSITIVE)
         if fastest is not None:
             check_number(fastest, "fastest", "rad/s")
@@ -316,10 +319,11 @@ class Engine(EngineLinks):
         connect = self._connect(terms, prestress, stressed.displacement)
         if not self.component_modes or self.turns_as_one_body:
             system = unreduced_system(self.frames, motion, stressed, terms, connect)
-            if system.size < modes and not self.component_modes:
-                raise InputError(
-                    f"{self!r} has {system.size} natural frequencies and {modes} are asked for; "
-                    "ask for fewer modes"
+            if modes is not None and system.size < modes and not self.component_modes:
+                raise TooManyModesError(
+                    f"modes: {modes} were asked for, the model has {system.size}; ask for fewer "
+                    "modes or more elements",
+                    most_modes=system.size,
                 )
             return self._marked(system)
         greatest = float(np.max(np.abs(motion.angular_velocity), initial=0.0))
@@ -328,7 +332,7 @@ class Engine(EngineLinks):
         elif fastest is not None:
             greatest = abs(fastest)
         loaded = any(t.ndim == 3 for t in stressed.tangent)
-        reduction = self._reduction(modes, greatest, loaded, detail)
+        reduction = self._reduction(modes or SYSTEM_MODES, greatest, loaded, detail)
         if reduction.frames.rigid.size:
             motion = self.frames.displaced(motion, stressed.displacement)
         return self._marked(reduced_system(self.links, reduction, motion, stressed, terms, connect))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,7 +11,7 @@ from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
 
-__all__ = ["LESS_LOADED", "OverdampedError", "RefusedPositionsError", "refuse_positions"]
+__all__ = ["LESS_LOADED", "RefusedPositionsError", "refuse_positions"]
 
 LESS_LOADED = "{less_loaded}"
 """Where an advice says what lowers the loads: the crank speed, or what acts at rest."""
@@ -44,16 +46,12 @@ class RefusedPositionsError(ComputationError):
         self.crank_speeds = none if crank_speeds is None else crank_speeds
 
 
-class OverdampedError(RefusedPositionsError):
-    """Damping keeps modes that are asked for from oscillating."""
-
-
 def refuse_positions(
     motion: RigidMotion,
     refused: NDArray[np.bool_],
     what: str,
     advice: str,
-    error: type[RefusedPositionsError] = RefusedPositionsError,
+    error: Callable[..., RefusedPositionsError] = RefusedPositionsError,
 ) -> None:
     """Refuse a batch if some of its positions fail, and name the first of them.
 
@@ -67,8 +65,8 @@ def refuse_positions(
     advice : str
         What stands after them: the reason and the remedy, in which :data:`LESS_LOADED` stands
         for what helps at that crank speed.
-    error : type
-        Of the error.
+    error : callable
+        Makes the error of its message and of the positions.
 
     Raises
     ------

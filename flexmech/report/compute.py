@@ -61,7 +61,8 @@ class ReportRequest:
         links answer.
     campbell_speeds : array_like, optional
         rad/s. Left out: from zero to twice the greatest crank speed.
-    modes : int
+    modes : int, optional
+        Natural frequencies. Left out: 4, or as many as there are.
     environment : HygrothermalState or Exposure, optional
         Heat and moisture: frequencies, responses and coupler curve are computed dry and in it,
         Campbell diagram and sections in it.
@@ -77,21 +78,22 @@ class ReportRequest:
 
     Examples
     --------
-    >>> flexmech.ReportRequest([0.0, 20.0], include=("frequencies", "section")).modes
-    4
+    >>> flexmech.ReportRequest([0.0, 20.0], include=("frequencies", "section")).tolerance
+    0.001
     """
 
     crank_speeds: FloatArray | None = None
     crank_angles: FloatArray = field(default_factory=MAP_ANGLES.copy)
     include: tuple[ReportPart, ...] | None = None
     campbell_speeds: FloatArray | None = None
-    modes: int = MODES
+    modes: int | None = None
     environment: Environment | None = None
     speed_unit: str = "rad/s"
     tolerance: float | None = TOLERANCE
 
     def __post_init__(self) -> None:
-        check_count(self.modes, "modes", most=MOST_MODES)
+        if self.modes is not None:
+            check_count(self.modes, "modes", most=MOST_MODES)
         if self.include is not None:
             remedy = f"give some of {', '.join(REPORT_PARTS)} in a tuple"
             for part in checked_tuple(self.include, object, "include", remedy):
@@ -257,7 +259,7 @@ def _responses(
                 CrankDrive(float(speed)),
                 revolutions=1.0,
                 start="periodic",
-                modes=request.modes,
+                modes=request.modes or MODES,
                 speed_unit=request.speed_unit,
             ),
             environment=state,

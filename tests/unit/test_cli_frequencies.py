@@ -57,7 +57,7 @@ def test_defaults_are_those_of_the_manual(
     np.testing.assert_array_equal(asked.pop("angles"), np.radians(np.arange(0, 361, 5)))
     assert asked == {
         "speeds": None,
-        "modes": 4,
+        "modes": None,
         "prestress": "equilibrium",
         "rotation_terms": True,
         "speed_effect": False,

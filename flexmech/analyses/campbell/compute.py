@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
+import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
@@ -18,7 +19,8 @@ from flexmech.analyses.campbell.steady_response import response_speeds, steady_r
 from flexmech.analyses.frequencies import Formulation
 from flexmech.analyses.loads_over_time import left_out_attributes
 from flexmech.analyses.requests import engines_of
-from flexmech.choices import MODES, PRESTRESS_LEVELS, Prestress
+from flexmech.analyses.wished_modes import as_many_modes
+from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.linear_system import Engine
 from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array
 from flexmech.threads import one_thread
@@ -36,7 +38,7 @@ def campbell(
     *,
     crank_angles: ArrayLike | None = None,
     orders: ArrayLike = ORDERS,
-    modes: int = MODES,
+    modes: int | None = None,
     prestress: Prestress = "equilibrium",
     rotation_terms: bool = True,
     response: bool = False,
@@ -62,8 +64,8 @@ def campbell(
         Increasing, rad, over which the bands reach. Left out: a turn in steps of 5 degrees.
     orders : array_like of int, shape (o,)
         Multiples of the crank's speed.
-    modes : int
-        Number of branches.
+    modes : int, optional
+        Number of branches. Left out: 4, or as many as the model has and as oscillate.
     prestress : {"none", "axial", "equilibrium"}
     rotation_terms : bool
         Terms of the turning link frames; off gives the frozen inertial form.
@@ -100,23 +102,41 @@ def campbell(
     0      9       1       29.48     30.00
     1     10       1       26.72     29.61
     """
-    engines = engines_of(engine, modes)
+    engines = engines_of(engine)
     if tolerance is not None:
         check_number(tolerance, "tolerance", bounds=POSITIVE)
     check_choice(prestress, PRESTRESS_LEVELS, "prestress")
-    request = CampbellRequest(
-        checked_array(crank_speeds, "crank_speeds", "rad/s"),
-        TURN if crank_angles is None else checked_array(crank_angles, "crank_angles", "rad"),
-        cast(IntArray, checked_array(orders, "orders")),
-        Formulation(prestress, rotation_terms, modes),
-        speed_unit,
-    )
+    speeds = checked_array(crank_speeds, "crank_speeds", "rad/s")
+    angles = TURN if crank_angles is None else checked_array(crank_angles, "crank_angles", "rad")
+    multiples = cast(IntArray, checked_array(orders, "orders"))
     report = progress or (lambda label, done, total: None)
+
+    def compute(count: int) -> xr.Dataset:
+        formulation = Formulation(prestress, rotation_terms, count)
+        request = CampbellRequest(speeds, angles, multiples, formulation, speed_unit)
+        fit = [each.fit_for(count) for each in engines]
+        found = _diagram(fit, request, tolerance, response, report)
+        return found.assign_attrs(theory_attributes(fit, count))
+
+    dataset, fewer = as_many_modes(compute, modes, speed_unit)
+    attributes = left_out_attributes(engines[0].mechanism) | fewer
+    return CampbellDiagram(dataset.assign_attrs(attributes))
+
+
+def _diagram(
+    engines: Sequence[Engine],
+    request: CampbellRequest,
+    tolerance: float | None,
+    response: bool,
+    report: LabelledProgress,
+) -> xr.Dataset:
+    """Dataset of the diagrams of all engines, with the periodic motion if it is asked for."""
+    unit = request.speed_unit
     with one_thread():
         diagrams = []
         for each in engines:
             count = _Counter(report, each.name, len(request.crank_speeds))
-            diagrams.append(engine_diagram(each, request, tolerance, count, speed_unit))
+            diagrams.append(engine_diagram(each, request, tolerance, count, unit))
             count.finish()
         steady = None
         if response:
@@ -124,10 +144,9 @@ def campbell(
             solved = request.crank_speeds[first.sampled.exists[first.places]]
             speeds = response_speeds(solved)
             count = _Counter(report, "periodic motion", len(speeds))
-            steady = steady_response(first.engine, speeds, prestress, count, speed_unit)
-    dataset = dataset_of(diagrams, request, steady)
-    attributes = theory_attributes(engines, modes) | left_out_attributes(engines[0].mechanism)
-    return CampbellDiagram(dataset.assign_attrs(attributes))
+            prestress = request.formulation.quasi_static_prestress
+            steady = steady_response(first.engine, speeds, prestress, count, unit)
+    return dataset_of(diagrams, request, steady)
 
 
 @dataclass

@@ -15,6 +15,7 @@ from flexmech.analyses.loads_over_time import left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.analyses.tables import table_over
+from flexmech.analyses.wished_modes import fewer_modes_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -140,6 +141,7 @@ class CampbellDiagram(Result):
         parts: tuple[Table | str, ...] = (
             words.critical_table(data),
             *words.operating_lines(data),
+            *fewer_modes_lines(data.attrs),
             *theory_lines(data.attrs),
             *words.gap_lines(data),
             *words.error_lines(data),

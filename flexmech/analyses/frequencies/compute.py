@@ -21,7 +21,8 @@ from flexmech.analyses.frequencies.result import MovingFrequencies
 from flexmech.analyses.frequencies.speed_effect import speed_effect_terms
 from flexmech.analyses.loads_over_time import left_out_attributes
 from flexmech.analyses.requests import engines_of
-from flexmech.choices import MODES, MapPrestress, ShaftChoice
+from flexmech.analyses.wished_modes import as_many_modes
+from flexmech.choices import MapPrestress, ShaftChoice
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
@@ -37,7 +38,7 @@ def moving_frequencies(
     crank_angles: ArrayLike,
     crank_speeds: ArrayLike | None = None,
     *,
-    modes: int = MODES,
+    modes: int | None = None,
     prestress: MapPrestress = "equilibrium",
     rotation_terms: bool = True,
     speed_effect: bool | Literal["fastest"] = False,
@@ -60,8 +61,9 @@ def moving_frequencies(
     crank_speeds : array_like, shape (S,), optional
         rad/s. Left out: zero and the speeds at which the mechanism operates; 0, 10 and 20 if it
         names none.
-    modes : int
-        Number of natural frequencies.
+    modes : int, optional
+        Number of natural frequencies. Left out: 4, or as many as the model has and as oscillate at
+        all positions.
     prestress : {"none", "axial", "equilibrium", "trajectory"}
         With ``trajectory`` engines that simulate are linearized in the states of their
         settled motion, and the result holds the quasi-static frequencies besides; other
@@ -112,38 +114,55 @@ def moving_frequencies(
     >>> result.dataset["frequency"].shape
     (1, 2, 3, 4)
     """
-    formulation = Formulation(prestress, rotation_terms, modes)
-    engines = engines_of(engine, modes, shaft)
+    engines = engines_of(engine, shaft=shaft)
     if crank_speeds is None:
         crank_speeds = operating_speeds(engines[0].mechanism)
-    request = FrequencyRequest(
-        checked_array(crank_angles, "crank_angles", "rad"),
-        checked_array(crank_speeds, "crank_speeds", "rad/s"),
-        formulation,
-        speed_effect,
-        speed_unit,
-        tolerance,
-        np.zeros(0) if shapes_at is None else np.asanyarray(shapes_at),
-        smooth and prestress != "trajectory",
-    )
     if prestress == "trajectory" and not any(each.simulates for each in engines):
         names = " and ".join(each.name for each in engines)
         raise InputError(
             f"prestress 'trajectory' needs an engine that simulates the running linkage, and "
             f"{names} does not: use the exudyn engine, or prestress 'equilibrium'"
         )
+    angles = checked_array(crank_angles, "crank_angles", "rad")
+    speeds = checked_array(crank_speeds, "crank_speeds", "rad/s")
     report = progress or (lambda label, done, total: None)
-    left_out = left_out_attributes(engines[0].mechanism)
+
+    def compute(count: int) -> xr.Dataset:
+        request = FrequencyRequest(
+            angles,
+            speeds,
+            Formulation(prestress, rotation_terms, count),
+            speed_effect,
+            speed_unit,
+            tolerance,
+            np.zeros(0) if shapes_at is None else np.asanyarray(shapes_at),
+            smooth and prestress != "trajectory",
+        )
+        fit = [each.fit_for(count) for each in engines]
+        if environment is None:
+            return _in_one_state(fit, request, report)[0].assign_attrs(
+                theory_attributes(fit, count)
+            )
+        return _dry_and_in(environment, fit, request, report)
+
+    found, fewer = as_many_modes(compute, modes, speed_unit)
     asked = {} if tolerance is None else {"tolerance": tolerance}
-    if environment is None:
-        found = _in_one_state(engines, request, report)[0]
-        attributes = theory_attributes(engines, modes) | left_out
-        return MovingFrequencies(found.assign_attrs(attributes | asked))
-    mechanism = engines[0].mechanism
+    left_out = left_out_attributes(engines[0].mechanism)
+    return MovingFrequencies(found.assign_attrs(left_out | asked | fewer))
+
+
+def _dry_and_in(
+    environment: Environment,
+    engines: Sequence[Engine],
+    request: FrequencyRequest,
+    report: LabelledProgress,
+) -> xr.Dataset:
+    """Dataset of engines on one mechanism, dry and in heat and moisture."""
+    mechanism, modes = engines[0].mechanism, request.formulation.modes
     lines = environment_lines(mechanism, environment)
     wet = mechanism_in_state(mechanism, environment)
     exposed = [each.with_(mechanism=wet).fit_for(modes) for each in engines]
-    theories = theory_attributes(exposed, modes) | left_out
+    theories = theory_attributes(exposed, modes)
     # The same elements in both states: only heat and moisture shall make a difference.
     elements = [_finer(*pair) for pair in zip(engines, exposed, strict=True)]
     exposed = [each.with_(element=e) for each, e in zip(exposed, elements, strict=True)]
@@ -156,7 +175,7 @@ def moving_frequencies(
     between = found["between_angle"].values if "between_angle" in found else np.zeros(0)
     as_meshed = replace(request, tolerance=None, smooth=between if request.smooth else False)
     states = {"dry": _in_one_state(dry, as_meshed, report)[0], state_name(environment): found}
-    return MovingFrequencies(with_states(states, lines).assign_attrs(theories | asked))
+    return with_states(states, lines).assign_attrs(theories)
 
 
 def _finer(one: Engine, other: Engine) -> str:

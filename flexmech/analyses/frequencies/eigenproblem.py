@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,10 +14,10 @@ from flexmech.analyses.frequencies.quadratic_eigenproblem import (
     quadratic_eigenvalues,
     quadratic_modes,
 )
-from flexmech.errors import InputError
 from flexmech.linear_system import (
     LinearSystem,
     OverdampedError,
+    TooManyModesError,
     inverse_mass_root,
     refuse_positions,
 )
@@ -134,9 +135,10 @@ def solve_eigenvalues(system: LinearSystem, count: int) -> NDArray[np.complex128
 def _require(system: LinearSystem, count: int) -> None:
     most = system.size - system.rigid_modes
     if not 1 <= count <= most:
-        raise InputError(
-            f"modes: {count} were asked for, the model has {most} coordinates; ask for "
-            "fewer modes or more elements"
+        raise TooManyModesError(
+            f"modes: {count} were asked for, the model has {most}; ask for fewer modes or more "
+            "elements",
+            most_modes=most,
         )
 
 
@@ -252,7 +254,7 @@ def _refuse_unsteady(system: LinearSystem, found: QuadraticModes, count: int) ->
         creeps,
         f"fewer than {count} of the lowest modes oscillate (overdamped)",
         f"; {fewer}lower the damping of links, springs and joints",
-        OverdampedError,
+        partial(OverdampedError, most_modes=least),
     )
 
 

@@ -11,7 +11,8 @@ from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.reduction import settled
 from flexmech.analyses.requests import engine_of, in_radians
-from flexmech.choices import MODES, Prestress
+from flexmech.analyses.wished_modes import as_many_modes
+from flexmech.choices import Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.numbers import checked_array
@@ -26,7 +27,7 @@ def natural_frequencies(
     crank_angle: ArrayLike,
     crank_speed: ArrayLike = 0.0,
     *,
-    modes: int = MODES,
+    modes: int | None = None,
     prestress: Prestress = "equilibrium",
     rotation_terms: bool = True,
 ) -> FloatArray:
@@ -37,7 +38,8 @@ def natural_frequencies(
     engine : Engine
     crank_angle, crank_speed : array_like
         rad and rad/s; broadcast against each other to shape (...).
-    modes : int
+    modes : int, optional
+        Left out: 4, or as many as the model has and as oscillate at all positions.
     prestress : {"none", "axial", "equilibrium"}
     rotation_terms : bool
 
@@ -59,13 +61,15 @@ def natural_frequencies(
     >>> flexmech.natural_frequencies(engine, 0.0, modes=2).round(2)
     array([44.31, 48.08])
     """
-    formulation = Formulation(prestress, rotation_terms, modes)
-    return frequencies_at(
-        engine_of(engine).fit_for(modes),
-        in_radians("crank_angle", crank_angle),
-        checked_array(crank_speed, "crank_speed", "rad/s"),
-        formulation,
-    )
+    engine = engine_of(engine)
+    angle = in_radians("crank_angle", crank_angle)
+    speed = checked_array(crank_speed, "crank_speed", "rad/s")
+
+    def compute(count: int) -> FloatArray:
+        formulation = Formulation(prestress, rotation_terms, count)
+        return frequencies_at(engine.fit_for(count), angle, speed, formulation)
+
+    return as_many_modes(compute, modes)[0]
 
 
 def frequencies_at(
@@ -108,7 +112,7 @@ def strain_energy_damping(
     crank_angle: ArrayLike,
     crank_speed: ArrayLike = 0.0,
     *,
-    modes: int = MODES,
+    modes: int | None = None,
     prestress: Prestress = "equilibrium",
     rotation_terms: bool = True,
 ) -> FloatArray:
@@ -119,7 +123,8 @@ def strain_energy_damping(
     engine : Engine
     crank_angle, crank_speed : array_like
         rad and rad/s; broadcast against each other to shape (...).
-    modes : int
+    modes : int, optional
+        Left out: 4, or as many as the model has and as oscillate at all positions.
     prestress : {"none", "axial", "equilibrium"}
     rotation_terms : bool
 
@@ -142,29 +147,37 @@ def strain_energy_damping(
     >>> (100 * flexmech.strain_energy_damping(engine, 0.0, modes=2)).round(2)
     array([0.12, 0.1 ])
     """
-    formulation = Formulation(prestress, rotation_terms, modes)
-    engine = engine_of(engine).fit_for(modes)
+    engine = engine_of(engine)
+    angle = in_radians("crank_angle", crank_angle)
+    speed = checked_array(crank_speed, "crank_speed", "rad/s")
+
+    def compute(count: int) -> FloatArray:
+        formulation = Formulation(prestress, rotation_terms, count)
+        return _strain_energy_damping(engine.fit_for(count), angle, speed, formulation)
+
+    return as_many_modes(compute, modes)[0]
+
+
+def _strain_energy_damping(
+    engine: Engine, crank_angle: FloatArray, crank_speed: FloatArray, formulation: Formulation
+) -> FloatArray:
     loss = StrainEnergyDamping.of(engine)
     if loss is None:
         raise InputError(
             "no section of this mechanism has specific damping, which damping by strain energy "
             "needs: make the sections of plies whose loss is known, or set specific_damping"
         )
-    angle, speed, systems = _systems(
-        engine,
-        in_radians("crank_angle", crank_angle),
-        checked_array(crank_speed, "crank_speed", "rad/s"),
-        formulation,
-    )
+    angle, speed, systems = _systems(engine, crank_angle, crank_speed, formulation)
+    level = formulation.quasi_static_prestress
 
     def in_batch(batch: slice) -> FloatArray:
         checked = settled(systems, angle.ravel()[batch], speed.ravel()[batch])
-        return loss.ratio(checked.system, checked.modes, prestress)
+        return loss.ratio(checked.system, checked.modes, level)
 
     size = engine.batch_size
     with one_thread():
         parts = [in_batch(slice(i, i + size)) for i in range(0, angle.size, size)]
-    return np.concatenate(parts).reshape(*angle.shape, modes)
+    return np.concatenate(parts).reshape(*angle.shape, formulation.modes)
 
 
 def _systems(

@@ -330,7 +330,7 @@ class MovingFrequencies(Result):
         title = f"natural frequencies, {data.attrs.get('mechanism', '')}"
         lines = [
             *theory_lines(self.dataset.attrs),
-            *words.mass_lines(data),
+            *words.counted_lines(data),
             *words.error_lines(data),
             *words.tracking_lines(data),
             *words.vibration_lines(last.vibration_effect(), data),

@@ -10,17 +10,18 @@ import xarray as xr
 
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.analyses.summary import Table
+from flexmech.analyses.wished_modes import fewer_modes_lines
 from flexmech.units import from_si
 
 __all__ = [
     "beyond_tolerance",
     "change_lines",
+    "counted_lines",
     "damping_lines",
     "damping_ratio_lines",
     "error_lines",
     "extremes_table",
     "known_digits",
-    "mass_lines",
     "tracking_lines",
     "vibration_lines",
 ]
@@ -110,14 +111,15 @@ def known_digits(value: float, error: float) -> str:
     return f"{value:.{max(int(place), 0)}f}"
 
 
-def mass_lines(dataset: xr.Dataset) -> list[str]:
-    """How many lumped masses stand in the place of the distributed one, if they do."""
+def counted_lines(dataset: xr.Dataset) -> list[str]:
+    """How many modes and lumped masses there are, where these are not the usual ones."""
+    lines = fewer_modes_lines(dataset.attrs)
     lumps = int(dataset.attrs.get("lumped_masses", 0))
-    if not lumps:
-        return []
-    return [
-        f"mass: {lumps} lumped masses in the reference engine, in the place of distributed mass"
-    ]
+    if lumps:
+        lines.append(
+            f"mass: {lumps} lumped masses in the reference engine, in the place of distributed mass"
+        )
+    return lines
 
 
 def error_lines(dataset: xr.Dataset) -> list[str]:

@@ -135,12 +135,15 @@ def stability(
 def _moving(engine: Engine, request: StabilityRequest) -> xr.Dataset:
     """Bands of the first engine's moving frequencies, without rotation terms."""
     found = moving_bands(engine, request)
-    over = ("moving_speed", "branch")
+    over, branches = ("moving_speed", "branch"), found.lowest.shape[1]
     return xr.Dataset(
         {
             "lowest_frequency": (over, found.lowest),
             "mean_frequency": (over, found.mean),
             "highest_frequency": (over, found.highest),
         },
-        coords={"moving_speed": found.crank_speed, "branch": np.arange(1, request.modes + 1)},
+        coords={
+            "moving_speed": found.crank_speed,
+            "branch": np.arange(1, branches + 1),
+        },
     )

@@ -43,7 +43,7 @@ from flexmech.analyses.stability.window_range import (
     narrow_windows,
     window_ends,
 )
-from flexmech.errors import ComputationError
+from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray, LabelledProgress
 
@@ -53,6 +53,7 @@ logger = logging.getLogger(__name__)
 
 # Branches are numbered at this part of the lowest natural frequency, and followed in steps of it.
 FOLLOWING_STEP = 1 / 40
+MOST_STEPS = 10_000
 # A band that this damping ratio closes is not worth a line.
 LEAST_CLOSING_RATIO = 1e-5
 CHECKED_SPEEDS = 3
@@ -105,6 +106,7 @@ class _EngineMap:
         self._request = request
         self._report = report
         self._lowest = lowest_frequency(engine)
+        _refuse_too_many_steps(request.crank_speeds, self._lowest)
         # A damping ratio is the factor on the damping of links whose time is that of ratio 1.
         by_ratio = with_damping_time(engine, 2 / self._lowest)
         self._by_ratio = LinkageSolver(
@@ -314,6 +316,20 @@ def _solution(solver: LinkageSolver, crank_speed: float) -> _Solution:
         return _Solution(crank_speed, solver.solved(crank_speed), None)
     except ComputationError as refusal:
         return _Solution(crank_speed, None, refusal)
+
+
+def _refuse_too_many_steps(speeds: FloatArray, lowest: float) -> None:
+    """Refuse speeds so far above the lowest frequency that no run of steps reaches them."""
+    fastest = float(speeds[np.argmax(np.abs(speeds))])
+    most = MOST_STEPS * FOLLOWING_STEP * lowest
+    if abs(fastest) > most:
+        raise InputError(
+            f"crank speed {CRANK_SPEED} is {abs(fastest) / lowest:.3g} times the lowest natural "
+            f"frequency of {lowest:.3g} rad/s; branches are followed in steps of a fortieth of it, "
+            f"{MOST_STEPS} at most: ask for speeds below {most:.3g} rad/s, or check the sizes, "
+            "stiffnesses and masses of the links",
+            crank_speed=fastest,
+        )
 
 
 def _with_steps_between(speeds: FloatArray, step: float) -> FloatArray:

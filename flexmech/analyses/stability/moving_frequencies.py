@@ -25,7 +25,7 @@ ANGLES = 36
 
 @dataclass(frozen=True)
 class MovingBands:
-    """Natural frequencies over a turn.
+    """Natural frequencies over a turn, of the modes asked for or of as many as there are.
 
     Parameters
     ----------
@@ -65,7 +65,8 @@ def moving_bands(engine: Engine, request: StabilityRequest) -> MovingBands:
             continue
         found.append(speed)
         rows.append((hertz.min(axis=0), hertz.mean(axis=0), hertz.max(axis=0)))
-    table = np.array(rows).reshape(len(rows), 3, request.modes)
+    modes = len(rows[0][0]) if rows else request.modes
+    table = np.array(rows).reshape(len(rows), 3, modes)
     return MovingBands(np.array(found), *np.moveaxis(table, 1, 0))
 
 
