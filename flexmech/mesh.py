@@ -76,6 +76,7 @@ def station_shapes(
     nodes: FloatArray,
     per_node: int,
     shape_functions: Callable[[FloatArray, FloatArray], FloatArray],
+    element_maps: FloatArray | None = None,
 ) -> FloatArray:
     """Displacement at evenly spaced stations along a link from its nodal coordinates.
 
@@ -88,12 +89,15 @@ def station_shapes(
     shape_functions : callable
         ``shape_functions(fraction, length)`` gives the displacement inside elements,
         (s, 2, 2 per_node), at places from 0 to 1 in elements of given length, both (s,).
+    element_maps : ndarray, shape (k - 1, 2 per_node, 2 per_node), optional
+        Coordinates of each element by those of its two nodes, where they are not the same.
 
     Returns
     -------
     ndarray, shape (STATIONS, 2, k * per_node)
     """
-    return shapes_at(np.linspace(0.0, nodes[-1], STATIONS), nodes, per_node, shape_functions)
+    places = np.linspace(0.0, nodes[-1], STATIONS)
+    return shapes_at(places, nodes, per_node, shape_functions, element_maps)
 
 
 def shapes_at(
@@ -101,6 +105,7 @@ def shapes_at(
     nodes: FloatArray,
     per_node: int,
     shape_functions: Callable[[FloatArray, FloatArray], FloatArray],
+    element_maps: FloatArray | None = None,
 ) -> FloatArray:
     """Displacement anywhere along a link from its nodal coordinates.
 
@@ -113,7 +118,8 @@ def shapes_at(
     per_node : int
         Coordinates a node.
     shape_functions : callable
-        See :func:`station_shapes`.
+    element_maps : ndarray, shape (k - 1, 2 per_node, 2 per_node), optional
+        See :func:`station_shapes` for both.
 
     Returns
     -------
@@ -122,6 +128,8 @@ def shapes_at(
     element = np.clip(np.searchsorted(nodes, places, side="right") - 1, 0, len(nodes) - 2)
     length = np.diff(nodes)[element]
     values = shape_functions((places - nodes[element]) / length, length)
+    if element_maps is not None:
+        values = values @ element_maps[element]
     shapes = np.zeros((len(places), 2, per_node * len(nodes)))
     columns = per_node * element[:, None] + np.arange(2 * per_node)
     np.put_along_axis(shapes, np.repeat(columns[:, None, :], 2, axis=1), values, axis=2)

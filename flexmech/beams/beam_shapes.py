@@ -79,6 +79,8 @@ class BeamShapes(ABC):
         cross-section plane.
     stiff_in_shear : bool
         Whether the section's rotation is the slope of the axis.
+    curvature : int, optional
+        Which of a node's coordinates is the curvature; None where elements share none.
     """
 
     per_node: int
@@ -86,6 +88,7 @@ class BeamShapes(ABC):
     clamped: tuple[int, ...]
     warping: tuple[int, ...] = ()
     stiff_in_shear: bool = False
+    curvature: int | None = None
 
     @abstractmethod
     def fields(self, fraction: FloatArray, length: FloatArray, section: BeamSection) -> BeamFields:
@@ -236,6 +239,7 @@ class Timoshenko(BeamShapes):
     per_node = 4
     angles = (2,)
     clamped = (2,)
+    curvature = 3
 
     def fields(self, fraction: FloatArray, length: FloatArray, section: BeamSection) -> BeamFields:
         """See :class:`BeamShapes`."""
@@ -298,6 +302,7 @@ class Reddy(BeamShapes):
     per_node = 5
     angles = (2, 3)
     clamped = (2, 3)
+    curvature = 4
 
     def fields(self, fraction: FloatArray, length: FloatArray, section: BeamSection) -> BeamFields:
         """See :class:`BeamShapes`."""

@@ -11,12 +11,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.beams.beam_shapes import BeamFields, BeamShapes
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
 __all__ = ["BeamElements"]
+
+# Which of a node's coordinates is the rotation of the section.
+ROTATION = 2
 
 
 @dataclass(frozen=True)
@@ -29,11 +33,28 @@ class BeamElements:
     section : BeamSection
     length : ndarray, shape (e,)
         In m.
+    kinked : ndarray of bool, shape (e,), optional
+        Elements at whose start a couple acts, so that the curvature jumps there. That of the node
+        is of the element before; these begin with the one that makes their rotation quadratic.
     """
 
     shapes: BeamShapes
     section: BeamSection
     length: FloatArray
+    kinked: NDArray[np.bool_] | None = None
+
+    @cached_property
+    def element_maps(self) -> FloatArray | None:
+        """Coordinates of elements by those of their nodes, (e, 2 p, 2 p); None if the same."""
+        own, size = self.shapes.curvature, self.shapes.per_node
+        if own is None or self.kinked is None or not self.kinked.any():
+            return None
+        maps = np.tile(np.eye(2 * size), (len(self.length), 1, 1))
+        h, (first, second) = self.length[self.kinked], (ROTATION, size + ROTATION)
+        rows = np.zeros((len(h), 2 * size))
+        rows[:, first], rows[:, second], rows[:, size + own] = -2 / h, 2 / h, -1.0
+        maps[self.kinked, own] = rows
+        return maps
 
     @cached_property
     def stiffness(self) -> FloatArray:
@@ -130,7 +151,9 @@ class BeamElements:
         return np.asarray(self._integral(self._squared_slope) / self.length[:, None, None])
 
     def displacement_shapes(self, fraction: FloatArray, length: FloatArray) -> FloatArray:
-        """Displacement of the pins' axis inside elements.
+        """Displacement of the pins' axis inside elements by their own coordinates.
+
+        Those are their nodes' but for :attr:`element_maps`.
 
         Parameters
         ----------
@@ -161,8 +184,9 @@ class BeamElements:
         lengths = np.repeat(self.length, places.shape[1])
         fields = self.shapes.fields(places.ravel(), lengths, self.section)
         shape = (*places.shape, -1)
-        every = vars(fields).values()
-        return BeamFields(*(values.reshape((*values.shape[:-2], *shape)) for values in every))
+        every = (v.reshape((*v.shape[:-2], *shape)) for v in vars(fields).values())
+        maps = self.element_maps
+        return BeamFields(*(every if maps is None else (values @ maps for values in every)))
 
     @cached_property
     def _along(self) -> FloatArray:

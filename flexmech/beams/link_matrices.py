@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.beams.beam_shapes import BeamShapes
 from flexmech.beams.elements import BeamElements
@@ -88,7 +89,7 @@ def build_chain(
     """
     fixed = [*mass.point_positions, *(body.position for body in mass.bodies), *acting_at]
     nodes = node_positions(mass.length, elements, fixed)
-    beams = BeamElements(shapes, section, np.diff(nodes))
+    beams = BeamElements(shapes, section, np.diff(nodes), _kinked(nodes, section, mass, acting_at))
     per_node = shapes.per_node
     size = per_node * len(nodes)
     inertia, translational, gyroscopic, stiffness, damping = assemble_chain(
@@ -134,6 +135,7 @@ def build_chain(
             beams.displacement_shapes,
             slope=2,
             deflection=1 if shapes.stiff_in_shear else None,
+            element_maps=beams.element_maps,
         ),
         fields=_rigid_fields(nodes, shapes),
         start_warping=warping,
@@ -141,6 +143,20 @@ def build_chain(
         vectors=per_node * np.arange(len(nodes)) + np.array([[0], [1]]),
     )
     return Chain(with_bodies(model, mass.bodies), nodes, beams)
+
+
+def _kinked(
+    nodes: FloatArray, section: BeamSection, mass: LinkMass, acting_at: Sequence[float]
+) -> NDArray[np.bool_]:
+    """Elements at whose start a couple may act, (e,)."""
+    # A force along the pins' axis turns a neutral one that is off it.
+    off = section.is_eccentric
+    turned = [x.position for x in mass.bodies if off or x.inertia or any(x.offset)]
+    places = [*turned, *acting_at, *(mass.point_positions if off else ())]
+    kinked = np.zeros(len(nodes), dtype=bool)
+    kinked[[int(np.argmin(np.abs(nodes - x))) for x in places]] = True
+    kinked[0] = False
+    return kinked[:-1]
 
 
 def _summed(vectors: FloatArray, per_node: int) -> FloatArray:

@@ -38,6 +38,8 @@ class LinkReadings:
         :func:`flexmech.mesh.middle_curvature`.
     basis : ndarray, shape (n_full, n), optional
         From a reduced link's coordinates to those of the nodes.
+    element_maps : ndarray, shape (k - 1, 2 per_node, 2 per_node), optional
+        Coordinates of each element by those of its two nodes, where they are not the same.
     """
 
     nodes: FloatArray
@@ -46,11 +48,13 @@ class LinkReadings:
     slope: int
     deflection: int | None
     basis: FloatArray | None = None
+    element_maps: FloatArray | None = None
 
     @cached_property
     def shape(self) -> FloatArray:
         """Displacement at evenly spaced stations from start to end, (n_stations, 2, n)."""
-        return self._reduced(station_shapes(self.nodes, self.per_node, self.displacement_shapes))
+        mesh = self.nodes, self.per_node, self.displacement_shapes, self.element_maps
+        return self._reduced(station_shapes(*mesh))
 
     @cached_property
     def curvature(self) -> FloatArray:
@@ -62,8 +66,7 @@ class LinkReadings:
     def displacement_at(self, fraction: FloatArray) -> FloatArray:
         """Displacement along and across at fractions (s,) of the link's length, (s, 2, n)."""
         places = np.asarray(fraction, dtype=float) * self.nodes[-1]
-        nodal = shapes_at(places, self.nodes, self.per_node, self.displacement_shapes)
-        return self._reduced(nodal)
+        return self._reduced(self._shapes_at(places))
 
     def rotation_at(self, fraction: float) -> FloatArray:
         """Rotation at a fraction of the link's length, (n,): of the node there, or of the axis."""
@@ -76,13 +79,18 @@ class LinkReadings:
             # Inside an element the axis is a cubic: a small difference is as good as its slope.
             step = SMALL * float(np.diff(self.nodes).min())
             places = place + step * np.array([-1.0, 1.0])
-            shapes = shapes_at(places, self.nodes, self.per_node, self.displacement_shapes)
+            shapes = self._shapes_at(places)
             nodal = (shapes[1, 1] - shapes[0, 1]) / (2 * step)
         return self._reduced(nodal)
 
     def projected(self, basis: FloatArray) -> LinkReadings:
         """The same with ``q = basis @ p``; basis (n, m)."""
         return replace(self, basis=basis if self.basis is None else self.basis @ basis)
+
+    def _shapes_at(self, places: FloatArray) -> FloatArray:
+        return shapes_at(
+            places, self.nodes, self.per_node, self.displacement_shapes, self.element_maps
+        )
 
     def _reduced(self, nodal: FloatArray) -> FloatArray:
         return nodal if self.basis is None else np.asarray(nodal @ self.basis)

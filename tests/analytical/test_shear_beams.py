@@ -16,11 +16,12 @@ from flexmech.beams.elements import BeamElements
 from flexmech.beams.link_matrices import build_chain
 from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.linear_system import LinkModel
-from flexmech.linkages import LinkMass
-from flexmech.materials import Material
+from flexmech.linkages import LinkMass, PlanarJoint, PlanarLink, PlanarLinkage, RotatingArm
+from flexmech.materials import Laminate, Layer, Material, Ply
+from flexmech.mechanism import AttachedBody, Mechanism
 from flexmech.reference import ReferenceEngine
 from flexmech.reference.corotational import CorotationalElements
-from flexmech.sections import BeamSection
+from flexmech.sections import BeamSection, LaminateSection
 from tests.strategies import arm, numbers
 
 FloatArray = NDArray[np.float64]
@@ -252,3 +253,67 @@ def test_slender_beams_of_all_theories_agree() -> None:
     lowest = [pinned(chain(section, kind, 16))[:2] for kind in KINDS]
     assert lowest[1] == pytest.approx(lowest[0], rel=1e-3)
     assert lowest[2] == pytest.approx(lowest[1], rel=1e-5)
+
+
+PLACE, ARM = 0.16, 0.3
+COUPLES = {
+    "inertia": (rectangle(100.0), AttachedBody("arm", PLACE, 0.5, 1e-3)),
+    "offset": (rectangle(100.0), AttachedBody("arm", PLACE, 0.5, 0.0, (0.02, 0.03))),
+    # A force along the pins' axis is off the neutral one.
+    "eccentric": (
+        BeamSection.of_laminate(
+            LaminateSection(
+                Laminate(
+                    (
+                        Layer(Ply.isotropic(MATERIAL), 5e-3),
+                        Layer(Ply.isotropic(Material(4e9, 1300.0, 0.38)), 5e-3),
+                    )
+                ),
+                0.02,
+            )
+        ),
+        AttachedBody("arm", PLACE, 0.5),
+    ),
+}
+
+
+def at_rest(mechanism: Mechanism, theory: str, elements: int) -> FloatArray:
+    engine = ReferenceEngine(mechanism, elements, theory)
+    return natural_frequencies(engine, 0.0, modes=3, prestress="none", rotation_terms=False)
+
+
+@pytest.mark.parametrize("kind", COUPLES)
+def test_couples_inside_a_link_bend_it_as_they_do_between_two(kind: str) -> None:
+    """Where a body turns the curvature jumps, in one link as in two that are welded there."""
+    section, body = COUPLES[kind]
+    whole = Mechanism(RotatingArm(ARM), {"arm": section}, bodies=(body,))
+    welded = Mechanism(
+        PlanarLinkage(
+            points={"O2": (0.0, 0.0), "A": (PLACE, 0.0), "B": (ARM, 0.0)},
+            links=(PlanarLink("arm", ("O2", "A")), PlanarLink("rest", ("A", "B"))),
+            ground=("O2",),
+            joints=(PlanarJoint("O2", "clamp"), PlanarJoint("A", "weld")),
+        ),
+        {"arm": section, "rest": section},
+        bodies=(body,),
+    )
+    exact = at_rest(welded, "timoshenko", 16)
+    assert at_rest(whole, "timoshenko", 8) == pytest.approx(exact, rel=1e-4)
+    assert at_rest(whole, "timoshenko", 32) == pytest.approx(exact, rel=1e-5)
+    # A weld would hold the warping of zigzag beams; a finer mesh alone is to agree.
+    assert at_rest(whole, "zigzag", 8) == pytest.approx(at_rest(whole, "zigzag", 32), rel=1e-4)
+
+
+def test_displacements_beside_a_couple_are_continuous() -> None:
+    section, body = COUPLES["offset"]
+    mass = Mechanism(RotatingArm(ARM), {"arm": section}, bodies=(body,)).link_mass("arm")
+    link = build_chain("beam", section, mass, 4, BEAM_SHAPES["timoshenko"]).model
+    clamped = np.setdiff1d(np.arange(link.size), [0, 1, *link.start_rotation])
+    grid = np.ix_(clamped, clamped)
+    shape = np.zeros(link.size)
+    shape[clamped] = scipy.linalg.eigh(link.stiffness[grid], link.mass[grid])[1][:, 1]
+    fractions = np.linspace(0.0, 1.0, 601)
+    deflection = link.readings.displacement_at(fractions)[:, 1] @ shape
+    slope = np.gradient(deflection, ARM * fractions)
+    # The slope is continuous but for the shear angle; its change along the link jumps.
+    assert np.abs(np.diff(slope)).max() < 0.02 * np.abs(slope).max()
