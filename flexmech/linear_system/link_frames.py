@@ -16,7 +16,7 @@ eq. 1.57). The same code serves every engine: only the link matrices differ.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
@@ -24,7 +24,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.linear_system.following_rows import FollowingRows
-from flexmech.linear_system.link_map import LinkMap, SteadySum
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.link_place import LinkPlace
 from flexmech.linear_system.link_ties import LinkTies
@@ -32,6 +31,7 @@ from flexmech.linear_system.posed_ties import PosedTies
 from flexmech.linear_system.rigid_coordinates import RigidCoordinates
 from flexmech.linear_system.rigid_pose import RigidPose
 from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
+from flexmech.linear_system.steady_links import SteadyLinks
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.types import FloatArray, IntArray
 
@@ -175,10 +175,10 @@ class LinkFrames:
         damps = terms.coriolis or any(own.matrix.any() for own in damping)
         rates = np.zeros(shape) if damps else np.broadcast_to(0.0, shape)
         tangents = [_tangent(self.links[n], motion, n, x, terms) for n, x in enumerate(stiffness)]
-        factors = [m.turning_factors(self._turned(motion, n)) for n, m in enumerate(self._maps)]
-        self._steady_mass.write(mass, factors)
-        steady = {n: tangents[n] for n in self._steady if tangents[n].ndim == 2}
-        self._steady_sum(steady).write(total, factors)
+        factors = self._steady.factors.at(motion.angle)
+        self._steady.mass.write(mass, factors)
+        steady = {n: tangents[n] for n in self._steady.numbers if tangents[n].ndim == 2}
+        self._steady.sum_of_tangents(steady).write(total, factors)
         following: list[list[FollowingRows]] | None = None
         for number, (link, tangent, own) in enumerate(
             zip(self.links, tangents, damping, strict=True)
@@ -190,7 +190,7 @@ class LinkFrames:
                 following = self.following_rows(motion)
             place, pairs = self._places[number], following[number]
             speed = motion.angular_velocity[:, number, None, None]
-            if number not in self._steady:
+            if number not in self._steady.numbers:
                 place.add(mass, link.mass, pairs)
             if number not in steady:
                 place.add(total, tangent, pairs)
@@ -227,38 +227,9 @@ class LinkFrames:
         total[:, :first, :first] = self._ties.guided(motion, guiding)
         return total
 
-    def _steady_sum(self, matrices: Mapping[int, FloatArray]) -> SteadySum:
-        """Sum of ``N'XN`` over symmetric matrices (n, n) of some steady links, by number."""
-        # What turns has a row or a column of an end that leads, and those ends come first.
-        led = [columns for n in matrices for _, columns in self._ties.following(n)]
-        ends = 1 + max((int(pair.max()) for pair in led), default=-1)
-        resting = np.zeros((self.size, self.size))
-        for number, matrix in matrices.items():
-            self._places[number].add_resting(resting, matrix)
-        terms = [self._maps[n].turning_terms(matrix, ends) for n, matrix in matrices.items()]
-        return SteadySum(tuple(matrices), resting, np.concatenate([resting[None, :ends], *terms]))
-
     @cached_property
-    def _steady_mass(self) -> SteadySum:
-        return self._steady_sum({n: self.links[n].mass for n in self._steady})
-
-    def _turned(self, motion: RigidMotion, link: int) -> FloatArray:
-        """Angles by which a link's following ends turn, (k, B)."""
-        leaders = self._ties.leaders(link)
-        return np.asarray(motion.angle[:, leaders].T - motion.angle[:, link])
-
-    @cached_property
-    def _steady(self) -> frozenset[int]:
-        """Links of which nothing follows but ends that turn."""
-        return frozenset(n for n in range(len(self.links)) if not self._ties.is_general(n))
-
-    @cached_property
-    def _maps(self) -> list[LinkMap]:
-        maps = []
-        for number, target in enumerate(self.targets):
-            following = self._ties.following(number) if number in self._steady else []
-            maps.append(LinkMap.of(target, [rows for rows, _ in following], self.size))
-        return maps
+    def _steady(self) -> SteadyLinks:
+        return SteadyLinks(self._ties, self.links, self._places)
 
     @cached_property
     def _places(self) -> list[LinkPlace]:

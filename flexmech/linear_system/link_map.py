@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LinkMap", "SteadySum"]
+__all__ = ["LinkMap", "SteadySum", "TurningFactors"]
 
 
 @dataclass(frozen=True)
@@ -53,51 +52,79 @@ class LinkMap:
             sine[pair, target[pair[::-1]]] = [-1.0, 1.0]
         return cls(parts)
 
-    def turning_terms(self, matrix: FloatArray, rows: int) -> FloatArray:
-        """What multiplies the factors of :meth:`turning_factors` in rows of ``N'XN``.
+    def turning_terms(self, matrix: FloatArray | None, rows: int) -> FloatArray:
+        """What multiplies the products of factors in rows of ``N'XN``.
 
         Parameters
         ----------
-        matrix : ndarray, shape (n, n)
-            Symmetric.
+        matrix : ndarray, shape (n, n), or None
+            Symmetric; None for zero.
         rows : int
             How many, the first ones.
 
         Returns
         -------
-        ndarray, shape (m (m + 1) / 2 - 1, rows, size)
+        ndarray, shape (r, rows, size)
+            Of ``f_i f_j`` for i <= j without the first, which rests; r = m (m + 1) / 2 - 1.
         """
-        first, second = self._turning
-        if not len(first):
-            return np.zeros((0, rows, self.parts.shape[2]))
+        first, second = _two_of(len(self.parts))
+        if matrix is None or not len(first):
+            return np.zeros((len(first), rows, self.parts.shape[2]))
         left = np.swapaxes(self.parts[:, None, :, :rows], 2, 3) @ matrix
         products = left @ self.parts
         mirrored = np.where(first == second, 0.0, 1.0)[:, None, None]
         return np.asarray(products[first, second] + mirrored * products[second, first])
 
-    def turning_factors(self, angles: FloatArray) -> FloatArray:
-        """``f_i f_j`` for i <= j, without the first, which is 1.
+
+@dataclass(frozen=True)
+class TurningFactors:
+    """Products ``f_i f_j`` of the factors of all links, by the angles of their frames.
+
+    Parameters
+    ----------
+    leaders, followers : ndarray of int, shape (k,)
+        Links whose ends lead others and those whose ends follow, end by end.
+    first, second : ndarray of int, shape (1 + r,)
+        Numbers of two factors: the first is 1, those of end e are 1 + 2 e and 2 + 2 e. The first
+        product is 1, then come those of one link after the other.
+    """
+
+    leaders: IntArray
+    followers: IntArray
+    first: IntArray
+    second: IntArray
+
+    @classmethod
+    def of(cls, leaders: Sequence[Sequence[int]]) -> TurningFactors:
+        """Factors of links of which each follows so many leaders."""
+        first, second = [np.zeros(1, dtype=np.intp)], [np.zeros(1, dtype=np.intp)]
+        followers: list[int] = []
+        for link, led in enumerate(leaders):
+            own = np.concatenate([[0], 1 + 2 * len(followers) + np.arange(2 * len(led))])
+            for products, numbers in zip((first, second), _two_of(len(own)), strict=True):
+                products.append(own[numbers])
+            followers += [link] * len(led)
+        every = np.array([leader for led in leaders for leader in led], dtype=np.intp)
+        numbers = np.array(followers, dtype=np.intp)
+        return cls(every, numbers, np.concatenate(first), np.concatenate(second))
+
+    def at(self, angle: FloatArray) -> FloatArray:
+        """Products at angles of the frames.
 
         Parameters
         ----------
-        angles : ndarray, shape (k, B)
-            By which each following end turns, in rad.
+        angle : ndarray, shape (B, n_links)
+            In rad.
 
         Returns
         -------
-        ndarray, shape (m (m + 1) / 2 - 1, B)
+        ndarray, shape (1 + r, B)
         """
-        factors = np.ones((len(self.parts), angles.shape[1]))
-        np.cos(angles, out=factors[1::2])
-        np.sin(angles, out=factors[2::2])
-        first, second = self._turning
-        return np.asarray(factors[first] * factors[second])
-
-    @cached_property
-    def _turning(self) -> tuple[IntArray, IntArray]:
-        """Numbers i <= j of two terms that do not both rest."""
-        first, second = np.triu_indices(len(self.parts))
-        return first[1:], second[1:]
+        turned = angle.T[self.leaders] - angle.T[self.followers]
+        factors = np.ones((1 + 2 * len(turned), len(angle)))
+        np.cos(turned, out=factors[1::2])
+        np.sin(turned, out=factors[2::2])
+        return np.asarray(factors[self.first] * factors[self.second])
 
 
 @dataclass(frozen=True)
@@ -106,30 +133,48 @@ class SteadySum:
 
     Parameters
     ----------
-    links : tuple of int
-        Their numbers.
     resting : ndarray, shape (size, size)
         The part that does not turn.
-    terms : ndarray, shape (1 + r, e, size)
-        First rows of that part and of what multiplies the factors, link by link. No others turn
-        but, by symmetry, the first columns.
+    terms : ndarray, shape (1 + r, e, w)
+        First rows and columns of that part and of what multiplies the products of factors. No
+        other rows turn but, by symmetry, columns.
     """
 
-    links: tuple[int, ...]
     resting: FloatArray
     terms: FloatArray
 
-    def write(self, total: FloatArray, factors: Sequence[FloatArray]) -> None:
+    @classmethod
+    def of(cls, resting: FloatArray, terms: FloatArray) -> SteadySum:
+        """Sum without the columns in which nothing turns.
+
+        Parameters
+        ----------
+        resting : ndarray, shape (size, size)
+        terms : ndarray, shape (r, e, size)
+        """
+        ends = terms.shape[1]
+        turning = np.flatnonzero(terms.any(axis=(0, 1)))
+        width = max(ends, 1 + int(turning[-1]) if len(turning) else 0)
+        every = np.concatenate([resting[None, :ends], terms])
+        return cls(resting, np.ascontiguousarray(every[:, :, :width]))
+
+    def write(self, total: FloatArray, factors: FloatArray) -> None:
         """Write the sum in all positions.
 
         Parameters
         ----------
         total : ndarray, shape (B, size, size)
-        factors : sequence of ndarray, shape (r, B)
-            See :meth:`LinkMap.turning_factors`, of all links.
+        factors : ndarray, shape (1 + r, B)
+            See :class:`TurningFactors`.
         """
-        ends = self.terms.shape[1]
-        weights = np.concatenate([np.ones((1, len(total))), *(factors[n] for n in self.links)])
-        total[:, :ends] = np.tensordot(weights, self.terms, axes=(0, 0))
-        total[:, ends:, :ends] = np.swapaxes(total[:, :ends, ends:], 1, 2)
-        total[:, ends:, ends:] = self.resting[ends:, ends:]
+        count, ends, width = self.terms.shape
+        turned = (factors.T @ self.terms.reshape(count, -1)).reshape(len(total), ends, width)
+        total[:] = self.resting
+        total[:, :ends, :width] = turned
+        total[:, ends:width, :ends] = np.swapaxes(turned[:, :, ends:], 1, 2)
+
+
+def _two_of(count: int) -> tuple[IntArray, IntArray]:
+    """Numbers i <= j of two factors, without those of 1 alone."""
+    first, second = np.triu_indices(count)
+    return first[1:], second[1:]

@@ -8,12 +8,18 @@ from flexmech.types import FloatArray
 
 __all__ = ["inverse_mass_root"]
 
+# Up to this size rows are eliminated over the whole batch at once; larger matrices are halved.
+# Measured with some hundred positions: half to a third of the time of going row by row.
+ELIMINATED = 8
+
 
 def inverse_mass_root(mass: FloatArray) -> FloatArray:
     """``L^-1`` of mass matrices ``M = L L'``: with ``z = L^-T y`` the mass is the unit matrix.
 
-    The triangular factor is inverted row by row, each over the whole batch, in a third of the
-    time that the inverses of full matrices take.
+    By halves::
+
+        M = [A  B']     L^-1 = [      L_A^-1            0   ]     X = B L_A^-T
+            [B  C ]            [-L_S^-1 X L_A^-1     L_S^-1 ]     S = C - X X'
 
     Parameters
     ----------
@@ -38,10 +44,34 @@ def inverse_mass_root(mass: FloatArray) -> FloatArray:
     array([[ 0.5,  0. ],
            [-0.5,  1. ]])
     """
-    lower = np.linalg.cholesky(mass)
-    inverse = np.zeros_like(lower)
-    for row in range(lower.shape[1]):
-        inverse[:, row, row] = 1.0
-        inverse[:, row, :row] = -(lower[:, row, None, :row] @ inverse[:, :row, :row])[:, 0]
-        inverse[:, row, : row + 1] /= lower[:, row, row, None]
+    size = mass.shape[1]
+    if size <= ELIMINATED:
+        return _eliminated(mass)
+    half = (size + 1) // 2
+    first = inverse_mass_root(mass[:, :half, :half])
+    across = mass[:, half:, :half] @ np.swapaxes(first, 1, 2)
+    second = inverse_mass_root(mass[:, half:, half:] - across @ np.swapaxes(across, 1, 2))
+    inverse = np.zeros(mass.shape)
+    inverse[:, :half, :half] = first
+    inverse[:, half:, half:] = second
+    inverse[:, half:, :half] = -(second @ across) @ first
     return inverse
+
+
+def _eliminated(mass: FloatArray) -> FloatArray:
+    """``L^-1`` of small matrices: what turns M into the unit matrix, row by row.
+
+    The batch stands last, so that each step runs along memory.
+    """
+    rest = np.moveaxis(mass, 0, -1).copy()
+    inverse = np.zeros(rest.shape)
+    for row in range(len(rest)):
+        if not (rest[row, row] > 0).all():
+            raise np.linalg.LinAlgError("a mass matrix is not positive definite")
+        scale = 1 / np.sqrt(rest[row, row])
+        inverse[row, row] = 1.0
+        inverse[row, : row + 1] *= scale
+        column = rest[row + 1 :, row] * scale
+        rest[row + 1 :, row + 1 :] -= column[:, None] * column
+        inverse[row + 1 :, : row + 1] -= column[:, None] * inverse[row, : row + 1]
+    return np.moveaxis(inverse, -1, 0).copy()

@@ -7,7 +7,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from flexmech.linear_system.component_modes import ComponentModes
+from flexmech.linear_system.component_modes import ComponentModes, ReducedLink
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
@@ -113,8 +113,8 @@ def reduced_system(
     for first in range(0, len(motion.crank_angle), at_once):
         some = slice(first, first + at_once)
         projected = [
-            link.basis.T @ (_of(tangent, some) @ link.basis)
-            for link, tangent in zip(reduction.links, stressed.tangent, strict=True)
+            _projected(full, link, tangent, some)
+            for full, link, tangent in zip(links, reduction.links, stressed.tangent, strict=True)
         ]
         own = damping and [LinkDamping(_of(d.matrix, some), _of(d.ends, some)) for d in damping]
         guiding = None if stressed.guiding is None else stressed.guiding[some]
@@ -139,6 +139,13 @@ def reduced_system(
         # Component modes are normalized by the mass; condensed ones bring theirs along.
         unit_mass_from=frames.end_count if reduction.parts_mass and expansion is None else None,
     )
+
+
+def _projected(full: LinkModel, link: ReducedLink, tangent: FloatArray, some: slice) -> FloatArray:
+    """Tangent stiffness of a link in component modes; without stress it is that of the link."""
+    if tangent is full.stiffness:
+        return link.model.stiffness
+    return np.asarray(link.basis.T @ (_of(tangent, some) @ link.basis))
 
 
 def _of(matrix: FloatArray, some: slice) -> FloatArray:

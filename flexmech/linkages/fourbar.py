@@ -243,37 +243,37 @@ class FourBar:
         """
         theta2, omega2, alpha2 = checked_drive(crank_angle, crank_speed, crank_acceleration)
         theta3, theta4 = self._follower_angles(theta2)
-        sine = np.sin(theta4 - theta3)
-        omega3 = self.crank * omega2 * np.sin(theta4 - theta2) / (-self.coupler * sine)
-        omega4 = self.crank * omega2 * np.sin(theta2 - theta3) / (self.rocker * sine)
+        cos_43, sin_43 = np.cos(theta4 - theta3), np.sin(theta4 - theta3)
+        cos_24, sin_24 = np.cos(theta2 - theta4), np.sin(theta2 - theta4)
+        cos_23, sin_23 = np.cos(theta2 - theta3), np.sin(theta2 - theta3)
+        omega3 = self.crank * omega2 * sin_24 / (self.coupler * sin_43)
+        omega4 = self.crank * omega2 * sin_23 / (self.rocker * sin_43)
         alpha3 = (
-            self.crank * omega2**2 * np.cos(theta2 - theta4)
-            + self.crank * alpha2 * np.sin(theta2 - theta4)
-            + self.coupler * omega3**2 * np.cos(theta4 - theta3)
+            self.crank * (omega2**2 * cos_24 + alpha2 * sin_24)
+            + self.coupler * omega3**2 * cos_43
             - self.rocker * omega4**2
-        ) / (self.coupler * sine)
+        ) / (self.coupler * sin_43)
         alpha4 = (
-            self.crank * omega2**2 * np.cos(theta2 - theta3)
-            + self.crank * alpha2 * np.sin(theta2 - theta3)
-            - self.rocker * omega4**2 * np.cos(theta4 - theta3)
+            self.crank * (omega2**2 * cos_23 + alpha2 * sin_23)
+            - self.rocker * omega4**2 * cos_43
             + self.coupler * omega3**2
-        ) / (self.rocker * sine)
+        ) / (self.rocker * sin_43)
 
-        along, across = direction(theta2), normal(theta2)
-        zero = np.zeros_like(along)
-        a_position = self.crank * along
-        a_velocity = self.crank * omega2[..., None] * across
-        a_acceleration = self.crank * (alpha2[..., None] * across - omega2[..., None] ** 2 * along)
-        o4_position = zero + np.array([self.ground, 0.0])
+        along, across = self.crank * direction(theta2), self.crank * normal(theta2)
+        position, velocity, acceleration = np.zeros((3, *theta2.shape, 3, 2))
+        position[..., 1, :] = along
+        position[..., 2, 0] = self.ground
+        velocity[..., 1, :] = omega2[..., None] * across
+        acceleration[..., 1, :] = alpha2[..., None] * across - omega2[..., None] ** 2 * along
         return RigidMotion(
             crank_angle=theta2,
             crank_speed=omega2,
             angle=np.stack([theta2, theta3, theta4], axis=-1),
             angular_velocity=np.stack([omega2, omega3, omega4], axis=-1),
             angular_acceleration=np.stack([alpha2, alpha3, alpha4], axis=-1),
-            origin=np.stack([zero, a_position, o4_position], axis=-2),
-            origin_velocity=np.stack([zero, a_velocity, zero], axis=-2),
-            origin_acceleration=np.stack([zero, a_acceleration, zero], axis=-2),
+            origin=position,
+            origin_velocity=velocity,
+            origin_acceleration=acceleration,
         )
 
     def resized(self, lengths: Mapping[str, float], ground_growth: float) -> FourBar:

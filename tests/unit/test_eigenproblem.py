@@ -90,7 +90,7 @@ def test_an_overdamped_lowest_mode_is_not_passed_over(aluminium):
         solve_modes(system, 4)
 
 
-@pytest.mark.parametrize("size", [1, 4, 30])
+@pytest.mark.parametrize("size", [1, 4, 9, 30])
 def test_mass_is_the_unit_matrix_in_its_own_root(size: int) -> None:
     random = np.random.default_rng(size)
     root = random.standard_normal((7, size, size)) + 2 * size * np.eye(size)

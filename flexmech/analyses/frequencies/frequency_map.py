@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
 from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
@@ -95,5 +97,6 @@ def frequencies_along(
     count = systems.formulation.modes
     if stressed is not None:
         return solve_frequencies(systems.at(crank_angles, crank_speed, stressed), count)
-    batches = systems.batches(crank_angles, crank_speed)
-    return np.concatenate([solve_frequencies(system, count) for system in batches])
+    # By map no system is kept beside the next one, whose matrices then take its memory.
+    solve = partial(solve_frequencies, count=count)
+    return np.concatenate(list(map(solve, systems.batches(crank_angles, crank_speed))))
