@@ -38,8 +38,8 @@ def given_path(path: str | os.PathLike[str]) -> Path:
     Raises
     ------
     InputError
-        If it is no path, there is no such home folder, or the system cannot say what is there: a
-        name is too long, a folder may not be entered, or links go round in a circle.
+        If it is no path, or empty, there is no such home folder, or the system cannot say what is
+        there: a name is too long, a folder may not be entered, or links go round in a circle.
 
     Examples
     --------
@@ -48,6 +48,8 @@ def given_path(path: str | os.PathLike[str]) -> Path:
     """
     if not isinstance(path, str | os.PathLike):
         raise InputError(f"path must be text or a Path, got {path!r}")
+    if path == "":
+        raise InputError("path is empty; name a file or folder, or write . for the working folder")
     try:
         found = Path(path).expanduser()
     except RuntimeError as error:

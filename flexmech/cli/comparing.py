@@ -14,6 +14,7 @@ from flexmech import units
 from flexmech.choices import EngineName
 from flexmech.cli import arguments
 from flexmech.cli.failures import naming
+from flexmech.cli.paths import typed_path
 from flexmech.errors import InputError
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ Record = Annotated[
         help="Measured record: CSV with units in its header, as 'time [s], strain (um/m)', or a "
         "universal file (.uff, .unv).",
         metavar="RECORD",
+        parser=typed_path,
     ),
 ]
 RecordSpeed = Annotated[

@@ -1,4 +1,4 @@
-"""The options of the commands that write model files and their schema."""
+"""The options of the commands that write one file: model files, their schema, the report."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Annotated, get_args
 from typer import Argument, Option
 
 from flexmech import choices
+from flexmech.cli.paths import typed_path
 from flexmech.example_models import example_names
 
 _KINDS_AND_EXAMPLES = (*get_args(choices.TemplateKind), *example_names())
@@ -22,8 +23,20 @@ KindOrExample = Annotated[
         ],
     ),
 ]
-NewFile = Annotated[Path, Argument(help="Model file to write.", metavar="FILE")]
+NewFile = Annotated[Path, Argument(help="Model file to write.", metavar="FILE", parser=typed_path)]
 Force = Annotated[bool, Option("--force", help="Replace a file that exists.")]
 SchemaFile = Annotated[
-    Path | None, Option("--out", help="Write it to this file instead.", metavar="FILE")
+    Path | None,
+    Option("--out", help="Write it to this file instead.", metavar="FILE", parser=typed_path),
+]
+ModelOrResults = Annotated[
+    Path,
+    Argument(
+        help="Model file, or folder of results of other commands.",
+        metavar="MODEL|RESULTS",
+        parser=typed_path,
+    ),
+]
+ReportFile = Annotated[
+    Path, Option("--out", help="HTML file to write.", metavar="FILE", parser=typed_path)
 ]

@@ -8,19 +8,19 @@ from typing import Annotated
 from typer import Argument, Option
 
 from flexmech import choices
+from flexmech.cli.paths import typed_path
 
 # The model and the files.
-Model = Annotated[Path, Argument(help="Model file.", metavar="MODEL")]
-Out = Annotated[Path, Option(help="Folder for the files.", metavar="DIR")]
+Model = Annotated[Path, Argument(help="Model file.", metavar="MODEL", parser=typed_path)]
+Out = Annotated[Path, Option(help="Folder for the files.", metavar="DIR", parser=typed_path)]
 OptionalOut = Annotated[
     Path | None,
-    Option(help="Folder for CSV files and pictures; none if left out.", metavar="DIR"),
+    Option(
+        help="Folder for CSV files and pictures; none if left out.",
+        metavar="DIR",
+        parser=typed_path,
+    ),
 ]
-ModelOrResults = Annotated[
-    Path,
-    Argument(help="Model file, or folder of results of other commands.", metavar="MODEL|RESULTS"),
-]
-ReportFile = Annotated[Path, Option("--out", help="HTML file to write.", metavar="FILE")]
 Include = Annotated[
     str | None,
     Option(

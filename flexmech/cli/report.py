@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from flexmech.choices import ELEMENTS_A_LINK, REPORT_PARTS, TOLERANCE, ReportPart
-from flexmech.cli import options
+from flexmech.cli import file_options, options
 from flexmech.cli.arguments import parse_angles, parse_speeds, speed_remark
 from flexmech.cli.command_line import command_line
 from flexmech.cli.engines import make_engines
@@ -18,8 +18,8 @@ from flexmech.files import check_writable, given_path
 
 
 def report(
-    model: options.ModelOrResults,
-    out: options.ReportFile = Path("report.html"),
+    model: file_options.ModelOrResults,
+    out: file_options.ReportFile = Path("report.html"),
     include: options.Include = None,
     speeds: options.Speeds = None,
     angles: options.Angles = "0:360:5",
