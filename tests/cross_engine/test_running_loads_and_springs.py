@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -107,6 +108,31 @@ def test_a_force_in_axes_of_its_link(engine: type[Engine]) -> None:
     angle = 0.05 * found["time"].values
     held = force * np.stack([np.sin(angle), -np.cos(angle)], axis=1)
     assert found["joint_force"].values[0, :, 0] == pytest.approx(held, abs=2e-3 * force)
+
+
+@pytest.mark.parametrize("engine", [ReferenceEngine, ExudynEngine])
+def test_the_equilibrium_at_the_start_counts_loads_over_time(engine: type[Engine]) -> None:
+    """A load over time that never changes is a constant load, from the first instant on.
+
+    Exudyn began with the equilibrium without it, and the links rang: engines were 4 % apart.
+    """
+    length, row = 0.3, (0.02, 0.05)
+    tip = LinkPoint("arm", length)
+    section = strips(SliderCrank()).sections["crank"]
+    request = ResponseRequest(CrankDrive(5.0), 0.02, step=2e-4, start="equilibrium", modes=2)
+    tables: list[dict[str, Any]] = [
+        {"force": (row,), "torque": (0.01,)},
+        {"force": (row, row), "torque": (0.01, 0.01), "over": "time", "at": (0.0, 1.0)},
+    ]
+    found = []
+    for table in tables:
+        loads = (Load("tip", tip, axes="link", **table),)
+        mechanism = Mechanism(RotatingArm(length), {"arm": section}, loads=loads)
+        found.append(response(engine(mechanism, 3), request).dataset)
+    constant, over_time = (each["deflection"].values.ravel() for each in found)
+    assert np.abs(constant).max() > 1e-4
+    assert np.ptp(constant) < 2e-2 * np.abs(constant).max()
+    assert over_time == pytest.approx(constant, abs=1e-6 * np.abs(constant).max())
 
 
 def test_a_slow_run_tends_to_the_equilibria_at_its_angles() -> None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.second_order import linear_forces, without_second_order_stretch
 from flexmech.linear_system import Engine, LinkFrames
-from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.linkages import CrankDrive, Load, RigidMotion
 from flexmech.time_domain import DrivenLinkage, LinkState, VibrationState, periodic_state
 from flexmech.types import FloatArray
 
@@ -122,14 +122,43 @@ def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -
 def _equilibrium(engine: Engine, drive: CrankDrive) -> LinkState:
     """Nonlinear quasi-static equilibrium at time zero, and how fast the loads move it."""
     time = _start_times(drive)
-    motion = drive.motion(engine.mechanism.linkage, time)
-    displacement = engine.stressed_links(motion, "equilibrium").displacement
+    displacement = _standing(engine, drive, time)
     if displacement is None:
         return LinkState.rigid(engine.links)
     return LinkState(
         displacement=[q[0] for q in displacement],
         rate=[_rate(q, time) for q in displacement],
     )
+
+
+def _standing(engine: Engine, drive: CrankDrive, time: FloatArray) -> list[FloatArray] | None:
+    """Equilibria at some times, (m, n_link) of each link; None where links stay straight.
+
+    Loads over time act with what they are at these times: an engine's own equilibria are those
+    of crank angles, at which such loads have no value.
+    """
+    mechanism = engine.mechanism
+    if all(load.over != "time" for load in mechanism.loads):
+        motion = drive.motion(mechanism.linkage, time)
+        return engine.stressed_links(motion, "equilibrium").displacement
+    found = []
+    for instant in time:
+        loads = tuple(_as_it_is_at(load, float(instant)) for load in mechanism.loads)
+        motion = drive.motion(mechanism.linkage, np.array([instant]))
+        loaded = engine.with_(mechanism=replace(mechanism, loads=loads))
+        one = loaded.stressed_links(motion, "equilibrium").displacement
+        if one is None:
+            return None
+        found.append(one)
+    return [np.concatenate(of_link) for of_link in zip(*found, strict=True)]
+
+
+def _as_it_is_at(load: Load, time: float) -> Load:
+    """A load over time as the constant load that it is at a time; others as they are."""
+    if load.over != "time":
+        return load
+    x, y, torque = load.values(0.0, time).tolist()
+    return replace(load, force=((x, y),), torque=(torque,), over="constant", at=())
 
 
 def linear_start(linkage: DrivenLinkage, request: ResponseRequest, step: float) -> VibrationState:
