@@ -10,7 +10,14 @@ from numpy.typing import NDArray
 
 from flexmech.beams.beam_shapes import BeamShapes
 from flexmech.beams.elements import BeamElements
-from flexmech.linear_system import LinkModel, LinkReadings, RigidFields, with_bodies
+from flexmech.linear_system import (
+    ChainMatrix,
+    LinkModel,
+    LinkReadings,
+    RigidFields,
+    chain_matrix,
+    with_bodies,
+)
 from flexmech.linkages import LinkMass
 from flexmech.mesh import node_positions
 from flexmech.sections import BeamSection
@@ -31,16 +38,7 @@ def assemble_chain(elements: FloatArray) -> FloatArray:
     ndarray, shape (..., n, n)
         With n = p (e + 1).
     """
-    count, size = elements.shape[-3], elements.shape[-1] // 2
-    batch = elements.shape[:-3]
-    total = np.zeros((*batch, count + 1, size, count + 1, size))
-    first, second = np.arange(count), np.arange(1, count + 1)
-    blocks = np.moveaxis(elements, -3, 0)
-    for rows, i in ((first, slice(0, size)), (second, slice(size, None))):
-        for columns, j in ((first, slice(0, size)), (second, slice(size, None))):
-            total[..., rows, :, columns, :] += blocks[..., i, j]
-    order = size * (count + 1)
-    return total.reshape(*batch, order, order)
+    return ChainMatrix(elements).whole()
 
 
 @dataclass(frozen=True)
@@ -92,28 +90,22 @@ def build_chain(
     beams = BeamElements(shapes, section, np.diff(nodes), _kinked(nodes, section, mass, acting_at))
     per_node = shapes.per_node
     size = per_node * len(nodes)
-    inertia, translational, gyroscopic, stiffness, damping = assemble_chain(
-        np.stack(
-            [
-                beams.mass,
-                beams.translational_mass,
-                beams.gyroscopic,
-                beams.stiffness,
-                beams.damping,
-            ]
-        )
+    matrices = np.stack(
+        [
+            beams.mass,
+            beams.translational_mass,
+            beams.gyroscopic,
+            beams.stiffness,
+            beams.damping,
+        ]
     )
     first_moment = _summed(beams.first_moment, per_node)
     if not mass.mass_per_length:
         # All of it stands in points.
-        for matrix in (inertia, translational, gyroscopic, first_moment):
-            matrix[:] = 0.0
+        matrices[:3], first_moment[:] = 0.0, 0.0
     for position, value in zip(mass.point_positions, mass.point_masses, strict=True):
-        u = per_node * int(np.argmin(np.abs(nodes - position)))
-        for matrix in (inertia, translational):
-            matrix[[u, u + 1], [u, u + 1]] += value
-        gyroscopic[u, u + 1] -= value
-        gyroscopic[u + 1, u] += value
+        _add_point_mass(matrices[:3], int(np.argmin(np.abs(nodes - position))), value)
+    inertia, translational, gyroscopic, stiffness, damping = map(chain_matrix, matrices)
     last, held = size - per_node, np.array(shapes.clamped)
     warping = np.array(shapes.warping, dtype=np.intp)
     model = LinkModel(
@@ -157,6 +149,18 @@ def _kinked(
     kinked[[int(np.argmin(np.abs(nodes - x))) for x in places]] = True
     kinked[0] = False
     return kinked[:-1]
+
+
+def _add_point_mass(matrices: FloatArray, node: int, mass: float) -> None:
+    """Add a point mass to the mass, the translational mass and ``S`` of elements (3, e, 2p, 2p)."""
+    count, per_node = matrices.shape[1], matrices.shape[2] // 2
+    element = min(node, count - 1)
+    u = per_node * (node - element)
+    inertia, translational, gyroscopic = matrices[:, element]
+    for matrix in (inertia, translational):
+        matrix[[u, u + 1], [u, u + 1]] += mass
+    gyroscopic[u, u + 1] -= mass
+    gyroscopic[u + 1, u] += mass
 
 
 def _summed(vectors: FloatArray, per_node: int) -> FloatArray:

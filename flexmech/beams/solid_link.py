@@ -23,6 +23,7 @@ import scipy.sparse.linalg as spla
 from flexmech.beams.link_matrices import build_chain
 from flexmech.beams.parabolas import Parabolas, graded, rows_of_runs
 from flexmech.beams.theories import BEAM_SHAPES
+from flexmech.linear_system import whole
 from flexmech.linkages import LinkMass
 from flexmech.sections import BeamSection, LaminateSection
 from flexmech.sections.free_edges import is_off_axis, layer_runs
@@ -111,10 +112,10 @@ def _by_beams(section: LaminateSection, length: float, twisted_back: float = 0.0
     model = build_chain("link", beam, mass, 2 * ALONG, BEAM_SHAPES["timoshenko"]).model
     turned = np.zeros(model.size)
     turned[model.start_rotation[0]], turned[model.end_rotation[0]] = -1.0, 1.0
-    stiffness = model.stiffness + twisted_back / length * np.outer(turned, turned)
+    stiffness = whole(model.stiffness) + twisted_back / length * np.outer(turned, turned)
     kept = np.setdiff1d(np.arange(model.size), [*model.start, model.end[1]])
     grid = np.ix_(kept, kept)
-    squares = scipy.linalg.eigh(stiffness[grid], model.mass[grid], eigvals_only=True)
+    squares = scipy.linalg.eigh(stiffness[grid], whole(model.mass)[grid], eigvals_only=True)
     return np.asarray(np.sqrt(squares[:MODES]) / (2 * np.pi))
 
 

@@ -5,6 +5,14 @@ from flexmech.linear_system.attached_points import AttachedPoint
 from flexmech.linear_system.balanced_loads import BalancedLoads
 from flexmech.linear_system.body_couples import BodyCouples
 from flexmech.linear_system.carried_inertia import CarriedInertia
+from flexmech.linear_system.chains import (
+    ChainMatrix,
+    LinkMatrix,
+    chain_matrix,
+    in_positions,
+    summed,
+    whole,
+)
 from flexmech.linear_system.checks import check_elastic, checked_mechanism
 from flexmech.linear_system.component_modes import (
     GREAT_DETAIL,
@@ -96,6 +104,7 @@ __all__ = [
     "BodyCouples",
     "BodyMatrices",
     "CarriedInertia",
+    "ChainMatrix",
     "ComponentModes",
     "ConnectedMatrices",
     "Connectors",
@@ -104,6 +113,7 @@ __all__ = [
     "LinearSystem",
     "LinkDamping",
     "LinkFrames",
+    "LinkMatrix",
     "LinkModel",
     "LinkPoint",
     "LinkReadings",
@@ -125,6 +135,7 @@ __all__ = [
     "acts_still",
     "body_couple",
     "body_nodes",
+    "chain_matrix",
     "check_elastic",
     "checked_mechanism",
     "component_modes",
@@ -135,6 +146,7 @@ __all__ = [
     "forces_of_links",
     "free_load",
     "has_dampers",
+    "in_positions",
     "inertia_loads",
     "inverse_mass_root",
     "is_constant_turn",
@@ -148,9 +160,11 @@ __all__ = [
     "static_displacement",
     "straight_forces",
     "stressed_along_turn",
+    "summed",
     "ties_beyond_pins",
     "turns_or_slides",
     "unchanged",
+    "whole",
     "with_bodies",
     "with_rigid_links",
 ]

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.linear_system.carried_inertia import CarriedInertia
+from flexmech.linear_system.chains import LinkMatrix, whole
 from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.position_errors import LESS_LOADED, refuse_positions
@@ -58,7 +59,7 @@ def balanced_loads(
     motion: RigidMotion,
     loads: Sequence[FloatArray],
     solve: Solve,
-    tangents: Callable[[list[FloatArray]], list[FloatArray]],
+    tangents: Callable[[list[FloatArray]], Sequence[LinkMatrix]],
     *,
     carried: CarriedInertia | None = None,
     solve_connects: bool = False,
@@ -97,7 +98,7 @@ def balanced_loads(
     force = acting.forces(None)
     if carried is None and not connectors.depend_on_displacement:
         return BalancedLoads(_sum(loads, force), None)
-    stiffness: Sequence[FloatArray] = [link.stiffness for link in frames.links]
+    stiffness: Sequence[LinkMatrix] = [link.stiffness for link in frames.links]
     displacement = [np.zeros_like(load) for load in loads]
     gap = frames.gather(motion, _sum(loads, force))
     if carried is not None:
@@ -174,13 +175,13 @@ class _Acting:
     def stiffness(
         self,
         frames: LinkFrames,
-        stiffness: Sequence[FloatArray],
+        stiffness: Sequence[LinkMatrix],
         displacement: Sequence[FloatArray],
     ) -> FloatArray:
         """Stiffness of the linkage against such forces, (B, size, size), from its links'."""
         if self.carried is not None:
             pairs = zip(stiffness, self.carried.matrices, strict=True)
-            stiffness = [tangent - matrix for tangent, matrix in pairs]
+            stiffness = [whole(tangent) - matrix for tangent, matrix in pairs]
         links = frames.assemble(self.motion, stiffness, STILL)
         held = self.connectors.added(frames, self.motion, links, STILL, "equilibrium", displacement)
         return held.stiffness

@@ -14,6 +14,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.linear_system.chains import LinkMatrix, with_entries
 from flexmech.linear_system.link_bodies import body_couple, body_nodes, second_moment
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import LinkMass, RigidMotion
@@ -127,8 +128,8 @@ class BodyCouples:
             force[link][:, row] += self.turned(number, displacement[link][:, row])[0]
 
     def stiffen(
-        self, tangent: dict[int, FloatArray], displacement: Sequence[FloatArray] | None = None
-    ) -> dict[int, FloatArray]:
+        self, tangent: dict[int, LinkMatrix], displacement: Sequence[FloatArray] | None = None
+    ) -> dict[int, LinkMatrix]:
         """Tangents of flexible links with the springs of their bodies.
 
         Without what a rotation keeps of the potential of centrifugal forces, which the mass of
@@ -149,7 +150,7 @@ class BodyCouples:
             angle = np.zeros(self.virial.shape[1])
             if displacement is not None:
                 angle = displacement[link][:, row]
-            own = stiffened[link] + np.zeros((len(angle), 1, 1))
-            own[:, row, row] += self.turned(number, angle)[1] - self.kept[number]
-            stiffened[link] = own
+            place = np.array([row])
+            turning = self.turned(number, angle)[1] - self.kept[number]
+            stiffened[link] = with_entries(stiffened[link], place, place, turning[:, None])
         return stiffened

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
+from flexmech.linear_system.chains import whole
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.types import FloatArray
@@ -69,7 +70,8 @@ class CarriedInertia:
             return None
         return cls(
             [
-                speed[number] ** 2 * link.translational_mass - change[number] * link.gyroscopic
+                speed[number] ** 2 * whole(link.translational_mass)
+                - change[number] * whole(link.gyroscopic)
                 for number, link in enumerate(links)
             ]
         )

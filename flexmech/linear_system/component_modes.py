@@ -43,6 +43,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.linear_system.chains import LinkMatrix
 from flexmech.linear_system.held_link import HeldLink, hold_ends
 from flexmech.linear_system.link_boundary import JoinedEnds
 from flexmech.linear_system.link_frames import LinkFrames
@@ -232,7 +233,7 @@ def _reduce(
     bending = held.bending[:, held.bending_frequency <= bending_cutoff]
     n_axial = int(np.sum(held.axial_frequency <= axial_cutoff))
     mass, axial = held.link.mass, held.axial[:, :n_axial]
-    if (bending.T @ mass @ axial).any():
+    if (bending.T @ (mass @ axial)).any():
         axial = _complement(axial, bending, mass)
     dynamic = np.concatenate([bending, axial], axis=1)
     along = held.axial_relief if stretches else held.floating_relief
@@ -249,7 +250,7 @@ def _reduce(
     condensed = _complement(candidates, dynamic, mass)
     static = held.static
     if parts_mass:
-        static = static - dynamic @ (dynamic.T @ mass @ static)
+        static = static - dynamic @ (dynamic.T @ (mass @ static))
     basis = np.concatenate([static, dynamic, condensed], axis=1)
     follows = np.arange(basis.shape[1]) >= basis.shape[1] - condensed.shape[1]
     answered = damped and turning and fine
@@ -265,10 +266,10 @@ def _damped_ends(held: HeldLink, basis: FloatArray, condensed: FloatArray) -> Fl
     """Ways (n_reduced, r) of following ends to move whose damping deforms what is condensed."""
     link, inner, following = held.link, held.inner, held.boundary.following
     force = link.damping @ held.boundary.unit[:, following]
-    whole = np.einsum("nk,nm,mk->k", force[inner], held.flexibility, force[inner])
+    whole = (force[inner] * held.flexibility.answers(force[inner])).sum(axis=0)
     scale = 1 / np.sqrt(np.where(whole > 0, whole, np.inf))
     part = condensed.T @ force * scale
-    energy = part.T @ np.linalg.solve(condensed.T @ link.stiffness @ condensed, part)
+    energy = part.T @ np.linalg.solve(condensed.T @ (link.stiffness @ condensed), part)
     values, combination = np.linalg.eigh(energy)
     combination = combination[:, values > ANSWER_FLOOR**2]
     ways = np.zeros((basis.shape[1], combination.shape[1]))
@@ -298,21 +299,22 @@ def _answers_to_damping(held: HeldLink, shapes: FloatArray) -> FloatArray:
     link, inner = held.link, held.inner
     if not len(inner):
         return shapes[:, :0]
-    time = float(np.sum(held.flexibility * link.damping[np.ix_(inner, inner)])) / len(inner)
+    time = held.flexibility.trace_with(link.damping) / len(inner)
     answers = np.zeros_like(shapes)
-    answers[inner] = held.flexibility @ ((link.damping / time - link.stiffness) @ shapes)[inner]
-    answer, shape = (np.einsum("in,ij,jn->n", x, link.mass, x) for x in (answers, shapes))
+    unlike = (link.damping @ shapes) / time - link.stiffness @ shapes
+    answers[inner] = held.flexibility.answers(unlike[inner])
+    answer, shape = ((x * (link.mass @ x)).sum(axis=0) for x in (answers, shapes))
     return answers[:, answer > ANSWER_FLOOR**2 * shape]
 
 
-def _complement(vectors: FloatArray, others: FloatArray, mass: FloatArray) -> FloatArray:
+def _complement(vectors: FloatArray, others: FloatArray, mass: LinkMatrix) -> FloatArray:
     """What ``vectors`` add to mass-orthonormal ``others``, itself mass-orthonormal."""
     if not vectors.shape[1]:
         return vectors
-    scale = np.sqrt(np.einsum("in,ij,jn->n", vectors, mass, vectors))
+    scale = np.sqrt((vectors * (mass @ vectors)).sum(axis=0))
     rest = vectors / np.where(scale > 0, scale, 1.0)
     for _ in range(2):  # twice is enough against round-off
-        rest = rest - others @ (others.T @ mass @ rest)
-    values, combination = np.linalg.eigh(rest.T @ mass @ rest)
+        rest = rest - others @ (others.T @ (mass @ rest))
+    values, combination = np.linalg.eigh(rest.T @ (mass @ rest))
     new = values > 1e-12
     return np.asarray(rest @ combination[:, new] / np.sqrt(values[new]), dtype=float)

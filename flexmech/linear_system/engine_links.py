@@ -12,6 +12,7 @@ from flexmech.choices import Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system.balanced_loads import BalancedLoads, Solve, balanced_loads
 from flexmech.linear_system.carried_inertia import CarriedInertia, turns_as_one_body
+from flexmech.linear_system.chains import LinkMatrix
 from flexmech.linear_system.connected_matrices import ConnectedMatrices
 from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.element_kinds import ElementKinds
@@ -220,7 +221,7 @@ class EngineLinks(ElementKinds):
             return BalancedLoads(loads, None)
         frames = LinkFrames(self.equilibrium_topology, self.held_links)
 
-        def tangents(displacement: list[FloatArray]) -> list[FloatArray]:
+        def tangents(displacement: list[FloatArray]) -> Sequence[LinkMatrix]:
             return self.running_held_links(motion, displacement).tangent
 
         return balanced_loads(

@@ -232,11 +232,9 @@ class FreeShaft:
         """
         basis = self.basis(links[self.link])
         turned = int(links[self.link].end_rotation_of(self.clamp.held.end)[0])
-        tangent, force, damping = (
-            None if values is None else list(values)
-            for values in (stressed.tangent, stressed.internal_force, stressed.damping)
-        )
-        assert tangent is not None
+        tangent = list(stressed.tangent)
+        force = None if stressed.internal_force is None else list(stressed.internal_force)
+        damping = None if stressed.damping is None else list(stressed.damping)
         own = basis.T @ tangent[self.link] @ basis
         if reaction is not None:
             own = np.array(np.broadcast_to(own, (len(reaction), *basis.shape)))

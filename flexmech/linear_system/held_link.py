@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.linear_system.chains import couples
+from flexmech.linear_system.flexibility import Flexibility
 from flexmech.linear_system.link_boundary import JoinedEnds, LinkBoundary, link_boundary
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.types import FloatArray, IntArray
@@ -34,10 +36,8 @@ class HeldLink:
         That to a motion along the link as a whole.
     layers : ndarray, shape (n, k)
         Static shapes of ends that follow, without the ends: they vanish at the joints.
-    inner : ndarray of int, shape (i,)
-        Coordinates that no joint holds or moves.
-    flexibility : ndarray, shape (i, i)
-        Of these.
+    flexibility : Flexibility
+        Of the coordinates that no joint holds or moves.
     """
 
     link: LinkModel
@@ -51,8 +51,12 @@ class HeldLink:
     axial_relief: FloatArray
     floating_relief: FloatArray
     layers: FloatArray
-    inner: IntArray
-    flexibility: FloatArray
+    flexibility: Flexibility
+
+    @property
+    def inner(self) -> IntArray:
+        """Coordinates that no joint holds or moves, (i,)."""
+        return self.flexibility.free
 
 
 def hold_ends(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> HeldLink:
@@ -73,12 +77,12 @@ def hold_ends(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> HeldLin
     """
     boundary = link_boundary(ends, link)
     inner = np.flatnonzero(~(boundary.fixed | boundary.joined))
-    flexibility = np.asarray(np.linalg.inv(link.stiffness[inner[:, None], inner]), dtype=float)
+    flexibility = Flexibility(link.stiffness, inner)
     static = boundary.unit.copy()
-    static[inner] = -flexibility @ (link.stiffness[inner] @ boundary.unit)
+    static[inner] = -flexibility.answers((link.stiffness @ boundary.unit)[inner])
     layers = (static - boundary.unit)[:, boundary.following]
     relief = np.zeros_like(static)
-    relief[inner] = flexibility @ (link.mass @ static)[inner]
+    relief[inner] = flexibility.answers((link.mass @ static)[inner])
     axial_boundary = boundary.unit[link.is_axial].any(axis=0)
     # A link that no end ties to the ground moves along itself as a whole: one axial shape.
     # A held one only stretches: of a slender one far too little for inertia to matter.
@@ -88,10 +92,10 @@ def hold_ends(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> HeldLin
     stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
     axial, axial_frequency = _modes_of(link, _unit_shapes(link, stretching))
     bending, bending_frequency = _modes_of(link, _free_bending(link, turning, stretching))
-    answers = [relief[:, ~axial_boundary], _turning_of_arms(link, inner, flexibility)]
+    answers = [relief[:, ~axial_boundary], _turning_of_arms(link, flexibility)]
     # Modes of a link whose ends turn freely converge slowly to a spring against that.
     turned = np.zeros_like(couples)
-    turned[inner] = flexibility @ couples[inner]
+    turned[inner] = flexibility.answers(couples[inner])
     return HeldLink(
         link=link,
         boundary=boundary,
@@ -104,24 +108,22 @@ def hold_ends(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> HeldLin
         axial_relief=axial_relief,
         floating_relief=floating_relief if floats else relief[:, :0],
         layers=layers,
-        inner=inner,
         flexibility=flexibility,
     )
 
 
-def _turning_of_arms(link: LinkModel, inner: IntArray, flexibility: FloatArray) -> FloatArray:
+def _turning_of_arms(link: LinkModel, flexibility: Flexibility) -> FloatArray:
     """Static answer (n, m) of a link off its pins to couples at its free ends.
 
     The force of a pin on an arm that turns is a spring against the end's rotation, and modes
     of the link with its ends free to turn converge slowly to that.
     """
-    coupling = link.stiffness[np.ix_(link.is_axial, ~link.is_axial)].any()
-    if not (coupling or link.first_moment.any()):
+    if not (couples(link.stiffness, link.is_axial, ~link.is_axial) or link.first_moment.any()):
         return np.zeros((link.size, 0))
-    ends = np.concatenate([link.start_rotation[:1], link.end_rotation[:1]])
+    ends, inner = np.concatenate([link.start_rotation[:1], link.end_rotation[:1]]), flexibility.free
     turned = ends[np.isin(ends, inner)]
-    shapes = np.zeros((link.size, len(turned)))
-    shapes[inner] = flexibility[:, np.searchsorted(inner, turned)]
+    shapes = _unit_shapes(link, turned)
+    shapes[inner] = flexibility.answers(shapes[inner])
     return shapes
 
 
@@ -135,10 +137,9 @@ def _unit_shapes(link: LinkModel, which: IntArray) -> FloatArray:
 def _free_bending(link: LinkModel, turning: IntArray, stretching: IntArray) -> FloatArray:
     """Shapes (n, m) that move one bending coordinate each, without axial force."""
     shapes = _unit_shapes(link, turning)
-    coupling = link.stiffness[stretching[:, None], turning]
+    coupling = (link.stiffness @ shapes)[stretching]
     if coupling.any():
-        along = link.stiffness[stretching[:, None], stretching]
-        shapes[stretching] = -np.linalg.solve(along, coupling)
+        shapes[stretching] = -Flexibility(link.stiffness, stretching).answers(coupling)
     return shapes
 
 
@@ -146,6 +147,6 @@ def _modes_of(link: LinkModel, shapes: FloatArray) -> tuple[FloatArray, FloatArr
     """Mass-normalized modes (n, m) and angular frequencies in the space of shapes (n, m)."""
     if not shapes.shape[1]:
         return shapes, np.zeros(0)
-    unit_mass = np.linalg.inv(np.linalg.cholesky(shapes.T @ link.mass @ shapes)) @ shapes.T
-    values, vectors = np.linalg.eigh(unit_mass @ link.stiffness @ unit_mass.T)
+    unit_mass = np.linalg.inv(np.linalg.cholesky(shapes.T @ (link.mass @ shapes))) @ shapes.T
+    values, vectors = np.linalg.eigh(unit_mass @ (link.stiffness @ unit_mass.T))
     return unit_mass.T @ vectors, np.sqrt(np.abs(values))

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmech.linear_system.chains import LinkMatrix, with_entries
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import LinkBody, RigidMotion
 from flexmech.linkages.motion import direction, normal
@@ -103,11 +104,16 @@ def with_bodies(link: LinkModel, bodies: Sequence[LinkBody]) -> LinkModel:
     if not bodies:
         return link
     added = BodyMatrices.of(link, bodies)
+
+    def plus(matrix: LinkMatrix, more: FloatArray) -> LinkMatrix:
+        rows, columns = np.nonzero(more)
+        return with_entries(matrix, rows, columns, more[rows, columns])
+
     return replace(
         link,
-        mass=link.mass + added.mass,
-        gyroscopic=link.gyroscopic + added.gyroscopic,
-        translational_mass=link.translational_mass + added.translational_mass,
+        mass=plus(link.mass, added.mass),
+        gyroscopic=plus(link.gyroscopic, added.gyroscopic),
+        translational_mass=plus(link.translational_mass, added.translational_mass),
         first_moment=link.first_moment + added.first_moment,
     )
 

@@ -23,8 +23,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.linear_system.chains import LinkMatrix, whole
 from flexmech.linear_system.following_rows import FollowingRows
-from flexmech.linear_system.link_model import LinkModel
+from flexmech.linear_system.link_model import LinkModel, WholeLink
 from flexmech.linear_system.link_place import LinkPlace
 from flexmech.linear_system.link_ties import LinkTies
 from flexmech.linear_system.posed_ties import PosedTies
@@ -143,7 +144,7 @@ class LinkFrames:
     def assemble(
         self,
         motion: RigidMotion,
-        stiffness: Sequence[FloatArray],
+        stiffness: Sequence[LinkMatrix],
         terms: RotationTerms,
         damping: Sequence[LinkDamping] | None = None,
         guiding: FloatArray | None = None,
@@ -169,21 +170,22 @@ class LinkFrames:
         batch = len(motion.crank_angle)
         if damping is None:
             damping = [LinkDamping(link.damping, link.ends.damping) for link in self.links]
+        links, resisting = [link.whole() for link in self.links], [own.whole() for own in damping]
         shape = (batch, self.size, self.size)
         # One block of memory: the allocator keeps it for the next batch.
         mass, total = np.empty((2, *shape))
-        damps = terms.coriolis or any(own.matrix.any() for own in damping)
+        damps = terms.coriolis or any(matrix.any() for matrix, _ in resisting)
         rates = np.zeros(shape) if damps else np.broadcast_to(0.0, shape)
-        tangents = [_tangent(self.links[n], motion, n, x, terms) for n, x in enumerate(stiffness)]
+        tangents = [_tangent(links[n], motion, n, whole(x), terms) for n, x in enumerate(stiffness)]
         factors = self._steady.factors.at(motion.angle)
         self._steady.mass.write(mass, factors)
         steady = {n: tangents[n] for n in self._steady.numbers if tangents[n].ndim == 2}
         self._steady.sum_of_tangents(steady).write(total, factors)
         following: list[list[FollowingRows]] | None = None
-        for number, (link, tangent, own) in enumerate(
-            zip(self.links, tangents, damping, strict=True)
+        for number, (link, tangent, (damping_matrix, damped_ends)) in enumerate(
+            zip(links, tangents, resisting, strict=True)
         ):
-            damped = bool(own.matrix.any())
+            damped = bool(damping_matrix.any())
             if number in steady and not damped and not terms.any:
                 continue
             if following is None:
@@ -195,19 +197,19 @@ class LinkFrames:
             if number not in steady:
                 place.add(total, tangent, pairs)
             if damped:
-                place.add(rates, own.matrix, pairs)
+                place.add(rates, damping_matrix, pairs)
             turning = [p.rate for p in pairs]
             if terms.coriolis:
                 place.add(rates, 2 * speed * link.gyroscopic, pairs)
-                place.add_following(rates, 2 * link.ends.mass, pairs, turning)
+                place.add_following(rates, 2 * link.end_mass, pairs, turning)
                 if damped:
-                    place.add_following(total, own.ends, pairs, turning)
+                    place.add_following(total, damped_ends, pairs, turning)
             if terms.centripetal:
-                place.add_following(total, link.ends.mass, pairs, [p.centripetal for p in pairs])
+                place.add_following(total, link.end_mass, pairs, [p.centripetal for p in pairs])
                 coriolis = [2 * speed * rate for rate in turning]
-                place.add_following(total, link.ends.gyroscopic, pairs, coriolis)
+                place.add_following(total, link.end_gyroscopic, pairs, coriolis)
             if terms.tangential:
-                place.add_following(total, link.ends.mass, pairs, [p.tangential for p in pairs])
+                place.add_following(total, link.end_mass, pairs, [p.tangential for p in pairs])
         if guiding is not None and guiding.any():
             total += self.guided(motion, guiding)
         return SystemMatrices(mass, rates, total)
@@ -347,7 +349,7 @@ class LinkFrames:
 
 
 def _tangent(
-    link: LinkModel, motion: RigidMotion, number: int, stiffness: FloatArray, terms: RotationTerms
+    link: WholeLink, motion: RigidMotion, number: int, stiffness: FloatArray, terms: RotationTerms
 ) -> FloatArray:
     """Stiffness of a link with what its frame's turning adds; (n, n) or (B, n, n)."""
     if terms.centripetal:

@@ -8,12 +8,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.linear_system.chains import LinkMatrix, whole
 from flexmech.linear_system.link_readings import LinkReadings
 from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["EndMatrices", "LinkModel", "RigidFields", "inertia_loads"]
+__all__ = ["EndMatrices", "LinkModel", "RigidFields", "WholeLink", "inertia_loads"]
 
 
 NONE = np.zeros(0, dtype=np.intp)
@@ -56,10 +57,28 @@ class EndMatrices:
         Displacements by the ends alone.
     """
 
+    mass: LinkMatrix
+    gyroscopic: LinkMatrix
+    damping: LinkMatrix
+    readings: LinkReadings
+
+
+@dataclass(frozen=True)
+class WholeLink:
+    """Matrices of a link with all their entries, (n, n); see :class:`LinkModel`.
+
+    Parameters
+    ----------
+    mass, gyroscopic, translational_mass : ndarray, shape (n, n)
+    end_mass, end_gyroscopic : ndarray, shape (n, n)
+        See :class:`EndMatrices`.
+    """
+
     mass: FloatArray
     gyroscopic: FloatArray
-    damping: FloatArray
-    readings: LinkReadings
+    translational_mass: FloatArray
+    end_mass: FloatArray
+    end_gyroscopic: FloatArray
 
 
 @dataclass(frozen=True)
@@ -115,12 +134,12 @@ class LinkModel:
     """
 
     name: str
-    mass: FloatArray
-    gyroscopic: FloatArray
-    translational_mass: FloatArray
+    mass: LinkMatrix
+    gyroscopic: LinkMatrix
+    translational_mass: LinkMatrix
     first_moment: FloatArray
-    stiffness: FloatArray
-    damping: FloatArray
+    stiffness: LinkMatrix
+    damping: LinkMatrix
     is_axial: NDArray[np.bool_]
     start: IntArray
     end: IntArray
@@ -134,6 +153,14 @@ class LinkModel:
     vectors: IntArray = field(default_factory=NO_VECTORS.copy)
     shaft: IntArray = field(default_factory=NONE.copy)
     rigid: bool = False
+
+    def whole(self) -> WholeLink:
+        """Its matrices with all their entries."""
+        ends = self.ends
+        return WholeLink(
+            *(whole(x) for x in (self.mass, self.gyroscopic, self.translational_mass)),
+            *(whole(x) for x in (ends.mass, ends.gyroscopic)),
+        )
 
     @property
     def ends(self) -> EndMatrices:
@@ -161,8 +188,8 @@ class LinkModel:
     def mass_root(self) -> FloatArray:
         """``L`` with ``L L^T`` the mass matrix, (n, n); of a rigid link that may be singular."""
         if not self.rigid:
-            return np.asarray(np.linalg.cholesky(self.mass), dtype=float)
-        values, vectors = np.linalg.eigh(self.mass)
+            return np.asarray(np.linalg.cholesky(whole(self.mass)), dtype=float)
+        values, vectors = np.linalg.eigh(whole(self.mass))
         return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)), dtype=float)
 
     def end_displacement(self, end: str) -> IntArray:
@@ -212,7 +239,7 @@ class LinkModel:
             New position of the shaft's rotation.
         """
 
-        def project(matrix: FloatArray) -> FloatArray:
+        def project(matrix: LinkMatrix) -> FloatArray:
             return basis.T @ matrix @ basis
 
         unit = self.end_basis(basis.shape[1], kept)

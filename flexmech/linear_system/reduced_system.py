@@ -7,6 +7,7 @@ from dataclasses import fields
 
 import numpy as np
 
+from flexmech.linear_system.chains import LinkMatrix, diagonal, in_positions, whole
 from flexmech.linear_system.component_modes import ComponentModes, ReducedLink
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel
@@ -62,7 +63,7 @@ def unreduced_system(
         own = frames.own(number)
         if link.rigid:
             continue
-        massless[target[own][np.diagonal(link.mass)[own] == 0]] = True
+        massless[target[own][diagonal(link.mass)[own] == 0]] = True
     expansion = None
     if massless.any():
         matrices, expansion = condense(matrices, massless)
@@ -116,7 +117,7 @@ def reduced_system(
             _projected(full, link, tangent, some)
             for full, link, tangent in zip(links, reduction.links, stressed.tangent, strict=True)
         ]
-        own = damping and [LinkDamping(_of(d.matrix, some), _of(d.ends, some)) for d in damping]
+        own = damping and [each.at(some) for each in damping]
         guiding = None if stressed.guiding is None else stressed.guiding[some]
         matrices = frames.assemble(motion.at(some), projected, terms, own, guiding)
         if connect is not None:
@@ -141,16 +142,11 @@ def reduced_system(
     )
 
 
-def _projected(full: LinkModel, link: ReducedLink, tangent: FloatArray, some: slice) -> FloatArray:
+def _projected(full: LinkModel, link: ReducedLink, tangent: LinkMatrix, some: slice) -> LinkMatrix:
     """Tangent stiffness of a link in component modes; without stress it is that of the link."""
     if tangent is full.stiffness:
         return link.model.stiffness
-    return np.asarray(link.basis.T @ (_of(tangent, some) @ link.basis))
-
-
-def _of(matrix: FloatArray, some: slice) -> FloatArray:
-    """A link matrix in some positions; one that is the same in all stays."""
-    return matrix[some] if matrix.ndim == 3 else matrix
+    return np.asarray(link.basis.T @ (in_positions(tangent, some) @ link.basis))
 
 
 def _joined(parts: list[FloatArray]) -> FloatArray:
@@ -189,7 +185,7 @@ def _damped_ends(
     for number, link in enumerate(reduction.links):
         if not ways[number]:
             continue
-        ends = link.model.ends.damping if damping is None else damping[number].ends
+        ends = whole(link.model.ends.damping if damping is None else damping[number].ends)
         rows = frames.targets[number][link.condensed] - first
         columns = slice(last[number] - ways[number], last[number])
         forces[:, rows, columns] = ends[..., link.condensed, :] @ link.damped_ends

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flexmech.linear_system.chains import whole
 from flexmech.linear_system.link_model import NONE, LinkModel, RigidFields
 from flexmech.linear_system.link_readings import LinkReadings
 from flexmech.linkages import LinkMass, RigidMotion
@@ -129,7 +130,7 @@ def dead_virial(
             along, across = link.first_moment[1, :2]
             centre = along * direction(angle) + across * normal(angle)
             speed = motion.angular_velocity[:, number]
-            virial[:, number] = speed**2 * link.mass[2, 2] - np.sum(centre * pull, axis=1)
+            virial[:, number] = speed**2 * whole(link.mass)[2, 2] - np.sum(centre * pull, axis=1)
     return virial
 
 
@@ -156,6 +157,6 @@ def rigid_tangent(
     ndarray, shape (B, 3, 3)
     """
     tangent = np.zeros((len(turning), 3, 3))
-    kept = link.mass[2, 2] - link.translational_mass[2, 2]
+    kept = whole(link.mass)[2, 2] - whole(link.translational_mass)[2, 2]
     tangent[:, 2, 2] = turning - motion.angular_velocity[:, number] ** 2 * kept
     return tangent

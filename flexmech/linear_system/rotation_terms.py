@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from flexmech.linear_system.chains import LinkMatrix, in_positions, whole
 from flexmech.types import FloatArray
 
 __all__ = ["LinkDamping", "RotationTerms", "SystemMatrices"]
@@ -61,5 +62,13 @@ class LinkDamping:
         :class:`flexmech.linear_system.link_model.EndMatrices`.
     """
 
-    matrix: FloatArray
-    ends: FloatArray
+    matrix: LinkMatrix
+    ends: LinkMatrix
+
+    def at(self, which: slice) -> LinkDamping:
+        """That in some positions; what is the same in all stays."""
+        return LinkDamping(in_positions(self.matrix, which), in_positions(self.ends, which))
+
+    def whole(self) -> tuple[FloatArray, FloatArray]:
+        """Both with all their entries."""
+        return whole(self.matrix), whole(self.ends)

@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from flexmech.linear_system.chains import whole
 from flexmech.linear_system.link_map import LinkMap, SteadySum, TurningFactors
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.link_place import LinkPlace
@@ -52,7 +53,7 @@ class SteadyLinks:
     @cached_property
     def mass(self) -> SteadySum:
         """Sum of the links' masses."""
-        return self._sum({n: self._links[n].mass for n in self.numbers})
+        return self._sum({n: whole(self._links[n].mass) for n in self.numbers})
 
     def sum_of_tangents(self, tangents: Mapping[int, FloatArray]) -> SteadySum:
         """Sum over tangents (n, n) of some of the links; that of unstressed ones is made once."""
@@ -63,7 +64,7 @@ class SteadyLinks:
 
     @cached_property
     def _stiffness(self) -> SteadySum:
-        return self._sum({n: self._links[n].stiffness for n in self.numbers})
+        return self._sum({n: whole(self._links[n].stiffness) for n in self.numbers})
 
     def _sum(self, matrices: Mapping[int, FloatArray]) -> SteadySum:
         """Sum of ``N'XN`` over symmetric matrices (n, n), by link."""

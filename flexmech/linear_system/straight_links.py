@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmech.linear_system.chains import LinkMatrix
 from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.dead_forces import DeadForces
 from flexmech.linear_system.link_frames import LinkFrames
@@ -101,7 +102,7 @@ def straight_forces(
 def with_rigid_links(
     frames: LinkFrames,
     motion: RigidMotion,
-    tangent: Mapping[int, FloatArray],
+    tangent: Mapping[int, LinkMatrix],
     found: PoseStiffness | None,
     loads: list[FloatArray] | None = None,
 ) -> StressedLinks:
@@ -135,5 +136,5 @@ def with_rigid_links(
     return StressedLinks(tangents, loads=loads, guiding=found.guiding)
 
 
-def _in_order(values: Mapping[int, FloatArray]) -> Sequence[FloatArray]:
+def _in_order(values: Mapping[int, LinkMatrix]) -> Sequence[LinkMatrix]:
     return [values[number] for number in sorted(values)]

@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 
+from flexmech.linear_system.chains import LinkMatrix, in_positions, repeated
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.types import FloatArray, IntArray
 
@@ -39,10 +40,10 @@ class StressedLinks:
         Stiffness between the rotation of a slider's guide and its slide in N/rad.
     """
 
-    tangent: list[FloatArray]
+    tangent: Sequence[LinkMatrix]
     displacement: list[FloatArray] | None = None
     internal_force: list[FloatArray] | None = None
-    damping: list[FloatArray] | None = None
+    damping: Sequence[LinkMatrix] | None = None
     loads: list[FloatArray] | None = None
     guiding: FloatArray | None = None
 
@@ -68,10 +69,10 @@ class StressedLinks:
             return None if arrays is None else [np.repeat(each, count, axis=0) for each in arrays]
 
         return StressedLinks(
-            [t if t.ndim == 2 else np.repeat(t, count, axis=0) for t in self.tangent],
+            [repeated(t, count) for t in self.tangent],
             every(self.displacement),
             every(self.internal_force),
-            every(self.damping),
+            self.damping and [repeated(d, count) for d in self.damping],
             every(self.loads),
             None if self.guiding is None else np.repeat(self.guiding, count, axis=0),
         )
@@ -89,10 +90,10 @@ class StressedLinks:
 
         return replace(
             self,
-            tangent=[t[which] if t.ndim == 3 else t for t in self.tangent],
+            tangent=[in_positions(t, which) for t in self.tangent],
             displacement=some(self.displacement),
             internal_force=some(self.internal_force),
-            damping=some(self.damping),
+            damping=self.damping and [d[which] for d in self.damping],
             loads=some(self.loads),
             guiding=None if self.guiding is None else self.guiding[which],
         )

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.linear_system.chains import whole
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.rotation_terms import RotationTerms, SystemMatrices
 from flexmech.linkages import RigidMotion
@@ -94,7 +95,7 @@ class LinearSystem:
             if link.rigid:
                 parts.append(link.mass_root.T @ q)
                 continue
-            mass, moved = link.mass, q
+            mass, moved = whole(link.mass), q
             if not (heavy := np.diagonal(mass) != 0).all():
                 mass, moved = mass[np.ix_(heavy, heavy)], q[:, heavy]
             parts.append(np.linalg.cholesky(mass).T @ moved)

@@ -25,6 +25,7 @@ from flexmech.linear_system import (
     BodyCouples,
     Engine,
     LinkFrames,
+    LinkMatrix,
     LinkModel,
     LinkPoint,
     Prestress,
@@ -34,6 +35,7 @@ from flexmech.linear_system import (
     element_tensions,
     refuse_large_displacements,
     straight_forces,
+    whole,
     with_rigid_links,
 )
 from flexmech.linkages import CrankDrive, LockedCrank, RigidMotion
@@ -350,8 +352,8 @@ class ExudynEngine(Engine):
         )
         nodes = [link.readings.nodes for link in self.held_links]
         tensions = element_tensions(self.mechanism, nodes, motion, straight.links)
-        tangent = {
-            number: link.stiffness + np.tensordot(tensions[number][..., 0], unit, axes=1)
+        tangent: dict[int, LinkMatrix] = {
+            number: whole(link.stiffness) + np.tensordot(tensions[number][..., 0], unit, axes=1)
             for number, (link, unit) in enumerate(
                 zip(self.held_links, self._unit_tension, strict=True)
             )

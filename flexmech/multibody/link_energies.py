@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexmech.linear_system import BodyMatrices, LinkModel
+from flexmech.linear_system import BodyMatrices, LinkModel, whole
 from flexmech.linkages.motion import direction, normal
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.attached_bodies import AttachedPart
@@ -30,12 +30,12 @@ class LinkEnergies:
         self._assembly = assembly
         self._links = links
         # Without attached bodies, which turn with their nodes.
-        self._mass = [link.mass for link in links]
+        self._mass = [whole(link.mass) for link in links]
         for number, part in assembly.beams:
             bodies = assembly.mechanism.link_mass(part.name).bodies
             if bodies:
                 self._mass[number] = (
-                    links[number].mass - BodyMatrices.of(links[number], bodies).mass
+                    self._mass[number] - BodyMatrices.of(links[number], bodies).mass
                 )
 
     def weight(self, link: int) -> FloatArray:

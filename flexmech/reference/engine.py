@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from flexmech.beams.comparison import compare_theories
-from flexmech.beams.link_matrices import Chain, assemble_chain, build_chain
+from flexmech.beams.link_matrices import Chain, build_chain
 from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.choices import ELEMENTS, MASSES, MassChoice
 from flexmech.linear_system import (
@@ -18,16 +18,19 @@ from flexmech.linear_system import (
     BodyCouples,
     Engine,
     LinkFrames,
+    LinkMatrix,
     LinkModel,
     LinkStretch,
     Prestress,
     StressedLinks,
     TheoryComparison,
+    chain_matrix,
     element_tensions,
     inertia_loads,
     refuse_large_displacements,
     rigid_link,
     straight_forces,
+    summed,
     ties_beyond_pins,
     with_rigid_links,
 )
@@ -221,11 +224,11 @@ class ReferenceEngine(Engine):
             stressed, displacement=list(displacement), internal_force=force, damping=damping
         )
 
-    def _damping(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+    def _damping(self, displacement: Sequence[FloatArray]) -> list[LinkMatrix]:
         """Damping matrices (B, n, n) of bent links; none of rigid ones."""
         bent = self.equilibrium.damping(displacement)
         return [
-            np.zeros((len(q), 3, 3)) if link.rigid else assemble_chain(bent[number])
+            np.zeros((len(q), 3, 3)) if link.rigid else chain_matrix(bent[number])
             for number, (link, q) in enumerate(zip(self.held_links, displacement, strict=True))
         ]
 
@@ -238,8 +241,10 @@ class ReferenceEngine(Engine):
         )
         tensions = element_tensions(self.mechanism, self.nodes, motion, straight.links)
         tangent = {
-            number: chain.model.stiffness
-            + assemble_chain(chain.elements.geometric_stiffness(tensions[number]))
+            number: summed(
+                chain.model.stiffness,
+                chain_matrix(chain.elements.geometric_stiffness(tensions[number])),
+            )
             for number, chain in self.chains.items()
         }
         if (bodies := self._bodies(motion)) is not None:

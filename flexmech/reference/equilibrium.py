@@ -27,7 +27,9 @@ from flexmech.linear_system import (
     MAX_ITERATIONS,
     BodyCouples,
     LinkFrames,
+    LinkMatrix,
     PoseStiffness,
+    chain_matrix,
     refuse_positions,
 )
 from flexmech.linear_system.dead_forces import DeadForces
@@ -37,7 +39,6 @@ from flexmech.reference.corotational import CorotationalElements, LinearStrain
 from flexmech.reference.linkage_tangents import LinkageTangents, TangentEntries, turned_by
 from flexmech.reference.newton_state import Imbalance, Problem, State
 from flexmech.reference.nodal_chains import (
-    chain_matrix,
     element_ends,
     node_forces,
     relative_coordinates,
@@ -238,7 +239,7 @@ class Equilibrium:
 
     def response(
         self, displacement: Sequence[FloatArray], extra: Sequence[FloatArray]
-    ) -> tuple[list[FloatArray], dict[int, FloatArray]]:
+    ) -> tuple[list[FloatArray], dict[int, LinkMatrix]]:
         """Internal forces and tangents of the links at given displacements.
 
         Parameters
@@ -252,7 +253,7 @@ class Equilibrium:
         -------
         list of ndarray, shape (B, n_link)
             Forces on the nodes; none of a rigid link.
-        dict of int to ndarray, shape (B, n_link, n_link)
+        dict of int to ndarray or ChainMatrix, shape (B, n_link, n_link)
             Tangent of each flexible link.
         """
         forces, tangents = [np.zeros_like(q) for q in displacement], {}
@@ -264,7 +265,8 @@ class Equilibrium:
             force += (more * relative[:, None]).sum(axis=2)
             tangent += more
             forces[number] = node_forces(force, self._per_node).T
-            tangents[number] = chain_matrix(link.of_nodes(tangent))
+            nodal = link.of_nodes(tangent)
+            tangents[number] = chain_matrix(np.ascontiguousarray(np.moveaxis(nodal, -1, 0)))
         return forces, tangents
 
     def damping(self, displacement: Sequence[FloatArray]) -> dict[int, FloatArray]:

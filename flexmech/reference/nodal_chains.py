@@ -6,7 +6,7 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["chain_matrix", "element_ends", "node_forces", "relative_coordinates"]
+__all__ = ["element_ends", "node_forces", "relative_coordinates"]
 
 
 def element_ends(q: FloatArray, per_node: int) -> FloatArray:
@@ -51,32 +51,3 @@ def node_forces(force: FloatArray, per_node: int) -> FloatArray:
     total[:-1, 2:] += force[:, 2:per_node]
     total[1:, 2:] += force[:, per_node:]
     return total.reshape(-1, batch)
-
-
-def chain_matrix(elements: FloatArray) -> FloatArray:
-    """Sum the matrices of consecutive elements of p coordinates a node.
-
-    Parameters
-    ----------
-    elements : ndarray, shape (e, 2 p, 2 p, B)
-
-    Returns
-    -------
-    ndarray, shape (B, n, n)
-        With n = p (e + 1).
-    """
-    count, batch, size = len(elements), elements.shape[-1], elements.shape[1] // 2
-    diagonal = np.zeros((count + 1, size, size, batch))
-    diagonal[:-1] += elements[:, :size, :size]
-    diagonal[1:] += elements[:, size:, size:]
-    beside = (elements[:, :size, size:], elements[:, size:, :size])
-    blocks = np.concatenate([diagonal, *beside]).reshape(-1, batch).T
-    first, order = np.arange(count), size * (count + 1)
-    block_row = np.concatenate([np.arange(count + 1), first, first + 1])
-    block_column = np.concatenate([np.arange(count + 1), first + 1, first])
-    inside = np.arange(size)
-    row = size * block_row[:, None, None] + inside[:, None]
-    column = size * block_column[:, None, None] + inside
-    total = np.zeros((batch, order * order))
-    total[:, (order * row + column).ravel()] = blocks
-    return total.reshape(batch, order, order)

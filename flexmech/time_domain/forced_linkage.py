@@ -7,15 +7,19 @@ angle less that of the moving modes alone.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from flexmech.choices import LinkDirection
 from flexmech.linear_system import (
     LinkFrames,
+    LinkMatrix,
     LinkPoint,
     RotationTerms,
     StressedLinks,
     displacement_row,
+    in_positions,
 )
 from flexmech.time_domain.fourier import FourierSeries
 from flexmech.time_domain.harmonic_response import ForcedPeriodicSystem
@@ -119,7 +123,7 @@ def static_remainder(
     for first in range(0, count, BATCH):
         some = slice(first, first + BATCH)
         motion = turn.motion.at(some)
-        tangent = [t[some] if t.ndim == 3 else t for t in stressed.tangent]
+        tangent = [in_positions(t, some) for t in stressed.tangent]
         still = RotationTerms.all_or_none(False)
         stiffness = frames.assemble(motion, tangent, still).stiffness
         if connected is not None:
@@ -142,7 +146,7 @@ def _shapes(moving: MovingModes, some: slice) -> list[FloatArray]:
 
 
 def _stiffness(
-    moving: MovingModes, tangent: list[FloatArray], some: slice, *, connected: bool
+    moving: MovingModes, tangent: Sequence[LinkMatrix], some: slice, *, connected: bool
 ) -> FloatArray:
     """``P' K P`` at some crank angles, (B, m, m)."""
     shapes = _shapes(moving, some)

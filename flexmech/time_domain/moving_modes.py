@@ -28,7 +28,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.choices import MovingFrame
-from flexmech.linear_system import LinkModel
+from flexmech.linear_system import LinkMatrix, LinkModel
 from flexmech.time_domain.fourier import FourierSeries
 from flexmech.time_domain.nodal_frames import NodalFrame, quarter_turn
 from flexmech.time_domain.periodic_system import SampledPeriodicSystem
@@ -284,7 +284,7 @@ class _Inertia:
 
 def _inertia(
     link: LinkModel | NodalFrame,
-    mass: FloatArray,
+    mass: LinkMatrix,
     speed: FloatArray,
     shapes: FloatArray,
     rates: FloatArray,

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.linear_system import LinkModel
+from flexmech.linear_system import LinkModel, whole
 from flexmech.time_domain.fourier import FourierSeries
 from flexmech.types import FloatArray
 
@@ -41,14 +41,15 @@ class NodalFrame:
     @property
     def gyroscopic(self) -> FloatArray:
         """``S*``, (n, n)."""
-        return np.asarray(self.link.gyroscopic - self.link.mass @ quarter_turn(self.link))
+        return np.asarray(whole(self.link.gyroscopic) - self.link.mass @ quarter_turn(self.link))
 
     @property
     def translational_mass(self) -> FloatArray:
         """``M_t*``, (n, n)."""
         turn, link = quarter_turn(self.link), self.link
         crossed = turn.T @ link.gyroscopic
-        return np.asarray(link.translational_mass + turn.T @ link.mass @ turn - crossed - crossed.T)
+        turned = turn.T @ link.mass @ turn
+        return np.asarray(whole(link.translational_mass) + turned - crossed - crossed.T)
 
     def rates(self, shapes: FloatArray, angle: FloatArray, period: float) -> FloatArray:
         """Rates ``v`` of shapes along a turn, in the link's axes.

@@ -24,10 +24,12 @@ from flexmech.linear_system import (
     Engine,
     LinkDamping,
     LinkFrames,
+    LinkMatrix,
     RotationTerms,
     StressedLinks,
     SystemMatrices,
     inertia_loads,
+    whole,
 )
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
@@ -144,7 +146,7 @@ class OrbitEquations:
             2 * np.pi / samples * np.arange(samples), np.full(samples, float(crank_speed))
         )
         self.first, self.second = derivatives(samples, crank_speed)
-        nothing = [np.zeros_like(link.stiffness) for link in links]
+        nothing = [np.zeros((link.size, link.size)) for link in links]
         self._undamped = [LinkDamping(zero, zero) for zero in nothing]
         self._inertia = self.frames.assemble(self.motion, nothing, RotationTerms(), self._undamped)
         self.mass = self._inertia.mass
@@ -154,7 +156,7 @@ class OrbitEquations:
         self._half = np.linalg.inv(np.linalg.cholesky(straight))
         self._load_norm = self._norm(self.load)
 
-    def elastic(self, tangent: Sequence[FloatArray]) -> FloatArray:
+    def elastic(self, tangent: Sequence[LinkMatrix]) -> FloatArray:
         """Stiffness ``N'KN`` of the linkage from those of its links, (N, n, n)."""
         terms = RotationTerms.all_or_none(False)
         return self.frames.assemble(self.motion, tangent, terms, self._undamped).stiffness
@@ -185,7 +187,7 @@ class OrbitEquations:
         stressed = self.engine.running_links(self.motion, [q for q, _, _ in moving])
         assert stressed.internal_force is not None
         forces = [
-            force + times(own.matrix, rate)
+            force + times(whole(own.matrix), rate)
             for force, own, (_, rate, _) in zip(
                 stressed.internal_force, self._damping(stressed), moving, strict=True
             )

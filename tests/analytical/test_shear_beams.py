@@ -15,7 +15,7 @@ from flexmech.analyses import natural_frequencies
 from flexmech.beams.elements import BeamElements
 from flexmech.beams.link_matrices import build_chain
 from flexmech.beams.theories import BEAM_SHAPES
-from flexmech.linear_system import LinkModel
+from flexmech.linear_system import LinkModel, whole
 from flexmech.linkages import LinkMass, PlanarJoint, PlanarLink, PlanarLinkage, RotatingArm
 from flexmech.materials import Laminate, Layer, Material, Ply
 from flexmech.mechanism import AttachedBody, Mechanism
@@ -43,7 +43,7 @@ def pinned(model: LinkModel) -> FloatArray:
     """Angular frequencies with one end pinned and the other free to slide along."""
     free = np.setdiff1d(np.arange(model.size), [model.start[0], model.start[1], model.end[1]])
     grid = np.ix_(free, free)
-    return np.sqrt(scipy.linalg.eigvalsh(model.stiffness[grid], model.mass[grid]))
+    return np.sqrt(scipy.linalg.eigvalsh(whole(model.stiffness)[grid], whole(model.mass)[grid]))
 
 
 def timoshenko_sine(section: BeamSection, mode: int) -> float:

@@ -20,6 +20,7 @@ from flexmech.linear_system import (
     element_tensions,
     inertia_loads,
     straight_forces,
+    whole,
 )
 
 
@@ -50,7 +51,7 @@ def test_tension_of_the_arms_displaced_by_linear_theory(l_beam: Mechanism) -> No
     tensions = element_tensions(l_beam, engine.nodes, motion, straight.links)
     for _ in range(30):
         tangent = [
-            chain.model.stiffness
+            whole(chain.model.stiffness)
             + assemble_chain(chain.elements.geometric_stiffness(tensions[number]))
             for number, chain in engine.chains.items()
         ]

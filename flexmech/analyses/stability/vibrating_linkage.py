@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmech.linear_system import whole
 from flexmech.time_domain import FourierSeries, MovingModes, SampledPeriodicSystem
 from flexmech.types import FloatArray
 
@@ -80,7 +81,7 @@ class VibratingLinkage:
         basis, squares = moving.basis[some], turn.frozen_squares
         coordinates = turn.frames.link_coordinates(turn.motion.at(some), basis)
         weighted = [
-            np.linalg.cholesky(link.mass).T @ reduction @ q
+            np.linalg.cholesky(whole(link.mass)).T @ reduction @ q
             for link, reduction, q in zip(turn.unreduced, turn.bases, coordinates, strict=True)
         ]
         first = turn.rigid_modes

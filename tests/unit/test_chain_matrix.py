@@ -1,0 +1,112 @@
+"""Matrices of links of many elements are stored element by element, and act as whole ones."""
+
+from __future__ import annotations
+
+import tracemalloc
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flexmech import ReferenceEngine, moving_frequencies
+from flexmech.linear_system import ChainMatrix, chain_matrix, summed, whole
+from flexmech.linear_system.chains import MOST_WHOLE, couples, diagonal, with_entries
+from flexmech.linear_system.flexibility import Flexibility
+from flexmech.mechanism import AttachedBody, Mechanism
+from flexmech.threads import one_thread
+
+RNG = np.random.default_rng(7)
+COUNT, SIZE = 20, 3
+ONE = ChainMatrix(RNG.normal(size=(COUNT, 2 * SIZE, 2 * SIZE)))
+MANY = ChainMatrix(RNG.normal(size=(4, COUNT, 2 * SIZE, 2 * SIZE)))
+ORDER = SIZE * (COUNT + 1)
+
+
+@pytest.mark.parametrize("matrix", [ONE, MANY], ids=["one", "batch"])
+def test_products_are_those_of_the_whole_matrix(matrix: ChainMatrix) -> None:
+    full, columns = matrix.whole(), RNG.normal(size=(ORDER, 5))
+    assert matrix.shape == full.shape
+    assert matrix.ndim == full.ndim
+    assert matrix @ columns == pytest.approx(full @ columns, rel=1e-13, abs=1e-13)
+    assert columns.T @ matrix == pytest.approx(columns.T @ full, rel=1e-13, abs=1e-13)
+    assert matrix @ columns[:, 0] == pytest.approx(full @ columns[:, 0], rel=1e-13, abs=1e-13)
+    assert columns[:, 0] @ matrix == pytest.approx(columns[:, 0] @ full, rel=1e-13, abs=1e-13)
+    several = RNG.normal(size=(4, ORDER, 2)) + 1j * RNG.normal(size=(4, ORDER, 2))
+    assert matrix @ several == pytest.approx(full @ several, rel=1e-13, abs=1e-13)
+    assert (matrix @ columns[:, :0]).shape == (full @ columns[:, :0]).shape
+    assert matrix.T.whole() == pytest.approx(np.swapaxes(full, -1, -2))
+    assert diagonal(matrix) == pytest.approx(np.diagonal(full, axis1=-2, axis2=-1))
+
+
+def test_sums_entries_and_forms() -> None:
+    full = ONE.whole()
+    assert ONE.sparse().toarray() == pytest.approx(full)
+    assert whole(summed(MANY, ONE)) == pytest.approx(MANY.whole() + full)
+    assert MANY[1:3].whole() == pytest.approx(MANY.whole()[1:3])
+    rows, columns = np.array([0, 31, ORDER - 1]), np.array([4, 31, ORDER - 2])
+    values = RNG.normal(size=(4, 3))
+    for matrix in (ONE, MANY):
+        expected = with_entries(matrix.whole(), rows, columns, values)
+        assert whole(with_entries(matrix, rows, columns, values)) == pytest.approx(expected)
+        assert whole(expected)[:, rows, columns] - matrix.whole()[..., rows, columns] == (
+            pytest.approx(values)
+        )
+    few = RNG.normal(size=(MOST_WHOLE, 2 * SIZE, 2 * SIZE))
+    assert isinstance(chain_matrix(few), np.ndarray)
+    assert isinstance(chain_matrix(ONE.elements), ChainMatrix)
+
+
+def test_couplings_are_found() -> None:
+    along = np.arange(ORDER) % SIZE == 0
+    apart = np.zeros_like(ONE.elements)
+    apart[:, ::SIZE, ::SIZE] = 1.0
+    matrix = ChainMatrix(apart)
+    assert not couples(matrix, along, ~along)
+    apart[7, 0, 4] = 1.0
+    assert couples(matrix, along, ~along)
+    assert couples(matrix.whole(), along, ~along)
+
+
+def test_flexibility_is_the_inverse() -> None:
+    elements = ONE.elements @ np.swapaxes(ONE.elements, 1, 2)
+    matrix, free = ChainMatrix(elements), np.setdiff1d(np.arange(ORDER), [0, 1, 2, 40])
+    other = ChainMatrix(MANY.elements[0] + np.swapaxes(MANY.elements[0], 1, 2))
+    inverse = np.linalg.inv(matrix.whole()[np.ix_(free, free)])
+    forces = RNG.normal(size=(len(free), 3))
+    for form in (matrix, matrix.whole()):
+        flexibility = Flexibility(form, free)
+        assert flexibility.answers(forces) == pytest.approx(inverse @ forces, rel=1e-9, abs=1e-9)
+        trace = float(np.sum(inverse * other.whole()[np.ix_(free, free)]))
+        assert flexibility.trace_with(other) == pytest.approx(trace, rel=1e-9)
+
+
+def test_links_of_many_elements_are_whole_links(
+    aluminium: Mechanism, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Frequencies, their errors and damping ratios do not depend on how matrices are stored."""
+    sections = {n: s.with_damping_time(1e-5) for n, s in aluminium.sections.items()}
+    body = AttachedBody("coupler", 0.1, 0.02, 1e-5, (0.01, 0.005))
+    mechanism = replace(aluminium, sections=sections, bodies=(body,))
+
+    def results() -> list[np.ndarray]:
+        found = moving_frequencies(ReferenceEngine(mechanism, 18), [0.5, 2.0], [15.0]).dataset
+        return [found[name].values for name in ("frequency", "damping_ratio")]
+
+    stored = results()
+    monkeypatch.setattr("flexmech.linear_system.chains.MOST_WHOLE", 1000)
+    for found, expected in zip(stored, results(), strict=True):
+        assert found == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.thorough
+def test_map_of_many_elements_takes_little_memory(aluminium: Mechanism) -> None:
+    """The greatest memory that is alive at a time above the start, with a mesh of 128 beside."""
+    engine = ReferenceEngine(aluminium, 64)
+    angles = np.linspace(0, 2 * np.pi, 13)
+    moving_frequencies(ReferenceEngine(aluminium, 2), angles[:2], [20.0])
+    with one_thread():
+        tracemalloc.start()
+        moving_frequencies(engine, angles, [20.0])
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+    assert peak < 36e6
