@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.linear_system.moving_matrix import MovingMatrix
+from flexmech.linear_system.rotation_terms import RotationTerms
 from flexmech.types import FloatArray, IntArray
 
 __all__ = ["FollowingRows"]
@@ -52,6 +53,12 @@ class FollowingRows:
             Of shape (B, r, c).
         """
         return cls(rows, columns, matrix.value, matrix.rate, matrix.centripetal, matrix.tangential)
+
+    def acceleration(self, terms: RotationTerms) -> FloatArray:
+        """Second time derivative of ``turn`` of the terms that count, (B, r, c)."""
+        if terms.centripetal and terms.tangential:
+            return self.centripetal + self.tangential
+        return self.centripetal if terms.centripetal else self.tangential
 
     def leading(self, forces: FloatArray) -> FloatArray:
         """Forces (B, c) on the columns of forces (B, r) on the rows."""

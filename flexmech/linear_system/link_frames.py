@@ -205,11 +205,11 @@ class LinkFrames:
                 if damped:
                     place.add_following(total, damped_ends, pairs, turning)
             if terms.centripetal:
-                place.add_following(total, link.end_mass, pairs, [p.centripetal for p in pairs])
                 coriolis = [2 * speed * rate for rate in turning]
                 place.add_following(total, link.end_gyroscopic, pairs, coriolis)
-            if terms.tangential:
-                place.add_following(total, link.end_mass, pairs, [p.tangential for p in pairs])
+            if terms.centripetal or terms.tangential:
+                accelerating = [p.acceleration(terms) for p in pairs]
+                place.add_following(total, link.end_mass, pairs, accelerating)
         if guiding is not None and guiding.any():
             total += self.guided(motion, guiding)
         return SystemMatrices(mass, rates, total)

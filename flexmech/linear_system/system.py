@@ -193,8 +193,15 @@ def condense(
     expansion[:, gone] = follow
     none = np.broadcast_to(0.0, (len(stiffness), size, size))
     condensed_damping = condensed_part(damping) if damping.any() else none
-    parts = (condensed_part(mass), condensed_damping, condensed_part(stiffness))
-    return SystemMatrices(*parts), expansion
+    # ``V' K W`` without what is zero in it.
+    left = np.zeros((len(stiffness), size, size))
+    left[:, :count, :count] = stiffness[:, :count, count:] @ follow[:, :, :count]
+    left[:, :count, :count] += stiffness[:, :count, :count]
+    if forces is not None:
+        left[:, count:, count:] = (
+            np.swapaxes(answers, 1, 2) @ stiffness[:, count:, count:] @ answers
+        )
+    return SystemMatrices(condensed_part(mass), condensed_damping, left), expansion
 
 
 def _reordered(matrices: FloatArray, order: IntArray) -> FloatArray:

@@ -137,23 +137,27 @@ class CorotationalElements:
         moved = self._arms.moved(relative)
         pure = self._pure(moved)
         bending = self._bending @ (pure.turns - swelling * self._arc)
-        free = swelling * self.elements.section.free_strain
-
-        def stress(strain: FloatArray) -> _Stress:
-            tension = self._axial_stiffness * (strain - free)
-            moments = bending + (tension * self._length)[:, None] * pure.lift
-            return _Stress(tension, moments, moments[:, self._angles].sum(axis=1))
-
-        own = stress(pure.strain)
-        force = pure.by_relative_coordinates(own.tension, own.moments, own.couple)
+        own = self._stress(pure, bending, pure.strain, swelling)
+        force = pure.by_relative_coordinates(*own)
         tangent = np.empty((*relative.shape[:2], *relative.shape[1:])) if out is None else out
-        for_tangent = own if before is None else stress(before.at(moved))
+        for_tangent = own
+        if before is not None:
+            for_tangent = self._stress(pure, bending, before.at(moved), swelling)
         self._fill(tangent, pure, self._axial_stiffness, self._bending, for_tangent)
-        self._arms.turn(relative, tangent, force, turns_force=True)
+        self._arms.turn_tangent(relative, tangent, force)
+        self._arms.turn_force(relative, force)
         gradient = pure.by_relative_coordinates(
             1 / self._length, pure.lift, pure.lift[:, self._angles].sum(axis=1)
         )
         return ElementResponse(force, tangent, LinearStrain(moved, pure.strain, gradient))
+
+    def relative_force(self, relative: FloatArray, swelling: float = 1.0) -> FloatArray:
+        """Internal forces (e, r, B) as of :meth:`relative_response`, without the tangent."""
+        pure = self._pure(self._arms.moved(relative))
+        bending = self._bending @ (pure.turns - swelling * self._arc)
+        force = pure.by_relative_coordinates(*self._stress(pure, bending, pure.strain, swelling))
+        self._arms.turn_force(relative, force)
+        return force
 
     def damping(self, displacement: FloatArray) -> FloatArray:
         """Kelvin-Voigt damping matrix of deformed elements.
@@ -176,7 +180,7 @@ class CorotationalElements:
         matrix = np.empty((*relative.shape[:2], *relative.shape[1:]))
         axial = self.elements.section.damping.axial * self._axial_stiffness
         self._fill(matrix, pure, axial, self._own_part(self.elements.neutral_damping), None)
-        self._arms.turn(relative, matrix, np.zeros_like(relative), turns_force=False)
+        self._arms.turn_tangent(relative, matrix, None)
         return np.moveaxis(self.of_nodes(matrix), -1, 0)
 
     def of_nodes(self, matrix: FloatArray) -> FloatArray:
@@ -264,6 +268,15 @@ class CorotationalElements:
         lift = self._arch @ turns
         strain = elongation / length + (turns * lift).sum(axis=1) / 2
         return _PureDeformation(chord, along / chord, dv / chord, strain, turns, lift)
+
+    def _stress(
+        self, pure: _PureDeformation, bending: FloatArray, strain: FloatArray, swelling: float
+    ) -> _Stress:
+        """Stress of bending moments (e, k, B) and of an axial strain (e, B)."""
+        free = swelling * self.elements.section.free_strain
+        tension = self._axial_stiffness * (strain - free)
+        moments = bending + (tension * self._length)[:, None] * pure.lift
+        return _Stress(tension, moments, moments[:, self._angles].sum(axis=1))
 
     def _fill(
         self,

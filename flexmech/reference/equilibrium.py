@@ -14,10 +14,11 @@ which the step's own linear equations lead, as if tension were an unknown beside
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import (
@@ -35,8 +36,9 @@ from flexmech.linear_system import (
 from flexmech.linear_system.dead_forces import DeadForces
 from flexmech.linkages import JointSpring, RigidMotion
 from flexmech.reference import banded
-from flexmech.reference.corotational import CorotationalElements, LinearStrain
-from flexmech.reference.linkage_tangents import LinkageTangents, TangentEntries, turned_by
+from flexmech.reference.corotational import CorotationalElements
+from flexmech.reference.force_balance import ForceBalance
+from flexmech.reference.linkage_tangents import LinkageTangents, turned_by
 from flexmech.reference.newton_state import Imbalance, Problem, State
 from flexmech.reference.nodal_chains import (
     element_ends,
@@ -44,7 +46,6 @@ from flexmech.reference.nodal_chains import (
     relative_coordinates,
 )
 from flexmech.reference.radial_springs import RadialSprings
-from flexmech.reference.turning_element import Ties
 from flexmech.types import FloatArray
 
 __all__ = ["Equilibrium"]
@@ -56,6 +57,13 @@ logger = logging.getLogger(__name__)
 SHORTEST_STEP = 1 / 16
 # With all load at once, a position that takes longer wanders: it is loaded in steps.
 FIRST_ITERATIONS = 8
+# After steps that turn nothing by more than this, in rad, the tangent that led there is kept for so
+# many steps, as long as each is this part of the one before. Little must be left after the last: it
+# counts by the ratio of axial to bending stiffness in the tension, where it may stretch a link.
+NEAR = 2e-6
+KEPT_STEPS = 2
+KEPT_FALL = 0.1
+LEFT = 1e-18
 
 
 class Equilibrium:
@@ -87,6 +95,7 @@ class Equilibrium:
         self._per_node = next(iter(links.values())).shapes.per_node
         self._springs = RadialSprings(frames, springs)
         self._tangents = LinkageTangents(frames, self._links, self._springs.columns)
+        self._balance = ForceBalance(self._links, self._tangents, self._springs, self._per_node)
         self._force_scale = min(
             e.section.bending_stiffness / float(e.length.sum()) ** 2 for e in links.values()
         )
@@ -160,7 +169,7 @@ class Equilibrium:
         self._refuse_divergence(motion, state)
         if self._stable_alone:
             self._refuse_instability(motion, state.factors)
-        ties = self._ties(state.z, problem)
+        ties = self._balance.ties(state.z, problem)
         return [q.T for q in self._tangents.link_displacement(state.z, ties)]
 
     def stiffness_of_rigid(
@@ -193,12 +202,6 @@ class Equilibrium:
         found = dead.stiffness(posed, [each.T for each in inner])
         return replace(found, turning=found.turning + turning)
 
-    def _ties(self, z: FloatArray, problem: Problem) -> Ties:
-        """Ties of the linkage displaced by z (size, B)."""
-        if problem.dead is None:
-            return problem.ties
-        return self._tangents.ties(problem.dead.motion, z)
-
     def _in_steps(self, problem: Problem, steps: int) -> State:
         """Newton's method with the load brought on in steps; who fails in one is left there."""
         state = State.unloaded(*problem.outer.shape)
@@ -215,27 +218,64 @@ class Equilibrium:
     def _newton(self, z: FloatArray, problem: Problem, iterations: int) -> State:
         """Newton's method from displacements z; the positions that have converged drop out."""
         state = State.unloaded(*z.shape)
-        which, order = np.arange(z.shape[1]), self._tangents.order
+        which = np.arange(z.shape[1])
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            imbalance = self._out_of_balance(z, problem)
-            for _ in range(iterations):
+            imbalance = self._balance.imbalance(z, problem)
+            for number in range(iterations):
                 factors = banded.factorize(imbalance.band)
-                change = np.empty_like(z)
-                change[order] = banded.solve(factors, imbalance.residual[order])
+                change = self._change(factors, imbalance.residual)
                 change[:, state.converged[which]] = 0.0
-                turned = np.abs(change * self._turned_by).max(axis=0, initial=0.0)
+                turned = self._turned(change)
                 last = turned <= LAST_STEP
                 z = z + np.where(last, change, 0.0)
                 state = state.with_part(which, State(z, imbalance.error, factors, last))
                 if last.all():
                     break
                 change[:, last] = 0.0
+                # The tangent of the start knows no tension yet.
+                if number and turned.max() <= NEAR:
+                    z, last = self._kept_tangent(z + change, factors, turned, problem)
+                    state = state.with_part(which, State(z, imbalance.error, factors, last))
+                    if last.all():
+                        break
+                    imbalance = self._balance.imbalance(z, problem)
+                    continue
                 if 2 * np.count_nonzero(last) > len(last):
                     rest = ~last
                     which, problem, imbalance = which[rest], problem.at(rest), imbalance.at(rest)
                     z, change = z[:, rest], change[:, rest]
                 z, imbalance = self._advance(z, change, problem, imbalance)
         return state
+
+    def _kept_tangent(
+        self, z: FloatArray, factors: FloatArray, turned: FloatArray, problem: Problem
+    ) -> tuple[FloatArray, NDArray[np.bool_]]:
+        """Last steps with the tangent that led to z (size, B), and which positions end there.
+
+        ``turned`` (B,) is the size of the step that did. Near the equilibrium what is left falls
+        by the same factor with each step, which two steps tell.
+        """
+        last = turned <= LAST_STEP
+        for _ in range(KEPT_STEPS):
+            change = self._change(factors, self._balance.residual(z, problem))
+            change[:, last] = 0.0
+            before, turned = turned, self._turned(change)
+            falls = turned <= KEPT_FALL * before
+            z = z + np.where(falls, change, 0.0)
+            last |= falls & (turned <= LAST_STEP) & (turned**2 <= LEFT * before)
+            if last.all() or not (falls | last).all():
+                break
+        return z, last
+
+    def _change(self, factors: FloatArray, residual: FloatArray) -> FloatArray:
+        """Change of the displacements (size, B) by which a tangent balances forces (size, B)."""
+        change, order = np.empty_like(residual), self._tangents.order
+        change[order] = banded.solve(factors, residual[order])
+        return change
+
+    def _turned(self, change: FloatArray) -> FloatArray:
+        """Greatest angle in rad that a change (size, B) of the displacements stands for, (B,)."""
+        return np.asarray(np.abs(change * self._turned_by).max(axis=0, initial=0.0), dtype=float)
 
     def response(
         self, displacement: Sequence[FloatArray], extra: Sequence[FloatArray]
@@ -300,69 +340,11 @@ class Equilibrium:
         limit = np.maximum(10 * before.error, 1e3 * loaded)
         while True:
             trial = z + length * change
-            imbalance = self._out_of_balance(trial, problem, before.strains)
+            imbalance = self._balance.imbalance(trial, problem, before.strains)
             worse = ~(imbalance.error <= np.maximum(limit, self._force_scale * 1e3))
             if not np.any(worse & (length > SHORTEST_STEP)):
                 return trial, imbalance
             length[worse] = np.maximum(length[worse] / 2, SHORTEST_STEP)
-
-    def _out_of_balance(
-        self, z: FloatArray, problem: Problem, before: Sequence[LinearStrain] | None = None
-    ) -> Imbalance:
-        """How displacements (size, B) stand, which a step from ``before`` has led to."""
-        strains: list[LinearStrain] = []
-        entries, ties = self._tangents.entries(z.shape[1]), self._ties(z, problem)
-        displacement = self._tangents.link_displacement(z, ties)
-        inner = [
-            np.zeros_like(q) if n not in self._links else q for n, q in enumerate(displacement)
-        ]
-        for number, extra in zip(self._links, problem.extra, strict=True):
-            relative = relative_coordinates(displacement[number], self._per_node)
-            force, tangent, strain = self._links[number].relative_response(
-                relative,
-                problem.swelling,
-                None if before is None else before[len(strains)],
-                out=entries.of_link(number),
-            )
-            force += (extra * relative[:, None]).sum(axis=2)
-            tangent += extra
-            inner[number] = node_forces(force, self._per_node)
-            strains.append(strain)
-        if problem.bodies is not None:
-            self._turn_bodies(problem.bodies, displacement, inner, entries)
-        turning: FloatArray | None = None
-        springs: Iterable[FloatArray] = ()
-        if problem.sprung is not None:
-            turning = self._springs.resist(problem.sprung, displacement, inner)
-            springs = self._springs.tangents(problem.sprung, displacement, ties)
-        if problem.dead is None or ties.posed is None:
-            residual = problem.outer - self._tangents.gather(inner, ties)
-            band = self._tangents.band(entries, ties, springs=springs)
-            return Imbalance(residual, band, strains)
-        unbalanced = problem.dead.unbalanced(ties.posed, [force.T for force in inner])
-        residual = self._tangents.gather([force.T for force in unbalanced], ties)
-        stiffness = problem.dead.stiffness(ties.posed, [force.T for force in inner])
-        if turning is not None:
-            stiffness = replace(stiffness, turning=stiffness.turning + turning)
-        band = self._tangents.band(entries, ties, ties.posed.matrix(stiffness), springs)
-        return Imbalance(residual, band, strains)
-
-    def _turn_bodies(
-        self,
-        bodies: BodyCouples,
-        displacement: Sequence[FloatArray],
-        inner: Sequence[FloatArray],
-        entries: TangentEntries,
-    ) -> None:
-        """Add to forces and tangents what bodies meet that turn with their sections."""
-        for number, (link, row) in enumerate(zip(bodies.links.tolist(), bodies.rows, strict=True)):
-            couple, stiffness = bodies.turned(number, displacement[link][row])
-            inner[link][row] += couple
-            tangent = entries.of_link(link)
-            element = min(int(row) // self._per_node, len(tangent) - 1)
-            local = int(row) - self._per_node * element
-            place = self._links[link].relative_places[local]
-            tangent[element, place, place] += stiffness
 
     def _refuse_instability(self, motion: RigidMotion, factors: FloatArray) -> None:
         refuse_positions(

@@ -54,30 +54,47 @@ class RigidArms:
         moved[:, 1] -= (2 * self.length * np.sin(angle / 2) ** 2).sum(axis=1)
         return moved
 
-    def turn(
-        self, relative: FloatArray, tangent: FloatArray, force: FloatArray, *, turns_force: bool
+    def turn_tangent(
+        self, relative: FloatArray, tangent: FloatArray, force: FloatArray | None
     ) -> None:
-        """Carry forces and tangent from the neutral axis's nodes to the pins' axis, in place.
+        """Carry a tangent from the neutral axis's nodes to the pins' axis, in place.
 
         Parameters
         ----------
         relative : ndarray, shape (e, r, B)
             On the pins' axis.
         tangent : ndarray, shape (e, r, r, B)
-        force : ndarray, shape (e, r, B)
-        turns_force : bool
-            Whether the part of the tangent counts that turns the force.
+        force : ndarray, shape (e, r, B), optional
+            On the neutral axis; without it the part of the tangent that turns it is left out.
         """
         if not self.places:
             return
-        angle = relative[:, self.places]
-        sine, cosine = self.length * np.sin(angle), self.length * np.cos(angle)
+        sine, cosine = self._along_and_across(relative)
         for number, place in enumerate(self.places):
             s, c = sine[:, number], cosine[:, number]
             tangent[:, place] -= c[:, None] * tangent[:, 0] + s[:, None] * tangent[:, 1]
         for number, place in enumerate(self.places):
             s, c = sine[:, number], cosine[:, number]
             tangent[:, :, place] -= c[:, None] * tangent[:, :, 0] + s[:, None] * tangent[:, :, 1]
-            if turns_force:
+            if force is not None:
                 tangent[:, place, place] += force[:, 0] * s - force[:, 1] * c
-            force[:, place] -= force[:, 0] * c + force[:, 1] * s
+
+    def turn_force(self, relative: FloatArray, force: FloatArray) -> None:
+        """Carry forces (e, r, B) from the neutral axis's nodes to the pins' axis, in place.
+
+        Parameters
+        ----------
+        relative : ndarray, shape (e, r, B)
+            On the pins' axis.
+        force : ndarray, shape (e, r, B)
+        """
+        if not self.places:
+            return
+        sine, cosine = self._along_and_across(relative)
+        for number, place in enumerate(self.places):
+            force[:, place] -= force[:, 0] * cosine[:, number] + force[:, 1] * sine[:, number]
+
+    def _along_and_across(self, relative: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Length of each arm times the sine and the cosine of its angle."""
+        angle = relative[:, self.places]
+        return self.length * np.sin(angle), self.length * np.cos(angle)

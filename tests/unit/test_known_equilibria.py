@@ -7,6 +7,7 @@ from flexmech import ReferenceEngine, load_mechanism
 from flexmech.analyses.stability.known_equilibria import KnownEquilibria
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.reference.equilibrium import Equilibrium
+from flexmech.reference.force_balance import ForceBalance
 
 
 @pytest.fixture(scope="module")
@@ -23,13 +24,13 @@ def turn(engine, crank_speed, samples=24):
 def passes(monkeypatch):
     """Number of times that forces out of balance are computed."""
     counted = []
-    own = Equilibrium._out_of_balance
+    own = ForceBalance.imbalance
 
     def counting(self, *arguments):
         counted.append(1)
         return own(self, *arguments)
 
-    monkeypatch.setattr(Equilibrium, "_out_of_balance", counting)
+    monkeypatch.setattr(ForceBalance, "imbalance", counting)
     return counted
 
 
@@ -43,6 +44,18 @@ def test_a_near_start_finds_the_same_equilibrium_sooner(engine, passes):
     assert len(passes) <= slow // 4
     for one, other in zip(cold.tangent, warm.tangent, strict=True):
         assert one == pytest.approx(other, rel=1e-8, abs=1e-9 * np.abs(one).max())
+
+
+def test_the_last_tangent_is_kept_and_finds_the_same_equilibrium(engine, passes, monkeypatch):
+    motion = turn(engine, 20.0)
+    kept = engine.stressed_links(motion, "equilibrium")
+    count = len(passes)
+    monkeypatch.setattr("flexmech.reference.equilibrium.NEAR", 0.0)
+    passes.clear()
+    newton = engine.stressed_links(motion, "equilibrium")
+    assert count < len(passes)
+    for one, other in zip(kept.tangent, newton.tangent, strict=True):
+        assert one == pytest.approx(other, rel=1e-13, abs=1e-14 * np.abs(one).max())
 
 
 def test_a_start_that_leads_nowhere_is_forgotten(engine):
