@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import replace
 from typing import ClassVar, Self
 
@@ -168,8 +169,10 @@ class Engine(EngineLinks):
         )
 
     def unreduced(self) -> Self:
-        """Make the same engine without component modes."""
-        return self.with_(component_modes=False)
+        """Make the same engine without component modes; what is built of links serves both."""
+        other = copy(self)
+        vars(other).update(component_modes=False, _component_modes_asked=False, _reductions={})
+        return other
 
     def __repr__(self) -> str:
         modes = "" if self.component_modes else ", without component modes"

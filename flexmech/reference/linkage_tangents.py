@@ -245,21 +245,17 @@ class LinkageTangents:
         parts, first = [], 0
         turning = {(each.link, each.element): each for each in self._turning}
         for link, elements in self._links.items():
-            shape = self._shapes[link]
+            count, relative, _ = self._shapes[link]
             places, signs = elements.relative_places, elements.node_signs
-            target = self._frames.targets[link]
-            for element in range(shape[0]):
-                if (link, element) in turning:
-                    each = turning[link, element]
-                    own, count = each.columns, len(each.columns)
-                    source, sign = each.first + np.arange(count**2), np.ones(count**2)
-                else:
-                    own = target[self._per_node * element + np.arange(size)]
-                    begin = first + element * shape[1] ** 2
-                    source = (begin + places[:, None] * shape[1] + places).ravel()
-                    sign = np.outer(signs, signs).ravel()
-                parts.append(_entries_of(own, source, sign))
-            first += int(np.prod(shape))
+            number = np.array([n for n in range(count) if (link, n) not in turning], dtype=np.intp)
+            own = self._frames.targets[link][self._per_node * number[:, None] + np.arange(size)]
+            within = (places[:, None] * relative + places).ravel()
+            source = first + relative**2 * number[:, None] + within
+            parts.append(_entries_of(own, source, np.outer(signs, signs).ravel()))
+            first += count * relative**2
+        for each in self._turning:
+            inside = np.arange(len(each.columns) ** 2)
+            parts.append(_entries_of(each.columns, each.first + inside, np.ones(len(inside))))
         rigid = self._rigid_count
         first = self._inner_count + self._turning_count
         for columns in (np.arange(rigid), *self._springs):
@@ -301,10 +297,14 @@ def turned_by(frames: LinkFrames, links: Mapping[int, BeamElements]) -> FloatArr
 
 
 def _entries_of(own: IntArray, source: IntArray, sign: FloatArray) -> tuple[Any, ...]:
-    """Entries of a square matrix by coordinates ``own`` of z, of which -1 are held."""
-    rows, columns = (c.ravel() for c in np.meshgrid(own, own, indexing="ij"))
+    """Entries of square matrices by coordinates (..., n) of z, of which -1 are held.
+
+    ``source`` is of shape (..., n^2), ``sign`` of (n^2,).
+    """
+    count = own.shape[-1]
+    rows, columns = np.repeat(own, count, axis=-1), np.tile(own, count)
     free = (rows >= 0) & (columns >= 0)
-    return tuple(x[free] for x in (rows, columns, source, sign))
+    return tuple(x[free] for x in (rows, columns, source, np.broadcast_to(sign, free.shape)))
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,142 @@
+"""Forces out of balance in a displaced linkage, and the tangents that lead to their balance.
+
+Arrays end with the batch of positions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmech.linear_system import BodyCouples
+from flexmech.reference.corotational import CorotationalElements, LinearStrain
+from flexmech.reference.linkage_tangents import LinkageTangents, TangentEntries
+from flexmech.reference.newton_state import Imbalance, Problem
+from flexmech.reference.nodal_chains import node_forces, relative_coordinates
+from flexmech.reference.radial_springs import RadialSprings
+from flexmech.reference.turning_element import Ties
+from flexmech.types import FloatArray
+
+__all__ = ["ForceBalance"]
+
+
+@dataclass(frozen=True)
+class ForceBalance:
+    """Outer against inner forces of one linkage on one mesh.
+
+    Parameters
+    ----------
+    links : mapping of int to CorotationalElements
+        The flexible ones, by their number.
+    tangents : LinkageTangents
+    springs : RadialSprings
+    per_node : int
+        Coordinates of a node.
+    """
+
+    links: Mapping[int, CorotationalElements]
+    tangents: LinkageTangents
+    springs: RadialSprings
+    per_node: int
+
+    def ties(self, z: FloatArray, problem: Problem) -> Ties:
+        """Ties of the linkage displaced by z (size, B)."""
+        if problem.dead is None:
+            return problem.ties
+        return self.tangents.ties(problem.dead.motion, z)
+
+    def imbalance(
+        self, z: FloatArray, problem: Problem, before: Sequence[LinearStrain] | None = None
+    ) -> Imbalance:
+        """How displacements stand, and what leads to their balance.
+
+        Parameters
+        ----------
+        z : ndarray, shape (size, B)
+        problem : Problem
+        before : sequence of LinearStrain, optional
+            Of each link's elements where a step came from that has led to z; see
+            :meth:`CorotationalElements.relative_response`.
+
+        Returns
+        -------
+        Imbalance
+        """
+        entries, ties = self.tangents.entries(z.shape[1]), self.ties(z, problem)
+        displacement = self.tangents.link_displacement(z, ties)
+        inner, strains = self._resting(displacement), []
+        for place, (number, extra) in enumerate(zip(self.links, problem.extra, strict=True)):
+            relative = relative_coordinates(displacement[number], self.per_node)
+            force, tangent, strain = self.links[number].relative_response(
+                relative,
+                problem.swelling,
+                None if before is None else before[place],
+                out=entries.of_link(number),
+            )
+            force += (extra * relative[:, None]).sum(axis=2)
+            tangent += extra
+            inner[number] = node_forces(force, self.per_node)
+            strains.append(strain)
+        if problem.bodies is not None:
+            self._turn_bodies(problem.bodies, displacement, inner, entries)
+        turning: FloatArray | None = None
+        springs: Iterable[FloatArray] = ()
+        if problem.sprung is not None:
+            turning = self.springs.resist(problem.sprung, displacement, inner)
+            springs = self.springs.tangents(problem.sprung, displacement, ties)
+        residual = self._unbalanced(inner, ties, problem)
+        if problem.dead is None or ties.posed is None:
+            return Imbalance(residual, self.tangents.band(entries, ties, springs=springs), strains)
+        stiffness = problem.dead.stiffness(ties.posed, [force.T for force in inner])
+        if turning is not None:
+            stiffness = replace(stiffness, turning=stiffness.turning + turning)
+        band = self.tangents.band(entries, ties, ties.posed.matrix(stiffness), springs)
+        return Imbalance(residual, band, strains)
+
+    def residual(self, z: FloatArray, problem: Problem) -> FloatArray:
+        """Outer minus inner forces (size, B) of displacements (size, B), without tangents."""
+        ties = self.ties(z, problem)
+        displacement = self.tangents.link_displacement(z, ties)
+        inner = self._resting(displacement)
+        for number, extra in zip(self.links, problem.extra, strict=True):
+            relative = relative_coordinates(displacement[number], self.per_node)
+            force = self.links[number].relative_force(relative, problem.swelling)
+            force += (extra * relative[:, None]).sum(axis=2)
+            inner[number] = node_forces(force, self.per_node)
+        if problem.bodies is not None:
+            self._turn_bodies(problem.bodies, displacement, inner)
+        if problem.sprung is not None:
+            self.springs.resist(problem.sprung, displacement, inner)
+        return self._unbalanced(inner, ties, problem)
+
+    def _resting(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
+        """Forces of rigid links, which are none; room for those of the others."""
+        return [np.zeros_like(q) if n not in self.links else q for n, q in enumerate(displacement)]
+
+    def _unbalanced(self, inner: Sequence[FloatArray], ties: Ties, problem: Problem) -> FloatArray:
+        """Outer minus inner forces (n_link, B), on the independent coordinates, (size, B)."""
+        if problem.dead is None or ties.posed is None:
+            return problem.outer - self.tangents.gather(inner, ties)
+        unbalanced = problem.dead.unbalanced(ties.posed, [force.T for force in inner])
+        return self.tangents.gather([force.T for force in unbalanced], ties)
+
+    def _turn_bodies(
+        self,
+        bodies: BodyCouples,
+        displacement: Sequence[FloatArray],
+        inner: Sequence[FloatArray],
+        entries: TangentEntries | None = None,
+    ) -> None:
+        """Add to forces, and to tangents, what bodies meet that turn with their sections."""
+        for number, (link, row) in enumerate(zip(bodies.links.tolist(), bodies.rows, strict=True)):
+            couple, stiffness = bodies.turned(number, displacement[link][row])
+            inner[link][row] += couple
+            if entries is None:
+                continue
+            tangent = entries.of_link(link)
+            element = min(int(row) // self.per_node, len(tangent) - 1)
+            local = int(row) - self.per_node * element
+            place = self.links[link].relative_places[local]
+            tangent[element, place, place] += stiffness
