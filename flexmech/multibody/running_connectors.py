@@ -74,8 +74,8 @@ class RunningConnectors:
         for joint in self._all.joints:
             own = joint.spring
             if joint.turning is not None:
-                opening, rate = self._opening(joint, position), self._opening(joint, velocity)
-                turned = opening - self._offsets[own.joint]
+                turned = self._turned(joint, time, position)
+                rate = self._opening(joint, velocity)
                 stored += own.torsional_stiffness * turned**2 / 2
                 dissipation += own.torsional_damping * rate**2
             if joint.radial is not None:
@@ -148,6 +148,24 @@ class RunningConnectors:
         angles = (sign * values[:, angle_of_end(self._all.assembly, end)] for sign, end in sides)
         return np.asarray(sum(angles))
 
+    def _turned(self, item: JointSpringItem, time: FloatArray, position: FloatArray) -> FloatArray:
+        """Angle by which a spring is wound, whole turns included.
+
+        The angle of a cable's slope is known but for whole turns, of which the rigid linkage has
+        as many.
+        """
+        assembly, own = self._all.assembly, item.spring
+        turned = self._opening(item, position) - self._offsets[own.joint]
+        linkage = assembly.mechanism.linkage
+        angles = continuous_angles(linkage, linkage.motion(self._crank(time), 1.0))
+        ends = [(sign, assembly.topology.index(end.link)) for sign, end in self._sides(item)]
+        rigid = sum(sign * angles[:, link] for sign, link in ends) - own.free_angle
+        return np.asarray(turned + 2 * np.pi * np.round((rigid - turned) / (2 * np.pi)))
+
+    def _crank(self, time: FloatArray) -> FloatArray:
+        """Crank angles at some times as they are prescribed."""
+        return np.array([self._shaft.angle(t) for t in time]) - self._lead
+
     def _apart(
         self, item: JointSpringItem, position: FloatArray, velocity: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
@@ -172,8 +190,7 @@ class RunningConnectors:
         self, item: LoadItem, time: FloatArray, position: FloatArray, velocity: FloatArray
     ) -> FloatArray:
         load = item.load
-        crank = np.array([self._shaft.angle(t) for t in time]) - self._lead
-        values = load.values(crank, time)
+        values = load.values(self._crank(time), time)
         force = values[:, :2]
         angle, spin = self._turning(load.point, position, velocity)
         if load.axes == "link":
