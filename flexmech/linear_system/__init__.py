@@ -9,6 +9,7 @@ from flexmech.linear_system.chains import (
     ChainMatrix,
     LinkMatrix,
     chain_matrix,
+    diagonal,
     in_positions,
     summed,
     whole,
@@ -68,6 +69,7 @@ from flexmech.linear_system.rigid_link import (
 )
 from flexmech.linear_system.rigid_pose import PoseStiffness
 from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
+from flexmech.linear_system.sparse_positions import SparseMatrices, SparsePositions
 from flexmech.linear_system.straight_links import (
     StraightForces,
     straight_forces,
@@ -126,6 +128,8 @@ __all__ = [
     "RefusedPositionsError",
     "RigidFields",
     "RotationTerms",
+    "SparseMatrices",
+    "SparsePositions",
     "StraightForces",
     "StressedLinks",
     "SystemMatrices",
@@ -141,6 +145,7 @@ __all__ = [
     "component_modes",
     "condense",
     "dead_virial",
+    "diagonal",
     "displacement_row",
     "element_tensions",
     "forces_of_links",

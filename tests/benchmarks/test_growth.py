@@ -38,11 +38,13 @@ def test_crank_angles(aluminium, note, count, case):
 
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case[0])
-@pytest.mark.parametrize("elements", [2, 4, 8, 16, 32, 64])
+@pytest.mark.parametrize("elements", [2, 4, 8, 16, 32, 64, 128])
 def test_elements(aluminium, note, elements, case):
     angles = np.linspace(0, 2 * np.pi, 73)
     seconds, peak = measure(aluminium, angles, elements, *case)
     note(f"{case[0]}: 73 angles, {elements} elements", seconds, peak)
+    # Links of many elements and what their modes are compared with are sparse.
+    assert peak < (18 if elements <= 64 else 50)
 
 
 @pytest.mark.parametrize("elements", [8, 64])

@@ -14,7 +14,17 @@ from numpy.typing import NDArray
 from flexmech.analyses.frequencies.band_form import BandForm
 from flexmech.analyses.frequencies.eigenproblem import Modes, solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.linear_system import GREAT_DETAIL, LinearSystem, StressedLinks, inverse_mass_root
+from flexmech.analyses.frequencies.sparse_improvement import sparse_improved
+from flexmech.linear_system import (
+    GREAT_DETAIL,
+    ChainMatrix,
+    LinearSystem,
+    RotationTerms,
+    SparsePositions,
+    StressedLinks,
+    diagonal,
+    inverse_mass_root,
+)
 from flexmech.types import FloatArray
 
 __all__ = ["CheckedModes", "ReductionError", "UnreducedPositions", "reduction_error", "settled"]
@@ -150,6 +160,25 @@ class UnreducedPositions:
     crank_speed: FloatArray
     stressed: StressedLinks
 
+    @cached_property
+    def sparse(self) -> SparsePositions | None:
+        """Sparse matrices, where links have many elements and nothing else has a stiffness."""
+        engine, formulation = self.systems.engine, self.systems.formulation
+        links = engine.frames.links
+        chains = any(isinstance(link.stiffness, ChainMatrix) for link in links)
+        massless = any(not (link.rigid or diagonal(link.mass).all()) for link in links)
+        if not chains or massless or engine.rigid_modes or engine.connectors.any:
+            return None
+        if self.stressed.guiding is not None:
+            return None
+        motion = engine.mechanism.linkage.motion(self.crank_angle, self.crank_speed)
+        terms = formulation.rotation_terms
+        if not isinstance(terms, RotationTerms):
+            terms = RotationTerms.all_or_none(bool(terms))
+        if not motion.crank_speed.any():
+            terms = RotationTerms.all_or_none(False)
+        return SparsePositions(engine.frames, motion, self.stressed, terms)
+
     def parts(self) -> Iterator[tuple[slice, LinearSystem]]:
         """Runs of positions and their systems; those of a single run are kept."""
         if self._at_a_time >= len(self.crank_angle):
@@ -179,7 +208,8 @@ def reduction_error(
     """Error of reduced modes against the unreduced matrices.
 
     The reduced modes are improved by one step of inverse iteration on the unreduced
-    matrices; what frequency and damping ratio still move by is the reduction's error.
+    matrices; what frequency and damping ratio still move by is the reduction's error. Links of
+    many elements have sparse ones.
 
     Parameters
     ----------
@@ -196,13 +226,18 @@ def reduction_error(
     """
     improved = np.empty_like(modes.eigenvalues)
     shapes = reduced.unreduced_vectors(modes.vectors, unreduced.systems.engine.frames)
-    for part, full in unreduced.parts():
-        improved[part] = (
-            _inverse_iteration(full, shapes[part])
-            if full.is_conservative
-            else _newton_step(full, modes.eigenvalues[part], shapes[part])
-        )
-        del full  # before the next ones are built
+    if unreduced.sparse is not None:
+        for position, values in enumerate(modes.eigenvalues):
+            matrices = unreduced.sparse.at(position)
+            improved[position] = sparse_improved(matrices, values, shapes[position])
+    else:
+        for part, full in unreduced.parts():
+            improved[part] = (
+                _inverse_iteration(full, shapes[part])
+                if full.is_conservative
+                else _newton_step(full, modes.eigenvalues[part], shapes[part])
+            )
+            del full  # before the next ones are built
     better = Modes(improved, modes.vectors)
     return ReductionError(
         frequency=np.abs(modes.frequency / better.frequency - 1),
