@@ -178,7 +178,7 @@ class BeamShapes(ABC):
         weight : ndarray, shape (e, g)
             In m.
         """
-        places = np.tile((_POINTS + 1) / 2, (len(length), 1))
+        places = np.broadcast_to((_POINTS + 1) / 2, (len(length), len(_POINTS)))
         return places, length[:, None] / 2 * _WEIGHTS
 
     def softening(self, section: BeamSection) -> float:

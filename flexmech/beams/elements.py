@@ -93,7 +93,7 @@ class BeamElements:
 
         Of Euler-Bernoulli beams: Kumar & Chandrakar, eq. 1.52, corrected (m22 = 13/35).
         """
-        return self._moved(self.shapes.inertia(self.section))
+        return self._moved(self._inertia)
 
     @cached_property
     def translational_mass(self) -> FloatArray:
@@ -102,16 +102,16 @@ class BeamElements:
         A section that turns about its centre keeps its centrifugal potential: rotary inertia
         is not in it, the coupling of displacement and rotation by the first moment is.
         """
-        displaced = self.shapes.inertia(self.section)
-        if not displaced[1:, 1:].any():
+        if not self._inertia[1:, 1:].any():
             return self.mass
+        displaced = self._inertia.copy()
         displaced[1:, 1:] = 0.0
         return self._moved(displaced)
 
     @cached_property
     def gyroscopic(self) -> FloatArray:
         """``S``, the integral of ``rho A N^T J N``; K, eq. 1.54 with ``m_vel = omega S``."""
-        momentum = np.tensordot(self.shapes.inertia(self.section)[0], self._along, axes=1)
+        momentum = np.einsum("a,aegi->egi", self._inertia[0], self._along)
         across = self._weights[..., None] * self._inside.deflection
         product = np.swapaxes(across, 1, 2) @ momentum
         return np.asarray(product - np.swapaxes(product, 1, 2))
@@ -204,6 +204,10 @@ class BeamElements:
         return along + sum(
             arm * angle for arm, angle in zip(arms, turning[: len(arms)], strict=True)
         )
+
+    @cached_property
+    def _inertia(self) -> FloatArray:
+        return self.shapes.inertia(self.section)
 
     @cached_property
     def _quadrature(self) -> tuple[FloatArray, FloatArray]:

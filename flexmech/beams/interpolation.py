@@ -87,7 +87,9 @@ def linear(fraction: FloatArray, length: FloatArray, size: int) -> tuple[FloatAr
     -------
     tuple of ndarray, shape (m, size)
     """
-    ends = (0, size // 2)
-    value = np.stack([1 - fraction, fraction], axis=-1)
-    slope = np.stack([-1 / length, 1 / length], axis=-1)
-    return placed(value, ends, size), placed(slope, ends, size)
+    value, slope = np.zeros((2, len(fraction), size))
+    first, second = 0, size // 2
+    value[:, first], value[:, second] = 1 - fraction, fraction
+    slope[:, second] = 1 / length
+    slope[:, first] = -slope[:, second]
+    return value, slope

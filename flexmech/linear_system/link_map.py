@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -174,6 +175,7 @@ class SteadySum:
         total[:, ends:width, :ends] = np.swapaxes(turned[:, :, ends:], 1, 2)
 
 
+@cache
 def _two_of(count: int) -> tuple[IntArray, IntArray]:
     """Numbers i <= j of two factors, without those of 1 alone."""
     first, second = np.triu_indices(count)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -129,22 +130,22 @@ def _where(rows: Numbers, columns: Numbers) -> tuple[Numbers, ...]:
 
 def _numbers(numbers: IntArray) -> Numbers:
     """Slice of numbers that are evenly spaced, in their order; else the numbers."""
-    if len(numbers) < 2:
-        return slice(int(numbers[0]), int(numbers[0]) + 1) if len(numbers) else slice(0, 0)
-    steps = np.diff(numbers)
-    step = int(steps[0])
-    if step == 0 or (steps != step).any():
+    values = numbers.tolist()
+    if len(values) < 2:
+        return slice(values[0], values[0] + 1) if values else slice(0, 0)
+    step = values[1] - values[0]
+    if step == 0 or any(b - a != step for a, b in pairwise(values)):
         return numbers
-    stop = int(numbers[-1]) + step
-    return slice(int(numbers[0]), stop if stop >= 0 else None, step)
+    stop = values[-1] + step
+    return slice(values[0], stop if stop >= 0 else None, step)
 
 
 def _runs(source: IntArray, target: IntArray) -> list[tuple[slice, slice]]:
     """Runs of consecutive numbers in both."""
-    breaks = np.flatnonzero((np.diff(source) != 1) | (np.diff(target) != 1)) + 1
-    parts = zip(np.split(source, breaks), np.split(target, breaks), strict=True)
-    return [
-        (slice(int(s[0]), int(s[-1]) + 1), slice(int(t[0]), int(t[-1]) + 1))
-        for s, t in parts
-        if len(s)
-    ]
+    ends: list[list[int]] = []
+    for s, t in zip(source.tolist(), target.tolist(), strict=True):
+        if ends and (s, t) == (ends[-1][1], ends[-1][3]):
+            ends[-1][1], ends[-1][3] = s + 1, t + 1
+        else:
+            ends.append([s, s + 1, t, t + 1])
+    return [(slice(a, b), slice(c, d)) for a, b, c, d in ends]
