@@ -15,7 +15,7 @@ from flexmech.linear_system import (
     LinkModel,
     LinkReadings,
     RigidFields,
-    chain_matrix,
+    chain_matrices,
     with_bodies,
 )
 from flexmech.linkages import LinkMass
@@ -105,7 +105,7 @@ def build_chain(
         matrices[:3], first_moment[:] = 0.0, 0.0
     for position, value in zip(mass.point_positions, mass.point_masses, strict=True):
         _add_point_mass(matrices[:3], int(np.argmin(np.abs(nodes - position))), value)
-    inertia, translational, gyroscopic, stiffness, damping = map(chain_matrix, matrices)
+    inertia, translational, gyroscopic, stiffness, damping = chain_matrices(matrices)
     last, held = size - per_node, np.array(shapes.clamped)
     warping = np.array(shapes.warping, dtype=np.intp)
     model = LinkModel(

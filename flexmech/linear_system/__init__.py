@@ -8,6 +8,7 @@ from flexmech.linear_system.carried_inertia import CarriedInertia
 from flexmech.linear_system.chains import (
     ChainMatrix,
     LinkMatrix,
+    chain_matrices,
     chain_matrix,
     diagonal,
     in_positions,
@@ -139,6 +140,7 @@ __all__ = [
     "acts_still",
     "body_couple",
     "body_nodes",
+    "chain_matrices",
     "chain_matrix",
     "check_elastic",
     "checked_mechanism",

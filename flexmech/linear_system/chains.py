@@ -21,6 +21,7 @@ __all__ = [
     "MOST_WHOLE",
     "ChainMatrix",
     "LinkMatrix",
+    "chain_matrices",
     "chain_matrix",
     "couples",
     "diagonal",
@@ -155,13 +156,13 @@ class ChainMatrix:
     def whole(self) -> FloatArray:
         """All entries, (..., n, n)."""
         size, count = self.per_node, self.elements.shape[-3]
-        batch = self.elements.shape[:-3]
-        total = np.zeros((*batch, count + 1, size, count + 1, size))
-        first, second = np.arange(count), np.arange(1, count + 1)
-        blocks = np.moveaxis(self.elements, -3, 0)
-        for rows, i in ((first, slice(0, size)), (second, slice(size, None))):
-            for columns, j in ((first, slice(0, size)), (second, slice(size, None))):
-                total[..., rows, :, columns, :] += blocks[..., i, j]
+        first, second = slice(0, size), slice(size, None)
+        total = np.zeros((*self.elements.shape[:-3], count + 1, size, count + 1, size))
+        of_nodes = _along_diagonal(total)
+        of_nodes[..., :-1, :, :] = self.elements[..., first, first]
+        of_nodes[..., 1:, :, :] += self.elements[..., second, second]
+        _along_diagonal(total[..., :-1, :, 1:, :])[:] = self.elements[..., first, second]
+        _along_diagonal(total[..., 1:, :, :-1, :])[:] = self.elements[..., second, first]
         return total.reshape(self.shape)
 
 
@@ -221,6 +222,18 @@ def chain_matrix(elements: FloatArray) -> LinkMatrix:
     return matrix if elements.shape[-3] > MOST_WHOLE else matrix.whole()
 
 
+def chain_matrices(elements: FloatArray) -> list[LinkMatrix]:
+    """Several matrices of one chain, each as by :func:`chain_matrix`.
+
+    Parameters
+    ----------
+    elements : ndarray, shape (k, e, 2 p, 2 p)
+    """
+    if elements.shape[-3] > MOST_WHOLE:
+        return [ChainMatrix(own) for own in elements]
+    return list(ChainMatrix(elements).whole())
+
+
 def summed(first: LinkMatrix, second: LinkMatrix) -> LinkMatrix:
     """Sum of two link matrices of one form, (n, n) or (B, n, n)."""
     if isinstance(first, ChainMatrix) and isinstance(second, ChainMatrix):
@@ -251,6 +264,11 @@ def with_entries(
     total = np.array(np.broadcast_to(matrix, (*batch, *matrix.shape[-2:])))
     total[..., rows, columns] += values
     return total
+
+
+def _along_diagonal(blocks: FloatArray) -> FloatArray:
+    """View of the blocks (..., i, p, i, p) of a matrix by blocks; (..., i, p, p)."""
+    return np.asarray(np.einsum("...iaib->...iab", blocks))
 
 
 @lru_cache(maxsize=64)
