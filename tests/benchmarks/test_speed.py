@@ -70,7 +70,7 @@ def test_rest_against_plain_assembly_and_eigh(aluminium, against):
     )
 
 
-@pytest.mark.parametrize("positions", [361, 10_001])
+@pytest.mark.parametrize("positions", [361, 1_000, 10_001])
 def test_rest_against_reduced_eigvalsh(aluminium, against, positions):
     angles = np.linspace(0.0, 2 * np.pi, positions)
     request = FrequencyRequest(angles, [0.0], Formulation("none", False, MODES))
