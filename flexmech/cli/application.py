@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import os
 import signal
 import sys
 import warnings
@@ -140,6 +141,8 @@ app.add_typer(study_app, name="study")
 def run() -> None:
     """Run the command line of this process, and exit."""
     check_streams()
+    # Pictures are written into files: a name of a window system that is not there does not matter.
+    os.environ["MPLBACKEND"] = "agg"
     # Warnings of libraries are for developers, who turn them on by -W or PYTHONWARNINGS.
     if not sys.warnoptions:
         warnings.simplefilter("ignore")

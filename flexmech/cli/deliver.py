@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from flexmech.choices import PICTURE_FORMATS
 from flexmech.cli.command_line import command_line
 from flexmech.cli.failures import naming, telling
-from flexmech.cli.pictures import PNG, Pictures
+from flexmech.cli.pictures import PNG, Pictures, plain_style
 from flexmech.cli.printing import Report
 from flexmech.cli.progress import progress_bar
 from flexmech.errors import one_line
@@ -85,6 +85,8 @@ def deliver(
         # Files first: what is printed has been kept.
         files = []
         if out is not None:
+            if pictures:
+                plain_style()
             with naming("--out"), moved_into(out) as whole:
                 files = result.save(
                     whole,

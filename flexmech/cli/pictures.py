@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from flexmech.choices import PICTURE_FORMATS, PageWidth, PictureFormat
 from flexmech.errors import InputError
 
-__all__ = ["PNG", "Pictures", "asked_pictures"]
+__all__ = ["PNG", "Pictures", "asked_pictures", "plain_style"]
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,16 @@ class Pictures:
 
     def __bool__(self) -> bool:
         return bool(self.formats)
+
+
+def plain_style() -> None:
+    """Leave out what a ``matplotlibrc`` of the user sets, such as text by a TeX that is not there.
+
+    The pictures of a command are the same on all machines.
+    """
+    import matplotlib
+
+    matplotlib.rcdefaults()
 
 
 PNG = Pictures()

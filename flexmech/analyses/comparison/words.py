@@ -210,7 +210,9 @@ def warnings(data: xr.Dataset) -> tuple[str, ...]:
 def _part(data: xr.Dataset) -> float:
     """Residual over the measured frequencies, root mean square."""
     ratio = data["residual"].values / data["measured"].values
-    return float(np.sqrt(np.mean(ratio**2)))
+    # A record may hold numbers whose squares are beyond what a float can be.
+    greatest = max(float(np.abs(ratio).max()), np.finfo(float).tiny)
+    return greatest * float(np.sqrt(np.mean((ratio / greatest) ** 2)))
 
 
 def _engine(attrs: dict[str, object]) -> str:

@@ -270,7 +270,8 @@ def _in_space(inertia: FloatArray, stiffness: FloatArray) -> NDArray[np.complex1
     """Eigenvalues in a space, in which mass and stiffness are given."""
     lower = inverse_mass_root(inertia)
     values = np.linalg.eigvalsh(lower @ stiffness @ np.swapaxes(lower, 1, 2))
-    return np.asarray(1j * np.sqrt(values))
+    # Round-off of lengths or stiffnesses beyond all proportion: of such a mode nothing is known.
+    return np.asarray(1j * np.sqrt(np.where(values < 0, np.nan, values)))
 
 
 def _newton_step(
