@@ -20,7 +20,9 @@ def command_line() -> str:
 @contextmanager
 def running(arguments: Sequence[str]) -> Iterator[None]:
     """Keep the command line while it is run."""
-    token = _running.set(shlex.join(["flexmech", *arguments]))
+    line = shlex.join(["flexmech", *arguments])
+    # Bytes of a file's name that are no text, which files of results cannot hold, as escapes.
+    token = _running.set(line.encode(errors="backslashreplace").decode())
     try:
         yield
     finally:

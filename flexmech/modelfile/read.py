@@ -141,6 +141,10 @@ def _parse(text: str, shown: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except ValueError as error:
+        if not isinstance(error, tomllib.TOMLDecodeError):
+            raise InputError(
+                f"{shown}: a number has thousands of digits; write it as 1e300"
+            ) from error
         raise InputError(
             f"{shown}: is not valid TOML: {error}; values with a unit stand in quotes, as in "
             'crank = "100 mm"'

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+from flexmech.cli import app
 
 ROOT = Path(__file__).parents[2]
 # Text by TeX, which most machines lack, and a key that there is not.
@@ -72,3 +77,18 @@ def test_pictures_do_not_follow_the_user_s_own_style(tmp_path: Path) -> None:
         assert section(folder / "out", {}).returncode == 0
         pictures.append((folder / "out" / "section_crank.png").read_bytes())
     assert pictures[0] == pictures[1]
+
+
+def test_names_of_files_that_are_no_text_are_stored_as_escapes(tmp_path: Path) -> None:
+    """Bytes that are not UTF-8, as of a name from another system."""
+    model, out = tmp_path / "r\udcff.toml", tmp_path / "out\udcfe"
+    shutil.copy(ROOT / "models" / "steel_fourbar.toml", model)
+    done = CliRunner().invoke(app, ["section", str(model), "--out", str(out), "--no-plots"])
+    assert (done.exit_code, done.stderr) == (0, "")
+    with xr.open_dataset(out / "sections.nc") as stored:
+        assert "r\\udcff.toml" in stored.attrs["command_line"]
+    record = tmp_path / "record\udcff.csv"
+    record.write_text("crank_angle_deg,mode,frequency_Hz\n0,1,44\n90,1,45\n180,1,46\n270,1,45\n")
+    arguments = ["compare", str(model), str(record), "--speed", "0", "--no-plots"]
+    done = CliRunner().invoke(app, [*arguments, "--out", str(out)])
+    assert done.exit_code == 0, done.output

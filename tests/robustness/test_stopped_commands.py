@@ -1,4 +1,4 @@
-"""Signals at random times on every command: one line, the code of shells, a whole set or nothing."""
+"""Signals at random times on every command: one line, a whole set of files or none."""
 
 from __future__ import annotations
 

@@ -99,7 +99,7 @@ def comparison_dataset(
     )
     return dataset.assign_attrs(
         abscissa=record.abscissa,
-        record=Path(record.source).name,
+        record=Path(record.source).name.encode(errors="backslashreplace").decode(),
         column=column,
         quantity=quantity,
         unit=unit,
