@@ -68,7 +68,9 @@ class LinearSystem:
     @property
     def is_conservative(self) -> bool:
         """Whether the matrices are symmetric with no damping: frozen inertial form."""
-        return not (self.terms.any or self.circulates or self.damping.any())
+        # Undamped, all positions and entries are one zero: it is looked at once.
+        own = tuple(slice(None) if stride else slice(1) for stride in self.damping.strides)
+        return not (self.terms.any or self.circulates or self.damping[own].any())
 
     def link_coordinates(self, vectors: NDArray[Any]) -> list[NDArray[Any]]:
         """Coordinates of each link; (B, n, m) -> list of (B, n_link, m)."""

@@ -158,7 +158,10 @@ class FourBar:
         return self._transmission_angle(checked_array(crank_angle, "crank_angle", "rad"))
 
     def _transmission_angle(self, theta: FloatArray) -> FloatArray:
-        cosine = (
+        return np.asarray(np.arccos(np.clip(self._transmission_cosine(theta), -1.0, 1.0)))
+
+    def _transmission_cosine(self, theta: FloatArray) -> FloatArray:
+        cosine: FloatArray = (
             self.coupler**2
             + self.rocker**2
             - self.ground**2
@@ -166,8 +169,7 @@ class FourBar:
             + 2 * self.ground * self.crank * np.cos(theta)
         ) / (2 * self.coupler * self.rocker)
         self._refuse_gaps(theta, cosine)
-        angle: FloatArray = np.arccos(np.clip(cosine, -1.0, 1.0))
-        return angle
+        return cosine
 
     def reversed_transmission_angle(self, crank_angle: ArrayLike) -> FloatArray:
         """Angle between coupler and crank at A in rad, between 0 and pi.
@@ -342,8 +344,7 @@ class FourBar:
             )
 
     def _refuse_locking(self, theta: FloatArray) -> None:
-        transmission = self._transmission_angle(theta)
-        locked = np.sin(transmission) < LOCKING_SINE
+        locked = 1 - self._transmission_cosine(theta) ** 2 < LOCKING_SINE**2
         if np.any(locked):
             angle = _degrees(theta[locked].flat[0])
             what = "meets a change point" if self.grashof_class == "change-point" else "locks"

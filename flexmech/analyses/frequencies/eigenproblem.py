@@ -190,7 +190,7 @@ def _standard_form(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
     ends = system.size if system.unit_mass_from is None else system.unit_mass_from
     lower = inverse_mass_root(system.mass[:, :ends, :ends])
     unit_mass, stiffness = np.swapaxes(lower, 1, 2), system.stiffness.copy()
-    stiffness[:, :, :ends] = stiffness[:, :, :ends] @ unit_mass
+    np.matmul(system.stiffness[:, :, :ends], unit_mass, out=stiffness[:, :, :ends])
     stiffness[:, :ends, :ends] = lower @ stiffness[:, :ends, :ends]
     return stiffness, unit_mass
 
