@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.beams.held_ends import HeldEnds, held_beam
 from flexmech.beams.solid_link import beam_error
 from flexmech.linear_system import (
     ELASTICITY,
@@ -17,7 +18,6 @@ from flexmech.linear_system import (
     TheoryDifference,
 )
 from flexmech.linkages import LinkEnd
-from flexmech.mechanism import Mechanism
 from flexmech.sections import TWISTS, BeamSection, LaminateSection
 
 __all__ = ["theory_attributes", "theory_lines", "theory_reason", "theory_warnings"]
@@ -56,18 +56,21 @@ def theory_attributes(engines: Sequence[Engine], modes: int) -> dict[str, str]:
     first = engines[0]
     comparison = first.compare_theories(first.mechanism, modes)
     warnings = [_left_out(engine, comparison) for engine in engines]
-    warnings += _off_axis(first.mechanism)
-    reason = ""
+    for engine in engines:
+        warnings += _off_axis(engine)
+    reasons = []
     if len(engines) > 1 and first.theory != engines[1].theory:
         apart = comparison.difference(engines[1].theory, first.theory)
-        reason = (
+        reasons.append(
             f"their beam theories differ, {first.theory} and {engines[1].theory}: "
             f"by up to {_percent(apart)} at rest{_more_complete(first, engines[1])}"
         )
+    if len(engines) > 1:
+        reasons += _ends_apart(engines)
     return {
         LINES: _choice([engine for engine in engines if engine.chooses_element], comparison),
         WARNINGS: "\n".join(filter(None, warnings)),
-        REASON: reason,
+        REASON: "; ".join(reasons),
     }
 
 
@@ -125,15 +128,57 @@ def _left_out(engine: Engine, comparison: TheoryComparison) -> str:
     )
 
 
-def _off_axis(mechanism: Mechanism) -> list[str]:
-    """What links of off-axis plies do that beams do not, or not in all modes."""
+def _off_axis(engine: Engine) -> list[str]:
+    """What links of off-axis plies do that an engine's beams do not, or not in all modes."""
+    mechanism = engine.mechanism
     warnings, joined = [], mechanism.linkage.topology.joined_ends
     for name, section in mechanism.sections.items():
         length = mechanism.link_mass(name).length
-        warnings.append(_twist(name, section))
+        if engine.holds_ends and (held := held_beam(mechanism, name)[1]) is not None:
+            warnings.append(_held(name, engine, section, held))
+            continue
+        own = [_twist(name, section)]
         if {LinkEnd(name, "start"), LinkEnd(name, "end")} <= joined:
-            warnings.append(_between_joints(name, section, length))
+            own.append(_between_joints(name, section, length))
+        warnings += [f"{text} ({engine.name})" for text in own if text]
     return warnings
+
+
+def _held(link: str, engine: Engine, section: BeamSection, held: HeldEnds) -> str:
+    """What a link that bends and twists as in three dimensions is taken to be held by."""
+    assert section.layers is not None
+    free = replace(section.layers, twist="free")
+    gain = float(np.sqrt(1 + held.of_half_sine / free.bending_stiffness)) - 1
+    if gain <= NEGLIGIBLE:
+        return ""
+    by = "in three dimensions" if held.solid else "as a beam whose ends hold its twist"
+    return (
+        f"{link}: its off-axis plies bend and twist {by} between end faces that its joints hold "
+        f"flat over the whole width; with these free to twist and warp, its first bending "
+        f"frequency is {100 * (1 - 1 / (1 + gain)):.2g} % lower ({engine.name})"
+    )
+
+
+def _ends_apart(engines: Sequence[Engine]) -> list[str]:
+    """How links of off-axis plies keep two engines apart, if only one of them holds the ends."""
+    coarse = [engine for engine in engines if not engine.holds_ends]
+    fine = [engine for engine in engines if engine.holds_ends]
+    if not coarse or not fine:
+        return []
+    mechanism, apart = fine[0].mechanism, []
+    for name, section in mechanism.sections.items():
+        if section.layers is None or held_beam(mechanism, name)[1] is None:
+            continue
+        found = beam_error(section.layers, mechanism.link_mass(name).length)
+        worst = max(map(abs, found.of_modes)) if found else 0.0
+        if worst > NEGLIGIBLE:
+            apart.append(f"{name} by up to {100 * worst:.2g} %")
+    if not apart:
+        return []
+    return [
+        f"off-axis plies bend and twist by one stiffness in {coarse[0].name} ({', '.join(apart)} "
+        f"off in its first two modes); trust {fine[0].name}"
+    ]
 
 
 def _between_joints(link: str, section: BeamSection, length: float) -> str:

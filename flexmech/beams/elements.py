@@ -167,6 +167,16 @@ class BeamElements:
         fields = self.shapes.fields(fraction, length, self.section)
         return np.stack([self._at_pins_axis(fields), fields.deflection], axis=1)
 
+    @property
+    def curvatures(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Curvature inside elements: places (e, g), from 0 to 1, weights (e, g), (e, g, 2 p)."""
+        return *self._quadrature, self._of_nodes(self._inside.curvature)
+
+    @property
+    def deflections(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Deflection inside elements: places (e, g), from 0 to 1, weights (e, g), (e, g, 2 p)."""
+        return *self._quadrature, self._of_nodes(self._inside.deflection)
+
     @cached_property
     def to_neutral_axis(self) -> FloatArray:
         """Displacements of the neutral axis's nodes from those of the pins' axis, (2 p, 2 p)."""
@@ -193,6 +203,10 @@ class BeamElements:
         """Displacement along at the pins' axis, rotation, shear angles, (2 + w, e, g, 2 p)."""
         fields = self._inside
         return np.stack([self._at_pins_axis(fields), fields.rotation, *fields.shears])
+
+    def _of_nodes(self, fields: FloatArray) -> FloatArray:
+        """Fields by the nodes of the pins' axis."""
+        return fields @ self.to_neutral_axis if any(self.shapes.arms(self.section)) else fields
 
     def _at_pins_axis(self, fields: BeamFields) -> FloatArray:
         """Displacement along at the pins' axis, where rigid arms lead from the neutral axis."""

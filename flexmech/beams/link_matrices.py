@@ -23,7 +23,7 @@ from flexmech.mesh import node_positions
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = ["Chain", "assemble_chain", "build_chain"]
+__all__ = ["Chain", "Coupling", "assemble_chain", "build_chain"]
 
 
 def assemble_chain(elements: FloatArray) -> FloatArray:
@@ -41,6 +41,30 @@ def assemble_chain(elements: FloatArray) -> FloatArray:
     return ChainMatrix(elements).whole()
 
 
+@dataclass(frozen=True, eq=False)
+class Coupling:
+    """Elastic energy by distributions of the curvature over a whole link: of no element alone.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (k, n)
+        Amounts of the distributions by the link's coordinates.
+    elastic : ndarray, shape (k, k)
+        Stiffness by these amounts.
+    damping_time : float
+        Of Kelvin-Voigt damping in s.
+    """
+
+    rows: FloatArray
+    elastic: FloatArray
+    damping_time: float
+
+    @property
+    def stiffness(self) -> FloatArray:
+        """By the link's coordinates, (n, n)."""
+        return np.asarray(self.rows.T @ self.elastic @ self.rows)
+
+
 @dataclass(frozen=True)
 class Chain:
     """One link of beam elements.
@@ -52,11 +76,14 @@ class Chain:
     nodes : ndarray, shape (e + 1,)
         Node positions in m.
     elements : BeamElements
+    coupling : Coupling, optional
+        What the link's matrices have besides those of the elements.
     """
 
     model: LinkModel
     nodes: FloatArray
     elements: BeamElements
+    coupling: Coupling | None = None
 
 
 def build_chain(

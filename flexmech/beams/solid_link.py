@@ -30,7 +30,16 @@ from flexmech.sections.free_edges import is_off_axis, layer_runs
 from flexmech.sections.twist import FIRST_MODE
 from flexmech.types import FloatArray
 
-__all__ = ["BeamError", "beam_error", "bending_between_pins"]
+__all__ = [
+    "MOST_RUNS",
+    "SHORT",
+    "BeamError",
+    "SolidLink",
+    "beam_error",
+    "bending_between_pins",
+    "twisted_back",
+    "twists_matter",
+]
 
 MODES = 2
 """Bending modes that are compared."""
@@ -41,8 +50,8 @@ MOST_RUNS = 8
 ALONG, A_WIDTH, ACROSS, ROWS = 14, 1.2, 4, 4
 GRADED = 0.6
 # Length over width up to which links are computed in three dimensions. What end faces hold besides
-# the twist changes longer ones by 1.5 % at most.
-SHORT = 20
+# the twist changes the first mode of longer ones by 1.7 % at most ([15], wide; [30] by 0.9 %).
+SHORT = 40
 # Of the frequency between all strains across free and none.
 LEAST = 0.01
 # Strains x, y, z, yz, xz, xy: displacement and the direction along which it changes.
@@ -83,14 +92,11 @@ def beam_error(section: LaminateSection, length: float) -> BeamError | None:
         None where the plies are along or across, where nothing that joints hold can matter, and
         for short links of more than :data:`MOST_RUNS` runs of equal plies.
     """
-    if not is_off_axis(section.laminate):
+    if not twists_matter(section):
         return None
     free = replace(section, reduction="narrow", twist="free")
-    wide = replace(section, reduction="wide", twist=None)
-    if wide.bending_stiffness <= (1 + LEAST) ** 2 * free.bending_stiffness:
-        return None
     if length > SHORT * section.width:
-        exact = _by_beams(free, length, _twisted_back(free))
+        exact = _by_beams(free, length, twisted_back(free))
     elif len(layer_runs(section.laminate)[0]) <= MOST_RUNS + 1:
         exact = bending_between_pins(section, length)
     else:
@@ -99,20 +105,50 @@ def beam_error(section: LaminateSection, length: float) -> BeamError | None:
     return BeamError(tuple(off.tolist()), solid=length <= SHORT * section.width)
 
 
-def _twisted_back(free: LaminateSection) -> float:
-    """Twist by a unit of curvature, squared, times the torsional stiffness, in N m^2."""
+def twists_matter(section: LaminateSection) -> bool:
+    """Whether what joints hold across a link can change its bending noticeably.
+
+    Parameters
+    ----------
+    section : LaminateSection
+
+    Returns
+    -------
+    bool
+        False where its plies are along or across.
+    """
+    if not is_off_axis(section.laminate):
+        return False
+    free = replace(section, reduction="narrow", twist="free")
+    wide = replace(section, reduction="wide", twist=None)
+    return wide.bending_stiffness > (1 + LEAST) ** 2 * free.bending_stiffness
+
+
+def twisted_back(free: LaminateSection) -> float:
+    """Twist by a unit of curvature, squared, times the torsional stiffness.
+
+    Parameters
+    ----------
+    free : LaminateSection
+        Whose twist is free.
+
+    Returns
+    -------
+    float
+        In N m^2.
+    """
     held = replace(free, twist="held")
     return (held.bending_stiffness - free.bending_stiffness) / FIRST_MODE
 
 
-def _by_beams(section: LaminateSection, length: float, twisted_back: float = 0.0) -> FloatArray:
+def _by_beams(section: LaminateSection, length: float, torsion: float = 0.0) -> FloatArray:
     """Frequencies in Hz between pins, whose energy by the ends' rotations is told besides."""
     beam = BeamSection.of_laminate(section)
     mass = LinkMass(length, beam.mass_per_length)
     model = build_chain("link", beam, mass, 2 * ALONG, BEAM_SHAPES["timoshenko"]).model
     turned = np.zeros(model.size)
     turned[model.start_rotation[0]], turned[model.end_rotation[0]] = -1.0, 1.0
-    stiffness = whole(model.stiffness) + twisted_back / length * np.outer(turned, turned)
+    stiffness = whole(model.stiffness) + torsion / length * np.outer(turned, turned)
     kept = np.setdiff1d(np.arange(model.size), [*model.start, model.end[1]])
     grid = np.ix_(kept, kept)
     squares = scipy.linalg.eigh(stiffness[grid], whole(model.mass)[grid], eigvals_only=True)
@@ -136,26 +172,105 @@ def bending_between_pins(section: LaminateSection, length: float) -> FloatArray:
     ndarray, shape (2,)
         In Hz.
     """
-    faces, stiffness = layer_runs(section.laminate)
-    x = Parabolas(length * graded(max(ALONG, round(A_WIDTH * length / section.width)), GRADED))
-    z = Parabolas(section.width / 2 * np.sin(np.pi / 2 * np.linspace(-1, 1, ACROSS + 1)))
-    ends, rows = rows_of_runs(faces, ROWS)
-    y = Parabolas(ends)
-    elastic = np.repeat(stiffness, rows, axis=0)
-    density = section.mass_per_length / (section.width * (faces[-1] - faces[0]))
-    weight = np.full(len(elastic), density)
-    blocks = [[_block(x, y, z, elastic, i, j) for j in range(3)] for i in range(3)]
-    one = sp.kron(x.mass(), sp.kron(y.mass(weight), z.mass()))
-    held = _between_pins(x, y, z)
-    k = (held.T @ sp.bmat(blocks, format="csc") @ held).tocsc()
-    m = (held.T @ sp.block_diag([one] * 3, format="csc") @ held).tocsc()
-    factors = spla.splu(
-        k, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
-    waves = _sine_waves(x, y, z, held, length)
-    shapes = factors.solve(m @ waves)
-    squares = scipy.linalg.eigh(shapes.T @ (k @ shapes), shapes.T @ (m @ shapes), eigvals_only=True)
-    return np.asarray(np.sqrt(squares) / (2 * np.pi))
+    solid = SolidLink.of(section, length)
+    shapes = solid.solve(solid.mass @ solid.sine_waves(MODES))
+    k, m = (shapes.T @ (matrix @ shapes) for matrix in (solid.stiffness, solid.mass))
+    return np.asarray(np.sqrt(scipy.linalg.eigh(k, m, eigvals_only=True)) / (2 * np.pi))
+
+
+@dataclass(frozen=True, eq=False)
+class SolidLink:
+    """Matrices of a link in three dimensions whose rigid end faces turn about pins.
+
+    The n unknowns are the displacements along, through and across of all nodes between the faces,
+    the rotations of the first and the last face, and how far the last one slides.
+
+    Parameters
+    ----------
+    length : float
+        In m.
+    along, through, across : Parabolas
+    held : sparse matrix, shape (N, n)
+        All displacements by the unknowns.
+    stiffness, mass : sparse matrix, shape (n, n)
+    """
+
+    length: float
+    along: Parabolas
+    through: Parabolas
+    across: Parabolas
+    held: Any
+    stiffness: Any
+    mass: Any
+
+    @classmethod
+    def of(cls, section: LaminateSection, length: float) -> SolidLink:
+        """In elements with 27 nodes.
+
+        Parameters
+        ----------
+        section : LaminateSection
+        length : float
+            In m.
+        """
+        faces, stiffness = layer_runs(section.laminate)
+        x = Parabolas(length * graded(max(ALONG, round(A_WIDTH * length / section.width)), GRADED))
+        z = Parabolas(section.width / 2 * np.sin(np.pi / 2 * np.linspace(-1, 1, ACROSS + 1)))
+        ends, rows = rows_of_runs(faces, ROWS)
+        y = Parabolas(ends)
+        elastic = np.repeat(stiffness, rows, axis=0)
+        density = section.mass_per_length / (section.width * (faces[-1] - faces[0]))
+        weight = np.full(len(elastic), density)
+        blocks = [[_block(x, y, z, elastic, i, j) for j in range(3)] for i in range(3)]
+        one = sp.kron(x.mass(), sp.kron(y.mass(weight), z.mass()))
+        held = _between_pins(x, y, z)
+        k = (held.T @ sp.bmat(blocks, format="csc") @ held).tocsc()
+        m = (held.T @ sp.block_diag([one] * 3, format="csc") @ held).tocsc()
+        return cls(length, x, y, z, held, k, m)
+
+    def solve(self, forces: FloatArray) -> FloatArray:
+        """Displacements (n, k) under forces."""
+        factors = spla.splu(
+            self.stiffness,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+        return np.asarray(factors.solve(forces))
+
+    def couples(self) -> FloatArray:
+        """Unit couples at both faces, opposite ones that bend by a unit moment, and like ones."""
+        forces = np.zeros((self.stiffness.shape[0], 2))
+        forces[-3], forces[-2] = (-1.0, 1.0), (1.0, 1.0)
+        return forces
+
+    def waves(self, count: int) -> FloatArray:
+        """Forces across in one to ``count`` half sines of a unit for each metre, (n, count)."""
+        total = np.zeros((self.held.shape[0], count))
+        half = len(total) // 3
+        even = self.through.mass().sum(axis=1) / np.ptp(self.through.places)
+        wide = self.across.mass().sum(axis=1) / np.ptp(self.across.places)
+        section = np.kron(np.asarray(even).ravel(), np.asarray(wide).ravel())
+        for number in range(count):
+            wave = np.sin((number + 1) * np.pi * self.along.places / self.length)
+            total[half : 2 * half, number] = np.kron(self.along.mass() @ wave, section)
+        return np.asarray(self.held.T @ total)
+
+    def sine_waves(self, count: int) -> FloatArray:
+        """Bending by one to ``count`` half sines, (n, count)."""
+        x, y, z = self.along, self.through, self.across
+        shapes = []
+        for number in range(1, count + 1):
+            k = number * np.pi / self.length
+            along = -k * np.cos(k * x.places)[:, None, None] * y.places[:, None]
+            up = np.sin(k * x.places)[:, None, None] * np.ones((y.size, 1))
+            parts = [
+                np.broadcast_to(part, (x.size, y.size, z.size)) for part in (along, up, 0 * up)
+            ]
+            inside = np.stack(parts)[:, 1:-1].ravel()
+            slopes = [k, k * np.cos(k * self.length), 0.0]
+            shapes.append(np.concatenate([inside, slopes]))
+        return np.stack(shapes, axis=1)
 
 
 def _block(
@@ -193,18 +308,3 @@ def _between_pins(x: Parabolas, y: Parabolas, z: Parabolas) -> Any:
         values.append(value)
     places = (np.concatenate(rows), np.concatenate(columns))
     return sp.csc_matrix((np.concatenate(values), places), shape=(number.size, len(free) + 3))
-
-
-def _sine_waves(x: Parabolas, y: Parabolas, z: Parabolas, held: Any, length: float) -> FloatArray:
-    """Bending by one and two half sines, in the free displacements, (n, 2)."""
-    waves = []
-    for count in range(1, MODES + 1):
-        k = count * np.pi / length
-        along = -k * np.cos(k * x.places)[:, None, None] * y.places[:, None]
-        up = np.sin(k * x.places)[:, None, None] * np.ones((y.size, 1))
-        parts = [np.broadcast_to(part, (x.size, y.size, z.size)) for part in (along, up, 0 * up)]
-        every = np.stack(parts)
-        inside = every[:, 1:-1].ravel()
-        slopes = [k, k * np.cos(k * length), 0.0]
-        waves.append(np.concatenate([inside, slopes]))
-    return np.stack(waves, axis=1)

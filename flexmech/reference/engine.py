@@ -10,7 +10,8 @@ from typing import ClassVar
 import numpy as np
 
 from flexmech.beams.comparison import compare_theories
-from flexmech.beams.link_matrices import Chain, build_chain
+from flexmech.beams.held_ends import held_beam
+from flexmech.beams.link_matrices import Chain, Coupling, build_chain
 from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.choices import ELEMENTS, MASSES, MassChoice
 from flexmech.linear_system import (
@@ -32,6 +33,7 @@ from flexmech.linear_system import (
     straight_forces,
     summed,
     ties_beyond_pins,
+    whole,
     with_rigid_links,
 )
 from flexmech.linkages import LinkMass, RigidMotion, lumped_elements
@@ -72,6 +74,7 @@ class ReferenceEngine(Engine):
         "geometrically-exact": "timoshenko",
     }
     masses: ClassVar[tuple[MassChoice, ...]] = MASSES
+    holds_ends: ClassVar[bool] = True
     theories: ClassVar[dict[str, str]] = {theory: theory for theory in BEAM_SHAPES}
 
     @classmethod
@@ -82,18 +85,16 @@ class ReferenceEngine(Engine):
     @cached_property
     def chains(self) -> dict[int, Chain]:
         """Links of beam elements by their number in the topology: all but rigid ones."""
-        return {
-            number: build_chain(
-                link.name,
-                self.mechanism.sections[link.name],
-                self._masses[number],
-                self.elements,
-                BEAM_SHAPES[self.element],
-                self.mechanism.acting_at(link.name),
-            )
-            for number, link in enumerate(self.mechanism.linkage.topology.links)
-            if not link.rigid
-        }
+        links = enumerate(self.mechanism.linkage.topology.links)
+        return {number: self._chain(number, link.name) for number, link in links if not link.rigid}
+
+    def _chain(self, number: int, name: str) -> Chain:
+        """One flexible link."""
+        mass, at = self._masses[number], self.mechanism.acting_at(name)
+        section, held = held_beam(self.mechanism, name)
+        shapes = BEAM_SHAPES[self.element]
+        chain = build_chain(name, section, mass, self.elements, shapes, at)
+        return chain if held is None else held.hold(chain, mass.mass_per_length)
 
     @cached_property
     def _lumped(self) -> tuple[int, ...] | None:
@@ -149,8 +150,14 @@ class ReferenceEngine(Engine):
             frames,
             {n: chain.elements for n, chain in self.chains.items()},
             self.mechanism.joint_springs,
+            self._couplings,
             stable_alone=not self.connectors.depend_on_displacement,
         )
+
+    @property
+    def _couplings(self) -> dict[int, Coupling]:
+        """Of links of off-axis plies between joints, by their number."""
+        return {n: chain.coupling for n, chain in self.chains.items() if chain.coupling is not None}
 
     def stressed_held_links(
         self,
@@ -227,10 +234,13 @@ class ReferenceEngine(Engine):
     def _damping(self, displacement: Sequence[FloatArray]) -> list[LinkMatrix]:
         """Damping matrices (B, n, n) of bent links; none of rigid ones."""
         bent = self.equilibrium.damping(displacement)
-        return [
+        found = [
             np.zeros((len(q), 3, 3)) if link.rigid else chain_matrix(bent[number])
             for number, (link, q) in enumerate(zip(self.held_links, displacement, strict=True))
         ]
+        for number, coupling in self._couplings.items():
+            found[number] = whole(found[number]) + coupling.damping_time * coupling.stiffness
+        return found
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links in tension."""

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.beams.elements import BeamElements
+from flexmech.beams.link_matrices import Coupling
 from flexmech.linear_system import (
     LAST_STEP,
     LESS_LOADED,
@@ -32,11 +33,13 @@ from flexmech.linear_system import (
     PoseStiffness,
     chain_matrix,
     refuse_positions,
+    whole,
 )
 from flexmech.linear_system.dead_forces import DeadForces
 from flexmech.linkages import JointSpring, RigidMotion
 from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements
+from flexmech.reference.coupled_links import CoupledLinks
 from flexmech.reference.force_balance import ForceBalance
 from flexmech.reference.linkage_tangents import LinkageTangents, turned_by
 from flexmech.reference.newton_state import Imbalance, Problem, State
@@ -77,6 +80,8 @@ class Equilibrium:
         Of each flexible link by its number, all of one kind.
     springs : sequence of JointSpring
         Of which the radial ones hold joints together that tie nothing in the frames.
+    couplings : mapping of int to Coupling, optional
+        Of links whose elements are not all of their stiffness.
     stable_alone : bool
         Whether links that are unstable without springs and turning forces are refused.
     """
@@ -86,6 +91,7 @@ class Equilibrium:
         frames: LinkFrames,
         links: Mapping[int, BeamElements],
         springs: Sequence[JointSpring] = (),
+        couplings: Mapping[int, Coupling] | None = None,
         *,
         stable_alone: bool = True,
     ) -> None:
@@ -94,8 +100,13 @@ class Equilibrium:
         self._links = {n: CorotationalElements(elements) for n, elements in links.items()}
         self._per_node = next(iter(links.values())).shapes.per_node
         self._springs = RadialSprings(frames, springs)
-        self._tangents = LinkageTangents(frames, self._links, self._springs.columns)
-        self._balance = ForceBalance(self._links, self._tangents, self._springs, self._per_node)
+        self._couplings = dict(couplings or {})
+        coupled = CoupledLinks(frames, self._couplings)
+        joined = [*self._springs.columns, *coupled.columns]
+        self._tangents = LinkageTangents(frames, self._links, joined)
+        self._balance = ForceBalance(
+            self._links, self._tangents, self._springs, coupled, self._per_node
+        )
         self._force_scale = min(
             e.section.bending_stiffness / float(e.length.sum()) ** 2 for e in links.values()
         )
@@ -307,6 +318,9 @@ class Equilibrium:
             forces[number] = node_forces(force, self._per_node).T
             nodal = link.of_nodes(tangent)
             tangents[number] = chain_matrix(np.ascontiguousarray(np.moveaxis(nodal, -1, 0)))
+        for number, coupling in self._couplings.items():
+            forces[number] += displacement[number] @ coupling.stiffness
+            tangents[number] = whole(tangents[number]) + coupling.stiffness
         return forces, tangents
 
     def damping(self, displacement: Sequence[FloatArray]) -> dict[int, FloatArray]:

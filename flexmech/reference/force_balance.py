@@ -7,11 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 
 from flexmech.linear_system import BodyCouples
 from flexmech.reference.corotational import CorotationalElements, LinearStrain
+from flexmech.reference.coupled_links import CoupledLinks
 from flexmech.reference.linkage_tangents import LinkageTangents, TangentEntries
 from flexmech.reference.newton_state import Imbalance, Problem
 from flexmech.reference.nodal_chains import node_forces, relative_coordinates
@@ -32,6 +34,7 @@ class ForceBalance:
         The flexible ones, by their number.
     tangents : LinkageTangents
     springs : RadialSprings
+    coupled : CoupledLinks
     per_node : int
         Coordinates of a node.
     """
@@ -39,6 +42,7 @@ class ForceBalance:
     links: Mapping[int, CorotationalElements]
     tangents: LinkageTangents
     springs: RadialSprings
+    coupled: CoupledLinks
     per_node: int
 
     def ties(self, z: FloatArray, problem: Problem) -> Ties:
@@ -81,11 +85,13 @@ class ForceBalance:
             strains.append(strain)
         if problem.bodies is not None:
             self._turn_bodies(problem.bodies, displacement, inner, entries)
+        self.coupled.resist(displacement, inner)
         turning: FloatArray | None = None
         springs: Iterable[FloatArray] = ()
         if problem.sprung is not None:
             turning = self.springs.resist(problem.sprung, displacement, inner)
             springs = self.springs.tangents(problem.sprung, displacement, ties)
+        springs = chain(springs, self.coupled.tangents(ties, z.shape[1]))
         residual = self._unbalanced(inner, ties, problem)
         if problem.dead is None or ties.posed is None:
             return Imbalance(residual, self.tangents.band(entries, ties, springs=springs), strains)
@@ -107,6 +113,7 @@ class ForceBalance:
             inner[number] = node_forces(force, self.per_node)
         if problem.bodies is not None:
             self._turn_bodies(problem.bodies, displacement, inner)
+        self.coupled.resist(displacement, inner)
         if problem.sprung is not None:
             self.springs.resist(problem.sprung, displacement, inner)
         return self._unbalanced(inner, ties, problem)

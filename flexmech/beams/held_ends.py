@@ -1,0 +1,264 @@
+"""What joints at both ends add to a link of off-axis plies: bending and twist in three dimensions.
+
+Plies off the link's axis twist it as it bends. End faces that joints hold flat keep the ends from
+twisting and warping, so that the bending moment at a place depends on the curvature everywhere: no
+stiffness of a section tells it. A beam whose twist is free is right in the middle of a long link.
+What is missing is found from the link itself, in three dimensions
+(:mod:`flexmech.beams.solid_link`), for five distributions of the bending moment: those of couples
+at both ends and of loads in one to three half sines. In the span of these the beam then has the
+link's own compliance, and the kinetic energy of the twist that follows; beyond it, its own.
+
+With orthonormal shapes ``psi`` in this span and ``m`` the integrals of ``psi`` times the curvature
+the energies are ``m' S m / 2`` and, of the rates, ``m' J m / 2``, with
+``S = (1 / EI + D)^-1 - EI`` and D the difference of the compliances.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from flexmech.beams.elements import BeamElements
+from flexmech.beams.link_matrices import Chain, Coupling, build_chain
+from flexmech.beams.solid_link import MOST_RUNS, SHORT, SolidLink, twisted_back, twists_matter
+from flexmech.beams.theories import BEAM_SHAPES
+from flexmech.linear_system import whole
+from flexmech.linkages import LinkEnd, LinkMass
+from flexmech.mechanism import Mechanism
+from flexmech.sections import BeamSection, LaminateSection
+from flexmech.sections.free_edges import layer_runs
+from flexmech.types import FloatArray
+
+__all__ = ["HeldEnds", "held_beam", "held_ends"]
+
+WAVES = 3
+"""Loads in half sines whose bending moments are among the distributions."""
+# Elements of the beam that the link is held against.
+ELEMENTS = 28
+_POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(24)
+
+
+@dataclass(frozen=True, eq=False)
+class HeldEnds:
+    """Energies by distributions of the curvature along a link.
+
+    Parameters
+    ----------
+    length : float
+        Of the link in m.
+    shapes : ndarray, shape (k, 5)
+        Orthonormal shapes psi, in 1/sqrt(m), of the bending moments of couples that are equal
+        and opposite, of equal ones, and of loads in one to three half sines.
+    stiffness : ndarray, shape (k, k)
+        S, in N m^2.
+    mass : ndarray, shape (k, k)
+        J, in kg m^2.
+    mass_per_length : float
+        At which the mass is such, in kg/m.
+    """
+
+    length: float
+    shapes: FloatArray
+    stiffness: FloatArray
+    mass: FloatArray
+    mass_per_length: float
+
+    @property
+    def solid(self) -> bool:
+        """Whether the link was computed in three dimensions; else its twist is held alone."""
+        return len(self.shapes) > 1
+
+    @property
+    def of_half_sine(self) -> float:
+        """Stiffness that bending by a half sine meets, in N m^2."""
+        values = np.einsum("ki,ig->kg", self.shapes, _moments((_POINTS + 1) / 2))
+        wave = np.sqrt(2 / self.length) * np.sin(np.pi * (_POINTS + 1) / 2)
+        amount = values @ (wave * _WEIGHTS * self.length / 2)
+        return float(amount @ self.stiffness @ amount)
+
+    def rows(self, nodes: FloatArray, elements: BeamElements) -> FloatArray:
+        """Integrals m by the coordinates of a chain of elements.
+
+        Parameters
+        ----------
+        nodes : ndarray, shape (e + 1,)
+            Their places in m.
+        elements : BeamElements
+
+        Returns
+        -------
+        ndarray, shape (k, n)
+        """
+        places, weights, curvature = elements.curvatures
+        x = (nodes[:-1, None] + places * elements.length[:, None]) / self.length
+        values = np.einsum("ki,ieg->keg", self.shapes, _moments(x))
+        own = np.einsum("keg,eg,egp->kep", values, weights, curvature)
+        size = own.shape[2] // 2
+        total = np.zeros((len(own), len(nodes), size))
+        total[:, :-1] += own[..., :size]
+        total[:, 1:] += own[..., size:]
+        return total.reshape(len(own), -1)
+
+    def hold(self, chain: Chain, mass_per_length: float) -> Chain:
+        """A chain of elements with these energies in its matrices.
+
+        Parameters
+        ----------
+        chain : Chain
+        mass_per_length : float
+            Of the link in kg/m; none where its mass stands in points.
+
+        Returns
+        -------
+        Chain
+        """
+        model, elements = chain.model, chain.elements
+        rows = self.rows(chain.nodes, elements)
+        coupling = Coupling(rows, self.stiffness, elements.section.damping.bending)
+        inertia = mass_per_length / self.mass_per_length * rows.T @ self.mass @ rows
+        held = replace(
+            model,
+            mass=whole(model.mass) + inertia,
+            # What twists moves in the linkage's plane too, on both sides of the axis.
+            translational_mass=whole(model.translational_mass) + inertia,
+            gyroscopic=whole(model.gyroscopic),
+            stiffness=whole(model.stiffness) + coupling.stiffness,
+            damping=whole(model.damping) + coupling.damping_time * coupling.stiffness,
+        )
+        return replace(chain, model=held, coupling=coupling)
+
+
+def held_beam(mechanism: Mechanism, link: str) -> tuple[BeamSection, HeldEnds | None]:
+    """Section of a flexible link's beam, and what its joints add to that.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    link : str
+        Its name.
+
+    Returns
+    -------
+    section : BeamSection
+        With its twist free where the joints' part is told besides.
+    held : HeldEnds, optional
+        None of links that are not between two joints, whose plies are along or across, whose
+        stiffness is stated, or whose twist is stated to be free.
+    """
+    section, layers = mechanism.sections[link], mechanism.sections[link].layers
+    ends = {LinkEnd(link, "start"), LinkEnd(link, "end")}
+    if (
+        layers is None
+        or layers.twist == "free"
+        or not ends <= mechanism.linkage.topology.joined_ends
+    ):
+        return section, None
+    if section.bending_stiffness != layers.bending_stiffness:
+        return section, None
+    held = held_ends(layers, mechanism.link_mass(link).length)
+    if held is None:
+        return section, None
+    free = BeamSection.of_laminate(replace(layers, twist="free"))
+    kept: Mapping[str, object] = {
+        name: getattr(section, name)
+        for name in (
+            "damping",
+            "specific_damping",
+            "damping_frequency",
+            "free_strain",
+            "free_curvature",
+            "mass_per_length",
+            "rotary_inertia",
+        )
+    }
+    return replace(free, **kept), held  # type: ignore[arg-type]
+
+
+@lru_cache(maxsize=64)
+def held_ends(section: LaminateSection, length: float) -> HeldEnds | None:
+    """What joints at both ends add to a beam whose twist is free.
+
+    Parameters
+    ----------
+    section : LaminateSection
+    length : float
+        In m.
+
+    Returns
+    -------
+    HeldEnds, optional
+        None where the plies are along or across, or nothing that joints hold can matter. Of links
+        longer than :data:`SHORT` widths, and of more than :data:`MOST_RUNS` runs of equal plies,
+        the constant torque of :mod:`flexmech.sections.twist` alone.
+    """
+    if not twists_matter(section):
+        return None
+    free = replace(section, reduction="narrow", twist="free")
+    if length > SHORT * section.width or len(layer_runs(section.laminate)[0]) > MOST_RUNS + 1:
+        shapes = np.zeros((1, 2 + WAVES))
+        shapes[0, 0] = 1 / np.sqrt(length)
+        stiffness = np.array([[twisted_back(free)]])
+        return HeldEnds(length, shapes, stiffness, np.zeros((1, 1)), free.mass_per_length)
+    return _from_solid(free, length)
+
+
+def _from_solid(free: LaminateSection, length: float) -> HeldEnds:
+    """Of a link in three dimensions."""
+    solid = SolidLink.of(free, length)
+    loads = np.concatenate([solid.couples(), solid.waves(WAVES)], axis=1)
+    answers = solid.solve(loads)
+    beam = BeamSection.of_laminate(free)
+    mass = LinkMass(length, beam.mass_per_length)
+    chain = build_chain("link", beam, mass, ELEMENTS, BEAM_SHAPES["timoshenko"])
+    inner = np.setdiff1d(np.arange(chain.model.size), [*chain.model.start, chain.model.end[1]])
+    own = _loads_of(chain, length)[inner]
+    grid = np.ix_(inner, inner)
+    stiffness = whole(chain.model.stiffness)[grid]
+    points = (_POINTS + 1) / 2
+    moments = _load_moments(length) @ _moments(points)
+    gram = (moments * _WEIGHTS * length / 2) @ moments.T
+    inverse = np.linalg.inv(np.linalg.cholesky(gram))
+    apart = loads.T @ answers - own.T @ np.linalg.solve(stiffness, own)
+    bending = free.bending_stiffness
+    compliance = np.eye(len(gram)) / bending + inverse @ apart @ inverse.T
+    added = np.linalg.inv(compliance) - bending * np.eye(len(gram))
+    shapes = inverse @ _load_moments(length)
+    held = HeldEnds(length, shapes, (added + added.T) / 2, 0 * added, free.mass_per_length)
+    rows = held.rows(chain.nodes, chain.elements)[:, inner]
+    moved = np.linalg.solve(stiffness + rows.T @ held.stiffness @ rows, own)
+    lacking = answers.T @ (solid.mass @ answers) - moved.T @ whole(chain.model.mass)[grid] @ moved
+    by_shapes = np.linalg.inv(rows @ moved)
+    inertia = by_shapes.T @ lacking @ by_shapes
+    return replace(held, mass=(inertia + inertia.T) / 2)
+
+
+def _moments(x: FloatArray) -> FloatArray:
+    """Distributions over places x (...) from 0 to 1: constant, linear, half sines; (5, ...)."""
+    waves = [np.sin(count * np.pi * x) for count in range(1, WAVES + 1)]
+    return np.stack([np.ones_like(x), 2 * x - 1, *waves])
+
+
+def _load_moments(length: float) -> FloatArray:
+    """Bending moments of the unit loads by the distributions, diagonal (5, 5)."""
+    waves = [-((length / (count * np.pi)) ** 2) for count in range(1, WAVES + 1)]
+    return np.diag([1.0, 1.0, *waves])
+
+
+def _loads_of(chain: Chain, length: float) -> FloatArray:
+    """The unit loads on a chain, (n, 5)."""
+    model, elements = chain.model, chain.elements
+    loads = np.zeros((model.size, 2 + WAVES))
+    turned = [model.start_rotation[0], model.end_rotation[0]]
+    loads[turned, 0], loads[turned, 1] = (-1.0, 1.0), (1.0, 1.0)
+    places, weights, deflection = elements.deflections
+    x = (chain.nodes[:-1, None] + places * elements.length[:, None]) / length
+    size = deflection.shape[2] // 2
+    own = np.einsum("weg,eg,egp->epw", _moments(x)[2:], weights, deflection)
+    total = loads[:, 2:].reshape(len(chain.nodes), size, WAVES)
+    total[:-1] += own[:, :size]
+    total[1:] += own[:, size:]
+    loads[:, 2:] = total.reshape(model.size, WAVES)
+    return loads

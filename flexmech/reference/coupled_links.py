@@ -1,0 +1,81 @@
+"""Links whose bending moment at a place depends on the curvature everywhere, in an equilibrium."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from flexmech.beams.link_matrices import Coupling
+from flexmech.linear_system import LinkFrames
+from flexmech.reference.turning_element import Ties
+from flexmech.types import FloatArray, IntArray
+
+__all__ = ["CoupledLinks"]
+
+
+class CoupledLinks:
+    """Elastic energies over whole links; see :class:`flexmech.beams.link_matrices.Coupling`.
+
+    A turn of the link as a whole has no curvature, whatever its angle to first order in the
+    elements' own turns against it.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+        Of the unreduced links.
+    couplings : mapping of int to Coupling
+        Of links by their number.
+
+    Attributes
+    ----------
+    columns : list of ndarray of int
+        Independent coordinates that move each of these links.
+    """
+
+    columns: list[IntArray]
+
+    def __init__(self, frames: LinkFrames, couplings: Mapping[int, Coupling]) -> None:
+        self._frames = frames
+        self._couplings = dict(couplings)
+        self.columns = [self._columns(link) for link in self._couplings]
+
+    def resist(self, displacement: Sequence[FloatArray], forces: Sequence[FloatArray]) -> None:
+        """Add the forces that the links exert.
+
+        Parameters
+        ----------
+        displacement, forces : sequence of ndarray, shape (n_link, B)
+        """
+        for link, own in self._couplings.items():
+            forces[link][:] += own.rows.T @ (own.elastic @ (own.rows @ displacement[link]))
+
+    def tangents(self, ties: Ties, batch: int) -> Iterator[FloatArray]:
+        """Stiffness of each link by its :attr:`columns`, (m, m, B), one after the other.
+
+        Parameters
+        ----------
+        ties : Ties
+            Of the displaced links.
+        batch : int
+            B, the number of positions.
+        """
+        for (link, own), columns in zip(self._couplings.items(), self.columns, strict=True):
+            target = self._frames.targets[link].copy()
+            moved = np.zeros((len(own.rows), self._frames.size, batch))
+            for (rows, led), turn in zip(
+                self._frames.followed(link), ties.turns[link], strict=True
+            ):
+                moved[:, led] += np.einsum("kr,rcb->kcb", own.rows[:, rows], turn)
+                target[rows] = -1
+            free = target >= 0
+            moved[:, target[free]] += own.rows[:, free, None]
+            moved = moved[:, columns]
+            stressed = np.einsum("kl,lib->kib", own.elastic, moved)
+            yield np.einsum("kib,kjb->ijb", moved, stressed, optimize=True)
+
+    def _columns(self, link: int) -> IntArray:
+        target = self._frames.targets[link]
+        led = [columns for _, columns in self._frames.followed(link)]
+        found = np.unique(np.concatenate([target, *led]))
+        return found[found >= 0]
