@@ -180,7 +180,7 @@ def component_modes(
         couples = [np.zeros((link.size, 0)) for link in links]
     pairs = zip(links, couples, strict=True)
     held = [hold_ends(ends, link, turning) for link, turning in pairs if not link.rigid]
-    every = np.sort(np.concatenate([h.bending_frequency for h in held]))
+    every = np.sort(np.concatenate([h.bending.lowest(modes) for h in held]))
     usual_cutoff = BENDING_CUTOFF * every[min(modes, len(every)) - 1]
     bending_cutoff = detail * usual_cutoff
     # Short links stretch at frequencies like those at which they bend.
@@ -196,7 +196,7 @@ def component_modes(
             bending_cutoff,
             axial_cutoff,
             condensed,
-            stretches=bool(np.any(h.axial_frequency <= STRETCHING_BY_INERTIA * usual_cutoff)),
+            stretches=h.axial.below(STRETCHING_BY_INERTIA * usual_cutoff) > 0,
             damped=damped,
             turning=turning,
             fine=detail > 1,
@@ -230,9 +230,9 @@ def _reduce(
     turning_sections: bool,
     parts_mass: bool,
 ) -> ReducedLink:
-    bending = held.bending[:, held.bending_frequency <= bending_cutoff]
-    n_axial = int(np.sum(held.axial_frequency <= axial_cutoff))
-    mass, axial = held.link.mass, held.axial[:, :n_axial]
+    bending = held.bending.shapes(0, held.bending.below(bending_cutoff))
+    n_axial = held.axial.below(axial_cutoff)
+    mass, axial = held.link.mass, held.axial.shapes(0, n_axial)
     if (bending.T @ (mass @ axial)).any():
         axial = _complement(axial, bending, mass)
     dynamic = np.concatenate([bending, axial], axis=1)
@@ -242,7 +242,7 @@ def _reduce(
         shapes = np.concatenate([held.static, dynamic], axis=1)
         relief = np.concatenate([relief, _answers_to_damping(held, shapes)], axis=1)
     dynamic = np.concatenate([dynamic, _complement(relief, dynamic, mass)], axis=1)
-    candidates = held.axial[:, n_axial : max(n_axial, condensed_modes)]
+    candidates = held.axial.shapes(n_axial, max(n_axial, condensed_modes))
     if condensed_modes and great_detail and turning_sections:
         candidates = np.concatenate([candidates, _turning_sections(held)], axis=1)
     if damped and turning:

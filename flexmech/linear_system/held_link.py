@@ -8,6 +8,7 @@ import numpy as np
 
 from flexmech.linear_system.chains import couples
 from flexmech.linear_system.flexibility import Flexibility
+from flexmech.linear_system.held_modes import HeldModes
 from flexmech.linear_system.link_boundary import JoinedEnds, LinkBoundary, link_boundary
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.types import FloatArray, IntArray
@@ -26,10 +27,8 @@ class HeldLink:
     boundary : LinkBoundary
     static : ndarray, shape (n, b)
         What each coordinate that the link keeps at its joints moves statically.
-    bending, axial : ndarray, shape (n, m)
+    bending, axial : HeldModes
         Vibration modes, normalized by the mass.
-    bending_frequency, axial_frequency : ndarray, shape (m,)
-        In rad/s, ascending.
     bending_relief, axial_relief : ndarray, shape (n, r)
         Static answers to the inertia of the static shapes, and to couples at free ends.
     floating_relief : ndarray, shape (n, r)
@@ -43,10 +42,8 @@ class HeldLink:
     link: LinkModel
     boundary: LinkBoundary
     static: FloatArray
-    bending: FloatArray
-    bending_frequency: FloatArray
-    axial: FloatArray
-    axial_frequency: FloatArray
+    bending: HeldModes
+    axial: HeldModes
     bending_relief: FloatArray
     axial_relief: FloatArray
     floating_relief: FloatArray
@@ -90,8 +87,6 @@ def hold_ends(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> HeldLin
     axial_relief = relief[:, axial_boundary]
     floating_relief = axial_relief.sum(axis=1, keepdims=True)
     stretching, turning = inner[link.is_axial[inner]], inner[~link.is_axial[inner]]
-    axial, axial_frequency = _modes_of(link, _unit_shapes(link, stretching))
-    bending, bending_frequency = _modes_of(link, _free_bending(link, turning, stretching))
     answers = [relief[:, ~axial_boundary], _turning_of_arms(link, flexibility)]
     # Modes of a link whose ends turn freely converge slowly to a spring against that.
     turned = np.zeros_like(couples)
@@ -100,10 +95,9 @@ def hold_ends(ends: JoinedEnds, link: LinkModel, couples: FloatArray) -> HeldLin
         link=link,
         boundary=boundary,
         static=static,
-        bending=bending,
-        bending_frequency=bending_frequency,
-        axial=axial,
-        axial_frequency=axial_frequency,
+        # Where an axis off the pins couples both, bending goes along without axial force.
+        bending=HeldModes(link, turning, stretching),
+        axial=HeldModes(link, stretching),
         bending_relief=np.concatenate([*answers, turned], axis=1),
         axial_relief=axial_relief,
         floating_relief=floating_relief if floats else relief[:, :0],
@@ -122,31 +116,7 @@ def _turning_of_arms(link: LinkModel, flexibility: Flexibility) -> FloatArray:
         return np.zeros((link.size, 0))
     ends, inner = np.concatenate([link.start_rotation[:1], link.end_rotation[:1]]), flexibility.free
     turned = ends[np.isin(ends, inner)]
-    shapes = _unit_shapes(link, turned)
+    shapes = np.zeros((link.size, len(turned)))
+    shapes[turned, np.arange(len(turned))] = 1.0
     shapes[inner] = flexibility.answers(shapes[inner])
     return shapes
-
-
-def _unit_shapes(link: LinkModel, which: IntArray) -> FloatArray:
-    """Shapes (n, m) that move one coordinate each."""
-    shapes = np.zeros((link.size, len(which)))
-    shapes[which, np.arange(len(which))] = 1.0
-    return shapes
-
-
-def _free_bending(link: LinkModel, turning: IntArray, stretching: IntArray) -> FloatArray:
-    """Shapes (n, m) that move one bending coordinate each, without axial force."""
-    shapes = _unit_shapes(link, turning)
-    coupling = (link.stiffness @ shapes)[stretching]
-    if coupling.any():
-        shapes[stretching] = -Flexibility(link.stiffness, stretching).answers(coupling)
-    return shapes
-
-
-def _modes_of(link: LinkModel, shapes: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Mass-normalized modes (n, m) and angular frequencies in the space of shapes (n, m)."""
-    if not shapes.shape[1]:
-        return shapes, np.zeros(0)
-    unit_mass = np.linalg.inv(np.linalg.cholesky(shapes.T @ (link.mass @ shapes))) @ shapes.T
-    values, vectors = np.linalg.eigh(unit_mass @ (link.stiffness @ unit_mass.T))
-    return unit_mass.T @ vectors, np.sqrt(np.abs(values))
