@@ -12,6 +12,7 @@ from flexmech.linear_system.chains import (
     chain_matrix,
     diagonal,
     in_positions,
+    link_matrices,
     summed,
     whole,
 )
@@ -157,6 +158,7 @@ __all__ = [
     "inertia_loads",
     "inverse_mass_root",
     "is_constant_turn",
+    "link_matrices",
     "off_axis_inertia",
     "point_rows",
     "refuse_large_displacements",

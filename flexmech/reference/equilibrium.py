@@ -31,7 +31,7 @@ from flexmech.linear_system import (
     LinkFrames,
     LinkMatrix,
     PoseStiffness,
-    chain_matrix,
+    link_matrices,
     refuse_positions,
     whole,
 )
@@ -307,7 +307,7 @@ class Equilibrium:
         dict of int to ndarray or ChainMatrix, shape (B, n_link, n_link)
             Tangent of each flexible link.
         """
-        forces, tangents = [np.zeros_like(q) for q in displacement], {}
+        forces, nodal = [np.zeros_like(q) for q in displacement], []
         relative_extra = self._by_relative_coordinates(extra)
         for (number, link), more in zip(self._links.items(), relative_extra, strict=True):
             q = displacement[number]
@@ -316,8 +316,8 @@ class Equilibrium:
             force += (more * relative[:, None]).sum(axis=2)
             tangent += more
             forces[number] = node_forces(force, self._per_node).T
-            nodal = link.of_nodes(tangent)
-            tangents[number] = chain_matrix(np.ascontiguousarray(np.moveaxis(nodal, -1, 0)))
+            nodal.append(np.moveaxis(link.of_nodes(tangent), -1, 0))
+        tangents = dict(zip(self._links, link_matrices(nodal), strict=True))
         for number, coupling in self._couplings.items():
             forces[number] += displacement[number] @ coupling.stiffness
             tangents[number] = whole(tangents[number]) + coupling.stiffness

@@ -17,6 +17,7 @@ from flexmech.linear_system import (
     RotationTerms,
     SparsePositions,
     chain_matrix,
+    link_matrices,
     summed,
     whole,
 )
@@ -66,6 +67,19 @@ def test_sums_entries_and_forms() -> None:
     few = RNG.normal(size=(MOST_WHOLE, 2 * SIZE, 2 * SIZE))
     assert isinstance(chain_matrix(few), np.ndarray)
     assert isinstance(chain_matrix(ONE.elements), ChainMatrix)
+
+
+def test_matrices_of_links_with_few_and_many_elements() -> None:
+    random = np.random.default_rng(4)
+    few, many = (random.normal(size=(3, n, 6, 6)) for n in (MOST_WHOLE, MOST_WHOLE + 1))
+    found = link_matrices([few, many, 2 * few])
+    assert [isinstance(each, ChainMatrix) for each in found] == [False, True, False]
+    for own, elements in zip(found, (few, many, 2 * few), strict=True):
+        np.testing.assert_array_equal(whole(own), ChainMatrix(elements).whole())
+    # Neighbouring elements share a node, whose entries are added.
+    np.testing.assert_array_equal(
+        whole(found[0])[:, 3:6, 3:6], few[:, 0, 3:, 3:] + few[:, 1, :3, :3]
+    )
 
 
 def test_couplings_are_found() -> None:
