@@ -94,10 +94,9 @@ class ExudynEngine(Engine):
         """Axial modes of a link without which its elements stretch where a bowed link bends.
 
         Cables stretch by the slopes of their cubic shapes: nothing less than all of their axial
-        coordinates, two for each element, makes up for that. The inertia of thin links bows them
-        too little to matter; couples and forces of springs and loads do not.
+        coordinates, two for each element, makes up for that.
         """
-        return 2 * self.elements if self.element == "ancf" and self.connectors.any else 0
+        return 2 * self.elements if self.element == "ancf" else 0
 
     def __init__(
         self,
