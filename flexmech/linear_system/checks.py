@@ -29,12 +29,17 @@ def checked_mechanism(mechanism: object) -> Mechanism:
 
 def check_elastic(mechanism: Mechanism) -> None:
     """Refuse a mechanism whose links are all rigid: what engines compute is of elastic links."""
-    if all(link.rigid for link in mechanism.linkage.topology.links):
-        raise InputError(
-            "links: every link is rigid, and what is computed here is the vibration of elastic "
-            "links; leave out rigid = true for one of them and give it a section, or ask for the "
-            "rigid motion and its forces by 'flexmech kinematics'"
-        )
+    if not all(link.rigid for link in mechanism.linkage.topology.links):
+        return
+    # Rigid links vibrate too where springs hold them; engines compute it beside one stiff link.
+    stiff = ""
+    if mechanism.springs or mechanism.joint_springs or mechanism.shaft_inertia:
+        stiff = "as stiff as you like where springs, bearings or the shaft alone shall yield, "
+    raise InputError(
+        "links: every link is rigid, and what is computed here is the vibration of elastic "
+        f"links; leave out rigid = true for one of them and give it a section, {stiff}or ask for "
+        "the rigid motion and its forces by 'flexmech kinematics'"
+    )
 
 
 def checked_elements(count: object) -> int:

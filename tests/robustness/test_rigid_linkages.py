@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 import flexmech
 from flexmech.cli import app
 from flexmech.errors import InputError
+from flexmech.modelfile import mechanism_from_toml
 
 PUSHER = Path(__file__).parents[2] / "models" / "carton_pusher.toml"
 ELASTIC = re.compile(
@@ -67,3 +68,61 @@ def test_engines_of_them_are_made_and_refuse_to_compute(rigid: Path) -> None:
             engine.linear_system([0.0])
     with pytest.raises(InputError, match="links: none has a section"):
         flexmech.section_profiles(mechanism)
+
+
+BEARING = """
+name = "rigid links on a bearing"
+source = "made for this test"
+[linkage]
+kind = "planar"
+drawn_at = "60 deg"
+ground = ["O2", "O4"]
+[linkage.points]
+O2 = ["0 mm", "0 mm"]
+A = ["50 mm", "86.6 mm"]
+B = ["300 mm", "200 mm"]
+O4 = ["250 mm", "0 mm"]
+[links.crank]
+points = ["O2", "A"]
+rigid = true
+[links.coupler]
+points = ["A", "B"]
+rigid = true
+mass = "1 kg"
+inertia = "0.01 kg m^2"
+centre = "130 mm"
+[links.rocker]
+points = ["B", "O4"]
+ROCKER
+[joints.O2]
+kind = "clamp"
+[joints.O4]
+radial_stiffness = "1e6 N/m"
+"""
+STIFF = """section = "general"
+axial_stiffness = "{0}e9 N"
+bending_stiffness = "{0}e6 N m^2"
+shear_stiffness = "{0}e9 N"
+mass_per_length = "6 kg/m"
+rotary_inertia = "1e-3 kg m"
+in_plane_thickness = "40 mm"
+"""
+
+
+def test_rigid_links_on_a_bearing_vibrate_beside_one_stiff_link() -> None:
+    """What the message advises: how stiff that link is does not change the bearing's modes."""
+    rigid = mechanism_from_toml(BEARING.replace("ROCKER", "rigid = true"))
+    with pytest.raises(InputError, match="as stiff as you like where springs, bearings or"):
+        flexmech.natural_frequencies(flexmech.ReferenceEngine(rigid), 1.0)
+    one, other = (
+        flexmech.natural_frequencies(
+            flexmech.ReferenceEngine(
+                mechanism_from_toml(BEARING.replace("ROCKER", STIFF.format(size)))
+            ),
+            *(1.0, 0.0),
+            modes=2,
+        )
+        for size in (1, 10)
+    )
+    assert one[0] > 10
+    assert other == pytest.approx(one, rel=1e-3)

@@ -37,7 +37,7 @@ COMMANDS = {
     "section": [MOIST],
     "kinematics": [FOURBAR, "--speed", "10"],
     "coupler-curve": [FOURBAR, "--point", "33 mm,320 deg"],
-    "synthesize": ["--deviation", "20", "--rocker-angle", "40"],
+    "synthesize": ["--deviation", "20", "--rocker-angle", "100"],
     "check": [FOURBAR],
     "study composites": ["--no-plots"],
     "new": ["four-bar"],
