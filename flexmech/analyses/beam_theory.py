@@ -136,6 +136,8 @@ def _off_axis(engine: Engine) -> list[str]:
         length = mechanism.link_mass(name).length
         if engine.holds_ends and (held := held_beam(mechanism, name)[1]) is not None:
             warnings.append(_held(name, engine, section, held))
+            rest = "" if held.solid else _short(name, section, length)
+            warnings += [f"{rest} ({engine.name})"] if rest else []
             continue
         own = [_twist(name, section)]
         if {LinkEnd(name, "start"), LinkEnd(name, "end")} <= joined:

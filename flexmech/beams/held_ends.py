@@ -36,6 +36,9 @@ __all__ = ["HeldEnds", "held_beam", "held_ends"]
 
 WAVES = 3
 """Loads in half sines whose bending moments are among the distributions."""
+# Of the bending stiffness that end faces may seem to take away. They add to it; what takes is a
+# difference in shear.
+SOFTEST = 0.2
 # Elements of the beam that the link is held against.
 ELEMENTS = 28
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(24)
@@ -191,22 +194,28 @@ def held_ends(section: LaminateSection, length: float) -> HeldEnds | None:
     -------
     HeldEnds, optional
         None where the plies are along or across, or nothing that joints hold can matter. Of links
-        longer than :data:`SHORT` widths, and of more than :data:`MOST_RUNS` runs of equal plies,
-        the constant torque of :mod:`flexmech.sections.twist` alone.
+        longer than :data:`SHORT` widths, of more than :data:`MOST_RUNS` runs of equal plies, and so
+        short that shear hides their bending, the constant torque of
+        :mod:`flexmech.sections.twist` alone.
     """
     if not twists_matter(section):
         return None
     free = replace(section, reduction="narrow", twist="free")
     if length > SHORT * section.width or len(layer_runs(section.laminate)[0]) > MOST_RUNS + 1:
-        shapes = np.zeros((1, 2 + WAVES))
-        shapes[0, 0] = 1 / np.sqrt(length)
-        stiffness = np.array([[twisted_back(free)]])
-        return HeldEnds(length, shapes, stiffness, np.zeros((1, 1)), free.mass_per_length)
-    return _from_solid(free, length)
+        return _twist_alone(free, length)
+    return _from_solid(free, length) or _twist_alone(free, length)
 
 
-def _from_solid(free: LaminateSection, length: float) -> HeldEnds:
-    """Of a link in three dimensions."""
+def _twist_alone(free: LaminateSection, length: float) -> HeldEnds:
+    """A constant torque along the link that takes the twist back on the average."""
+    shapes = np.zeros((1, 2 + WAVES))
+    shapes[0, 0] = 1 / np.sqrt(length)
+    stiffness = np.array([[twisted_back(free)]])
+    return HeldEnds(length, shapes, stiffness, np.zeros((1, 1)), free.mass_per_length)
+
+
+def _from_solid(free: LaminateSection, length: float) -> HeldEnds | None:
+    """Of a link in three dimensions; None of one so short that its shear hides its bending."""
     solid = SolidLink.of(free, length)
     loads = np.concatenate([solid.couples(), solid.waves(WAVES)], axis=1)
     answers = solid.solve(loads)
@@ -225,6 +234,8 @@ def _from_solid(free: LaminateSection, length: float) -> HeldEnds:
     bending = free.bending_stiffness
     compliance = np.eye(len(gram)) / bending + inverse @ apart @ inverse.T
     added = np.linalg.inv(compliance) - bending * np.eye(len(gram))
+    if np.linalg.eigvalsh(added)[0] < -SOFTEST * bending:
+        return None
     shapes = inverse @ _load_moments(length)
     held = HeldEnds(length, shapes, (added + added.T) / 2, 0 * added, free.mass_per_length)
     rows = held.rows(chain.nodes, chain.elements)[:, inner]
@@ -232,7 +243,13 @@ def _from_solid(free: LaminateSection, length: float) -> HeldEnds:
     lacking = answers.T @ (solid.mass @ answers) - moved.T @ whole(chain.model.mass)[grid] @ moved
     by_shapes = np.linalg.inv(rows @ moved)
     inertia = by_shapes.T @ lacking @ by_shapes
-    return replace(held, mass=(inertia + inertia.T) / 2)
+    return replace(held, mass=_without_negative((inertia + inertia.T) / 2))
+
+
+def _without_negative(matrix: FloatArray) -> FloatArray:
+    """A kinetic energy whose parts below zero, which shear and not twist makes, are none."""
+    values, vectors = np.linalg.eigh(matrix)
+    return np.asarray((vectors * np.maximum(values, 0.0)) @ vectors.T)
 
 
 def _moments(x: FloatArray) -> FloatArray:

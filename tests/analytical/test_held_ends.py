@@ -125,6 +125,23 @@ def test_long_links_hold_their_twist_alone() -> None:
     assert held_ends(layers_of((0, 90, 90, 0), 4), length) is None
 
 
+@pytest.mark.parametrize("elements", [1, 4])
+def test_short_links_keep_their_energies_positive(elements: int) -> None:
+    """A difference in shear is no bending: it would take stiffness and mass away."""
+    short = layers_of((65, -21, -35, 0, 74), 3.9)
+    held = held_ends(short, 4 * THICKNESS)
+    assert held is not None
+    assert not held.solid
+    for layers in (short, layers_of((30, 0), 1)):
+        length = (4 if layers is short else 20) * THICKNESS
+        model = chain_of(layers, "timoshenko", length, elements).model
+        mass = whole(model.mass)
+        scale = np.sqrt(np.diag(mass))
+        assert np.linalg.eigvalsh(mass / np.outer(scale, scale))[0] > 0
+        stiffness = np.linalg.eigvalsh(whole(model.stiffness))
+        assert stiffness[0] > -1e-9 * stiffness[-1]
+
+
 def linkage_of(section: BeamSection) -> Mechanism:
     names = ("crank", "coupler", "rocker")
     return Mechanism(FourBar(0.18, 0.06, 0.18, 0.15), dict.fromkeys(names, section))
