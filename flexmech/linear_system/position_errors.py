@@ -14,9 +14,13 @@ from flexmech.types import FloatArray
 __all__ = ["LESS_LOADED", "RefusedPositionsError", "refuse_positions"]
 
 LESS_LOADED = "{less_loaded}"
-"""Where an advice says what lowers the loads: the crank speed, or what acts at rest."""
-RUNNING = "lower the crank speed"
-AT_REST = "lower what acts at rest (gravity, loads, springs, heat or water)"
+"""Where an advice says what lowers the loads: the crank speed and what acts at rest, or that alone.
+
+Of a linkage that its weight bends too far, no crank speed is low enough.
+"""
+ACTS_AT_REST = "what acts at rest (gravity, loads, springs, heat or water)"
+RUNNING = f"lower the crank speed or {ACTS_AT_REST}"
+AT_REST = f"lower {ACTS_AT_REST}"
 
 
 class RefusedPositionsError(ComputationError):
