@@ -206,8 +206,8 @@ def test_the_last_line_compares_the_engines(
         "engines: deflections of reference and exudyn differ by at most 9.9e-03 (crank), "
         "9.9e-03 (coupler), 9.9e-03 (rocker) of the link's peak"
         f", which is beyond their estimated errors (of {worst}: {reference} (reference), "
-        f"{reference} (exudyn)); trust reference, whose errors are the smaller; --check-mesh gives "
-        "the error by the mesh, which is not among them"
+        f"{reference} (exudyn)); not among these are the error by the mesh, which --check-mesh "
+        "gives, and what the linear equations of reference leave out"
     )
     table: Any = summary.parts[0]
     assert [row[:2] for group in table.groups for row in group] == [
@@ -218,6 +218,20 @@ def test_the_last_line_compares_the_engines(
     assert short_response.summary().verdict == (
         "engines: no comparison was made, only the reference engine ran"
     )
+
+
+def test_a_difference_that_the_mesh_does_not_explain_names_an_engine(
+    two_responses: Response,
+) -> None:
+    data = two_responses.dataset.copy(deep=True)
+    of = {n: n.replace("step_error_of", "mesh_error_of") for n in data if "step_error_of" in str(n)}
+    data = data.assign({name: 2 * data[step] for step, name in of.items()})
+    data["mesh_error"] = data["step_error"]
+    ends = "trust exudyn, since no error tells what the linear equations of reference leave out"
+    assert Response(data).summary().verdict.endswith(ends)
+    data["nonlinear"][:] = True
+    data["step_error_of_deflection"][1] = 0.0
+    assert Response(data).summary().verdict.endswith("trust exudyn, whose errors are the smaller")
 
 
 def test_engines_that_agree_have_one_block_of_the_table(two_responses: Response) -> None:
@@ -236,14 +250,15 @@ def test_a_small_links_own_error_counts(two_responses: Response) -> None:
     data = two_responses.dataset.copy(deep=True)
     for of in ("deflection", "peak_deflection"):
         data[f"step_error_of_{of}"].loc[{"link": "crank"}] = 0.006
-        data[f"step_error_of_{of}"].loc[{"link": ["coupler", "rocker"]}] = 1e-4
+        data[f"step_error_of_{of}"].loc[{"link": "coupler"}] = 1e-4
+        data[f"step_error_of_{of}"].loc[{"link": "rocker"}] = 2e-4
     changed = Response(data)
     within = changed.within_errors()
     assert within is not None
     assert within["deflection"].values.tolist() == [True, False, False]
     assert "beyond their estimated errors (of coupler: " in changed.summary().verdict
     line = next(line for line in check_lines(data) if line.startswith("error by the time step"))
-    assert "6.0e-03 (crank), 1.0e-04 (coupler), 1.0e-04 (rocker), exudyn" in line
+    assert "6.0e-03 (crank), 1.0e-04 (coupler), 2.0e-04 (rocker), exudyn" in line
     table: Any = changed.summary().parts[0]
     digits = [len(row[3].replace(".", "").lstrip("0")) for group in table.groups for row in group]
     assert digits[0] == 3 < digits[1]

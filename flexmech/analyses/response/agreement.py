@@ -155,13 +155,31 @@ def _verdict(gaps: xr.DataArray, errors: xr.DataArray, dataset: xr.Dataset) -> s
     # Where the difference is least explained.
     worst = {of: (gaps - allowed).idxmax(of).item()}
     told = errors.sel(worst)
-    said = (
-        f", which is beyond their estimated errors (of {worst[of]}: {listed(told)}); trust "
-        f"{told.idxmin('engine').item()}, whose errors are the smaller"
+    return (
+        f", which is beyond their estimated errors (of {worst[of]}: {listed(told)})"
+        f"{_unexplained(told, dataset)}"
     )
+
+
+def _unexplained(told: xr.DataArray, dataset: xr.Dataset) -> str:
+    """What no error tells of engines that differ by more, and which one to trust if that is known.
+
+    Parameters
+    ----------
+    told : xarray.DataArray
+        Errors over engine.
+    dataset : xarray.Dataset
+    """
+    nonlinear = dataset["nonlinear"].values.astype(bool)[: told.sizes["engine"]]
+    simulated, linear = told["engine"].values[nonlinear], told["engine"].values[~nonlinear]
+    left_out = f"what the linear equations of {linear[0]} leave out" if linear.size else ""
     if "mesh_error" not in dataset:
-        said += "; --check-mesh gives the error by the mesh, which is not among them"
-    return said
+        missing = ["the error by the mesh, which --check-mesh gives"]
+        missing += [left_out] if simulated.size and linear.size else []
+        return f"; not among these {'are' if missing[1:] else 'is'} {', and '.join(missing)}"
+    if simulated.size and linear.size:
+        return f"; trust {simulated[0]}, since no error tells {left_out}"
+    return f"; trust {told.idxmin('engine').item()}, whose errors are the smaller"
 
 
 def _large_bow(dataset: xr.Dataset) -> str:
