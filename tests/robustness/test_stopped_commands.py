@@ -1,4 +1,4 @@
-"""Signals at random times on every command: one line, a whole set of files or none."""
+"""Signals at random times and full disks, on every command: one line, all files or none."""
 
 from __future__ import annotations
 
@@ -8,12 +8,15 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 if os.name == "nt":
-    pytest.skip("POSIX signals", allow_module_level=True)
+    pytest.skip("POSIX signals and limits of resources", allow_module_level=True)
+
+import resource
 
 ROOT = Path(__file__).parents[2]
 SEED = 20241
@@ -57,12 +60,17 @@ def files(folder: Path) -> set[str]:
     return {name for name in found if ".flexmech-" not in name} - {"record.csv"}
 
 
-def started(name: str, folder: Path) -> subprocess.Popen[str]:
+def started(
+    name: str, folder: Path, before: Callable[[], None] | None = None
+) -> subprocess.Popen[str]:
     folder.mkdir()
     (folder / "record.csv").write_text(RECORD)
     pipe, environment = subprocess.PIPE, {**os.environ, "PYTHONPATH": str(ROOT)}
     return subprocess.Popen(
-        arguments(name), stdout=pipe, stderr=pipe, text=True, cwd=folder, env=environment
+        arguments(name),
+        **{"stdout": pipe, "stderr": pipe, "cwd": folder, "env": environment},
+        text=True,
+        preexec_fn=before,
     )
 
 
@@ -100,3 +108,16 @@ def test_a_signal_leaves_a_whole_set_or_nothing(name: str, tmp_path: Path) -> No
         assert (process.returncode, stderr.count("\n")) == (128 + number, 1), stderr
         assert stderr.startswith(LINES[number])
         assert not list(folder.rglob(".flexmech-*"))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_full_disk_leaves_nothing(name: str, tmp_path: Path) -> None:
+    def limit() -> None:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (600, 600))
+
+    process = started(name, tmp_path / "full", limit)
+    _, stderr = process.communicate()
+    assert process.returncode == 2, stderr
+    assert "cannot write to " in stderr.splitlines()[-1]
+    assert files(tmp_path / "full") == set()
