@@ -18,9 +18,9 @@ def lowest_axial_frequency(engine: Engine, crank_angle: FloatArray) -> float:
     """Lowest natural frequency of a linkage whose links stretch but do not bend, in Hz.
 
     Straight links, pinned as they are, with all masses and without stress: a truss, in which
-    a clamped link does not turn. The least of all positions. Welds are pins in it: links that
-    turn about these without stretching any do not vibrate and are not counted, nor are rigid
-    links, of which a truss may be loose.
+    a clamped link does not turn. The least of all positions. Bearings hold in it. Welds are pins
+    in it: links that turn about these without stretching any do not vibrate and are not counted,
+    nor are rigid links, of which a truss may be loose.
 
     Parameters
     ----------
@@ -33,18 +33,17 @@ def lowest_axial_frequency(engine: Engine, crank_angle: FloatArray) -> float:
     float
     """
     engine.check_runs()
-    linkage = engine.mechanism.linkage
+    topology = engine.tied_topology
     links = [_straight(link) for link in engine.links]
-    frames = LinkFrames(linkage.topology, links)
+    frames = LinkFrames(topology, links)
     matrices = frames.assemble(
-        linkage.motion(crank_angle, 0.0),
+        engine.mechanism.linkage.motion(crank_angle, 0.0),
         [link.stiffness for link in links],
         RotationTerms.all_or_none(False),
     )
-    clamped = [linkage.topology.index(clamp.held.link) for clamp in linkage.topology.clamps]
+    clamped = [topology.index(clamp.held.link) for clamp in topology.clamps]
     turning = [frames.targets[number][-2:] for number in clamped]
     free = np.setdiff1d(np.arange(frames.size), turning)
-    topology = linkage.topology
     loose = bool(topology.welds or any(link.rigid for link in links))
     squares = [
         _lowest(k, m, loose)

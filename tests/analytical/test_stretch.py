@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from flexmech import ReferenceEngine, load_mechanism
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import CrankDrive, JointSpring
 from flexmech.time_domain import DrivenLinkage, linear_run, lowest_axial_frequency, step_lag
 from flexmech.time_domain import stretch_march as march_module
 from flexmech.time_domain.lobatto import (
@@ -156,6 +158,14 @@ def test_lowest_axial_frequency_of_a_clamped_bar(arm_along_itself):
     mechanism, speed_of_sound, length = arm_along_itself
     found = lowest_axial_frequency(ReferenceEngine(mechanism, 32), np.zeros(1))
     assert found == pytest.approx(speed_of_sound / (4 * length), rel=1e-3)
+
+
+def test_a_bearing_holds_where_links_vibrate_along_themselves(aluminium):
+    """Its joint came apart: a truss that nothing held had the frequency zero, and runs failed."""
+    sprung = replace(aluminium, joint_springs=(JointSpring("B", radial_stiffness=1e5),))
+    turn = np.linspace(0.0, 2 * np.pi, 9)
+    found, held = (lowest_axial_frequency(ReferenceEngine(m), turn) for m in (sprung, aluminium))
+    assert found == pytest.approx(held, rel=1e-12)
 
 
 @pytest.fixture
