@@ -125,6 +125,7 @@ def test_long_links_hold_their_twist_alone() -> None:
     assert held_ends(layers_of((0, 90, 90, 0), 4), length) is None
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("elements", [1, 4])
 def test_short_links_keep_their_energies_positive(elements: int) -> None:
     """A difference in shear is no bending: it would take stiffness and mass away."""

@@ -154,7 +154,7 @@ def integrated_monodromy(
 
 
 @pytest.mark.parametrize("prestress", LOADED)
-@pytest.mark.parametrize("time", [0.0, 1e-3])
+@pytest.mark.parametrize("time", [0.0, pytest.param(1e-3, marks=pytest.mark.thorough)])
 def test_multipliers_of_the_unreduced_equations(mechanisms, prestress, time):
     # Nothing is reduced here: canonical form, rates by Fourier series and Magnus expansion
     # against the second-order equations, whose rotation terms are written out.
@@ -280,6 +280,7 @@ def test_what_beams_do_not_turn_with_their_nodes_falls_with_their_length(mechani
     assert np.all(np.diff(np.log2(left)) < -1.5)
 
 
+@pytest.mark.thorough
 def test_matrices_in_ground_axes_are_the_same_system(mechanisms):
     # Frozen eigenvalues differ, those of a whole turn do not.
     engine = ReferenceEngine(soft(mechanisms["aluminium"], 1e-3), elements=1, component_modes=False)

@@ -48,6 +48,7 @@ def test_a_slider_crank() -> None:
         assert gap(tables, column, "pin_A_x_N") < 1e-4
 
 
+@pytest.mark.thorough
 def test_a_welded_beam() -> None:
     deflection = "long_tip_deflection_m"
     fast, slow = (run("rotating_l_beam", speed, 5e-4 / speed) for speed in (1.0, 0.5))

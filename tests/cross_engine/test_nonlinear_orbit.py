@@ -73,6 +73,7 @@ def test_the_simulation_stays_on_the_orbit(mechanisms, name):
     assert gaps[1] < 0.4 * gaps[0]
 
 
+@pytest.mark.thorough
 def test_frequencies_on_the_orbit(aluminium):
     """V2, last row, and the shifts of the simulated orbit at other crank angles.
 

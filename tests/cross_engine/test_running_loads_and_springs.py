@@ -75,6 +75,7 @@ def test_both_engines_run_alike_and_account_for_all_energy() -> None:
     assert gap("dissipated_energy") < 2e-5
 
 
+@pytest.mark.thorough
 def test_joint_forces_of_a_chain_of_followers() -> None:
     """The rocker of two beams follows the coupler at B; the second beam hangs on the first."""
     mechanism = load_mechanism(Path(__file__).parents[2] / "models" / "carton_pusher.toml")

@@ -114,6 +114,7 @@ def test_a_speed_without_equilibrium_is_told_and_the_map_goes_on(aluminium):
     assert "crank angle" in found.speeds[1].reason
 
 
+@pytest.mark.thorough
 def test_bands_and_their_names_do_not_depend_on_the_step(steel):
     """Modes that damping holds together beside a band are mixtures, at more of finer steps."""
     found = []
@@ -136,6 +137,7 @@ def test_bands_and_their_names_do_not_depend_on_the_step(steel):
         assert fine.upper.crank_speed == pytest.approx(coarse.upper.crank_speed, abs=1e-5)
 
 
+@pytest.mark.thorough
 def test_over_damping_each_row_is_about_its_own_periodic_motion(aluminium):
     engine, asked = ReferenceEngine(aluminium, elements=2), {"modes": 2, "damping_ratio": 0.03}
     over = stability(

@@ -573,6 +573,7 @@ def test_stability_maps(scenario, held_number, tmp_path):
     assert_pictures(tmp_path, "aluminium_stability.png", "aluminium_damping.png")
 
 
+@pytest.mark.thorough
 def test_moisture_and_stability(scenario, held_number, tmp_path):
     module = scenario("moisture_and_stability")
     states = (module.STATES[0], module.STATES[-1])
