@@ -106,7 +106,8 @@ def test_a_signal_leaves_a_whole_set_or_nothing(name: str, tmp_path: Path) -> No
             assert process.returncode == -number
             continue
         assert (process.returncode, stderr.count("\n")) == (128 + number, 1), stderr
-        assert stderr.startswith(LINES[number])
+        # A stability map keeps the speeds that are done, and warns that there may be more.
+        assert stderr.removeprefix("warning: ").startswith(LINES[number].rstrip(": ")), stderr
         assert not list(folder.rglob(".flexmech-*"))
 
 
