@@ -21,6 +21,7 @@ import resource
 ROOT = Path(__file__).parents[2]
 SEED = 20241
 LINES = {signal.SIGINT: "interrupted: ", signal.SIGTERM: "terminated: "}
+KEPT = "warning: interrupted after "
 FOURBAR = str(ROOT / "models" / "aluminium_fourbar.toml")
 MOIST = str(ROOT / "models" / "moist_composite_fourbar.toml")
 COARSE = ("--elements", "1", "--engine", "reference")
@@ -106,8 +107,8 @@ def test_a_signal_leaves_a_whole_set_or_nothing(name: str, tmp_path: Path) -> No
             assert process.returncode == -number
             continue
         assert (process.returncode, stderr.count("\n")) == (128 + number, 1), stderr
-        # A stability map keeps the speeds that are done, and warns that there may be more.
-        assert stderr.removeprefix("warning: ").startswith(LINES[number].rstrip(": ")), stderr
+        # A stability map keeps the speeds that are done, and warns that there are more.
+        assert stderr.startswith((LINES[number], KEPT)), stderr
         assert not list(folder.rglob(".flexmech-*"))
 
 

@@ -193,7 +193,7 @@ class _EngineMap:
         except KeyboardInterrupt:
             if not any(s.solved for s in solutions):
                 raise
-            logger.warning("interrupted after %d of %d speeds", len(solutions), len(speeds))
+            logger.info("interrupted after %d of %d speeds", len(solutions), len(speeds))
             return solutions, True
         return solutions, False
 
