@@ -38,7 +38,7 @@ logger = logging.getLogger(__name__)
 REDUCTION_TOLERANCE = 2e-5
 RATIO_TOLERANCE = 1e-3
 RATIO_FLOOR = 1e-7
-DETAILS = (1.0, 2.0, GREAT_DETAIL, 2 * GREAT_DETAIL, 4 * GREAT_DETAIL)
+DETAILS = (1.0, 1.25, 2.0, GREAT_DETAIL, 2 * GREAT_DETAIL, 4 * GREAT_DETAIL)
 # Of unreduced matrices of one kind that are held at a time.
 MATRIX_BYTES = 4_000_000
 
