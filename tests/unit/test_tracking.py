@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from flexmech.analyses import moving_frequencies, natural_frequencies
 from flexmech.analyses.frequencies.assignment import assign, cross_amplitude, same_shapes
+from flexmech.analyses.frequencies.formulation import Formulation, Systems
+from flexmech.analyses.frequencies.reduction import settled
 from flexmech.analyses.frequencies.refinement import Between, Positions
 from flexmech.analyses.frequencies.tracking import Branches, Tracker
 from flexmech.errors import ComputationError
@@ -321,6 +323,36 @@ def test_a_map_does_not_depend_on_its_batches() -> None:
     assert small["mac"].values == pytest.approx(large["mac"].values, abs=1e-7)
     for name in ("branch_of_mode", "veering", "branch_whole"):
         assert np.array_equal(small[name], large[name])
+
+
+def test_frequencies_at_positions_do_not_depend_on_their_batches(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The first batch takes along the positions that are checked; here in no order."""
+    angles = np.random.default_rng(2).uniform(0, 2 * np.pi, 33)
+
+    def with_its_stress(
+        systems: Systems, crank_angle: FloatArray, *rest: Any, stressed: Any
+    ) -> Any:
+        own = systems.stressed(crank_angle, 20.0).displacement
+        assert own is not None
+        for found, expected in zip(stressed.displacement, own, strict=True):
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
+        return settled(systems, crank_angle, *rest, stressed=stressed)
+
+    large = natural_frequencies(ReferenceEngine(fourbar(), 4), angles, 20.0, modes=3)
+    monkeypatch.setattr("flexmech.analyses.frequencies.positions.settled", with_its_stress)
+    small = natural_frequencies(SmallBatches(fourbar(), 4), angles, 20.0, modes=3)
+    assert small == pytest.approx(large, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("count", "sizes"), [(1, [1]), (12, [12]), (13, [6, 7]), (32, [10, 11, 11])]
+)
+def test_batches_are_of_equal_size(count: int, sizes: list[int]) -> None:
+    parts = Systems(SmallBatches(fourbar(), 4), Formulation()).parts(count)
+    assert [len(range(count)[part]) for part in parts] == sizes
+    assert [place for part in parts for place in range(count)[part]] == list(range(count))
 
 
 def test_branches_of_the_aluminium_mechanism_follow_smooth_frequencies() -> None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -144,11 +146,33 @@ class Systems:
         return None if self.running is None else self.running.at(crank_angle)
 
     def batches(
-        self, crank_angle: FloatArray, crank_speed: FloatArray | float
+        self,
+        crank_angle: FloatArray,
+        crank_speed: FloatArray | float,
+        stressed: StressedLinks | None = None,
     ) -> Iterator[LinearSystem]:
-        """Linear systems along crank angles (A,) and speeds that match, a batch at a time."""
+        """Linear systems along crank angles (A,) and speeds that match, a batch at a time.
+
+        Parameters
+        ----------
+        crank_angle : ndarray, shape (A,)
+            In rad.
+        crank_speed : ndarray, shape (A,), or float
+            In rad/s.
+        stressed : StressedLinks, optional
+            What :meth:`stressed` gave in the first batch.
+        """
         speed = np.broadcast_to(crank_speed, crank_angle.shape)
-        size = self.engine.batch_size
-        for start in range(0, len(crank_angle), size):
-            batch = slice(start, start + size)
-            yield self.at(crank_angle[batch], speed[batch])
+        for batch in self.parts(len(crank_angle)):
+            yield self.at(crank_angle[batch], speed[batch], stressed)
+            stressed = None
+
+    def parts(self, count: int) -> list[slice]:
+        """Batches of so many positions, of equal size.
+
+        The memory wished for may be exceeded by a quarter: a batch takes some time whatever its
+        size, and a small last one is spared.
+        """
+        number = max(1, math.ceil(count / self.engine.batch_size - 1 / 4))
+        edges = [count * place // number for place in range(number + 1)]
+        return [slice(*both) for both in pairwise(edges)]

@@ -87,16 +87,13 @@ def frequencies_along(
     crank_speed : float or ndarray, shape (A,)
         In rad/s.
     stressed : StressedLinks, optional
-        In these positions, which are then solved in one batch; it is sought if left out.
+        In the first batch of positions; it is sought if left out.
 
     Returns
     -------
     ndarray, shape (A, modes)
         In Hz, ascending.
     """
-    count = systems.formulation.modes
-    if stressed is not None:
-        return solve_frequencies(systems.at(crank_angles, crank_speed, stressed), count)
     # By map no system is kept beside the next one, whose matrices then take its memory.
-    solve = partial(solve_frequencies, count=count)
-    return np.concatenate(list(map(solve, systems.batches(crank_angles, crank_speed))))
+    solve = partial(solve_frequencies, count=systems.formulation.modes)
+    return np.concatenate(list(map(solve, systems.batches(crank_angles, crank_speed, stressed))))

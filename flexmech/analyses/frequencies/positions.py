@@ -95,15 +95,16 @@ def frequencies_at(
         raise InputError("crank_angle is empty; give one crank angle or more")
     some = check_angle_indices(np.arange(angle.size, dtype=float), full_turn=False)
     with one_thread():
-        # The stress is the same in whatever modes: if all positions fit, it is sought once.
-        stressed = None
-        if angle.size <= engine.batch_size:
-            stressed = systems.stressed(flat_angle, flat_speed)
-        there = stressed and stressed.at(some)
+        # The stress is the same in whatever modes: it is sought once in the first batch, and in
+        # the positions to check along with it.
+        first = systems.parts(angle.size)[0]
+        known = np.union1d(np.arange(first.stop), some)
+        stressed = systems.stressed(flat_angle[known], flat_speed[known])
+        there = stressed.at(np.searchsorted(known, some))
         checked = settled(systems, flat_angle[some], flat_speed[some], stressed=there)
         if len(some) == angle.size:
             return checked.modes.frequency.reshape(*angle.shape, formulation.modes)
-        found = frequencies_along(checked.systems, flat_angle, flat_speed, stressed)
+        found = frequencies_along(checked.systems, flat_angle, flat_speed, stressed.at(first))
     return found.reshape(*angle.shape, formulation.modes)
 
 
