@@ -114,6 +114,7 @@ def test_a_critical_speed_has_one_message():
     assert nonlinear_orbit(heavy, (1 + 1e-5) * speed).residual < 1e-9
 
 
+@pytest.mark.thorough
 def test_no_orbit_is_said_and_not_replaced(aluminium):
     """At 150 rad/s the links have not even a quasi-static equilibrium."""
     with pytest.raises(ComputationError, match="no periodic motion found at crank speed 150 rad/s"):

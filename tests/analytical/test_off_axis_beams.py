@@ -182,6 +182,7 @@ def test_errors_of_beams_between_joints_are_computed_and_told() -> None:
     assert "between joints" not in tip
 
 
+@pytest.mark.thorough
 def test_long_links_are_held_against_beams_whose_ends_hold_the_twist() -> None:
     """What half a sine makes of the twist, and that the second mode meets none."""
     layers = section_of((30,), 4, "held").layers

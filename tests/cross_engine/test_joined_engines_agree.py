@@ -50,7 +50,13 @@ def test_model_files_at_rest(name: str) -> None:
 
 @pytest.mark.parametrize("name", DRAWN)
 @pytest.mark.parametrize(
-    "options", [{}, {"rotation_terms": False}, {"prestress": "axial"}], ids=str
+    "options",
+    [
+        {},
+        pytest.param({"rotation_terms": False}, marks=pytest.mark.thorough),
+        {"prestress": "axial"},
+    ],
+    ids=str,
 )
 def test_model_files_at_speed(name: str, options: Any) -> None:
     mechanism = model(name)

@@ -40,6 +40,7 @@ def gap(tables: list[pd.DataFrame], column: str, scale: str | None = None) -> fl
     return float(np.abs(second - first).max() / size)
 
 
+@pytest.mark.thorough
 def test_a_slider_crank() -> None:
     tables = run("slider_crank", 15.0, 2e-5)
     assert gap(tables, "rod_mid_deflection_m") < 1e-4

@@ -78,6 +78,7 @@ def test_the_running_response_is_the_same(both):
     compared(*results, ["deflection", "strain", "driving_torque", "joint_force"])
 
 
+@pytest.mark.thorough
 def test_stability_and_campbell_diagrams_are_the_same(both):
     maps = [stability(ReferenceEngine(mechanism, 2), [15.0, 20.0], modes=3) for mechanism in both]
     compared(*maps, ["growth_rate", "multiplier_modulus"])

@@ -16,10 +16,10 @@ from tests.random_runs import random_run
 NEGLIGIBLE = 3e-5
 
 
-# A four-bar with springs, and a slider-crank under two loads and a spring.
+# Without the long form, a slider-crank under two loads and a spring.
 @pytest.mark.parametrize(
     "seed",
-    [53, 54, *(pytest.param(s, marks=pytest.mark.thorough) for s in (4, 9, 40, 41, 44, 45, 48))],
+    [54, *(pytest.param(s, marks=pytest.mark.thorough) for s in (53, 4, 9, 40, 41, 44, 45, 48))],
 )
 def test_engines_agree_and_account_for_all_energy(seed: int) -> None:
     case = random_run(seed)

@@ -74,6 +74,7 @@ def test_slow_crank_is_linear(both):
     assert [gap(pair, link) for link in (1, 2)] == [pytest.approx(0, abs=1e-3)] * 2
 
 
+@pytest.mark.thorough
 def test_the_gap_grows_with_the_deflection(both):
     """Linear about straight links: the gap of a turn goes with the speed.
 
@@ -114,6 +115,7 @@ def test_periodic_orbit_is_nearly_that_of_the_simulation(mechanisms, name):
     assert np.abs(curves[-1] - curves[0]).max() < 1e-3 * np.abs(curves).max()
 
 
+@pytest.mark.thorough
 def test_direct_periodic_solution_is_where_a_damped_simulation_settles(aluminium):
     mechanism = damped(aluminium, 3e-4)
     drive = CrankDrive(20.0)
@@ -163,6 +165,7 @@ def test_strain_gauges_of_both_engines_read_alike(aluminium, simulated):
         assert np.corrcoef(first[:, link], deflections(exudyn, run)[:, link])[0, 1] > 0.98
 
 
+@pytest.mark.thorough
 def test_vibration_moves_the_frequencies_of_the_running_linkage(aluminium):
     """V2, last row: 45.158 and 47.683 Hz become 45.197 and 47.663 in the settled simulation.
 

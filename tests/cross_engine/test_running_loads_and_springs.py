@@ -53,6 +53,7 @@ def four_bar() -> Mechanism:
     return strips(Ternary(FOUR_BAR), loads=loads, springs=(RETURN,), joint_springs=(HINGE,))
 
 
+@pytest.mark.thorough
 def test_both_engines_run_alike_and_account_for_all_energy() -> None:
     """The reference's equations are linear in the displacement, here up to 4e-3 of a link."""
     mechanism = four_bar()
@@ -93,7 +94,9 @@ def test_joint_forces_of_a_chain_of_followers() -> None:
         assert "crank" not in [row[1] for row in found.summary().parts[0].groups[0]]
 
 
-@pytest.mark.parametrize("engine", [ReferenceEngine, ExudynEngine])
+@pytest.mark.parametrize(
+    "engine", [ReferenceEngine, pytest.param(ExudynEngine, marks=pytest.mark.thorough)]
+)
 def test_a_force_in_axes_of_its_link(engine: type[Engine]) -> None:
     """Across the tip of an arm it bends it always alike, and the shaft holds it."""
     force, length = 0.05, 0.3

@@ -282,13 +282,10 @@ main()
 @pytest.mark.skipif(
     sys.platform != "linux" or len(os.sched_getaffinity(0)) < 2, reason="one process does it all"
 )
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "number",
-    [
-        pytest.param(signal.SIGINT, marks=pytest.mark.thorough),
-        signal.SIGTERM,
-        pytest.param(signal.SIGKILL, marks=pytest.mark.thorough),
-    ],
+    [signal.SIGINT, signal.SIGTERM, signal.SIGKILL],
     ids=["SIGINT", "SIGTERM", "SIGKILL"],
 )
 def test_workers_that_are_busy_end_with_the_map(number: int, tmp_path: Path) -> None:
@@ -304,10 +301,11 @@ def test_workers_that_are_busy_end_with_the_map(number: int, tmp_path: Path) -> 
     since = time.monotonic()
     process.send_signal(number)
     _, stderr = process.communicate()
+    # A loaded machine takes its time: left alone, the workers would last for 600 s.
     while any(Path(f"/proc/{worker}").exists() for worker in names(at_work)):
-        assert time.monotonic() - since < 3
+        assert time.monotonic() - since < 60
         time.sleep(0.01)
-    assert time.monotonic() - since < 3
+    assert time.monotonic() - since < 60
     if number != signal.SIGKILL:
         assert (process.returncode, stderr.count("\n")) == (128 + number, 1), stderr
         assert stderr.startswith(LINES[signal.Signals(number)])
