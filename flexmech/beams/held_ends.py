@@ -82,6 +82,12 @@ class HeldEnds:
         amount = values @ (wave * _WEIGHTS * self.length / 2)
         return float(amount @ self.stiffness @ amount)
 
+    @property
+    def constant(self) -> FloatArray:
+        """Integrals m of a unit of curvature everywhere, (k,), in m^(1/2)."""
+        moments = _moments((_POINTS + 1) / 2)
+        return np.asarray(self.shapes @ (moments @ _WEIGHTS) * self.length / 2)
+
     def rows(self, nodes: FloatArray, elements: BeamElements) -> FloatArray:
         """Integrals m by the coordinates of a chain of elements.
 
@@ -120,7 +126,9 @@ class HeldEnds:
         """
         model, elements = chain.model, chain.elements
         rows = self.rows(chain.nodes, elements)
-        coupling = Coupling(rows, self.stiffness, elements.section.damping.bending)
+        section = elements.section
+        swollen = section.free_curvature * self.constant
+        coupling = Coupling(rows, self.stiffness, section.damping.bending, swollen)
         inertia = mass_per_length / self.mass_per_length * rows.T @ self.mass @ rows
         held = replace(
             model,

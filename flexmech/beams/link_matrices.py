@@ -53,11 +53,14 @@ class Coupling:
         Stiffness by these amounts.
     damping_time : float
         Of Kelvin-Voigt damping in s.
+    unloaded : ndarray, shape (k,)
+        Amounts that need no force, of links that swelling bends.
     """
 
     rows: FloatArray
     elastic: FloatArray
     damping_time: float
+    unloaded: FloatArray
 
     @property
     def stiffness(self) -> FloatArray:

@@ -40,15 +40,23 @@ class CoupledLinks:
         self._couplings = dict(couplings)
         self.columns = [self._columns(link) for link in self._couplings]
 
-    def resist(self, displacement: Sequence[FloatArray], forces: Sequence[FloatArray]) -> None:
+    def resist(
+        self,
+        displacement: Sequence[FloatArray],
+        forces: Sequence[FloatArray],
+        swelling: float = 1.0,
+    ) -> None:
         """Add the forces that the links exert.
 
         Parameters
         ----------
         displacement, forces : sequence of ndarray, shape (n_link, B)
+        swelling : float
+            Part of the swelling that has come on.
         """
         for link, own in self._couplings.items():
-            forces[link][:] += own.rows.T @ (own.elastic @ (own.rows @ displacement[link]))
+            bent = own.rows @ displacement[link] - swelling * own.unloaded[:, None]
+            forces[link][:] += own.rows.T @ (own.elastic @ bent)
 
     def tangents(self, ties: Ties, batch: int) -> Iterator[FloatArray]:
         """Stiffness of each link by its :attr:`columns`, (m, m, B), one after the other.

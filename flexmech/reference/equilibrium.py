@@ -319,7 +319,8 @@ class Equilibrium:
             nodal.append(np.moveaxis(link.of_nodes(tangent), -1, 0))
         tangents = dict(zip(self._links, link_matrices(nodal), strict=True))
         for number, coupling in self._couplings.items():
-            forces[number] += displacement[number] @ coupling.stiffness
+            bent = displacement[number] @ coupling.rows.T - coupling.unloaded
+            forces[number] += bent @ coupling.elastic @ coupling.rows
             tangents[number] = whole(tangents[number]) + coupling.stiffness
         return forces, tangents
 

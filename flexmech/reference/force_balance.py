@@ -85,7 +85,7 @@ class ForceBalance:
             strains.append(strain)
         if problem.bodies is not None:
             self._turn_bodies(problem.bodies, displacement, inner, entries)
-        self.coupled.resist(displacement, inner)
+        self.coupled.resist(displacement, inner, problem.swelling)
         turning: FloatArray | None = None
         springs: Iterable[FloatArray] = ()
         if problem.sprung is not None:
@@ -113,7 +113,7 @@ class ForceBalance:
             inner[number] = node_forces(force, self.per_node)
         if problem.bodies is not None:
             self._turn_bodies(problem.bodies, displacement, inner)
-        self.coupled.resist(displacement, inner)
+        self.coupled.resist(displacement, inner, problem.swelling)
         if problem.sprung is not None:
             self.springs.resist(problem.sprung, displacement, inner)
         return self._unbalanced(inner, ties, problem)

@@ -9,6 +9,7 @@ linkage matter to a beam; the swelling of its width and thickness goes into its 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from flexmech.numbers import check_fields
 from flexmech.sections.beam_reduction import Reduction
 from flexmech.sections.beam_section import BeamSection
 from flexmech.sections.laminate_section import LaminateSection
+from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST
 from flexmech.types import FloatArray
 
 __all__ = ["HygrothermalProfile", "SwollenSection", "swollen_section"]
@@ -148,6 +150,8 @@ def swollen_section(section: BeamSection, profile: HygrothermalProfile) -> Swoll
     grown = Laminate(tuple(s.swollen for s in slices))
     across = 1 + (free[0, 1] if dry.reduction == "narrow" else 0.0)
     soft = LaminateSection(grown, dry.width * across, dry.reduction, dry.twist)
+    if soft.twist == "held" and free[1, 2] and soft.twists:
+        free = _without_twist(free, soft)
     elongation = float(free[0, 0])
     # Where nothing bends, the axis does not matter, and need not be found.
     if free[1, 0]:
@@ -227,12 +231,34 @@ def _free_strains(slices: list[_Slice], reduction: Reduction) -> FloatArray:
     return strains.reshape(2, 3)
 
 
+def _without_twist(free: FloatArray, section: LaminateSection) -> FloatArray:
+    """Free strains (2, 3) of a section whose joints take back the twist that it would swell to.
+
+    The torque that they need is the same along the whole link; it bends and stretches plies that
+    couple these with twist (:mod:`flexmech.sections.twist`).
+    """
+    by_torque = section.solid.compliance[:, TWIST]
+    # The shear between the faces is of twice the twist.
+    torque = -free[1, 2] / 2 / by_torque[TWIST]
+    held = free.copy()
+    held[0, 0] += by_torque[STRETCH] * torque
+    held[1, 0] -= by_torque[CURVATURE] * torque
+    held[1, 2] = 0.0
+    return held
+
+
 def _changed(
     section: BeamSection, dry: LaminateSection, wet: LaminateSection, curvature: float
 ) -> BeamSection:
     """The section with each stiffness and inertia changed as that of its layers."""
+
+    def then(name: str) -> Any:
+        own, of_dry, of_wet = (getattr(each, name) for each in (section, dry, wet))
+        # To the last bit: it tells whose stiffness is that of its layers.
+        return of_wet if own == of_dry else own * (of_wet / of_dry)
+
     changed = {
-        name: getattr(section, name) * (getattr(wet, name) / getattr(dry, name))
+        name: then(name)
         for name in (
             "axial_stiffness",
             "bending_stiffness",

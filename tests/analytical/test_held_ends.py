@@ -197,6 +197,23 @@ def test_the_equilibrium_has_what_the_ends_hold() -> None:
         assert change == pytest.approx(linear, abs=1e-5 * np.abs(linear).max())
 
 
+def test_links_that_swelling_bends_have_no_forces_at_rest() -> None:
+    """What the ends hold is held about the curvature that the link swells to between them."""
+    section = BeamSection.of_laminate(replace(layers_of((30,), 4), twist="held"))
+    mechanism = linkage_of(replace(section, free_curvature=0.1))
+    engine = ReferenceEngine(mechanism, 4, "timoshenko")
+    stressed = engine.stressed_links(mechanism.linkage.motion(np.ones(1), 0.0), "equilibrium")
+    assert stressed.internal_force is not None
+    assert stressed.displacement is not None
+    moment = 0.1 * section.bending_stiffness
+    for force in stressed.internal_force:
+        assert np.abs(force).max() < 1e-6 * moment
+    per_node = engine.chains[1].elements.shapes.per_node
+    across = stressed.displacement[1][0, 1::per_node]
+    arc = abs(across[2] - across[[0, -1]].mean())
+    assert arc == pytest.approx(0.1 * 0.18**2 / 8, rel=2e-3)
+
+
 @pytest.mark.parametrize("elements", [4, 18])
 def test_the_equilibrium_of_a_slow_linkage_is_that_of_straight_links(
     elements: int,
