@@ -12,6 +12,7 @@ from flexmech.beams.held_ends import HeldEnds, held_beam
 from flexmech.beams.solid_link import beam_error
 from flexmech.linear_system import (
     ELASTICITY,
+    HELD_ENDS,
     NEGLIGIBLE,
     Engine,
     TheoryComparison,
@@ -59,7 +60,7 @@ def theory_attributes(engines: Sequence[Engine], modes: int) -> dict[str, str]:
     comparison = first.compare_theories(first.mechanism, modes)
     warnings = [_left_out(engine, comparison) for engine in engines]
     for engine in engines:
-        warnings += _off_axis(engine)
+        warnings += [*_off_axis(engine), _one_stiffness(engine, comparison)]
     reasons = []
     if len(engines) > 1 and first.theory != engines[1].theory:
         apart = comparison.difference(engines[1].theory, first.theory)
@@ -68,7 +69,7 @@ def theory_attributes(engines: Sequence[Engine], modes: int) -> dict[str, str]:
             f"by up to {_percent(apart)} at rest{_more_complete(first, engines[1])}"
         )
     if len(engines) > 1:
-        reasons += _ends_apart(engines)
+        reasons += _ends_apart(engines, comparison)
     return {
         LINES: _choice([engine for engine in engines if engine.chooses_element], comparison),
         WARNINGS: "\n".join(filter(None, warnings)),
@@ -163,26 +164,48 @@ def _held(link: str, engine: Engine, section: BeamSection, held: HeldEnds) -> st
     )
 
 
-def _ends_apart(engines: Sequence[Engine]) -> list[str]:
+def _one_stiffness(engine: Engine, comparison: TheoryComparison) -> str:
+    """What one stiffness of off-axis plies does to the linkage; nothing if that is negligible."""
+    if engine.holds_ends or not _links_held(engine):
+        return ""
+    found = comparison.difference("timoshenko", HELD_ENDS)
+    if found.value <= NEGLIGIBLE:
+        return ""
+    return (
+        f"off-axis plies bend and twist by one stiffness: frequencies of the linkage may be off by "
+        f"{_percent(found)} at rest ({engine.name})"
+    )
+
+
+def _links_held(engine: Engine) -> list[str]:
+    """Links whose off-axis plies bend and twist otherwise than by one stiffness."""
+    mechanism = engine.mechanism
+    sections = mechanism.sections.items()
+    layered = [name for name, section in sections if section.layers is not None]
+    return [name for name in layered if held_beam(mechanism, name)[1] is not None]
+
+
+def _ends_apart(engines: Sequence[Engine], comparison: TheoryComparison) -> list[str]:
     """How links of off-axis plies keep two engines apart, if only one of them holds the ends."""
     coarse = [engine for engine in engines if not engine.holds_ends]
     fine = [engine for engine in engines if engine.holds_ends]
     if not coarse or not fine:
         return []
     mechanism, apart = fine[0].mechanism, []
-    for name, section in mechanism.sections.items():
-        if section.layers is None or held_beam(mechanism, name)[1] is None:
-            continue
-        found = beam_error(section.layers, mechanism.link_mass(name).length)
+    for name in _links_held(fine[0]):
+        layers = mechanism.sections[name].layers
+        assert layers is not None
+        found = beam_error(layers, mechanism.link_mass(name).length)
         # Without three dimensions: the second mode, whose ends turn alike, has no torque.
-        worst = max(map(abs, found.of_modes)) if found else _gain_by_twist(section.layers)
+        worst = max(map(abs, found.of_modes)) if found else _gain_by_twist(layers)
         if worst > NOTICED:
             apart.append(f"{name} by up to {100 * worst:.2g} %")
     if not apart:
         return []
     return [
         f"off-axis plies bend and twist by one stiffness in {coarse[0].name} ({', '.join(apart)} "
-        f"off in its first two modes); trust {fine[0].name}"
+        f"off in its first two modes between pins, the linkage's frequencies at rest by up to "
+        f"{_percent(comparison.difference('timoshenko', HELD_ENDS))}); trust {fine[0].name}"
     ]
 
 

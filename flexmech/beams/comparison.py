@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 import scipy.linalg
 
+from flexmech.beams.held_ends import held_beam
 from flexmech.beams.link_matrices import build_chain
 from flexmech.beams.plane_link import compression_frequency, plane_link
 from flexmech.beams.theories import BEAM_SHAPES
@@ -15,6 +16,7 @@ from flexmech.choices import MODES
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     ELASTICITY,
+    HELD_ENDS,
     Connectors,
     LinkFrames,
     LinkModel,
@@ -61,7 +63,8 @@ def compare_theories(mechanism: Mechanism, modes: int = MODES) -> TheoryComparis
     -------
     TheoryComparison
         Of the theories in :data:`flexmech.beams.BEAM_SHAPES`, and of two-dimensional elasticity
-        for those links whose layers are compressed at such frequencies.
+        for those links whose layers are compressed at such frequencies; and of links of off-axis
+        plies as joints hold them.
     """
     topology = mechanism.linkage.topology
     # Damping, free strains and what a section is called do not matter to frequencies at rest.
@@ -210,5 +213,10 @@ def _beam(links: _Links, number: int, theory: str, modes: int) -> LinkModel:
     name, section, mass = links.topology.link_names[number], *_flexible(links)[number]
     if section is None:
         return rigid_link(name, mass)
+    elements = max(LEAST_ELEMENTS, 2 * modes)
+    if theory == HELD_ENDS:
+        own, held = held_beam(links.mechanism, name)
+        chain = build_chain(name, own, mass, elements, BEAM_SHAPES["timoshenko"])
+        return chain.model if held is None else held.hold(chain, mass.mass_per_length).model
     shapes = BEAM_SHAPES[FINEST if theory == ELASTICITY else theory]
-    return build_chain(name, section, mass, max(LEAST_ELEMENTS, 2 * modes), shapes).model
+    return build_chain(name, section, mass, elements, shapes).model

@@ -87,6 +87,7 @@ from flexmech.linear_system.tension import (
 )
 from flexmech.linear_system.theory_comparison import (
     ELASTICITY,
+    HELD_ENDS,
     NEGLIGIBLE,
     TheoryComparison,
     TheoryDifference,
@@ -95,6 +96,7 @@ from flexmech.linear_system.theory_comparison import (
 __all__ = [
     "ELASTICITY",
     "GREAT_DETAIL",
+    "HELD_ENDS",
     "LAST_STEP",
     "LESS_LOADED",
     "LOAD_STEPS",

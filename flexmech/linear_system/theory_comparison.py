@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["ELASTICITY", "NEGLIGIBLE", "TheoryComparison", "TheoryDifference"]
+__all__ = ["ELASTICITY", "HELD_ENDS", "NEGLIGIBLE", "TheoryComparison", "TheoryDifference"]
 
 NEGLIGIBLE = 0.01
 """Relative difference of a frequency up to which the simpler theory is taken."""
@@ -17,6 +17,10 @@ NEGLIGIBLE = 0.01
 
 ELASTICITY = "elasticity"
 """In the place of a theory: plane stress for links whose soft layers are compressed."""
+
+HELD_ENDS = "held ends"
+"""In the place of a theory: Timoshenko's, and links of off-axis plies between joints as in three
+dimensions."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +49,8 @@ class TheoryComparison:
     Parameters
     ----------
     frequency : callable
-        Of a theory's name, or :data:`ELASTICITY`: its frequencies in Hz at some crank angles,
-        (A, modes).
+        Of a theory's name, :data:`ELASTICITY` or :data:`HELD_ENDS`: its frequencies in Hz at some
+        crank angles, (A, modes).
     eccentric : bool
         Whether a neutral axis is off the pins' axis, which asks for a beam that shears.
     """
