@@ -68,6 +68,12 @@ def same_shapes(known: NDArray[Any], shapes: NDArray[Any], numbering: IntArray |
     ndarray of int, shape (m,)
     """
     a, b = (np.reshape(s, (len(s), -1)) for s in (known, shapes))
-    a, b = (s / np.linalg.norm(s, axis=1, keepdims=True) for s in (a, b))
+    a, b = (s / _lengths(s) for s in (a, b))
     source: IntArray = assign(np.abs(a.conj() @ b.T)[None])[0]
     return source if numbering is None else numbering[source]
+
+
+def _lengths(shapes: NDArray[Any]) -> FloatArray:
+    """Norm of each shape (m, 1); one where nothing moves but sections turn, at stations of none."""
+    length = np.linalg.norm(shapes, axis=1, keepdims=True)
+    return np.where(length > 0, length, 1.0)

@@ -98,9 +98,11 @@ def _ratio_at(solver: LinkageSolver, crank_speed: float, start: float) -> float:
         if high > LARGEST_RATIO:
             return float("nan")
         low, high = high, _beyond(growth, low, high)
-    if low == 0.0 and growth(LEAST_RATIO) <= 0:
-        return 0.0
-    low = max(low, LEAST_RATIO)
+    if low < LEAST_RATIO:
+        # Also a start that is less than it, at which a vibration still grows.
+        if growth(LEAST_RATIO) <= 0:
+            return 0.0
+        low = LEAST_RATIO
     return float(scipy.optimize.brentq(growth, low, high, rtol=RATIO_TOLERANCE))
 
 

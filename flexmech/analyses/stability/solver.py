@@ -39,6 +39,9 @@ RADIANS_A_STEP = 1.5
 # A free shaft moves far more slowly, and what the steps leave of the fastest modes shows there.
 RADIANS_BESIDE_A_FREE_SHAFT = 0.5
 LEAST_STEPS = 128
+# Bytes that the steps of a turn may take, and what is kept of each step: matrices of the size of A,
+# and waves of each harmonic (measured).
+MOST_BYTES, MATRICES_A_STEP, WAVES_A_STEP = 4e9, 10, 12
 # Part of their size by which the multipliers' logarithms may miss the integral of the trace.
 LIOUVILLE = 1e-6
 
@@ -363,10 +366,27 @@ class LinkageSolver:
     def steps_for(self, moving: VibratingLinkage) -> int:
         """Steps of the propagator a turn."""
         if self.steps is not None:
+            _refuse_too_many_steps(self.steps, moving, "fewer steps")
             return self.steps
         radians = RADIANS_BESIDE_A_FREE_SHAFT if self.engine.rigid_modes else RADIANS_A_STEP
         wanted = max(LEAST_STEPS, moving.fastest * moving.period / radians)
-        return 2 * SHAPE_ANGLES * int(np.ceil(wanted / (2 * SHAPE_ANGLES)))
+        steps = 2 * SHAPE_ANGLES * int(np.ceil(wanted / (2 * SHAPE_ANGLES)))
+        _refuse_too_many_steps(steps, moving, "fewer modes or faster crank speeds")
+        return steps
+
+
+def _refuse_too_many_steps(steps: int, moving: VibratingLinkage, remedy: str) -> None:
+    """Refuse steps that do not fit into memory."""
+    matrices = MATRICES_A_STEP * (2 * moving.size) ** 2
+    waves = WAVES_A_STEP * len(moving.conservative.coefficients)
+    size = np.dtype(float).itemsize * steps * (matrices + waves)
+    if size > MOST_BYTES:
+        raise ComputationError(
+            f"a turn at crank speed {CRANK_SPEED} takes {steps} steps, since the fastest moving mode "
+            f"vibrates at {moving.fastest / (2 * np.pi):.3g} Hz; they need some {size / 1e9:.2g} GB, "
+            f"and at most {MOST_BYTES / 1e9:g} are taken: ask for {remedy}",
+            crank_speed=moving.crank_speed,
+        )
 
 
 def _hold_to_trace(liouville_defect: float, crank_speed: float) -> None:
