@@ -380,11 +380,12 @@ def _refuse_too_many_steps(steps: int, moving: VibratingLinkage, remedy: str) ->
     matrices = MATRICES_A_STEP * (2 * moving.size) ** 2
     waves = WAVES_A_STEP * len(moving.conservative.coefficients)
     size = np.dtype(float).itemsize * steps * (matrices + waves)
+    frequency = moving.fastest / (2 * np.pi)
     if size > MOST_BYTES:
         raise ComputationError(
-            f"a turn at crank speed {CRANK_SPEED} takes {steps} steps, since the fastest moving mode "
-            f"vibrates at {moving.fastest / (2 * np.pi):.3g} Hz; they need some {size / 1e9:.2g} GB, "
-            f"and at most {MOST_BYTES / 1e9:g} are taken: ask for {remedy}",
+            f"a turn at crank speed {CRANK_SPEED} takes {steps} steps, since the fastest moving "
+            f"mode vibrates at {frequency:.3g} Hz; they need some {size / 1e9:.2g} GB, and at most "
+            f"{MOST_BYTES / 1e9:g} are taken: ask for {remedy}",
             crank_speed=moving.crank_speed,
         )
 
