@@ -42,10 +42,14 @@ class EngineLinks(ElementKinds):
     solves_connectors : bool
         Whether the engine's own equilibrium counts loads and springs; they are among its loads
         where it does not.
+    equilibrium_has_pull : bool
+        Whether tangents at equilibrium have what a rigid clamped link meets by those that it leads;
+        see :meth:`flexmech.linear_system.free_shaft.FreeShaft.pull`.
     """
 
     name: ClassVar[str]
     solves_connectors: ClassVar[bool] = False
+    equilibrium_has_pull: ClassVar[bool] = False
     mechanism: Mechanism
     _free_shaft: FreeShaft | None
 
@@ -133,7 +137,9 @@ class EngineLinks(ElementKinds):
             return held
         reaction = pull = None
         if not self._is_straight(motion, prestress):
-            pull = shaft.pull(self.mechanism, motion)
+            # An equilibrium may have it in its tangents.
+            if not (self.equilibrium_has_pull and prestress == "equilibrium"):
+                pull = shaft.pull(self.mechanism, motion)
             reaction = shaft.reaction(self.held_links, motion, held.loads)
         return shaft.stressed(self.held_links, held, reaction, pull)
 

@@ -88,6 +88,7 @@ class ExudynEngine(Engine):
     theories: ClassVar[dict[str, str]] = {"ancf": "euler", "geometrically-exact": "timoshenko"}
     simulates: ClassVar[bool] = True
     solves_connectors: ClassVar[bool] = True
+    equilibrium_has_pull: ClassVar[bool] = True
 
     @property
     def axial_modes_of_bows(self) -> int:
