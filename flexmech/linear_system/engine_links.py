@@ -139,7 +139,7 @@ class EngineLinks(ElementKinds):
         if not self._is_straight(motion, prestress):
             # An equilibrium may have it in its tangents.
             if not (self.equilibrium_has_pull and prestress == "equilibrium"):
-                pull = shaft.pull(self.mechanism, motion)
+                pull = shaft.pull(self.mechanism, self.held_links, motion, held)
             reaction = shaft.reaction(self.held_links, motion, held.loads)
         return shaft.stressed(self.held_links, held, reaction, pull)
 
@@ -280,7 +280,8 @@ class EngineLinks(ElementKinds):
             return self.running_held_links(motion, displacement)
         clamped = shaft.displacements(self.held_links, list(displacement))
         held = self.running_held_links(motion, clamped)
-        free = shaft.stressed(self.held_links, held, pull=shaft.pull(self.mechanism, motion))
+        pull = shaft.pull(self.mechanism, self.held_links, motion)
+        free = shaft.stressed(self.held_links, held, pull=pull)
         return replace(free, displacement=list(displacement))
 
     def running_held_links(

@@ -169,18 +169,29 @@ class FreeShaft:
             total -= along[:, None] * direction(turn) + across[:, None] * normal(turn)
         return total
 
-    def pull(self, mechanism: Mechanism, motion: RigidMotion) -> FloatArray | None:
+    def pull(
+        self,
+        mechanism: Mechanism,
+        links: tuple[LinkModel, ...],
+        motion: RigidMotion,
+        held: StressedLinks | None = None,
+    ) -> FloatArray | None:
         """What flexible links that a rigid clamped one leads add to its stiffness against a turn.
 
-        They pull with the forces of the rigid linkage. Where the shaft is held these are no
-        springs of the clamped link, as its far end does not move; where it is free that end
-        moves on a circle. A flexible clamped link has them in its tension.
+        Where the shaft is held their forces are no springs of the clamped link, as its far end
+        does not move; where it is free that end moves on a circle. A flexible clamped link has
+        them in its tension.
 
         Parameters
         ----------
         mechanism : Mechanism
+        links : tuple of LinkModel
+            Unreduced and clamped.
         motion : RigidMotion
             Batch of shape (B,).
+        held : StressedLinks, optional
+            In the state with the shaft held. Without its forces, and for pins that springs alone
+            hold, those of the rigid linkage are taken.
 
         Returns
         -------
@@ -197,12 +208,21 @@ class FreeShaft:
         ]
         if not own.rigid or not led:
             return None
-        forces = mechanism.inverse_dynamics(motion).joint_force
+        told = held is not None and None not in (held.loads, held.internal_force)
+        sprung = [bool(getattr(tie, "sprung", False)) for tie in led]
+        rigid = mechanism.inverse_dynamics(motion).joint_force if any(sprung) or not told else {}
         total = np.zeros(len(motion.crank_angle))
         along = direction(motion.angle[:, self.link])
-        for tie in led:
+        for tie, by_spring in zip(led, sprung, strict=True):
+            if told and not by_spring:
+                assert held is not None
+                force = _on_leader(topology.index(tie.follower.link), tie.follower.end, links, held)
+                angle = motion.angle[:, topology.index(tie.follower.link)]
+                force = force[:, :1] * direction(angle) + force[:, 1:] * normal(angle)
+            else:
+                force = -rigid[tie.joint]
             side = (tie.leader.end == "end") - (self.clamp.held.end == "end")
-            total -= side * own.length * np.sum(forces[tie.joint] * along, axis=1)
+            total += side * own.length * np.sum(force * along, axis=1)
         return total
 
     def stressed(
@@ -269,3 +289,13 @@ class FreeShaft:
     def has_lever(self) -> bool:
         """Whether the clamped end is off the shaft's axis."""
         return bool(np.any(self.lever))
+
+
+def _on_leader(
+    link: int, end: str, links: tuple[LinkModel, ...], held: StressedLinks
+) -> FloatArray:
+    """Force of a flexible link's end on what leads it, in the link's frame, (B, 2)."""
+    assert held.loads is not None
+    assert held.internal_force is not None
+    rows = links[link].end_displacement(end)
+    return np.asarray((held.loads[link] - held.internal_force[link])[:, rows])
