@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import reprlib
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -80,6 +81,10 @@ class Bounds:
 # Of angles that come from degrees, with their rounding.
 FULL_TURN = 2 * np.pi * (1 + 1e-12)
 
+_NUMBERS = (int, float, np.integer, np.floating)
+# Which Python and NumPy count among them: a span of time is an integer to NumPy.
+_NO_NUMBERS = (bool, np.timedelta64)
+_ADDRESS = re.compile(" at 0x[0-9a-f]+")
 _SHORT = reprlib.Repr()
 _SHORT.maxother = _SHORT.maxstring = 100
 
@@ -104,7 +109,7 @@ def check_number(value: object, name: str, unit: str = "", bounds: Bounds = FINI
     ------
     InputError
     """
-    if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
+    if isinstance(value, _NO_NUMBERS) or not isinstance(value, _NUMBERS):
         raise InputError(_no_number(value, name, unit))
     try:
         number = float(value)
@@ -255,7 +260,7 @@ def checked_tuple(
     InputError
         If it is a single thing or text, or something else is among them.
     """
-    scalar = isinstance(values, np.ndarray) and not values.ndim
+    scalar = getattr(values, "ndim", None) == 0
     if isinstance(values, str | bytes | type) or scalar or not isinstance(values, Iterable):
         raise InputError(f"{name} must be a sequence, got {_shown(values)}; {remedy}")
     items = tuple(values)
@@ -286,8 +291,10 @@ def check_count(
     InputError
         Names the argument and its least number.
     """
-    if isinstance(value, int | np.integer) and not isinstance(value, bool) and value >= least:
-        if most is not None and value > most:
+    counts = isinstance(value, int | np.integer) and not isinstance(value, _NO_NUMBERS)
+    number = int(value) if counts else None  # type: ignore[call-overload]
+    if number is not None and number >= least:
+        if most is not None and number > most:
             wanted = f"{name} must be at most {most} {unit}".rstrip()
             raise InputError(f"{wanted}, got {_shown(value)}")
         return
@@ -339,14 +346,17 @@ def checked_array(values: ArrayLike, name: str, unit: str = "") -> FloatArray:
     """
     try:
         array = values if isinstance(values, np.ndarray) else np.asarray(values)
-    except ValueError as error:
+    except (TypeError, ValueError) as error:
         raise InputError(_no_number(values, name, unit)) from error
     if array.dtype.kind not in "iuf" or np.ma.is_masked(array):
         raise InputError(_no_number(values, name, unit))
-    if not np.isfinite(array).all():
-        wrong = array[~np.isfinite(array)].flat[0]
+    # A number of more digits may be beyond those of double precision.
+    with np.errstate(over="ignore"):
+        numbers = np.asarray(array, dtype=float)
+    if not np.isfinite(numbers).all():
+        wrong = array[~np.isfinite(numbers)].flat[0]
         raise InputError(f"{name} must be finite numbers, got {wrong} {unit}".rstrip())
-    return np.asarray(array, dtype=float)
+    return numbers
 
 
 def _no_number(value: object, name: str, unit: str) -> str:
@@ -359,4 +369,4 @@ def _no_number(value: object, name: str, unit: str) -> str:
 
 def _shown(value: object) -> str:
     """Write a value in one line."""
-    return " ".join(_SHORT.repr(value).split())
+    return _ADDRESS.sub("", " ".join(_SHORT.repr(value).split()))

@@ -10,7 +10,16 @@ from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
 from flexmech.linkages.motion import direction, normal
-from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_choice, check_number, checked_array
+from flexmech.numbers import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    check_choice,
+    check_instance,
+    check_number,
+    check_pair,
+    checked_array,
+    checked_tuple,
+)
 from flexmech.types import FloatArray
 
 __all__ = ["GROUND", "Axes", "JointSpring", "LinkPoint", "Load", "LoadOver", "Spring"]
@@ -22,6 +31,9 @@ Axes = Literal["ground", "link"]
 LoadOver = Literal["constant", "crank_angle", "time"]
 AXES: tuple[Axes, ...] = ("ground", "link")
 LOAD_OVER: tuple[LoadOver, ...] = ("constant", "crank_angle", "time")
+
+
+_POINT = "give flexmech.linkages.LinkPoint(link, x) with x in m"
 
 
 @dataclass(frozen=True)
@@ -100,17 +112,23 @@ class Load:
         what = f"load {self.name}"
         check_choice(self.axes, AXES, f"{what}: axes")
         check_choice(self.over, LOAD_OVER, f"{what}: over")
+        check_instance(self.point, LinkPoint, f"{what}: point", _POINT)
         if self.point.is_ground:
             raise InputError(f"{what} acts on the ground; give a point of a link")
-        rows = 1 if self.over == "constant" else len(self.at)
+        remedy = "give one of each for each place in a tuple"
+        object.__setattr__(self, "torque", checked_tuple(self.torque, object, what, remedy))
+        object.__setattr__(self, "force", checked_tuple(self.force, object, what, remedy))
+        for pair in self.force:
+            check_pair(pair, f"{what}: each force", "N")
+        places = checked_array(self.at, f"{what}: at", "rad or s")
+        rows = 1 if self.over == "constant" else places.size
         if not len(self.force) == len(self.torque) == rows or not rows:
             raise InputError(
                 f"{what} has {len(self.force)} forces and {len(self.torque)} torques for {rows} "
                 "places; give one of each for each place"
             )
-        for number in (*self.torque, *(component for pair in self.force for component in pair)):
-            check_number(number, f"{what}: each force and torque", "N, N m")
-        places = checked_array(self.at, f"{what}: at", "rad or s")
+        for torque in self.torque:
+            check_number(torque, f"{what}: each torque", "N m")
         if np.any(np.diff(places) <= 0):
             raise InputError(f"{what}: its places must increase, each beyond the one before it")
         if self.over == "crank_angle" and places[-1] - places[0] >= 2 * np.pi:
@@ -194,6 +212,8 @@ class Spring:
         check_number(self.stiffness, f"{what}: stiffness", "N/m", NOT_NEGATIVE)
         check_number(self.free_length, f"{what}: free_length", "m", NOT_NEGATIVE)
         check_number(self.damping, f"{what}: damping", "N s/m", NOT_NEGATIVE)
+        for end in (self.first, self.second):
+            check_instance(end, LinkPoint, f"each end of {what}", _POINT)
         if self.first.link == self.second.link:
             raise InputError(f"{what} has both ends on {self.first.link}; join two links")
 

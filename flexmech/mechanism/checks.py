@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 
 from flexmech.errors import InputError
 from flexmech.linkages import JointSpring, LinkPoint, Load, Spring, Topology
-from flexmech.mechanism.parts import AttachedBody, PointMass
+from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
 from flexmech.numbers import NOT_NEGATIVE, check_instance, check_number, checked_tuple
 
 __all__ = [
@@ -16,6 +16,7 @@ __all__ = [
     "check_point_masses",
     "check_speeds",
     "check_springs",
+    "check_wetting",
 ]
 
 
@@ -90,10 +91,20 @@ def check_springs(
             _check_on_link(topology, f"spring {spring.name}", point)
     kinds = zip(topology.joint_names, topology.joint_kinds, strict=True)
     sprung = sorted(joint for joint, kind in kinds if kind in ("pin", "pivot"))
-    for own in joint_springs:
-        check_instance(own, JointSpring, "each of joint_springs", "give JointSpring(joint)")
+    remedy = "give JointSpring(joint) in a tuple"
+    for own in checked_tuple(joint_springs, JointSpring, "joint_springs", remedy):
         if own.joint not in sprung:
             raise InputError(f"joint_springs: {own.joint!r} is no pin or pivot; these are {sprung}")
+
+
+def check_wetting(topology: Topology, wetting: Mapping[str, Wetting]) -> None:
+    """Refuse wetted faces of no link."""
+    remedy = "give Wetting() by the names of links"
+    check_instance(wetting, Mapping, "wetting", remedy)
+    for name, faces in wetting.items():
+        if name not in topology.link_names:
+            raise InputError(f"wetting: unknown link {name!r}; links are {topology.link_names}")
+        check_instance(faces, Wetting, f"wetting of the {name}", remedy)
 
 
 def _check_on_link(topology: Topology, what: str, point: LinkPoint) -> None:

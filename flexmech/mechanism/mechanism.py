@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from html import escape
 
@@ -36,6 +36,7 @@ from flexmech.mechanism.checks import (
     check_point_masses,
     check_speeds,
     check_springs,
+    check_wetting,
 )
 from flexmech.mechanism.drawing import drawing
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
@@ -135,6 +136,9 @@ class Mechanism:
 
     def __post_init__(self) -> None:
         topology = self._checked_topology()
+        for name in ("link_masses", "bodies", "loads", "springs", "joint_springs"):
+            if isinstance(once := getattr(self, name), Iterator):
+                object.__setattr__(self, name, tuple(once))
         check_joint_masses(topology, self.joint_masses)
         check_point_masses(topology, self.link_masses)
         check_bodies(topology, self.bodies)
@@ -149,9 +153,7 @@ class Mechanism:
             raise InputError(
                 f"coupler_point: the linkage has no coupler; its links are {topology.link_names}"
             )
-        for name in self.wetting:
-            if name not in topology.link_names:
-                raise InputError(f"wetting: unknown link {name!r}; links are {topology.link_names}")
+        check_wetting(topology, self.wetting)
         self._unite_spellings()
 
     def _checked_topology(self) -> Topology:

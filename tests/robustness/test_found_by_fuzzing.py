@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from typer.testing import CliRunner
 
+import flexmech
 from flexmech.analyses.frequencies.assignment import same_shapes
 from flexmech.analyses.stability.closing import ClosingSearch, closing_damping_ratio
 from flexmech.cli import app
+from flexmech.linkages import LinkPoint, Load, Spring
 from flexmech.modelfile import template
 
 
@@ -61,3 +66,34 @@ def test_angles_of_a_synthesis_are_named_by_their_options(
     done = CliRunner().invoke(app, arguments)
     assert done.exit_code == 2
     assert done.stderr.startswith(f"error: {named}: ")
+
+
+MECHANISM = flexmech.load_mechanism(flexmech.example_model("steel_fourbar"))
+ENGINE = flexmech.ReferenceEngine(MECHANISM, 1)
+SLIPS: dict[str, Callable[[], object]] = {
+    "crank_speed": lambda: flexmech.KinematicsRequest(crank_speed=np.timedelta64(1, "s")),  # type: ignore[arg-type]
+    "crank_angles": lambda: flexmech.KinematicsRequest(xr.Dataset({"a": 1.0})),  # type: ignore[arg-type]
+    "modes": lambda: flexmech.Formulation(modes=np.timedelta64(2, "s")),  # type: ignore[arg-type]
+    "finite": lambda: flexmech.KinematicsRequest(np.array(["1e4000"]).astype(np.longdouble)),
+    "lumped": lambda: flexmech.KinematicsRequest(lumped=xr.DataArray(1)),  # type: ignore[arg-type]
+    "wetting": lambda: replace(MECHANISM, wetting=3),
+    "wetting of the crank": lambda: replace(MECHANISM, wetting={"crank": 3}),
+    "joint_springs": lambda: replace(MECHANISM, joint_springs=1.0),
+    # That of hammer tests counts fractions of a link.
+    "push: point": lambda: Load("push", flexmech.LinkPoint("crank", 0.1), ((1.0, 0.0),)),  # type: ignore[arg-type]
+    "push: each force": lambda: Load("push", LinkPoint("crank", 0.1), (1.0, 0.0)),  # type: ignore[arg-type]
+    "each end of spring": lambda: Spring("a", "O4", "B", 1.0, 0.1),  # type: ignore[arg-type]
+    "response": lambda: flexmech.campbell(ENGINE, [0.0], response=np.zeros(2)),  # type: ignore[arg-type]
+}
+
+
+@pytest.mark.parametrize("named", SLIPS)
+def test_odd_objects_are_refused_by_name(named: str) -> None:
+    with pytest.raises(flexmech.InputError, match=named):
+        SLIPS[named]()
+
+
+def test_what_can_be_read_once_is_kept() -> None:
+    load = Load("push", LinkPoint("coupler", 0.1), ((1.0, 0.0),))
+    assert replace(MECHANISM, loads=iter([load])).loads == (load,)
+    assert flexmech.KinematicsRequest(lumped=iter([1, 4, 4])).lumped == (1, 4, 4)  # type: ignore[arg-type]

@@ -22,7 +22,7 @@ from flexmech.analyses.requests import engines_of
 from flexmech.analyses.wished_modes import as_many_modes
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.linear_system import Engine
-from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array
+from flexmech.numbers import POSITIVE, check_choice, check_flag, check_number, checked_array
 from flexmech.threads import one_thread
 from flexmech.types import IntArray, LabelledProgress
 
@@ -106,6 +106,7 @@ def campbell(
     if tolerance is not None:
         check_number(tolerance, "tolerance", bounds=POSITIVE)
     check_choice(prestress, PRESTRESS_LEVELS, "prestress")
+    check_flag(response, "response")
     speeds = checked_array(crank_speeds, "crank_speeds", "rad/s")
     angles = TURN if crank_angles is None else checked_array(crank_angles, "crank_angles", "rad")
     multiples = cast(IntArray, checked_array(orders, "orders"))

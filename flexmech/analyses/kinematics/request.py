@@ -64,14 +64,15 @@ class KinematicsRequest:
             check_number(self.crank_speed, "crank_speed", "rad/s")
         if self.lumped is not None:
             remedy = "give the elements of each link, as (1, 4, 4)"
-            for count in checked_tuple(self.lumped, object, "lumped", remedy):
+            counts = checked_tuple(self.lumped, object, "lumped", remedy)
+            for count in counts:
                 check_count(count, "lumped: each number of elements")
                 if count > MOST_LUMPS:
                     raise InputError(
                         f"lumped: {count} elements of a link are beyond {MOST_LUMPS}; the "
                         "distributed mass is what they tend to"
                     )
-            object.__setattr__(self, "lumped", tuple(self.lumped))
+            object.__setattr__(self, "lumped", counts)
 
     def speed_of(self, mechanism: Mechanism) -> float:
         """Crank speed in rad/s: the one asked for, or the first at which a mechanism operates."""
