@@ -154,7 +154,7 @@ def _samples(values: Any, name: str, unit: str) -> FloatArray | NDArray[np.compl
     """Numbers of a record, of one dimension, real or complex."""
     try:
         complex_ = np.iscomplexobj(values)
-    except ValueError:  # lists of different lengths
+    except (TypeError, ValueError):  # lists of different lengths, or a dataset
         complex_ = False
     found: FloatArray | NDArray[np.complex128]
     if complex_:

@@ -83,6 +83,7 @@ SLIPS: dict[str, Callable[[], object]] = {
     "push: point": lambda: Load("push", flexmech.LinkPoint("crank", 0.1), ((1.0, 0.0),)),  # type: ignore[arg-type]
     "push: each force": lambda: Load("push", LinkPoint("crank", 0.1), (1.0, 0.0)),  # type: ignore[arg-type]
     "each end of spring": lambda: Spring("a", "O4", "B", 1.0, 0.1),  # type: ignore[arg-type]
+    "against": lambda: flexmech.stability(ENGINE, [20.0], against=([0.0], [1.0])),  # type: ignore[arg-type]
     "response": lambda: flexmech.campbell(ENGINE, [0.0], response=np.zeros(2)),  # type: ignore[arg-type]
 }
 
@@ -97,3 +98,9 @@ def test_what_can_be_read_once_is_kept() -> None:
     load = Load("push", LinkPoint("coupler", 0.1), ((1.0, 0.0),))
     assert replace(MECHANISM, loads=iter([load])).loads == (load,)
     assert flexmech.KinematicsRequest(lumped=iter([1, 4, 4])).lumped == (1, 4, 4)  # type: ignore[arg-type]
+
+
+def test_a_crank_that_all_but_stands_is_refused() -> None:
+    """A turn takes longer than numbers tell."""
+    with pytest.raises(flexmech.FlexmechError, match="crank speed"):
+        flexmech.stability(ENGINE, [5e-324], modes=2)

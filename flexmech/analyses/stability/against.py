@@ -124,7 +124,7 @@ class Against:
             )
         parameter, values = asked
         known = parameters_of(mechanism)
-        if parameter not in known:
+        if not isinstance(parameter, str) or parameter not in known:
             raise InputError(
                 f"against: there is no {parameter!r}; {suggestion(str(parameter), list(known))}"
             )

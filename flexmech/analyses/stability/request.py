@@ -100,6 +100,7 @@ def _checked_speeds(values: FloatArray) -> FloatArray:
 
 def _check_steps(steps: int) -> None:
     check_count(steps, "steps")
+    steps = int(steps)
     if not LEAST_STEPS <= steps <= MOST_STEPS or steps % SHAPE_ANGLES:
         near = max(LEAST_STEPS, min(MOST_STEPS, SHAPE_ANGLES * -(-steps // SHAPE_ANGLES)))
         raise InputError(

@@ -370,12 +370,12 @@ class LinkageSolver:
             return self.steps
         radians = RADIANS_BESIDE_A_FREE_SHAFT if self.engine.rigid_modes else RADIANS_A_STEP
         wanted = max(LEAST_STEPS, moving.fastest * moving.period / radians)
-        steps = 2 * SHAPE_ANGLES * int(np.ceil(wanted / (2 * SHAPE_ANGLES)))
+        steps = 2 * SHAPE_ANGLES * np.ceil(wanted / (2 * SHAPE_ANGLES))
         _refuse_too_many_steps(steps, moving, "fewer modes or faster crank speeds")
-        return steps
+        return int(steps)
 
 
-def _refuse_too_many_steps(steps: int, moving: VibratingLinkage, remedy: str) -> None:
+def _refuse_too_many_steps(steps: float, moving: VibratingLinkage, remedy: str) -> None:
     """Refuse steps that do not fit into memory."""
     matrices = MATRICES_A_STEP * (2 * moving.size) ** 2
     waves = WAVES_A_STEP * len(moving.conservative.coefficients)
@@ -383,8 +383,8 @@ def _refuse_too_many_steps(steps: int, moving: VibratingLinkage, remedy: str) ->
     frequency = moving.fastest / (2 * np.pi)
     if size > MOST_BYTES:
         raise ComputationError(
-            f"a turn at crank speed {CRANK_SPEED} takes {steps} steps, since the fastest moving "
-            f"mode vibrates at {frequency:.3g} Hz; they need some {size / 1e9:.2g} GB, and at most "
+            f"a turn at crank speed {CRANK_SPEED} takes {steps:.7g} steps, since the fastest mode "
+            f"vibrates at {frequency:.3g} Hz; they need some {size / 1e9:.2g} GB, and at most "
             f"{MOST_BYTES / 1e9:g} are taken: ask for {remedy}",
             crank_speed=moving.crank_speed,
         )
