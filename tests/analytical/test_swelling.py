@@ -261,7 +261,7 @@ def test_links_that_joints_keep_from_twisting_bend_less(angle, width, expected):
 def test_stiffness_of_layers_is_theirs_to_the_last_bit_when_swollen():
     """By which links are told whose stiffness is stated rather than that of their layers.
 
-    A quotient of stiffnesses times one of them misses the other by round-off in one stack of twenty.
+    A quotient of stiffnesses times one of them misses the other by round-off in one stack of 20.
     """
     draw = np.random.default_rng(3)
     for _ in range(60):
