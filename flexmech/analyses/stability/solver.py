@@ -9,6 +9,7 @@ import numpy as np
 from flexmech.analyses.stability.following import BranchShapes
 from flexmech.analyses.stability.kept_modes import KeptModes, kept_growth, kept_modes
 from flexmech.analyses.stability.known_equilibria import KnownEquilibria
+from flexmech.analyses.stability.request import MOST_STEPS
 from flexmech.analyses.stability.speed_window import SpeedWindow, chebyshev_nodes
 from flexmech.analyses.stability.step_errors import step_error
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
@@ -366,11 +367,14 @@ class LinkageSolver:
     def steps_for(self, moving: VibratingLinkage) -> int:
         """Steps of the propagator a turn."""
         if self.steps is not None:
-            _refuse_too_many_steps(self.steps, moving, "fewer steps")
+            if not moving.is_constant:
+                _refuse_too_many_steps(self.steps, moving, "fewer steps")
             return self.steps
         radians = RADIANS_BESIDE_A_FREE_SHAFT if self.engine.rigid_modes else RADIANS_A_STEP
         wanted = max(LEAST_STEPS, moving.fastest * moving.period / radians)
         steps = 2 * SHAPE_ANGLES * np.ceil(wanted / (2 * SHAPE_ANGLES))
+        if moving.is_constant:  # Nothing is stepped through.
+            return int(min(steps, MOST_STEPS))
         _refuse_too_many_steps(steps, moving, "fewer modes or faster crank speeds")
         return int(steps)
 

@@ -111,6 +111,13 @@ class VibratingLinkage:
         return len(self.scale)
 
     @property
+    def is_constant(self) -> bool:
+        """Whether nothing changes in the turn, so that the Floquet modes are eigenvectors."""
+        return not any(
+            series.harmonics for series in (self.conservative, self.attached, self.dissipative)
+        )
+
+    @property
     def period(self) -> float:
         """Time of a turn in s."""
         return 2 * np.pi / abs(self.crank_speed)
