@@ -9,9 +9,9 @@ import numpy as np
 from flexmech.analyses.stability.following import BranchShapes
 from flexmech.analyses.stability.kept_modes import KeptModes, kept_growth, kept_modes
 from flexmech.analyses.stability.known_equilibria import KnownEquilibria
-from flexmech.analyses.stability.request import MOST_STEPS
 from flexmech.analyses.stability.speed_window import SpeedWindow, chebyshev_nodes
 from flexmech.analyses.stability.step_errors import step_error
+from flexmech.analyses.stability.turn_steps import steps_of_turn
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
 from flexmech.choices import MapPrestress, MovingFrame
 from flexmech.errors import CRANK_SPEED, ComputationError
@@ -35,14 +35,6 @@ BY_REFINEMENT = 4 / 3
 SAMPLES = (96, 144, 224, 336, 512, 768)
 # Greatest estimated relative error of the system's matrix between the crank angles sampled.
 SERIES_TOLERANCE = 1e-6
-# Steps are this part of a period of the fastest moving mode over 2 pi, or shorter.
-RADIANS_A_STEP = 1.5
-# A free shaft moves far more slowly, and what the steps leave of the fastest modes shows there.
-RADIANS_BESIDE_A_FREE_SHAFT = 0.5
-LEAST_STEPS = 128
-# Bytes that the steps of a turn may take, and what is kept of each step: matrices of the size of A,
-# and waves of each harmonic (measured).
-MOST_BYTES, MATRICES_A_STEP, WAVES_A_STEP = 4e9, 10, 12
 # Part of their size by which the multipliers' logarithms may miss the integral of the trace.
 LIOUVILLE = 1e-6
 
@@ -366,32 +358,7 @@ class LinkageSolver:
 
     def steps_for(self, moving: VibratingLinkage) -> int:
         """Steps of the propagator a turn."""
-        if self.steps is not None:
-            if not moving.is_constant:
-                _refuse_too_many_steps(self.steps, moving, "fewer steps")
-            return self.steps
-        radians = RADIANS_BESIDE_A_FREE_SHAFT if self.engine.rigid_modes else RADIANS_A_STEP
-        wanted = max(LEAST_STEPS, moving.fastest * moving.period / radians)
-        steps = 2 * SHAPE_ANGLES * np.ceil(wanted / (2 * SHAPE_ANGLES))
-        if moving.is_constant:  # Nothing is stepped through.
-            return int(min(steps, MOST_STEPS))
-        _refuse_too_many_steps(steps, moving, "fewer modes or faster crank speeds")
-        return int(steps)
-
-
-def _refuse_too_many_steps(steps: float, moving: VibratingLinkage, remedy: str) -> None:
-    """Refuse steps that do not fit into memory."""
-    matrices = MATRICES_A_STEP * (2 * moving.size) ** 2
-    waves = WAVES_A_STEP * len(moving.conservative.coefficients)
-    size = np.dtype(float).itemsize * steps * (matrices + waves)
-    frequency = moving.fastest / (2 * np.pi)
-    if size > MOST_BYTES:
-        raise ComputationError(
-            f"a turn at crank speed {CRANK_SPEED} takes {steps:.7g} steps, since the fastest mode "
-            f"vibrates at {frequency:.3g} Hz; they need some {size / 1e9:.2g} GB, and at most "
-            f"{MOST_BYTES / 1e9:g} are taken: ask for {remedy}",
-            crank_speed=moving.crank_speed,
-        )
+        return steps_of_turn(moving, self.steps, beside_free_shaft=bool(self.engine.rigid_modes))
 
 
 def _hold_to_trace(liouville_defect: float, crank_speed: float) -> None:
