@@ -10,7 +10,7 @@ import sys
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, wait
 from multiprocessing.process import BaseProcess
 from typing import Any, TypeVar
 
@@ -25,6 +25,9 @@ FEW = 2
 # What processes that are at work when an interruption comes have to end in, in s: a long call of
 # compiled code would keep them for minutes.
 GRACE = 0.5
+# Python answers a signal that comes while it begins to wait only after it has waited; so no wait
+# is longer than this, in s.
+HEARING = 0.2
 # PR_SET_PDEATHSIG of <linux/prctl.h>: no process outlives the one that waits for it.
 ENDS_WITH_PARENT = 1
 
@@ -68,6 +71,8 @@ def in_order(task: Callable[[Item], Answer], items: Sequence[Item]) -> Iterator[
                     warnings.simplefilter("ignore", DeprecationWarning)
                     waiting = [pool.submit(_do, number) for number in range(len(items))]
                 for future in waiting:
+                    while not wait([future], HEARING).done:
+                        pass
                     yield future.result()
             except BaseException:
                 with uninterrupted():
