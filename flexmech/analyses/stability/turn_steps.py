@@ -28,7 +28,7 @@ def steps_of_turn(moving: VibratingLinkage, asked: int | None, *, beside_free_sh
     moving : VibratingLinkage
         A constant one is solved by its eigenvalues, with any number of steps.
     asked : int or None
-        A multiple of :data:`SHAPE_ANGLES`.
+        A multiple of :data:`SHAPE_ANGLES`, at most :data:`MOST_STEPS`.
     beside_free_shaft : bool
         Whether the crank's shaft rotates freely.
 
@@ -41,17 +41,22 @@ def steps_of_turn(moving: VibratingLinkage, asked: int | None, *, beside_free_sh
     ComputationError
         If the steps do not fit into memory.
     """
-    if asked is not None:
-        if not moving.is_constant:
-            _refuse_too_many_steps(asked, moving, "fewer steps")
-        return asked
-    radians = RADIANS_BESIDE_A_FREE_SHAFT if beside_free_shaft else RADIANS_A_STEP
-    wanted = max(LEAST_STEPS, moving.fastest * moving.period / radians)
-    steps = 2 * SHAPE_ANGLES * np.ceil(wanted / (2 * SHAPE_ANGLES))
+    if asked is None:
+        steps = _wanted_steps(moving, beside_free_shaft=beside_free_shaft)
+        remedy = "fewer modes or faster crank speeds"
+    else:
+        steps, remedy = asked, "fewer steps"
     if moving.is_constant:
         return int(min(steps, MOST_STEPS))
-    _refuse_too_many_steps(steps, moving, "fewer modes or faster crank speeds")
+    _refuse_too_many_steps(steps, moving, remedy)
     return int(steps)
+
+
+def _wanted_steps(moving: VibratingLinkage, *, beside_free_shaft: bool) -> float:
+    """Steps that the fastest moving mode wants, however many."""
+    radians = RADIANS_BESIDE_A_FREE_SHAFT if beside_free_shaft else RADIANS_A_STEP
+    wanted = max(LEAST_STEPS, moving.fastest * moving.period / radians)
+    return float(2 * SHAPE_ANGLES * np.ceil(wanted / (2 * SHAPE_ANGLES)))
 
 
 def _refuse_too_many_steps(steps: float, moving: VibratingLinkage, remedy: str) -> None:
