@@ -7,16 +7,23 @@ from collections.abc import Iterable, Mapping
 from flexmech.errors import InputError
 from flexmech.linkages import JointSpring, LinkPoint, Load, Spring, Topology
 from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
-from flexmech.numbers import NOT_NEGATIVE, check_instance, check_number, checked_tuple
+from flexmech.numbers import (
+    NOT_NEGATIVE,
+    check_instance,
+    check_number,
+    checked_number,
+    checked_tuple,
+)
 
 __all__ = [
-    "check_bodies",
     "check_joint_masses",
-    "check_loads",
-    "check_point_masses",
-    "check_speeds",
-    "check_springs",
     "check_wetting",
+    "checked_bodies",
+    "checked_joint_springs",
+    "checked_loads",
+    "checked_point_masses",
+    "checked_speeds",
+    "checked_springs",
 ]
 
 
@@ -31,17 +38,18 @@ def check_joint_masses(topology: Topology, masses: Mapping[str, float]) -> None:
         check_number(mass, f"joint_masses: {joint}", "kg", NOT_NEGATIVE)
 
 
-def check_speeds(speeds: Iterable[float]) -> None:
-    """Refuse crank speeds that are no numbers."""
+def checked_speeds(speeds: Iterable[float]) -> tuple[float, ...]:
+    """Crank speeds; refuse what is no number."""
     remedy = "give crank speeds in rad/s, as (20.0,)"
-    for speed in checked_tuple(speeds, object, "operating_speeds", remedy):
-        check_number(speed, "each of operating_speeds", "rad/s")
+    given = checked_tuple(speeds, object, "operating_speeds", remedy)
+    return tuple(checked_number(speed, "each of operating_speeds", "rad/s") for speed in given)
 
 
-def check_point_masses(topology: Topology, points: Iterable[PointMass]) -> None:
-    """Refuse a point mass that is on no link, or negative."""
+def checked_point_masses(topology: Topology, points: Iterable[PointMass]) -> tuple[PointMass, ...]:
+    """Point masses; refuse one that is on no link, or negative."""
     remedy = "give PointMass(link, m, kg) in a tuple"
-    for point in checked_tuple(points, PointMass, "link_masses", remedy):
+    given = checked_tuple(points, PointMass, "link_masses", remedy)
+    for point in given:
         if point.link not in topology.link_names:
             raise InputError(
                 f"link_masses: unknown link {point.link!r}; links are {topology.link_names}"
@@ -54,47 +62,47 @@ def check_point_masses(topology: Topology, points: Iterable[PointMass]) -> None:
                 f"(0 to {length:g} m)"
             )
         check_number(point.mass, f"link_masses: mass on the {point.link}", "kg", NOT_NEGATIVE)
+    return given
 
 
-def check_bodies(topology: Topology, bodies: Iterable[AttachedBody]) -> None:
-    """Refuse a body that is on no link."""
+def checked_bodies(topology: Topology, bodies: Iterable[AttachedBody]) -> tuple[AttachedBody, ...]:
+    """Bodies; refuse one that is on no link."""
     remedy = "give AttachedBody(link, m, kg) in a tuple"
-    for body in checked_tuple(bodies, AttachedBody, "bodies", remedy):
+    given = checked_tuple(bodies, AttachedBody, "bodies", remedy)
+    for body in given:
         _check_on_link(topology, f"body on the {body.link}", LinkPoint(body.link, body.position))
+    return given
 
 
-def check_loads(topology: Topology, loads: Iterable[Load]) -> None:
-    """Refuse a load that is on no link."""
-    for load in checked_tuple(loads, Load, "loads", "give Load(name, point, force) in a tuple"):
+def checked_loads(topology: Topology, loads: Iterable[Load]) -> tuple[Load, ...]:
+    """Loads; refuse one that is on no link."""
+    given = checked_tuple(loads, Load, "loads", "give Load(name, point, force) in a tuple")
+    for load in given:
         _check_on_link(topology, f"load {load.name}", load.point)
+    return given
 
 
-def check_springs(
-    topology: Topology, springs: Iterable[Spring], joint_springs: Iterable[JointSpring]
-) -> None:
-    """Refuse a spring with an end on no link, or in a joint that is no pin or pivot.
-
-    Parameters
-    ----------
-    topology : Topology
-    springs : iterable of Spring
-    joint_springs : iterable of JointSpring
-
-    Raises
-    ------
-    InputError
-        If one is.
-    """
-    remedy = "give Spring(name, first, second) in a tuple"
-    for spring in checked_tuple(springs, Spring, "springs", remedy):
+def checked_springs(topology: Topology, springs: Iterable[Spring]) -> tuple[Spring, ...]:
+    """Springs; refuse one with an end on no link."""
+    given = checked_tuple(springs, Spring, "springs", "give Spring(name, first, second) in a tuple")
+    for spring in given:
         for point in (spring.first, spring.second):
             _check_on_link(topology, f"spring {spring.name}", point)
+    return given
+
+
+def checked_joint_springs(
+    topology: Topology, springs: Iterable[JointSpring]
+) -> tuple[JointSpring, ...]:
+    """Torsional springs; refuse one in a joint that is no pin or pivot."""
     kinds = zip(topology.joint_names, topology.joint_kinds, strict=True)
     sprung = sorted(joint for joint, kind in kinds if kind in ("pin", "pivot"))
     remedy = "give JointSpring(joint) in a tuple"
-    for own in checked_tuple(joint_springs, JointSpring, "joint_springs", remedy):
+    given = checked_tuple(springs, JointSpring, "joint_springs", remedy)
+    for own in given:
         if own.joint not in sprung:
             raise InputError(f"joint_springs: {own.joint!r} is no pin or pivot; these are {sprung}")
+    return given
 
 
 def check_wetting(topology: Topology, wetting: Mapping[str, Wetting]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from html import escape
 
@@ -30,13 +30,14 @@ from flexmech.materials import REFERENCE_TEMPERATURE
 from flexmech.mechanism.acting_points import places_apart
 from flexmech.mechanism.attachment_tables import joints_table, loads_table, springs_table
 from flexmech.mechanism.checks import (
-    check_bodies,
     check_joint_masses,
-    check_loads,
-    check_point_masses,
-    check_speeds,
-    check_springs,
     check_wetting,
+    checked_bodies,
+    checked_joint_springs,
+    checked_loads,
+    checked_point_masses,
+    checked_speeds,
+    checked_springs,
 )
 from flexmech.mechanism.drawing import drawing
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
@@ -136,17 +137,18 @@ class Mechanism:
 
     def __post_init__(self) -> None:
         topology = self._checked_topology()
-        for name in ("link_masses", "bodies", "loads", "springs", "joint_springs"):
-            if isinstance(once := getattr(self, name), Iterator):
-                object.__setattr__(self, name, tuple(once))
         check_joint_masses(topology, self.joint_masses)
-        check_point_masses(topology, self.link_masses)
-        check_bodies(topology, self.bodies)
-        check_loads(topology, self.loads)
-        check_springs(topology, self.springs, self.joint_springs)
+        for name, checked in (
+            ("link_masses", checked_point_masses),
+            ("bodies", checked_bodies),
+            ("loads", checked_loads),
+            ("springs", checked_springs),
+            ("joint_springs", checked_joint_springs),
+        ):
+            object.__setattr__(self, name, checked(topology, getattr(self, name)))
         check_number(self.shaft_inertia, "shaft_inertia", "kg m^2", NOT_NEGATIVE)
         check_pair(self.gravity, "gravity", "m/s^2")
-        check_speeds(self.operating_speeds)
+        object.__setattr__(self, "operating_speeds", checked_speeds(self.operating_speeds))
         check_number(self.reference_temperature, "reference_temperature", "K", POSITIVE)
         check_number(self.ground_thermal_expansion, "ground_thermal_expansion", "1/K")
         if self.coupler_point is not None and "coupler" not in topology.link_names:
@@ -190,11 +192,8 @@ class Mechanism:
             ("sections", sections),
             ("link_masses", tuple(in_order)),
             ("bodies", tuple(bodies)),
-            ("loads", tuple(self.loads)),
-            ("springs", tuple(self.springs)),
             ("joint_springs", tuple(own)),
             ("gravity", tuple(self.gravity)),
-            ("operating_speeds", tuple(self.operating_speeds)),
             ("wetting", wetting),
         ):
             object.__setattr__(self, field_name, value)

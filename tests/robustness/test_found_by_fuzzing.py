@@ -97,6 +97,7 @@ def test_odd_objects_are_refused_by_name(named: str) -> None:
 def test_what_can_be_read_once_is_kept() -> None:
     load = Load("push", LinkPoint("coupler", 0.1), ((1.0, 0.0),))
     assert replace(MECHANISM, loads=iter([load])).loads == (load,)
+    assert replace(MECHANISM, operating_speeds=iter([20])).operating_speeds == (20.0,)
     assert flexmech.KinematicsRequest(lumped=iter([1, 4, 4])).lumped == (1, 4, 4)  # type: ignore[arg-type]
 
 
