@@ -20,7 +20,7 @@ from flexmech.choices import (
     ShaftChoice,
 )
 from flexmech.errors import InputError
-from flexmech.linear_system.chains import ChainMatrix
+from flexmech.linear_system.batches import batch_size, equal_batches
 from flexmech.linear_system.checks import check_elastic, checked_elements, checked_mechanism
 from flexmech.linear_system.component_modes import ComponentModes, component_modes
 from flexmech.linear_system.engine_links import EngineLinks
@@ -42,11 +42,6 @@ __all__ = ["Engine"]
 
 # What a map of that many frequencies asks for: it tracks modes among two more.
 SYSTEM_MODES = MODES + 2
-# Working memory of a batch; keeps what is alive at a time independent of the map's size.
-BATCH_BYTES = 32_000_000
-LEAST_BATCH = 4
-# A position of a link stored by elements takes memory as of so many columns of its matrix.
-STORED_COLUMNS = 100
 # Component modes that an engine keeps: a map over speeds asks for some at each, and not again.
 KEPT_REDUCTIONS = 16
 
@@ -245,11 +240,11 @@ class Engine(EngineLinks):
     @property
     def batch_size(self) -> int:
         """Positions to hold in memory at a time."""
-        entries = 0
-        for link in self.links:
-            chain = isinstance(link.stiffness, ChainMatrix)
-            entries += link.size * (min(STORED_COLUMNS, link.size) if chain else link.size)
-        return max(LEAST_BATCH, BATCH_BYTES // (8 * 4 * entries))
+        return batch_size(self.links)
+
+    def batches(self, count: int) -> list[slice]:
+        """Batches of equal size, into which so many positions are cut."""
+        return equal_batches(count, self.batch_size)
 
     def linear_system(
         self,

@@ -191,8 +191,7 @@ class StressHistory:
         linkage = self._engine.mechanism.linkage
         motion_of = [np.broadcast_to(v, angle.shape) for v in (angle, speed, acceleration)]
         packed, forces, places = [], [], []
-        for start in range(0, len(angle), self._engine.batch_size):
-            batch = slice(start, start + self._engine.batch_size)
+        for batch in self._engine.batches(len(angle)):
             motion = linkage.motion(*(v[batch] for v in motion_of))
             stressed = self._engine.stressed_links(motion, self._prestress)
             if self._rigid_only:

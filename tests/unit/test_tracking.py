@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from flexmech.analyses import moving_frequencies, natural_frequencies
 from flexmech.analyses.frequencies.assignment import assign, cross_amplitude, same_shapes
-from flexmech.analyses.frequencies.formulation import Formulation, Systems
+from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.reduction import settled
 from flexmech.analyses.frequencies.refinement import Between, Positions
 from flexmech.analyses.frequencies.tracking import Branches, Tracker
@@ -350,7 +350,7 @@ def test_frequencies_at_positions_do_not_depend_on_their_batches(
     ("count", "sizes"), [(1, [1]), (12, [12]), (13, [6, 7]), (32, [10, 11, 11])]
 )
 def test_batches_are_of_equal_size(count: int, sizes: list[int]) -> None:
-    parts = Systems(SmallBatches(fourbar(), 4), Formulation()).parts(count)
+    parts = SmallBatches(fourbar(), 4).batches(count)
     assert [len(range(count)[part]) for part in parts] == sizes
     assert [place for part in parts for place in range(count)[part]] == list(range(count))
 

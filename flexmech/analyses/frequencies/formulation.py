@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -163,16 +161,6 @@ class Systems:
             What :meth:`stressed` gave in the first batch.
         """
         speed = np.broadcast_to(crank_speed, crank_angle.shape)
-        for batch in self.parts(len(crank_angle)):
+        for batch in self.engine.batches(len(crank_angle)):
             yield self.at(crank_angle[batch], speed[batch], stressed)
             stressed = None
-
-    def parts(self, count: int) -> list[slice]:
-        """Batches of so many positions, of equal size.
-
-        The memory wished for may be exceeded by a quarter: a batch takes some time whatever its
-        size, and a small last one is spared.
-        """
-        number = max(1, math.ceil(count / self.engine.batch_size - 1 / 4))
-        edges = [count * place // number for place in range(number + 1)]
-        return [slice(*both) for both in pairwise(edges)]

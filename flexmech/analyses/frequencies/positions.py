@@ -97,7 +97,7 @@ def frequencies_at(
     with one_thread():
         # The stress is the same in whatever modes: it is sought once in the first batch, and in
         # the positions to check along with it.
-        first = systems.parts(angle.size)[0]
+        first = systems.engine.batches(angle.size)[0]
         known = np.union1d(np.arange(first.stop), some)
         stressed = systems.stressed(flat_angle[known], flat_speed[known])
         there = stressed.at(np.searchsorted(known, some))
@@ -175,9 +175,8 @@ def _strain_energy_damping(
         checked = settled(systems, angle.ravel()[batch], speed.ravel()[batch])
         return loss.ratio(checked.system, checked.modes, level)
 
-    size = engine.batch_size
     with one_thread():
-        parts = [in_batch(slice(i, i + size)) for i in range(0, angle.size, size)]
+        parts = [in_batch(batch) for batch in engine.batches(angle.size)]
     return np.concatenate(parts).reshape(*angle.shape, formulation.modes)
 
 
