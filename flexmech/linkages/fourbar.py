@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -42,7 +42,8 @@ class FourBar:
     branch : {"open", "crossed"}
         "open" has B to the left of the line from A to O4 (above it at crank angle zero).
     sprung : tuple of str
-        Of the joints A, B and O4, those that springs alone hold together when links bend.
+        Of the joints A, B and O4, those that springs alone hold together when links bend. A
+        mechanism names those with a radial stiffness by itself.
 
     Raises
     ------
@@ -85,6 +86,21 @@ class FourBar:
                 f"({self.lengths[longest]:g} m) is not shorter than the other three links "
                 f"together ({others:g} m); shorten it or lengthen the others"
             )
+
+    def sprung_at(self, joints: Collection[str]) -> Self:
+        """The linkage with springs alone holding these joints, and no others.
+
+        Parameters
+        ----------
+        joints : collection of str
+            Of A, B and O4.
+
+        Raises
+        ------
+        InputError
+            If one is no such joint.
+        """
+        return replace(self, sprung=tuple(joints))
 
     @property
     def lengths(self) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Protocol, Self
 
 from numpy.typing import ArrayLike
@@ -36,6 +36,20 @@ class Linkage(Protocol):
             New length in m of each link of the topology.
         ground_growth : float
             New over old size of what the links are mounted to.
+
+        Returns
+        -------
+        Linkage
+        """
+        ...
+
+    def sprung_at(self, joints: Collection[str]) -> Self:
+        """The linkage with springs alone holding these joints, and no others.
+
+        Parameters
+        ----------
+        joints : collection of str
+            Pins or pivots.
 
         Returns
         -------

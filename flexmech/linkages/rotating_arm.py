@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Self
 
 from numpy.typing import ArrayLike
 
+from flexmech.errors import InputError
 from flexmech.linkages.motion import RigidMotion, checked_drive, direction, normal
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Topology
 from flexmech.model_text import TomlTable, quantity
@@ -56,6 +57,22 @@ class RotatingArm:
             links=(Link("arm", self.length),),
             clamps=(Clamp("O2", LinkEnd("arm", "start"), self.hub_radius),),
         )
+
+    def sprung_at(self, joints: Collection[str]) -> Self:
+        """The same: an arm has neither pins nor pivots.
+
+        Parameters
+        ----------
+        joints : collection of str
+
+        Raises
+        ------
+        InputError
+            If there is one.
+        """
+        if joints:
+            raise InputError(f"an arm has no pin or pivot, got the sprung joints {sorted(joints)}")
+        return self
 
     def motion(
         self,

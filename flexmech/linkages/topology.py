@@ -232,6 +232,12 @@ class Topology:
         kinds |= {pivot.joint: "pivot" for pivot in self.pivots}
         return tuple(kinds[name] for name in self.joint_names)
 
+    @property
+    def sprung_joints(self) -> set[str]:
+        """Pins and pivots that springs alone hold."""
+        pins = {pin.joint for pin in self.pins if pin.sprung}
+        return pins | {pivot.joint for pivot in self.pivots if pivot.sprung}
+
     def index(self, link: str) -> int:
         """Position of a link in ``links``."""
         return self.link_names.index(link)

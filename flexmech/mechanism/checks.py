@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from flexmech.errors import InputError
-from flexmech.linkages import JointSpring, LinkPoint, Load, Spring, Topology
+from flexmech.linkages import JointSpring, Linkage, LinkPoint, Load, Spring, Topology
 from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
 from flexmech.numbers import (
     NOT_NEGATIVE,
@@ -24,6 +24,7 @@ __all__ = [
     "checked_point_masses",
     "checked_speeds",
     "checked_springs",
+    "sprung_linkage",
 ]
 
 
@@ -96,13 +97,43 @@ def checked_joint_springs(
 ) -> tuple[JointSpring, ...]:
     """Torsional springs; refuse one in a joint that is no pin or pivot."""
     kinds = zip(topology.joint_names, topology.joint_kinds, strict=True)
-    sprung = sorted(joint for joint, kind in kinds if kind in ("pin", "pivot"))
+    turning = sorted(joint for joint, kind in kinds if kind in ("pin", "pivot"))
     remedy = "give JointSpring(joint) in a tuple"
     given = checked_tuple(springs, JointSpring, "joint_springs", remedy)
     for own in given:
-        if own.joint not in sprung:
-            raise InputError(f"joint_springs: {own.joint!r} is no pin or pivot; these are {sprung}")
+        if own.joint not in turning:
+            raise InputError(
+                f"spring in joint {own.joint}: it is no pin or pivot; these are {turning}"
+            )
     return given
+
+
+def sprung_linkage(linkage: Linkage, springs: Iterable[JointSpring]) -> Linkage:
+    """The linkage with springs alone holding the joints that have a radial stiffness.
+
+    Parameters
+    ----------
+    linkage : Linkage
+    springs : iterable of JointSpring
+
+    Returns
+    -------
+    Linkage
+
+    Raises
+    ------
+    InputError
+        If the linkage says that springs hold a joint where none has a radial stiffness.
+    """
+    sprung = linkage.topology.sprung_joints
+    held = {own.joint for own in springs if own.radial_stiffness is not None}
+    if loose := sorted(sprung - held):
+        raise InputError(
+            f"joint_springs: the linkage has springs alone hold {', '.join(loose)}, and there is "
+            "none; give JointSpring(joint, radial_stiffness=N/m), or leave it out of the sprung "
+            "joints of the linkage"
+        )
+    return linkage if held == sprung else linkage.sprung_at(held)
 
 
 def check_wetting(topology: Topology, wetting: Mapping[str, Wetting]) -> None:

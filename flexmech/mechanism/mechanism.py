@@ -38,6 +38,7 @@ from flexmech.mechanism.checks import (
     checked_point_masses,
     checked_speeds,
     checked_springs,
+    sprung_linkage,
 )
 from flexmech.mechanism.drawing import drawing
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
@@ -70,6 +71,7 @@ class Mechanism:
     Parameters
     ----------
     linkage : Linkage
+        Springs alone hold its joints that have a radial stiffness among the ``joint_springs``.
     sections : mapping of str to BeamSection
         One for each link of the topology; a rigid link may do without, and has the mass of
         its ``bodies`` then.
@@ -146,6 +148,7 @@ class Mechanism:
             ("joint_springs", checked_joint_springs),
         ):
             object.__setattr__(self, name, checked(topology, getattr(self, name)))
+        object.__setattr__(self, "linkage", sprung_linkage(self.linkage, self.joint_springs))
         check_number(self.shaft_inertia, "shaft_inertia", "kg m^2", NOT_NEGATIVE)
         check_pair(self.gravity, "gravity", "m/s^2")
         object.__setattr__(self, "operating_speeds", checked_speeds(self.operating_speeds))

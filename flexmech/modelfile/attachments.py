@@ -6,9 +6,18 @@ import itertools
 from pathlib import Path
 
 from flexmech.errors import InputError
-from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring, shown_crank_angle
+from flexmech.linkages import (
+    GROUND,
+    JointSpring,
+    LinkPoint,
+    Load,
+    Spring,
+    Topology,
+    shown_crank_angle,
+)
 from flexmech.linkages.topology import LinkEnd
 from flexmech.mechanism import AttachedBody, PointMass
+from flexmech.mechanism.checks import checked_joint_springs
 from flexmech.modelfile.attachment_tables import LoadTable, PlaceTable
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.link_places import LinkPlaces
@@ -84,13 +93,16 @@ def attached_bodies(
     return tuple(bodies)
 
 
-def joint_springs(tables: ModelFile, findings: Findings) -> tuple[JointSpring, ...]:
+def joint_springs(
+    tables: ModelFile, topology: Topology, findings: Findings
+) -> tuple[JointSpring, ...]:
     """Springs and dampers in joints; what is wrong of them is kept in the findings."""
-    found = []
+    found: list[JointSpring] = []
     for name, joint in tables.joints.items():
         with findings.at(f"joints.{name}"):
-            if joint.spring:
-                found.append(JointSpring(name, **joint.spring))
+            # A joint that is not there is told of all its keys.
+            if joint.spring and name in topology.joint_names:
+                found += checked_joint_springs(topology, [JointSpring(name, **joint.spring)])
     return tuple(found)
 
 

@@ -88,7 +88,7 @@ def build_mechanism(
     bodies = attached_bodies(tables, places, findings)
     stated_loads = loads(tables, places, folder, findings)
     stated_springs = springs(tables, places, findings)
-    in_joints = joint_springs(tables, findings)
+    in_joints = joint_springs(tables, topology, findings)
     findings.refuse()
     return Mechanism(
         linkage=linkage,

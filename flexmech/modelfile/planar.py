@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from flexmech.errors import InputError
-from flexmech.linkages import FourBar, Linkage, PlanarJoint, PlanarLink, PlanarLinkage
+from flexmech.linkages import Linkage, PlanarJoint, PlanarLink, PlanarLinkage
 from flexmech.modelfile.attachment_tables import JointTable
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.linkage_tables import PlanarTable
@@ -31,13 +29,8 @@ def stated_linkage(tables: ModelFile, findings: Findings) -> Linkage | None:
     if isinstance(tables.linkage, PlanarTable):
         return _drawn(tables, tables.linkage, findings)
     _refuse_drawing_keys(tables, findings)
-    sprung = tuple(name for name, own in tables.joints.items() if own.radial_stiffness is not None)
     with findings.at("linkage"):
-        linkage = tables.linkage.linkage
-        if not isinstance(linkage, FourBar) or not sprung:
-            return linkage
-        with findings.at("joints"):
-            return replace(linkage, sprung=sprung)
+        return tables.linkage.linkage
     return None
 
 
@@ -72,9 +65,6 @@ def _drawn(tables: ModelFile, table: PlanarTable, findings: Findings) -> PlanarL
             ground=tuple(point for point in table.ground if point not in unused),
             joints=tuple(joints),
             drawn_at=table.drawn_at,
-            sprung=tuple(
-                name for name, own in tables.joints.items() if own.radial_stiffness is not None
-            ),
         )
     return None
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from flexmech.linkages import JointSpring, LinkEnd, LinkPoint, Load, Spring
 from flexmech.multibody.assembly import LinkAssembly
-from flexmech.multibody.gripped_nodes import ends_of_joint, leading_end, sprung_joints
+from flexmech.multibody.gripped_nodes import ends_of_joint, leading_end
 from flexmech.multibody.grips import add_angle_marker, add_point_marker
 from flexmech.multibody.items import ItemNumber
 
@@ -183,7 +183,7 @@ class Connectors:
                     items.add("LoadCoordinate", f"{name}_drag_{i}", markerNumber=marker, load=0.0)
                     for i, marker in enumerate(reversed(angles[-2 if leader else -1 :]))
                 ]
-        if own.joint in sprung_joints(assembly.topology):
+        if own.joint in assembly.topology.sprung_joints:
             if leader is None:
                 ground = items.add("ObjectGround", f"{name}_ground")
                 before = items.add("MarkerBodyPosition", f"{name}_on_ground", bodyNumber=ground)

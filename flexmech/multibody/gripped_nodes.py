@@ -14,7 +14,6 @@ __all__ = [
     "hanging_on",
     "held_places",
     "leading_end",
-    "sprung_joints",
     "turned_bodies",
 ]
 
@@ -143,12 +142,6 @@ def hanging_on(topology: Topology, end: LinkEnd) -> list[str]:
         if place is not None:
             found.append(tie.joint)
     return found
-
-
-def sprung_joints(topology: Topology) -> set[str]:
-    """Pins and pivots that springs alone hold."""
-    pins = {pin.joint for pin in topology.pins if pin.sprung}
-    return pins | {pivot.joint for pivot in topology.pivots if pivot.sprung}
 
 
 def _turned_loads(mechanism: Mechanism, link: str) -> Iterator[Load]:

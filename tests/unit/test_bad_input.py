@@ -82,6 +82,12 @@ WRONG_FOUR_BARS = [
         "no such link.*crank, coupler, rocker",
     ),
     ("[links.rocker]", "[links.roker]", "links.roker", "did you mean 'rocker'"),
+    (
+        "[operation]",
+        '[joints.O2]\ntorsional_stiffness = "1 N m/rad"\n[operation]',
+        "joints.O2",
+        "spring in joint O2: it is no pin or pivot; these are",
+    ),
     ("[operation]", '[joints.C]\nmass = "1 g"\n[operation]', "joints.C", "no such joint.*O2, A, B"),
     # Units.
     ('"100 mm"', "100", "linkage.crank", 'the number 100, which has no unit.*"279.4 mm"'),

@@ -105,6 +105,12 @@ WRONG_SIX_BARS = [
     (*joint("D", 'inertia = "1 kg m^2"'), "joints.D: inertia belongs to a slider"),
     (*joint("D", 'radial_damping = "1 N s/m"'), "radial_damping needs a radial_stiffness"),
     (*joint("O2", 'torsional_stiffness = "1 N m/rad"'), "is not valid TOML"),
+    (
+        '[joints.O2]\nkind = "clamp"',
+        '[joints.O2]\nkind = "clamp"\nradial_stiffness = "1 N/m"',
+        r"joints.O2: spring in joint O2: it is no pin or pivot; these are \[",
+    ),
+    (*joint("Z", 'radial_stiffness = "1 N/m"'), "joints.Z: the linkage has no such joint"),
     (*joint("D", 'torsional_stiffness = "1 N m"'), "not that of a torsional stiffness"),
     # Links.
     (

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from flexmech import ReferenceEngine, load_mechanism, natural_frequencies
 from flexmech.errors import FlexmechError, InputError
-from flexmech.linkages import RotatingArm
+from flexmech.linkages import JointSpring, RotatingArm
 from flexmech.materials import Material
 from flexmech.mechanism import Mechanism, PointMass
 from flexmech.sections import BeamSection, DampingTimes
@@ -154,6 +155,29 @@ def test_point_masses_come_in_order_and_zero_ones_not_at_all() -> None:
 def test_a_mechanism_refuses_what_it_cannot_have(wrong: dict[str, object], message: str) -> None:
     with pytest.raises(InputError, match=message):
         fourbar(**wrong)
+
+
+def test_a_radial_stiffness_is_all_that_a_bearing_needs() -> None:
+    """The linkage had to name the joint as well: the stiffness alone was left out."""
+    bearing = JointSpring("B", radial_stiffness=2e3)
+    mechanism = fourbar(joint_springs=(bearing,))
+    assert mechanism.linkage.topology.sprung_joints == {"B"}
+    named = replace(fourbar().linkage, sprung=("B",))
+    assert replace(mechanism, linkage=named) == mechanism
+    rigid = natural_frequencies(ReferenceEngine(fourbar(), 4), 0.3, modes=1)
+    assert natural_frequencies(ReferenceEngine(mechanism, 4), 0.3, modes=1) < 0.9 * rigid
+    slider_crank = load_mechanism("models/slider_crank.toml")
+    sprung = replace(slider_crank, joint_springs=(replace(bearing, joint="A"),))
+    assert sprung.linkage.topology.sprung_joints == {"A"}
+
+
+def test_what_springs_alone_hold_needs_one() -> None:
+    named = replace(fourbar().linkage, sprung=("A", "B"))
+    bearing = JointSpring("B", radial_stiffness=2e3)
+    with pytest.raises(InputError, match="springs alone hold A, and there is none; give JointS"):
+        fourbar(linkage=named, joint_springs=(bearing,))
+    with pytest.raises(InputError, match=r"an arm has no pin or pivot, got .* \['tip'\]"):
+        RotatingArm(0.3).sprung_at({"tip"})
 
 
 def test_each_link_needs_one_section() -> None:

@@ -383,10 +383,7 @@ def linkages(draw: st.DrawFn) -> FourBar | RotatingArm | PlanarLinkage:
     kind = draw(st.sampled_from(["four-bar", "rotating-arm", "planar"]))
     if kind == "rotating-arm":
         return RotatingArm(draw(numbers(0.01, 10)), draw(numbers(0, 1)))
-    linkage = draw(postures(size=0.4)).linkage if kind == "four-bar" else draw(planar_linkages())
-    turning = [own.joint for own in (*linkage.topology.pins, *linkage.topology.pivots)]
-    sprung = st.lists(st.sampled_from(turning), unique=True, max_size=2) if turning else st.just([])
-    return replace(linkage, sprung=tuple(draw(sprung)))
+    return draw(postures(size=0.4)).linkage if kind == "four-bar" else draw(planar_linkages())
 
 
 @st.composite
@@ -426,14 +423,13 @@ def any_springs(draw: st.DrawFn, topology: Topology, name: str) -> Spring:
 def any_joint_springs(
     draw: st.DrawFn, linkage: FourBar | RotatingArm | PlanarLinkage
 ) -> tuple[JointSpring, ...]:
-    """Those of the sprung joints, and some of others."""
-    topology, sprung = linkage.topology, getattr(linkage, "sprung", ())
-    turning = [own.joint for own in (*topology.pins, *topology.pivots)]
+    """In some joints, radial ones in some of them."""
+    topology = linkage.topology
     found = []
-    for joint in turning:
-        if joint not in sprung and draw(st.booleans()):
+    for joint in [own.joint for own in (*topology.pins, *topology.pivots)]:
+        if draw(st.booleans()):
             continue
-        radial = (draw(numbers(1.0, 1e6)), draw(numbers(0.0, 10.0))) if joint in sprung else ()
+        radial = (draw(numbers(1.0, 1e6)), draw(numbers(0.0, 10.0))) if draw(st.booleans()) else ()
         found.append(JointSpring(joint, *(draw(numbers(0.0, 10.0)) for _ in range(3)), *radial))
     return tuple(found)
 

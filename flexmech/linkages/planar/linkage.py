@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -55,7 +55,7 @@ class PlanarLinkage:
         Crank angle of the drawing in rad; that of the crank's first beam if left out.
     sprung : tuple of str
         Joints of the topology, pins or pivots, that springs alone hold together when links
-        bend.
+        bend. A mechanism names those with a radial stiffness by itself.
 
     Raises
     ------
@@ -124,6 +124,21 @@ class PlanarLinkage:
     @cached_property
     def _assembly(self) -> Assembly:
         return Assembly(self.drawing, self.drawn_angle)
+
+    def sprung_at(self, joints: Collection[str]) -> Self:
+        """The linkage with springs alone holding these joints, and no others.
+
+        Parameters
+        ----------
+        joints : collection of str
+            Pins or pivots of the topology.
+
+        Raises
+        ------
+        InputError
+            If one is no such joint.
+        """
+        return replace(self, sprung=tuple(joints))
 
     @property
     def drawn_angle(self) -> float:
