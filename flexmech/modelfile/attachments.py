@@ -96,7 +96,19 @@ def attached_bodies(
 def joint_springs(
     tables: ModelFile, topology: Topology, findings: Findings
 ) -> tuple[JointSpring, ...]:
-    """Springs and dampers in joints; what is wrong of them is kept in the findings."""
+    """Springs and dampers in joints.
+
+    Parameters
+    ----------
+    tables : ModelFile
+    topology : Topology
+    findings : Findings
+        What is wrong; completed here.
+
+    Returns
+    -------
+    tuple of JointSpring
+    """
     found: list[JointSpring] = []
     for name, joint in tables.joints.items():
         with findings.at(f"joints.{name}"):

@@ -54,17 +54,6 @@ def run(
     )
 
 
-@pytest.fixture(autouse=True)
-def _interruptible() -> Iterator[None]:
-    """Programs started here can be interrupted, also if these tests run in the background.
-
-    A shell lets its background jobs ignore SIGINT, and what these start inherits that.
-    """
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
 def start(arguments: list[str]) -> subprocess.Popen[str]:
     environment = {**os.environ, "PYTHONPATH": str(MODELS.parent)}
     pipe = subprocess.PIPE

@@ -75,14 +75,6 @@ def started(
     )
 
 
-@pytest.fixture(autouse=True)
-def _interruptible():
-    """Programs started here answer SIGINT, also if these tests run in the background."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
-    yield
-    signal.signal(signal.SIGINT, before)
-
-
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", COMMANDS)
 def test_a_signal_leaves_a_whole_set_or_nothing(name: str, tmp_path: Path) -> None:
