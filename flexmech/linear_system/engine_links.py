@@ -62,14 +62,7 @@ class EngineLinks(ElementKinds):
     @cached_property
     def tied_topology(self) -> Topology:
         """Links and connections where forces in straight links are sought: all joints hold."""
-        return self.mechanism.linkage.topology.with_sprung(())
-
-    @cached_property
-    def equilibrium_topology(self) -> Topology:
-        """Links and connections of equilibria: joints with radial springs come apart."""
-        springs = self.mechanism.joint_springs
-        held = [own.joint for own in springs if own.radial_stiffness]
-        return self.mechanism.linkage.topology.with_sprung(held)
+        return self.mechanism.linkage.topology.tied()
 
     @cached_property
     def links(self) -> tuple[LinkModel, ...]:
@@ -225,7 +218,7 @@ class EngineLinks(ElementKinds):
         connectors = self.held_connectors
         if carried is None and (self.solves_connectors or not connectors.any):
             return BalancedLoads(loads, None)
-        frames = LinkFrames(self.equilibrium_topology, self.held_links)
+        frames = LinkFrames(self.mechanism.linkage.topology, self.held_links)
 
         def tangents(displacement: list[FloatArray]) -> Sequence[LinkMatrix]:
             return self.running_held_links(motion, displacement).tangent

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -246,16 +246,11 @@ class Topology:
         """Follow pins and welds from a link end to the end that carries its displacement."""
         return leading_end(place, self.ties)
 
-    def with_sprung(self, joints: Collection[str]) -> Topology:
-        """The same, with springs alone holding no more than those of its sprung joints.
-
-        Parameters
-        ----------
-        joints : collection of str
-        """
-        pins = (replace(pin, sprung=pin.sprung and pin.joint in joints) for pin in self.pins)
-        pivots = (replace(own, sprung=own.sprung and own.joint in joints) for own in self.pivots)
-        return replace(self, pins=tuple(pins), pivots=tuple(pivots))
+    def tied(self) -> Topology:
+        """The same, with pins and pivots that springs alone hold holding as rigid ones do."""
+        pins = tuple(replace(pin, sprung=False) for pin in self.pins)
+        pivots = tuple(replace(pivot, sprung=False) for pivot in self.pivots)
+        return replace(self, pins=pins, pivots=pivots)
 
     @property
     def pinned_ends(self) -> dict[str, tuple[LinkEnd, LinkEnd | None]]:

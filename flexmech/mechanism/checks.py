@@ -95,7 +95,7 @@ def checked_springs(topology: Topology, springs: Iterable[Spring]) -> tuple[Spri
 def checked_joint_springs(
     topology: Topology, springs: Iterable[JointSpring]
 ) -> tuple[JointSpring, ...]:
-    """Torsional springs; refuse one in a joint that is no pin or pivot."""
+    """Springs in joints; refuse one in a joint that is no pin or pivot."""
     kinds = zip(topology.joint_names, topology.joint_kinds, strict=True)
     turning = sorted(joint for joint, kind in kinds if kind in ("pin", "pivot"))
     remedy = "give JointSpring(joint) in a tuple"

@@ -138,14 +138,14 @@ class ReferenceEngine(Engine):
     @cached_property
     def _tied_frames(self) -> LinkFrames:
         """Frames of links whose sprung joints hold as rigid ones do."""
-        if self.tied_topology == self.equilibrium_topology:
+        if self.tied_topology == self.mechanism.linkage.topology:
             return self.equilibrium.frames
         return LinkFrames(self.tied_topology, self.held_links)
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
         """Solver for the quasi-static equilibrium on this mesh."""
-        frames = LinkFrames(self.equilibrium_topology, self.held_links)
+        frames = LinkFrames(self.mechanism.linkage.topology, self.held_links)
         return Equilibrium(
             frames,
             {n: chain.elements for n, chain in self.chains.items()},
