@@ -21,8 +21,6 @@ from flexmech.linear_system import (
 from flexmech.linkages import LinkEnd
 from flexmech.sections import TWISTS, BeamSection, LaminateSection
 
-__all__ = ["theory_attributes", "theory_lines", "theory_reason", "theory_warnings"]
-
 LINES, WARNINGS, REASON = "beam_theory", "beam_theory_warnings", "beam_theory_difference"
 # Theories from the coarsest on. Of the two that shear as a whole, either may be the closer one.
 LEAVES_OUT_LESS = ("euler", "timoshenko", "reddy", "zigzag")

@@ -13,14 +13,6 @@ from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.linear_system import Engine
 from flexmech.numbers import Bounds
 
-__all__ = [
-    "DAMPING_RATIO",
-    "lowest_frequency",
-    "with_damping_ratio",
-    "with_damping_time",
-    "with_damping_times",
-]
-
 DAMPING_RATIO = Bounds(least=0.0, below=1.0)
 """What a damping ratio of the linkage can be."""
 TURN = np.radians(np.arange(0.0, 360.0, 5.0))

@@ -6,8 +6,6 @@ from flexmech.analyses.requests import environment_of
 from flexmech.hygrothermal import Environment, inert_links, resin_retention, swollen_links
 from flexmech.mechanism import Mechanism
 
-__all__ = ["environment_lines", "state_name"]
-
 
 def state_name(environment: Environment) -> str:
     """What a result calls the state in an environment beside ``"dry"``."""

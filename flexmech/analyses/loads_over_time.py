@@ -7,8 +7,6 @@ from typing import Any
 
 from flexmech.mechanism import Mechanism
 
-__all__ = ["left_out_attributes", "left_out_warnings"]
-
 LEFT_OUT = "loads_left_out"
 
 

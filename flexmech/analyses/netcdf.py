@@ -14,14 +14,6 @@ import xarray as xr
 
 from flexmech.errors import FlexmechError, InputError, one_line
 
-__all__ = [
-    "FILE_ATTRIBUTES",
-    "file_attributes",
-    "netcdf_bytes",
-    "read_netcdf",
-    "told_as_damaged",
-]
-
 # The first with integers of 64 bits is 1.9.
 CONVENTIONS = "CF-1.11"
 FILE_ATTRIBUTES = ("Conventions", "title", "date", "command_line")

@@ -13,8 +13,6 @@ import xarray as xr
 from flexmech.linear_system import Engine
 from flexmech.mechanism import Mechanism
 
-__all__ = ["origin", "provenance", "versions", "with_units"]
-
 
 @cache
 def _version(package: str) -> str:

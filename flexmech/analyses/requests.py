@@ -16,14 +16,6 @@ from flexmech.linear_system import Engine, check_elastic
 from flexmech.numbers import check_choice, check_instance, checked_array
 from flexmech.types import FloatArray
 
-__all__ = [
-    "engine_of",
-    "engines_of",
-    "environment_of",
-    "in_radians",
-    "link_of",
-]
-
 # Beyond so many radians, eight turns, an angle is taken for degrees.
 MOST_RADIANS = 16 * np.pi
 

@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["DOTS_PER_INCH", "Result"]
-
 DOTS_PER_INCH = 200
 
 

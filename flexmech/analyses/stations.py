@@ -8,8 +8,6 @@ from flexmech.linear_system import Engine
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
 
-__all__ = ["rigid_positions"]
-
 
 def rigid_positions(engine: Engine, motion: RigidMotion) -> FloatArray:
     """Stations of the undeformed links in ground axes.

@@ -9,8 +9,6 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-__all__ = ["DEGREES", "table_over"]
-
 DEGREES = math.degrees(1.0)
 """In a radian."""
 

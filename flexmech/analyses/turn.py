@@ -6,8 +6,6 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["sampled_turn", "without_end"]
-
 ANGLES = 24
 """Every 15 degrees: natural frequencies move slowly enough for bounds to be told by these."""
 

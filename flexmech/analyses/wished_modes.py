@@ -8,8 +8,6 @@ from typing import Any, TypeVar
 from flexmech.choices import MODES
 from flexmech.linear_system import OverdampedError, TooManyModesError
 
-__all__ = ["as_many_modes", "fewer_modes_lines"]
-
 FEWER_MODES = "fewer_modes"
 Found = TypeVar("Found")
 

@@ -20,14 +20,6 @@ from flexmech.beams.interpolation import hermite, hermite_integral, linear, plac
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = [
-    "BeamFields",
-    "BeamShapes",
-    "EulerBernoulli",
-    "Reddy",
-    "Timoshenko",
-]
-
 # Exact to degree 9; products of quartics, and of squared cubics with a quadratic tension, have 8.
 _POINTS, _WEIGHTS = np.polynomial.legendre.leggauss(5)
 

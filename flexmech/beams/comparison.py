@@ -39,8 +39,6 @@ from flexmech.sections import BeamSection, DampingTimes
 from flexmech.threads import one_thread
 from flexmech.types import FloatArray
 
-__all__ = ["compare_theories"]
-
 # Theories differ by the wavelength of a mode, hardly by the crank angle.
 ANGLES = np.radians(np.arange(0.0, 360.0, 60.0))
 LEAST_ELEMENTS = 8

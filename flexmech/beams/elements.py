@@ -17,8 +17,6 @@ from flexmech.beams.beam_shapes import BeamFields, BeamShapes
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = ["BeamElements"]
-
 # Which of a node's coordinates is the rotation of the section.
 ROTATION = 2
 

@@ -32,8 +32,6 @@ from flexmech.sections import BeamSection, LaminateSection
 from flexmech.sections.free_edges import layer_runs
 from flexmech.types import FloatArray
 
-__all__ = ["HeldEnds", "held_beam", "held_ends"]
-
 WAVES = 3
 """Loads in half sines whose bending moments are among the distributions."""
 # Of the bending stiffness that end faces may seem to take away. They add to it; what takes is a

@@ -6,8 +6,6 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["hermite", "hermite_integral", "linear", "placed"]
-
 
 def hermite(s: FloatArray, length: FloatArray, derivatives: int = 3) -> tuple[FloatArray, ...]:
     """Cubic with end values and slopes, and its first derivatives.

@@ -23,8 +23,6 @@ from flexmech.mesh import node_positions
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = ["Chain", "Coupling", "assemble_chain", "build_chain"]
-
 
 def assemble_chain(elements: FloatArray) -> FloatArray:
     """Sum the matrices of consecutive elements of p coordinates a node.

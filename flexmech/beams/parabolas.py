@@ -9,8 +9,6 @@ import scipy.sparse as sp
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Parabolas", "graded", "rows_of_runs"]
-
 MASS = np.array([[4.0, 2.0, -1.0], [2.0, 16.0, 2.0], [-1.0, 2.0, 4.0]]) / 30
 STIFFNESS = np.array([[7.0, -8.0, 1.0], [-8.0, 16.0, -8.0], [1.0, -8.0, 7.0]]) / 3
 COUPLING = np.array([[-3.0, 4.0, -1.0], [-4.0, 0.0, 4.0], [1.0, -4.0, 3.0]]) / 6

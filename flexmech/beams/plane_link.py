@@ -26,8 +26,6 @@ from flexmech.materials import solid_stiffness
 from flexmech.sections import LaminateSection
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["compression_frequency", "plane_link"]
-
 # Along the link: short elements at the ends, whose layers shear and bend by themselves.
 ALONG, GRADED = 32, 0.7
 # Rows of elements over the thickness, shared among the layers by their own.

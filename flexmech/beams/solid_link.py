@@ -30,17 +30,6 @@ from flexmech.sections.free_edges import is_off_axis, layer_runs
 from flexmech.sections.twist import FIRST_MODE
 from flexmech.types import FloatArray
 
-__all__ = [
-    "MOST_RUNS",
-    "SHORT",
-    "BeamError",
-    "SolidLink",
-    "beam_error",
-    "bending_between_pins",
-    "twisted_back",
-    "twists_matter",
-]
-
 MODES = 2
 """Bending modes that are compared."""
 # Runs of equal plies that are computed in three dimensions.

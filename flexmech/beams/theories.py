@@ -5,8 +5,6 @@ from __future__ import annotations
 from flexmech.beams.beam_shapes import BeamShapes, EulerBernoulli, Reddy, Timoshenko
 from flexmech.beams.zigzag_shapes import ZigzagBeam
 
-__all__ = ["BEAM_SHAPES"]
-
 BEAM_SHAPES: dict[str, BeamShapes] = {
     "euler": EulerBernoulli(),
     "timoshenko": Timoshenko(),

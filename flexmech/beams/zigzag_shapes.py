@@ -20,8 +20,6 @@ from flexmech.beams.interpolation import hermite, hermite_integral, linear, plac
 from flexmech.sections import WARPINGS, BeamSection
 from flexmech.types import FloatArray
 
-__all__ = ["BoundaryLayers", "ZigzagBeam"]
-
 # Below this exponent over half an element, exponentials are taken by their series.
 SMALL = 0.5
 TERMS = 6

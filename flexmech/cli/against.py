@@ -11,7 +11,6 @@ from flexmech.errors import InputError, suggestion
 if TYPE_CHECKING:
     from flexmech.mechanism import Mechanism
 
-__all__ = ["parse_against", "parse_damping_ratio", "parse_steps"]
 
 AUTO = "auto"
 MOST_STEPS = 999

@@ -7,8 +7,6 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 
-__all__ = ["command_line", "running"]
-
 _running: ContextVar[str] = ContextVar("_running", default="")
 
 

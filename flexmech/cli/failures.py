@@ -13,8 +13,6 @@ import typer
 from flexmech.cli.stopping import Stopped, answered_signals, interrupted_line
 from flexmech.errors import ComputationError, FlexmechError, InputError, one_line
 
-__all__ = ["naming", "reports_failures", "telling"]
-
 Parameters = ParamSpec("Parameters")
 
 

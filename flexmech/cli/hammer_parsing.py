@@ -13,8 +13,6 @@ if TYPE_CHECKING:
     from flexmech.linear_system import LinkPoint
     from flexmech.mechanism import Mechanism
 
-__all__ = ["parse_point", "parse_positive"]
-
 
 def parse_point(mechanism: Mechanism, option: str, text: str | None) -> LinkPoint:
     """Point of an option; the middle of the coupler, or of the last link, where it is left out.

@@ -7,8 +7,6 @@ from pathlib import Path
 
 from typer import BadParameter
 
-__all__ = ["typed_path"]
-
 
 def typed_path(text: str | os.PathLike[str]) -> Path:
     """Path of an option or argument; an empty one, which would be the working folder, is refused.

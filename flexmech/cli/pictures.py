@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from flexmech.choices import PICTURE_FORMATS, PageWidth, PictureFormat
 from flexmech.errors import InputError
 
-__all__ = ["PNG", "Pictures", "asked_pictures", "plain_style"]
-
 
 @dataclass(frozen=True)
 class Pictures:

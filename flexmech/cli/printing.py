@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from flexmech.analyses import Summary, Table
 
-__all__ = ["Report", "prints_as_asked"]
 
 # Columns where there is no terminal that has a number of them.
 WIDTH = 80

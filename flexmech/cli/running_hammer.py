@@ -15,8 +15,6 @@ if TYPE_CHECKING:
     from flexmech.choices import Prestress
     from flexmech.linear_system import Engine
 
-__all__ = ["deliver_running_hammer", "refuse_when_running"]
-
 
 def refuse_when_running(angle: bool, grid: bool, uff: bool) -> None:
     """Refuse options that ask for what a test on the running linkage is not.

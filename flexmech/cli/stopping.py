@@ -9,14 +9,6 @@ from types import FrameType
 
 from flexmech.interruption import STOPPING, work_to_tidy
 
-__all__ = [
-    "Stopped",
-    "answer_signals",
-    "answered_signals",
-    "ignore_signals",
-    "interrupted_line",
-]
-
 _WORDS = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 # A progress bar hides the cursor; the line of the bar is cleared.
 _BARE_LINE = "\x1b[?25h\r\x1b[K"

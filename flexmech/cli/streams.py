@@ -10,8 +10,6 @@ from typing import TextIO
 
 from flexmech.errors import InputError
 
-__all__ = ["check_streams"]
-
 
 class _Stream(io.RawIOBase):
     """A standard stream. Its first failure is told, after it nothing is written any more."""

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from flexmech.numbers import NOT_NEGATIVE, Bounds, check_fields
 from flexmech.units import from_si
 
-__all__ = ["Environment", "Exposure", "HygrothermalState"]
-
 
 @dataclass(frozen=True)
 class HygrothermalState:

@@ -20,16 +20,6 @@ from flexmech.mechanism import Mechanism
 from flexmech.numbers import check_instance
 from flexmech.sections import BeamSection, swollen_section
 
-__all__ = [
-    "SwollenLink",
-    "coupler_point_in_state",
-    "elongation_of",
-    "linkage_in_state",
-    "mechanism_in_state",
-    "rigid_linkage_in_state",
-    "swollen_links",
-]
-
 
 @dataclass(frozen=True)
 class SwollenLink:

@@ -23,9 +23,6 @@ from flexmech.materials.moisture import (
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["LinkDiffusion", "link_diffusion"]
-
-
 # Slices of a link through its thickness, each with the mean moisture inside it, and the cells
 # and the tolerance that it is computed with: good to some 1e-5 of the saturation.
 SLICES = 32

@@ -13,8 +13,6 @@ from flexmech.materials.moisture import Ambient
 from flexmech.mechanism import Mechanism
 from flexmech.sections import HygrothermalProfile
 
-__all__ = ["absorbing_links", "inert_links", "link_profile", "resin_retention"]
-
 
 def link_profile(mechanism: Mechanism, link: str, environment: Environment) -> HygrothermalProfile:
     """Temperature and moisture through a link's thickness in an environment.

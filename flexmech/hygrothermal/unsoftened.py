@@ -10,8 +10,6 @@ from flexmech.materials import Ply, PlyComposition, UnknownStiffnessError
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
 
-__all__ = ["links_of_unknown_stiffness", "without_softening"]
-
 
 def links_of_unknown_stiffness(mechanism: Mechanism, environment: Environment) -> tuple[str, ...]:
     """Links with a resin whose stiffness in an environment is not known.

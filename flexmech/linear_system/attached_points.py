@@ -14,8 +14,6 @@ from flexmech.linkages import Load, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray
 
-__all__ = ["AttachedPoint", "MovedPoint"]
-
 
 @dataclass(frozen=True)
 class AttachedPoint:

@@ -24,8 +24,6 @@ from flexmech.linear_system.rotation_terms import RotationTerms
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
 
-__all__ = ["BalancedLoads", "Solve", "balanced_loads"]
-
 MOST_PASSES = 60
 # Greatest change of a load in the last pass, relative to the greatest.
 LAST_PASS = 1e-10

@@ -9,8 +9,6 @@ from itertools import pairwise
 from flexmech.linear_system.chains import ChainMatrix
 from flexmech.linear_system.link_model import LinkModel
 
-__all__ = ["batch_size", "equal_batches"]
-
 # Working memory of a batch; keeps what is alive at a time independent of the map's size.
 BATCH_BYTES = 32_000_000
 LEAST_BATCH = 4

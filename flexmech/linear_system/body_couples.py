@@ -20,8 +20,6 @@ from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import LinkMass, RigidMotion
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["BodyCouples"]
-
 
 @dataclass(frozen=True)
 class BodyCouples:

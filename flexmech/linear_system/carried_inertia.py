@@ -19,8 +19,6 @@ from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.types import FloatArray
 
-__all__ = ["CarriedInertia", "turns_as_one_body"]
-
 
 def turns_as_one_body(topology: Topology) -> bool:
     """Whether all links turn with the shaft and nothing else holds them.

@@ -18,22 +18,6 @@ from scipy.sparse import csc_array
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = [
-    "MOST_WHOLE",
-    "ChainMatrix",
-    "LinkMatrix",
-    "chain_matrices",
-    "chain_matrix",
-    "couples",
-    "diagonal",
-    "in_positions",
-    "link_matrices",
-    "repeated",
-    "summed",
-    "whole",
-    "with_entries",
-]
-
 # Up to so many elements products of whole matrices are faster.
 MOST_WHOLE = 16
 

@@ -8,8 +8,6 @@ from flexmech.choices import MOST_ELEMENTS
 from flexmech.errors import InputError
 from flexmech.mechanism import Mechanism
 
-__all__ = ["check_elastic", "checked_elements", "checked_mechanism"]
-
 
 def checked_mechanism(mechanism: object) -> Mechanism:
     """Return a mechanism; refuse what is none: a path, a linkage, another engine."""

@@ -51,9 +51,6 @@ from flexmech.linear_system.link_model import LinkModel
 from flexmech.linkages import Topology
 from flexmech.types import FloatArray
 
-__all__ = ["GREAT_DETAIL", "ComponentModes", "ReducedLink", "component_modes"]
-
-
 # Modes of the held links are kept up to this multiple of the frequency of the highest
 # mode asked for; the frequencies asked for mostly come out within 1e-5. Maps measure their
 # own error and take more modes where that is not enough (flexmech.analyses.frequencies.reduction).

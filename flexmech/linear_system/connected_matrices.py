@@ -13,8 +13,6 @@ from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
 
-__all__ = ["ConnectedMatrices", "connected_matrices"]
-
 
 @dataclass(frozen=True)
 class ConnectedMatrices:

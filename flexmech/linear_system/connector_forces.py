@@ -13,8 +13,6 @@ from flexmech.linkages.spring_line import SpringLine
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["Answer", "Push", "SpringEnd", "SpringState", "acts_still"]
-
 
 def acts_still(mechanism: Mechanism) -> bool:
     """Whether loads or springs act on a linkage that stands still."""

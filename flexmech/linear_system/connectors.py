@@ -46,8 +46,6 @@ from flexmech.linkages.spring_line import SpringLine
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["Connectors"]
-
 
 class Connectors:
     """Loads and springs of a mechanism on its links.

@@ -15,14 +15,6 @@ from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.types import FloatArray
 
-__all__ = [
-    "is_constant_turn",
-    "same_answers",
-    "stressed_along_turn",
-    "turns_or_slides",
-    "unchanged",
-]
-
 # Change along the turn, relative to the greatest value, that round-off makes.
 UNCHANGED = 1e-13
 

@@ -15,8 +15,6 @@ from flexmech.linear_system.rigid_pose import PoseStiffness
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["DeadForces"]
-
 
 @dataclass(frozen=True)
 class DeadForces:

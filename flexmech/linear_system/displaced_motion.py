@@ -12,8 +12,6 @@ from flexmech.linear_system.moving_matrix import MovingMatrix
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["DisplacedMotion", "frame_rotation", "general_position", "slider_lever"]
-
 
 @dataclass(frozen=True)
 class DisplacedMotion(RigidMotion):

@@ -9,8 +9,6 @@ from flexmech.choices import MODES
 from flexmech.linear_system.theory_comparison import TheoryComparison
 from flexmech.mechanism import Mechanism
 
-__all__ = ["ElementKinds"]
-
 
 class ElementKinds(ABC):
     """What an engine's elements are to beam theory.

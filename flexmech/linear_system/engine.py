@@ -38,8 +38,6 @@ from flexmech.mechanism import Mechanism
 from flexmech.numbers import POSITIVE, check_choice, check_count, check_flag, check_number
 from flexmech.types import FloatArray
 
-__all__ = ["Engine"]
-
 # What a map of that many frequencies asks for: it tracks modes among two more.
 SYSTEM_MODES = MODES + 2
 # Component modes that an engine keeps: a map over speeds asks for some at each, and not again.

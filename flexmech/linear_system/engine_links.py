@@ -26,8 +26,6 @@ from flexmech.linkages import RigidMotion, Topology
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["EngineLinks"]
-
 
 class EngineLinks(ElementKinds):
     """Links of an engine as its linear systems are made of them.

@@ -8,8 +8,6 @@ from scipy.sparse.linalg import splu
 from flexmech.linear_system.chains import ChainMatrix, LinkMatrix, whole
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Flexibility"]
-
 # Of the forces that are answered at a time where all of them would fill a whole matrix.
 AT_A_TIME = 64
 

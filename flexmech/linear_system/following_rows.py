@@ -10,8 +10,6 @@ from flexmech.linear_system.moving_matrix import MovingMatrix
 from flexmech.linear_system.rotation_terms import RotationTerms
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["FollowingRows"]
-
 
 @dataclass(frozen=True)
 class FollowingRows:

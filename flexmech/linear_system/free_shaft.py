@@ -22,8 +22,6 @@ from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["FreeShaft"]
-
 # Part of the clamped link's speed by which it may be off that of the shaft.
 ROUND_OFF = 1e-9
 

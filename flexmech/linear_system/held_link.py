@@ -13,8 +13,6 @@ from flexmech.linear_system.link_boundary import JoinedEnds, LinkBoundary, link_
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["HeldLink", "hold_ends"]
-
 
 @dataclass(frozen=True)
 class HeldLink:

@@ -17,8 +17,6 @@ from flexmech.linear_system.flexibility import Flexibility
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["HeldModes"]
-
 # Of many elements so many modes are found first, twice as many where these are too few.
 FIRST_MODES = 24
 # All modes are found at once where the lowest are more than this part of them.

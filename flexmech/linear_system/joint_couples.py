@@ -8,8 +8,6 @@ from flexmech.linear_system.connectors import Connectors
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["has_dampers", "joint_couples"]
-
 
 def has_dampers(mechanism: Mechanism) -> bool:
     """Whether a spring, or one in a joint, has a damper."""

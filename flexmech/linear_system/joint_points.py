@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from flexmech.linkages import LinkEnd, Pin, Topology, Weld
 from flexmech.linkages.topology import leading_end
 
-__all__ = ["JointPoint", "TurningJoint", "joint_points", "turning_joints"]
-
 
 @dataclass(frozen=True)
 class JointPoint:

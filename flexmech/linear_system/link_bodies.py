@@ -19,8 +19,6 @@ from flexmech.linkages import LinkBody, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["BodyMatrices", "body_couple", "body_nodes", "second_moment", "with_bodies"]
-
 
 @dataclass(frozen=True)
 class BodyMatrices:

@@ -14,8 +14,6 @@ from flexmech.linkages import LinkEnd, Topology
 from flexmech.linkages.topology import End
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["JoinedEnds", "LinkBoundary", "link_boundary"]
-
 ENDS: tuple[End, ...] = ("start", "end")
 
 

@@ -36,8 +36,6 @@ from flexmech.linear_system.steady_links import SteadyLinks
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LinkFrames"]
-
 
 class LinkFrames:
     """The map from independent coordinates z to the coordinates of all links.

@@ -16,8 +16,6 @@ import numpy as np
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LinkMap", "SteadySum", "TurningFactors"]
-
 
 @dataclass(frozen=True)
 class LinkMap:

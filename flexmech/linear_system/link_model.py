@@ -14,9 +14,6 @@ from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["EndMatrices", "LinkModel", "RigidFields", "WholeLink", "inertia_loads"]
-
-
 NONE = np.zeros(0, dtype=np.intp)
 NO_VECTORS = np.zeros((2, 0), dtype=np.intp)
 

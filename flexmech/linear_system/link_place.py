@@ -11,8 +11,6 @@ import numpy as np
 from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LinkPlace"]
-
 Numbers = slice | IntArray
 
 

@@ -21,8 +21,6 @@ from flexmech.linkages import Topology
 from flexmech.numbers import Bounds, check_choice, check_instance, check_number
 from flexmech.types import FloatArray
 
-__all__ = ["LinkPoint", "displacement_row", "point_rows"]
-
 ON_THE_LINK = Bounds(least=0.0, most=1.0)
 EXAMPLE = "write LINK:FRACTION, such as coupler:0.5 for the middle of the coupler"
 

@@ -11,8 +11,6 @@ import numpy as np
 from flexmech.mesh import middle_curvature, shapes_at, station_shapes
 from flexmech.types import FloatArray
 
-__all__ = ["LinkReadings"]
-
 # Of the link's length: a place so near to a node is at it.
 AT_NODE = 1e-9
 # Of the shortest element.

@@ -14,8 +14,6 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["LinkStretch"]
-
 # Combinations of strains that no coordinate moves, to this part of the one moved most.
 _NOT_MOVED = 1e-9
 

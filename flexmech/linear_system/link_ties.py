@@ -27,8 +27,6 @@ from flexmech.linkages import LinkEnd, RigidMotion, Topology
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LinkTies"]
-
 
 @dataclass(frozen=True)
 class _TurningEnd:

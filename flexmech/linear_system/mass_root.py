@@ -6,8 +6,6 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["inverse_mass_root"]
-
 # Up to this size rows are eliminated over the whole batch at once; larger matrices are halved.
 # Measured with some hundred positions: half to a third of the time of going row by row.
 ELIMINATED = 8

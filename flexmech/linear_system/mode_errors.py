@@ -7,8 +7,6 @@ from typing import Any
 from flexmech.errors import InputError
 from flexmech.linear_system.position_errors import RefusedPositionsError
 
-__all__ = ["OverdampedError", "TooManyModesError"]
-
 
 class OverdampedError(RefusedPositionsError):
     """Damping keeps modes that are asked for from oscillating.

@@ -12,8 +12,6 @@ from flexmech.linear_system.rigid_coordinates import RigidCoordinates
 from flexmech.linkages import RigidMotion
 from flexmech.types import IntArray
 
-__all__ = ["MovingFrames"]
-
 
 class MovingFrames:
     """Matrices of one batch of positions, made when they are first asked for.

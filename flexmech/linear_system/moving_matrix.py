@@ -9,8 +9,6 @@ import numpy as np
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["MovingMatrix"]
-
 
 @dataclass(frozen=True)
 class MovingMatrix:

@@ -11,8 +11,6 @@ from flexmech.linear_system.joint_points import JointPoint
 from flexmech.linear_system.rigid_pose import PoseStiffness, RigidPose
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["CoordinateRows", "PointRows", "PosedRows", "PosedTies"]
-
 
 @dataclass(frozen=True)
 class PosedRows:

@@ -11,8 +11,6 @@ from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
 
-__all__ = ["LESS_LOADED", "RefusedPositionsError", "refuse_positions"]
-
 LESS_LOADED = "{less_loaded}"
 """Where an advice says what lowers the loads: the crank speed and what acts at rest, or that alone.
 

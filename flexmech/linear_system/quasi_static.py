@@ -16,18 +16,6 @@ from flexmech.linkages import RigidMotion, Topology
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = [
-    "LAST_STEP",
-    "LOAD_STEPS",
-    "MAX_ITERATIONS",
-    "RELATIVE_RESIDUAL",
-    "ROUND_OFF",
-    "free_load",
-    "greatest",
-    "refuse_large_displacements",
-]
-
-
 MAX_ITERATIONS = 40
 """Of Newton's method in one load step."""
 LOAD_STEPS = (1, 5, 25)

@@ -17,8 +17,6 @@ from flexmech.linear_system.system import LinearSystem, condense
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
 
-__all__ = ["reduced_system", "unreduced_system"]
-
 Connect = Callable[[LinkFrames, RigidMotion, SystemMatrices, slice], SystemMatrices]
 """Adds to matrices in some positions, those of a slice, what connects the links."""
 # Of one matrix in the positions that are assembled at a time: memory near the processor holds it.

@@ -26,8 +26,6 @@ from flexmech.linear_system.position_errors import refuse_positions
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["RigidCoordinates"]
-
 # Singular values of the conditions, relative to the greatest, that count as none.
 DEPENDENT = 1e-9
 # Part of a column that is none of those before it, below which it adds nothing to the rank.

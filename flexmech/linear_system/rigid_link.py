@@ -13,8 +13,6 @@ from flexmech.linkages import LinkMass, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray
 
-__all__ = ["dead_virial", "off_axis_inertia", "rigid_link", "rigid_tangent"]
-
 
 def rigid_link(name: str, mass: LinkMass) -> LinkModel:
     """Model of a rigid link: displacement of its start along and across, and its rotation.

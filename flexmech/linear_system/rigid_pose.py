@@ -23,8 +23,6 @@ from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray
 
-__all__ = ["PoseStiffness", "RigidPose"]
-
 ITERATIONS = 30
 # Of conditions in m, to the size of the longest link, and of angles in rad.
 CLOSED = 1e-14

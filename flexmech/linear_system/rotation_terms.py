@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from flexmech.linear_system.chains import LinkMatrix, in_positions, whole
 from flexmech.types import FloatArray
 
-__all__ = ["LinkDamping", "RotationTerms", "SystemMatrices"]
-
 
 @dataclass(frozen=True)
 class RotationTerms:

@@ -20,8 +20,6 @@ from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion
 from flexmech.types import IntArray
 
-__all__ = ["SparseMatrices", "SparsePositions"]
-
 
 @dataclass(frozen=True)
 class SparseMatrices:

@@ -14,8 +14,6 @@ from flexmech.linear_system.link_place import LinkPlace
 from flexmech.linear_system.link_ties import LinkTies
 from flexmech.types import FloatArray
 
-__all__ = ["SteadyLinks"]
-
 
 class SteadyLinks:
     """Those links of a linkage whose constant matrices are summed in all positions at once.

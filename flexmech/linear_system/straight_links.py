@@ -25,8 +25,6 @@ from flexmech.linkages.internal_forces import LinkForces
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["StraightForces", "straight_forces", "ties_beyond_pins", "with_rigid_links"]
-
 
 @dataclass(frozen=True)
 class StraightForces:

@@ -12,8 +12,6 @@ from flexmech.linear_system.chains import LinkMatrix, in_positions, repeated
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["StressedLinks"]
-
 
 @dataclass(frozen=True)
 class StressedLinks:

@@ -15,8 +15,6 @@ from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LinearSystem", "condense"]
-
 
 @dataclass(frozen=True)
 class LinearSystem:

@@ -14,8 +14,6 @@ from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["element_tensions", "forces_of_links", "static_displacement"]
-
 
 def element_tensions(
     mechanism: Mechanism,

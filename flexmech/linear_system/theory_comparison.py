@@ -9,8 +9,6 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["ELASTICITY", "HELD_ENDS", "NEGLIGIBLE", "TheoryComparison", "TheoryDifference"]
-
 NEGLIGIBLE = 0.01
 """Relative difference of a frequency up to which the simpler theory is taken."""
 

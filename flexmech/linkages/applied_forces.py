@@ -14,8 +14,6 @@ from flexmech.linkages.spring_line import SpringLine
 from flexmech.linkages.topology import Topology
 from flexmech.types import FloatArray
 
-__all__ = ["ForceOnLink", "forces_of_joint_springs", "forces_of_loads", "forces_of_springs"]
-
 
 @dataclass(frozen=True)
 class ForceOnLink:

@@ -22,8 +22,6 @@ from flexmech.numbers import (
 )
 from flexmech.types import FloatArray
 
-__all__ = ["GROUND", "Axes", "JointSpring", "LinkPoint", "Load", "LoadOver", "Spring"]
-
 GROUND = "ground"
 """Where a :class:`LinkPoint` is that does not move."""
 

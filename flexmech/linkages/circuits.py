@@ -9,8 +9,6 @@ from typing import Literal
 from flexmech.errors import InputError
 from flexmech.linkages.fourbar import FourBar
 
-__all__ = ["Circuit", "CrankMotion", "circuit_of", "circuit_of_position", "crank_motion"]
-
 Circuit = Literal["open", "crossed", "upper", "lower", "whole"]
 CrankMotion = Literal["turns", "swings in two ranges", "swings in one range"]
 

@@ -12,8 +12,6 @@ from flexmech.linkages.motion import RigidMotion, direction, normal
 from flexmech.linkages.topology import LinkEnd, Slider, Topology
 from flexmech.types import FloatArray
 
-__all__ = ["Connection", "connection_matrix", "connections", "guide_place", "solve_connections"]
-
 # Of singular values of the equations, with moments divided by the longest link, over the largest.
 RANK_TOLERANCE = 1e-9
 # Above this ratio of connection forces to what they hold, the equations may be singular.
@@ -87,7 +85,15 @@ def guide_place(
 
 
 def line_normal(topology: Topology, motion: RigidMotion, slider: Slider) -> FloatArray:
-    """Unit vector to the left of a slider's line in ground axes; shape (..., 2)."""
+    """Unit vector to the left of a slider's line in ground axes; shape (..., 2).
+
+    Parameters
+    ----------
+    topology : Topology
+    motion : RigidMotion
+        Batch of shape (...).
+    slider : Slider
+    """
     angle = np.full(motion.crank_angle.shape, slider.direction)
     if slider.guide:
         angle = angle + motion.angle[..., topology.index(slider.guide)]

@@ -18,9 +18,6 @@ from flexmech.short_repr import short_repr
 from flexmech.types import FloatArray
 from flexmech.units import ANGLE, LENGTH
 
-__all__ = ["CouplerCurve", "CouplerPoint", "CouplerTriangle"]
-
-
 COUPLER = 1
 
 # Below this part of the linkage's size, in m per rad, the tangent's direction is round-off.

@@ -10,8 +10,6 @@ from flexmech.linkages.coupler_curve import CouplerPoint
 from flexmech.linkages.fourbar import FourBar
 from flexmech.types import FloatArray
 
-__all__ = ["coupler_sextic"]
-
 
 def coupler_sextic(linkage: FourBar, point: CouplerPoint, position: ArrayLike) -> FloatArray:
     """Residual of the coupler curve's equation, zero on the curves of all its circuits.

@@ -23,8 +23,6 @@ from flexmech.linkages.double_point_path import DoublePointPath, Family, Stop, d
 from flexmech.linkages.double_points import FiniteDoublePoint, full_turn
 from flexmech.types import FloatArray
 
-__all__ = ["CuspTransition", "cusp_transitions"]
-
 Place = tuple[float, FiniteDoublePoint]
 
 TURN = 2 * math.pi

@@ -12,8 +12,6 @@ from flexmech.linkages.coupler_curve import CouplerPoint
 from flexmech.linkages.double_points import FiniteDoublePoint, finite_double_points, focal_cubic
 from flexmech.linkages.fourbar import FourBar, GrashofClass
 
-__all__ = ["DoublePointPath", "Family", "Stop"]
-
 Family = Callable[[float], tuple[FourBar, CouplerPoint]]
 Nodes = tuple[FiniteDoublePoint, ...]
 Stop = tuple[float, Nodes]

@@ -55,9 +55,6 @@ from flexmech.linkages.fourbar import FourBar
 from flexmech.numbers import check_instance
 from flexmech.types import FloatArray
 
-__all__ = ["DoublePoint", "FiniteDoublePoint", "double_points", "finite_double_points"]
-
-
 # The loop of a crunode is about margin^1.5 of the linkage in size: below this margin it is
 # smaller than the round-off of a place, and crunode, cusp and acnode are one.
 CUSP_MARGIN = 1e-10
@@ -90,7 +87,14 @@ class DoublePoint:
 
 
 class Attitude(NamedTuple):
-    """Configuration of the linkage at a double point."""
+    """Configuration of the linkage at a double point.
+
+    Parameters
+    ----------
+    crank_angle, coupler_angle : float
+        In rad.
+    circuit : Circuit
+    """
 
     crank_angle: float
     coupler_angle: float

@@ -6,8 +6,6 @@ from typing import Any
 
 from flexmech.linkages.topology import LinkEnd, Topology
 
-__all__ = ["drawn_joints"]
-
 
 def drawn_joints(topology: Topology) -> dict[str, Any]:
     """Links and joints as a picture shows them, in numbers and words that JSON can hold.

@@ -14,8 +14,6 @@ from flexmech.linkages.motion import RigidMotion
 from flexmech.numbers import NOT_NEGATIVE, check_number
 from flexmech.types import FloatArray
 
-__all__ = ["CrankDrive", "LockedCrank"]
-
 
 @dataclass(frozen=True)
 class CrankDrive:

@@ -11,8 +11,6 @@ from dataclasses import dataclass
 
 from flexmech.linkages.coupler_curve import CouplerTriangle
 
-__all__ = ["FocalCubic"]
-
 Coefficients = tuple[float, ...]
 
 # Directions of (s, t) of which at least one is well away from all three roots.

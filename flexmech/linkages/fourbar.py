@@ -18,8 +18,6 @@ from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array
 from flexmech.types import FloatArray
 from flexmech.units import LENGTH
 
-__all__ = ["Branch", "FourBar", "GrashofClass"]
-
 Branch = Literal["open", "crossed"]
 GrashofClass = Literal[
     "crank-rocker", "rocker-crank", "double-crank", "double-rocker", "change-point", "triple-rocker"

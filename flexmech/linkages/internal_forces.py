@@ -12,8 +12,6 @@ from flexmech.linkages.link_mass import LinkMass
 from flexmech.linkages.motion import RigidMotion, direction, normal
 from flexmech.types import FloatArray
 
-__all__ = ["LinkForces"]
-
 
 @dataclass(frozen=True)
 class LinkForces:

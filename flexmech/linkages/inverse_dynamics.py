@@ -32,8 +32,6 @@ from flexmech.linkages.topology import Topology
 from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray
 
-__all__ = ["InverseDynamics", "inverse_dynamics"]
-
 
 @dataclass(frozen=True)
 class InverseDynamics(LinkForces):

@@ -8,8 +8,6 @@ from dataclasses import dataclass, replace
 from flexmech.linkages.topology import Topology
 from flexmech.numbers import NOT_NEGATIVE, check_number
 
-__all__ = ["LEAST_DISTANCE", "LinkBody", "LinkMass", "lumped_elements"]
-
 LEAST_DISTANCE = 1 / 500
 """Of point masses, bodies, loads and springs, in lengths of their link."""
 

@@ -11,8 +11,6 @@ from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.topology import Topology
 from flexmech.model_text import TomlTable
 
-__all__ = ["Linkage"]
-
 
 class Linkage(Protocol):
     """A rigid linkage of one degree of freedom, driven by its crank."""

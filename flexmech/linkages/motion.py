@@ -15,8 +15,6 @@ from flexmech.types import FloatArray, IntArray
 # In rad/s: no shaft turns faster.
 FASTEST = 1e9
 
-__all__ = ["RigidMotion", "checked_drive", "direction", "normal"]
-
 
 def direction(angle: FloatArray) -> FloatArray:
     """Unit vectors at given angles; shape (...) -> (..., 2)."""

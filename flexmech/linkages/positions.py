@@ -16,7 +16,6 @@ from flexmech.types import FloatArray
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["linkage_positions", "shown_crank_angle", "standing"]
 
 # In degrees; the first at which the linkage can stand shows it best. Then every degree.
 SHOWN = (60.0, 0.0, 30.0, 90.0, 120.0, 180.0, 240.0, 300.0, *range(1, 360))

@@ -15,8 +15,6 @@ from flexmech.model_text import TomlTable, quantity
 from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_number
 from flexmech.units import LENGTH
 
-__all__ = ["RotatingArm"]
-
 
 @dataclass(frozen=True)
 class RotatingArm:

@@ -11,8 +11,6 @@ from flexmech.errors import InputError
 from flexmech.linkages.attachments import Spring
 from flexmech.types import FloatArray
 
-__all__ = ["SpringLine"]
-
 # In units of the linkage's size: the ends of a spring that are nearer have met.
 MET = 1e-9
 

@@ -19,16 +19,6 @@ from flexmech.numbers import checked_array
 from flexmech.short_repr import short_repr
 from flexmech.types import FloatArray
 
-__all__ = [
-    "CrankRockerProportions",
-    "TransmissionDesign",
-    "rocker_swing",
-    "synthesize_crank_rocker",
-    "time_ratio",
-    "transmission_design",
-]
-
-
 RIGHT_ANGLE = np.pi / 2
 
 

@@ -11,19 +11,6 @@ from flexmech.errors import InputError
 from flexmech.short_repr import short_repr
 from flexmech.types import FloatArray
 
-__all__ = [
-    "Clamp",
-    "End",
-    "Link",
-    "LinkEnd",
-    "Pin",
-    "Pivot",
-    "Slider",
-    "Topology",
-    "Weld",
-    "leading_end",
-]
-
 End = Literal["start", "end"]
 
 

@@ -10,8 +10,6 @@ from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.positions import standing
 from flexmech.types import FloatArray
 
-__all__ = ["continuous_angles"]
-
 # Of a turn, at which angles are followed; no link may turn by half a turn from one to the next.
 STEPS = 720
 TURN = 2 * np.pi

@@ -11,8 +11,6 @@ from flexmech.model_text import SharedTables, TomlTable
 from flexmech.numbers import check_instance
 from flexmech.short_repr import short_repr
 
-__all__ = ["RULES", "PlyComposition", "Rule"]
-
 Rule = Literal["chamis", "halpin-tsai", "rule-of-mixtures"]
 RULES: tuple[Rule, ...] = get_args(Rule)
 

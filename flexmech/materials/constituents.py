@@ -32,8 +32,6 @@ from flexmech.units import (
     TEMPERATURE_DIFFERENCE,
 )
 
-__all__ = ["Constituent", "Fibre", "Matrix", "published_constituents"]
-
 # Properties by the names of their fields.
 DIMENSIONS = {
     "youngs_modulus": STRESS,

@@ -26,8 +26,6 @@ from flexmech.units import (
     ZERO_CELSIUS,
 )
 
-__all__ = ["REFERENCE_TEMPERATURE", "Hygrothermal", "ResinContent", "UnknownStiffnessError"]
-
 REFERENCE_TEMPERATURE = 293.15
 """Temperature in K at which dimensions and moduli are stated unless a model says otherwise."""
 

@@ -24,8 +24,6 @@ from flexmech.short_repr import short_repr
 from flexmech.types import FloatArray
 from flexmech.units import ANGLE, LENGTH
 
-__all__ = ["Laminate", "Layer"]
-
 # Thickness of a layer over that of the stack, below which rounding takes over.
 THINNEST = 1e-9
 # Of an angle that is written in degrees.

@@ -10,8 +10,6 @@ from flexmech.numbers import POSITIVE, Bounds, check_fields
 from flexmech.short_repr import short_repr
 from flexmech.units import DENSITY, RATIO, STRESS
 
-__all__ = ["Material"]
-
 UNKNOWN = Hygrothermal()
 
 

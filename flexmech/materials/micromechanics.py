@@ -24,8 +24,6 @@ from flexmech.materials.constituents import Fibre, Matrix
 from flexmech.materials.ply import Ply, PlyDamping
 from flexmech.numbers import check_choice, check_instance, check_number
 
-__all__ = ["PACKING_LIMIT", "ply_from_constituents", "ply_of", "woven_ply"]
-
 # Round fibres in hexagonal array that touch.
 PACKING_LIMIT = float(np.pi / (2 * np.sqrt(3)))
 

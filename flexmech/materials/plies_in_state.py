@@ -10,8 +10,6 @@ from flexmech.materials.hygrothermal import ResinContent
 from flexmech.materials.micromechanics import ply_of
 from flexmech.materials.ply import Ply
 
-__all__ = ["moisture_of", "ply_diluted", "ply_in_state", "through_thickness_strain"]
-
 
 def moisture_of(ply: Ply, offered: float) -> float:
     """Moisture of the resin in a ply where the environment offers ``offered``.

@@ -15,8 +15,6 @@ from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_fields, check_number,
 from flexmech.short_repr import short_repr
 from flexmech.types import FloatArray
 
-__all__ = ["MODULI", "Ply", "PlyDamping"]
-
 MODULI = (
     "longitudinal_modulus",
     "transverse_modulus",

@@ -10,8 +10,6 @@ from flexmech.materials.ply import MODULI, Ply
 from flexmech.model_text import SharedTables, TomlTable, stated
 from flexmech.units import DENSITY, EXPANSION, MOISTURE_EXPANSION, RATIO, STRESS
 
-__all__ = ["ply_table"]
-
 
 def ply_table(ply: Ply, shared: SharedTables) -> TomlTable:
     """Table under ``[plies]`` of a model file, without the name.

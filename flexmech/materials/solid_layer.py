@@ -8,8 +8,6 @@ from flexmech.materials.laminate import Layer
 from flexmech.materials.ply import Ply
 from flexmech.types import FloatArray
 
-__all__ = ["solid_stiffness"]
-
 # Of Poisson's ratio across the fibres where G23 says more: a ply that is not alike in 2 and 3.
 GREATEST_RATIO = 0.5
 # Distance from incompressible, in the range that a ratio may have.

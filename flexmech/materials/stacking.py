@@ -9,8 +9,6 @@ from itertools import groupby
 from flexmech.errors import InputError
 from flexmech.units import NUMBER, parse_number
 
-__all__ = ["parse_stacking", "stacking_text"]
-
 _STACK = re.compile(r"\s*\[(?P<inside>[^\[\]]*)\]\s*(?P<mirror>[sS]?)\s*")
 _ITEM = re.compile(
     rf"\s*(?P<ply>[^@*\s]+)\s*(?:@\s*(?P<angle>{NUMBER})\s*)?(?:\*\s*(?P<count>[0-9]+)\s*)?"

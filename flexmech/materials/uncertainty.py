@@ -12,8 +12,6 @@ from flexmech.errors import InputError
 from flexmech.materials.constituents import Fibre, Matrix
 from flexmech.numbers import checked_tuple
 
-__all__ = ["propagated_uncertainty"]
-
 # Of an uncertainty: small enough for a derivative, far above rounding.
 _STEP = 1e-3
 

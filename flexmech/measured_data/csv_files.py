@@ -17,8 +17,6 @@ from flexmech.measured_data.record import GREATEST, Abscissa, MeasuredQuantity, 
 from flexmech.types import FloatArray
 from flexmech.units import NUMBER
 
-__all__ = ["read_csv_record"]
-
 SEPARATORS = ",;\t"
 # Longer files are taken for something else than a record.
 MOST_BYTES = 500_000_000

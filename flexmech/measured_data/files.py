@@ -9,8 +9,6 @@ from flexmech.measured_data.csv_files import read_csv_record
 from flexmech.measured_data.record import MeasuredRecord
 from flexmech.measured_data.uff_records import read_uff_record
 
-__all__ = ["read_record"]
-
 UFF_ENDINGS = (".uff", ".unv", ".uf", ".bunv")
 
 

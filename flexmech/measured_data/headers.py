@@ -8,8 +8,6 @@ from typing import NamedTuple
 from flexmech.errors import InputError
 from flexmech.unit_registry import base_units
 
-__all__ = ["Header", "read_header"]
-
 RATIO = ""
 # SI unit and factor of the units that need no pint, whose first import takes a second.
 _KNOWN: dict[str, tuple[str, float]] = {

@@ -13,8 +13,6 @@ from flexmech.errors import InputError, suggestion
 from flexmech.numbers import check_choice, checked_array, checked_tuple
 from flexmech.types import FloatArray
 
-__all__ = ["ABSCISSA_UNITS", "GREATEST", "Abscissa", "MeasuredQuantity", "MeasuredRecord"]
-
 Abscissa = Literal["time", "frequency", "crank_angle"]
 ABSCISSA_UNITS: dict[Abscissa, str] = {"time": "s", "frequency": "Hz", "crank_angle": "rad"}
 """SI unit of what a record is written over."""

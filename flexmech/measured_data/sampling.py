@@ -7,8 +7,6 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.types import FloatArray
 
-__all__ = ["sampling_interval"]
-
 # Part of the step by which one step may differ from the others, besides the rounding of the file.
 JITTER = 0.02
 # A step of so many others is a gap if it is a whole number of them within this part of a step.

@@ -11,18 +11,6 @@ from numpy.typing import NDArray
 from flexmech.errors import InputError
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = [
-    "UffDegreeOfFreedom",
-    "UffFile",
-    "UffFrame",
-    "UffFunction",
-    "UffFunctionKind",
-    "UffMode",
-    "UffNodes",
-    "UffQuantity",
-    "UffTrace",
-]
-
 UffFunctionKind = Literal[
     "general",
     "time response",

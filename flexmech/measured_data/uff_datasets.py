@@ -28,8 +28,6 @@ from flexmech.measured_data.uff_units import (
 )
 from flexmech.types import FloatArray
 
-__all__ = ["contents_of", "datasets_of"]
-
 KINDS: dict[UffFunctionKind, int] = {
     "general": 0,
     "time response": 1,

@@ -17,8 +17,6 @@ from flexmech.files import given_path, moved_into
 from flexmech.measured_data.uff_contents import UffFile
 from flexmech.measured_data.uff_datasets import contents_of, datasets_of
 
-__all__ = ["check_uff", "read_uff", "write_uff"]
-
 EXTRA = 'a universal file needs pyuff, which is not installed: pip install "flexmech[modal-test]"'
 
 

@@ -14,8 +14,6 @@ from flexmech.measured_data.uff_contents import UffFunction
 from flexmech.measured_data.uff_files import read_uff
 from flexmech.types import FloatArray
 
-__all__ = ["read_uff_record"]
-
 
 def read_uff_record(path: str | PathLike[str]) -> MeasuredRecord:
     """Read the functions of a universal file as one record.

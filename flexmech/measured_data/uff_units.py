@@ -9,8 +9,6 @@ from flexmech.errors import InputError
 from flexmech.measured_data.headers import read_header
 from flexmech.measured_data.uff_contents import UffQuantity
 
-__all__ = ["QUANTITY_CODES", "SI", "UffUnits", "ordinate_unit", "quantity_of", "si_unit"]
-
 QUANTITY_CODES: dict[UffQuantity, int] = {
     "none": 0,
     "strain": 3,

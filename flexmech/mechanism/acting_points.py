@@ -6,8 +6,6 @@ from collections.abc import Iterable, Sequence
 
 from flexmech.linkages import LEAST_DISTANCE, LinkPoint
 
-__all__ = ["places_apart"]
-
 
 def places_apart(
     points: Iterable[LinkPoint], link: str, length: float, taken: Sequence[float]

@@ -31,8 +31,6 @@ from flexmech.units import (
     TORSIONAL_STIFFNESS,
 )
 
-__all__ = ["body_table", "joints_table", "loads_table", "springs_table"]
-
 
 def body_table(body: AttachedBody) -> TomlTable:
     """Entry of ``bodies`` of its link."""

@@ -15,18 +15,6 @@ from flexmech.numbers import (
     checked_tuple,
 )
 
-__all__ = [
-    "check_joint_masses",
-    "check_wetting",
-    "checked_bodies",
-    "checked_joint_springs",
-    "checked_loads",
-    "checked_point_masses",
-    "checked_speeds",
-    "checked_springs",
-    "sprung_linkage",
-]
-
 
 def check_joint_masses(topology: Topology, masses: Mapping[str, float]) -> None:
     """Refuse a mass that is in no joint, or negative."""

@@ -20,10 +20,8 @@ from flexmech.linkages import (
 )
 from flexmech.mechanism.parts import AttachedBody, PointMass
 
-__all__ = ["drawing", "drawn_parts"]
 
-
-class Drawable(Protocol):
+class _Drawable(Protocol):
     """What a picture asks of a mechanism."""
 
     @property
@@ -44,7 +42,7 @@ class Drawable(Protocol):
     def gravity(self) -> tuple[float, float]: ...
 
 
-def drawn_parts(mechanism: Drawable) -> dict[str, Any]:
+def drawn_parts(mechanism: _Drawable) -> dict[str, Any]:
     """Joints, masses, bodies, springs, dampers, loads and gravity as a picture shows them.
 
     Parameters
@@ -112,7 +110,7 @@ def drawn_parts(mechanism: Drawable) -> dict[str, Any]:
     }
 
 
-def drawing(mechanism: Drawable, crank_angle: float | None = None) -> str:
+def drawing(mechanism: _Drawable, crank_angle: float | None = None) -> str:
     """The parts of :func:`drawn_parts` as the text of a dataset's attribute ``drawing``.
 
     Parameters

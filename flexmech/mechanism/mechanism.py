@@ -61,8 +61,6 @@ from flexmech.sections import BeamSection, LaminateSection, sections_between_joi
 from flexmech.short_repr import short_repr
 from flexmech.units import EXPANSION
 
-__all__ = ["Mechanism"]
-
 
 @dataclass(frozen=True)
 class Mechanism:

@@ -11,8 +11,6 @@ from flexmech.numbers import NOT_NEGATIVE, check_number, check_pair
 from flexmech.short_repr import short_repr
 from flexmech.units import LENGTH, MASS
 
-__all__ = ["AttachedBody", "PointMass", "Provenance", "Wetting"]
-
 
 @dataclass(frozen=True)
 class PointMass:

@@ -12,8 +12,6 @@ from flexmech.model_text import SharedTables, TomlTable, quantity
 from flexmech.sections import BeamSection
 from flexmech.units import ACCELERATION, ANGULAR_SPEED, INERTIA, TEMPERATURE
 
-__all__ = ["environment_table", "links_table", "operation_table", "shaft_table"]
-
 
 def links_table(
     linkage: Linkage,

@@ -8,8 +8,6 @@ from collections.abc import Iterable, Iterator
 from flexmech.linkages import JointSpring, LinkPoint, Load, Spring
 from flexmech.mechanism.parts import AttachedBody
 
-__all__ = ["attachment_lines"]
-
 
 def attachment_lines(
     bodies: Iterable[AttachedBody],

@@ -21,9 +21,6 @@ from scipy.signal import find_peaks
 from flexmech.modal_testing.identified import fit_residues, modal_sum
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
-__all__ = ["circle_fit_poles", "highest_near", "peaks"]
-
-
 LEAST_PROMINENCE = 2.0
 """Of a peak over the valleys beside it, as a factor of amplitude."""
 WIDTH = 3.0

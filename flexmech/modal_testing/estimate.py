@@ -14,8 +14,6 @@ from flexmech.errors import InputError
 from flexmech.modal_testing.windows import ExponentialWindow, ForceWindow
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["FrfEstimate", "estimate_frf", "with_noise"]
-
 
 @dataclass(frozen=True, eq=False)
 class FrfEstimate:

@@ -15,8 +15,6 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.types import ComplexArray
 
-__all__ = ["HarmonicEstimate", "estimate_harmonics"]
-
 # Condition number of the equations above which impacts do not tell the orders apart.
 WORST_CONDITION = 1e3
 

@@ -11,15 +11,12 @@ from numpy.typing import NDArray
 from flexmech.modal_testing.stabilisation import StabilisationChart
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["IdentifiedModes"]
-
-
 UPPER_TERMS = 2
 """Of the series of what modes above the band give, beyond its constant. Without them a mode near
 the band's end is drawn towards those outside."""
 
 
-class ResidualTerms(NamedTuple):
+class _ResidualTerms(NamedTuple):
     """What stands for all modes outside a band; see :class:`IdentifiedModes`."""
 
     lower: ComplexArray
@@ -91,9 +88,9 @@ class IdentifiedModes:
         return np.asarray(-self.pole.real / abs(self.pole))
 
     @property
-    def residual_terms(self) -> ResidualTerms:
+    def residual_terms(self) -> _ResidualTerms:
         """What stands for all modes outside the band."""
-        return ResidualTerms(self.lower_residual, self.upper_residual, self.upper_series)
+        return _ResidualTerms(self.lower_residual, self.upper_residual, self.upper_series)
 
     @property
     def found(self) -> NDArray[np.bool_]:
@@ -166,7 +163,7 @@ def modal_sum(s: ComplexArray, pole: ComplexArray, residue: ComplexArray) -> Com
 
 def fit_residues(
     s: ComplexArray, receptance: ComplexArray, pole: ComplexArray
-) -> tuple[ComplexArray, ResidualTerms]:
+) -> tuple[ComplexArray, _ResidualTerms]:
     """Residues and residual terms of known poles, by linear least squares over frequency.
 
     Parameters
@@ -179,7 +176,7 @@ def fit_residues(
 
     Returns
     -------
-    tuple of ndarray of complex and ResidualTerms
+    tuple of ndarray of complex and _ResidualTerms
         Residues, shape (points, k), and what stands for modes outside the band.
 
     Notes
@@ -197,7 +194,7 @@ def fit_residues(
     real, imaginary = np.split(solution[:, 2 * k :], 2, axis=1)
     terms = real + 1j * imaginary
     powers = abs(s).max() ** (2 * np.arange(1, UPPER_TERMS + 1))
-    return residue, ResidualTerms(terms[:, 0], terms[:, 1], terms[:, 2:] / powers)
+    return residue, _ResidualTerms(terms[:, 0], terms[:, 1], terms[:, 2:] / powers)
 
 
 def residue_columns(s: ComplexArray, pole: ComplexArray) -> FloatArray:

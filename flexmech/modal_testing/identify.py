@@ -17,8 +17,6 @@ from flexmech.modal_testing.significance import significant_poles
 from flexmech.modal_testing.stabilisation import stabilisation_chart
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
-__all__ = ["ORDERS", "IdentificationMethod", "best_method", "identify"]
-
 IdentificationMethod = Literal["lscf", "circle-fit"]
 
 ORDERS = 30

@@ -10,8 +10,6 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["EXTRA", "check_lscf", "has_lscf", "lscf_poles"]
-
 EXTRA = (
     'identification by LSCF needs sdypy-EMA, which is not installed: pip install "flexmech'
     '[modal-test]", or choose method="circle-fit"'

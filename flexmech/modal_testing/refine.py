@@ -19,8 +19,6 @@ from scipy.optimize import least_squares
 from flexmech.modal_testing.identified import residue_columns
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["refined_poles"]
-
 MOST_STEPS = 30
 FAR = 0.05
 """Relative: a pole that moves further is no longer the one that was identified."""

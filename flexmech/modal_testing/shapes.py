@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from flexmech.errors import InputError
 from flexmech.types import FloatArray
 
-__all__ = ["complexity_factor", "mac"]
-
 
 def mac(first: NDArray[Any], second: NDArray[Any]) -> FloatArray:
     """Modal assurance criterion of all pairs of two sets of shapes.

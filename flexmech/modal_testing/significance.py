@@ -14,8 +14,6 @@ from scipy.stats import chi2
 from flexmech.modal_testing.identified import residue_columns
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["significant_poles"]
-
 FALSE_ALARM = 1e-3
 """Probability that noise alone gives a mode somewhere in the band."""
 

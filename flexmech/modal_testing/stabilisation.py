@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
-__all__ = ["StabilisationChart"]
-
 FREQUENCY_TOLERANCE = 0.005
 """Relative: by so much at most a stable pole's frequency differs from the order before."""
 DAMPING_TOLERANCE = 0.05

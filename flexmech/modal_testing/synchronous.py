@@ -15,8 +15,6 @@ from flexmech.errors import InputError
 from flexmech.numbers import check_count
 from flexmech.types import FloatArray
 
-__all__ = ["without_synchronous_average"]
-
 
 def without_synchronous_average(
     record: FloatArray, samples_a_period: int, quiet: NDArray[np.bool_]

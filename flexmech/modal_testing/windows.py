@@ -18,8 +18,6 @@ import numpy as np
 from flexmech.errors import InputError
 from flexmech.types import FloatArray
 
-__all__ = ["ExponentialWindow", "ForceWindow"]
-
 
 @dataclass(frozen=True)
 class ForceWindow:

@@ -25,8 +25,6 @@ from flexmech.modelfile.fields import (
     TorsionalStiffness,
 )
 
-__all__ = ["JointTable", "LoadTable", "PlaceTable", "ShaftTable", "SpringTable"]
-
 
 class JointTable(Table):
     """A joint: O2, A, B and O4 of a four-bar; O2 of a rotating arm; a point of a drawing."""

@@ -26,8 +26,6 @@ from flexmech.modelfile.linkage_tables import PlanarTable
 from flexmech.modelfile.load_rows import Rows, load_rows
 from flexmech.modelfile.messages import Findings
 
-__all__ = ["attached_bodies", "joint_springs", "loads", "point_masses", "springs"]
-
 
 def point_masses(
     tables: ModelFile, places: LinkPlaces, findings: Findings

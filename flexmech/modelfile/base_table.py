@@ -19,8 +19,6 @@ from pydantic_core import ErrorDetails, InitErrorDetails, PydanticCustomError
 from flexmech.errors import InputError, suggestion
 from flexmech.modelfile.fields import DampingRatio, Frequency, TimeOrZero
 
-__all__ = ["DampedTable", "Flag", "Table", "Text"]
-
 Flag = Annotated[bool, Field(strict=True)]
 """true or false, and no text or number that may mean one of them."""
 Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]

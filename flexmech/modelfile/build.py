@@ -31,8 +31,6 @@ from flexmech.modelfile.messages import Findings, known_name
 from flexmech.modelfile.planar import stated_linkage
 from flexmech.sections import BeamSection, DampingTimes, LaminateSection, SpecificDamping
 
-__all__ = ["build_mechanism"]
-
 
 def build_mechanism(
     tables: ModelFile, shown: str, file: str, sha256: str, folder: Path = Path()

@@ -22,8 +22,6 @@ from flexmech.modelfile.laminate_tables import FibreTable, LaminateTable, Matrix
 from flexmech.modelfile.link_tables import LinkTable
 from flexmech.modelfile.linkage_tables import LinkageTable
 
-__all__ = ["MaterialTable", "ModelFile"]
-
 # Kept with its spaces, so that what is written is read back.
 Name = Annotated[str, StringConstraints(pattern=r"\S")]
 

@@ -23,49 +23,6 @@ from flexmech.plausible import (
 )
 from flexmech.units import Dimension, parse_quantity
 
-__all__ = [
-    "Acceleration",
-    "ActivationEnergy",
-    "Angle",
-    "AngleOfTurn",
-    "AngularSpeed",
-    "AnyForce",
-    "BendingStiffness",
-    "Curvature",
-    "Damping",
-    "DampingRatio",
-    "Density",
-    "DiffusivityValue",
-    "Distance",
-    "Expansion",
-    "Force",
-    "Frequency",
-    "Inertia",
-    "Length",
-    "LengthOrZero",
-    "Mass",
-    "MassPerLength",
-    "MoistureContent",
-    "MoistureExpansion",
-    "PlyMoistureExpansion",
-    "PoissonRatio",
-    "PositiveRatio",
-    "QuantityField",
-    "RadialStiffness",
-    "Ratio",
-    "RotaryInertia",
-    "SpecificDamping",
-    "SpringStiffness",
-    "Stress",
-    "Temperature",
-    "Thickness",
-    "TimeOrZero",
-    "Torque",
-    "TorsionalDamping",
-    "TorsionalStiffness",
-    "Width",
-]
-
 
 @dataclass(frozen=True)
 class QuantityField:

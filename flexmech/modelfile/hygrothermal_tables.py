@@ -21,8 +21,6 @@ from flexmech.modelfile.fields import (
     Temperature,
 )
 
-__all__ = ["HygrothermalTable", "ResinTable", "WettedTable"]
-
 
 class HygrothermalTable(Table):
     """What heat and water do to a resin; what is left out, they do not do."""

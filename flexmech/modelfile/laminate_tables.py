@@ -25,18 +25,6 @@ from flexmech.modelfile.hygrothermal_tables import HygrothermalTable, ResinTable
 from flexmech.numbers import NOT_NEGATIVE
 from flexmech.units import TEMPERATURE, TEMPERATURE_DIFFERENCE, parse_quantity
 
-__all__ = [
-    "CompositionTable",
-    "ConstituentPlyTable",
-    "ConstituentTable",
-    "FibreTable",
-    "IsotropicPlyTable",
-    "LaminateTable",
-    "MatrixTable",
-    "OrthotropicPlyTable",
-    "PlyTable",
-]
-
 Weave = Literal["unidirectional", "woven"]
 
 

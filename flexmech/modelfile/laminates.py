@@ -35,8 +35,6 @@ from flexmech.modelfile.laminate_tables import (
 )
 from flexmech.modelfile.messages import Findings, known_name
 
-__all__ = ["build_laminates"]
-
 
 def build_laminates(tables: ModelFile, findings: Findings) -> dict[str, Laminate]:
     """Laminates of a model file, by name.

@@ -9,8 +9,6 @@ from flexmech.linkages import Linkage, LinkPoint, PlanarLinkage
 from flexmech.linkages.topology import Link, LinkEnd
 from flexmech.modelfile.link_tables import LinkTable
 
-__all__ = ["LinkPlaces"]
-
 # In parts of the length: rounding of coordinates may put the end of a link there.
 ROUNDING = 1e-9
 

@@ -27,16 +27,6 @@ from flexmech.modelfile.fields import (
 )
 from flexmech.modelfile.hygrothermal_tables import WettedTable
 
-__all__ = [
-    "AnyLinkTable",
-    "GeneralLinkTable",
-    "LaminateLinkTable",
-    "LinkTable",
-    "RectangleLinkTable",
-    "RigidLinkTable",
-]
-
-
 Beam = Annotated[int, Field(ge=1, strict=True)]
 OF_BEAM = (
     "Of a chain of beams: number of the one from whose start the position counts, 1 is the first; "

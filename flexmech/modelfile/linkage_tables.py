@@ -10,8 +10,6 @@ from flexmech.linkages import CouplerPoint, FourBar, RotatingArm
 from flexmech.modelfile.base_table import Table, Text
 from flexmech.modelfile.fields import Angle, AngleOfTurn, Distance, Expansion, Length, LengthOrZero
 
-__all__ = ["FourBarTable", "LinkageTable", "PlanarTable", "RotatingArmTable"]
-
 
 class CouplerPointTable(Table):
     """A point that moves with the coupler."""

@@ -12,8 +12,6 @@ from flexmech.modelfile.attachment_tables import LoadTable
 from flexmech.plausible import LOAD, Plausible, check_plausible, of_dimension
 from flexmech.units import ANGLE, FORCE, NUMBER, TIME, TORQUE, Dimension, parse_quantity
 
-__all__ = ["Rows", "load_rows"]
-
 Rows = list[tuple[float, float, float]]
 """Force along x and y, and torque, of each place."""
 

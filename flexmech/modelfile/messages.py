@@ -16,8 +16,6 @@ from flexmech.errors import InputError, is_plain, one_line, suggestion
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.fields import QuantityField
 
-__all__ = ["Findings", "input_error", "known_name", "refuse_unseen_characters"]
-
 # Of the errors of a file, and of the text of each.
 MOST_TOLD = 10
 MOST_CHARACTERS = 400

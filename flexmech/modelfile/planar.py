@@ -9,8 +9,6 @@ from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.linkage_tables import PlanarTable
 from flexmech.modelfile.messages import Findings
 
-__all__ = ["stated_linkage"]
-
 
 def stated_linkage(tables: ModelFile, findings: Findings) -> Linkage | None:
     """Linkage of a model file.

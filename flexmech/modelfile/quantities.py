@@ -21,8 +21,6 @@ from flexmech.modelfile.messages import input_error
 from flexmech.modelfile.read import mechanism_from_toml
 from flexmech.units import TEMPERATURE, Dimension
 
-__all__ = ["mechanism_with", "quantities_of"]
-
 SHOWN = "the changed model"
 Keys = tuple[str, ...]
 

@@ -19,8 +19,6 @@ from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.messages import input_error, refuse_unseen_characters
 from flexmech.numbers import check_instance
 
-__all__ = ["json_schema", "load_mechanism", "mechanism_from_toml"]
-
 
 def load_mechanism(path: str | os.PathLike[str]) -> Mechanism:
     """Mechanism of a model file.

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from flexmech.errors import InputError, suggestion
 
-__all__ = ["KINDS", "template"]
-
 _HEAD = """# A model file of flexmech. Every value with a dimension is text with its unit;
 # mm, cm, m, inch, GPa, MPa, psi, kg, g, lb, rpm, rad/s, Hz, ms and their like are understood.
 # Lines that begin with # are comments: remove the # to use what they show.

@@ -15,8 +15,6 @@ from flexmech.multibody.node_bodies import NodeBodies, point_masses_at
 from flexmech.multibody.polar_slopes import PolarSlopes
 from flexmech.types import FloatArray
 
-__all__ = ["add_links"]
-
 
 def add_links(
     items: SystemItems, mechanism: Mechanism, kind: BeamKind, elements: int

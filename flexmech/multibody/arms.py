@@ -16,9 +16,6 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["Arms", "LinkArms"]
-
-
 # Coordinates of a node: place along and across, rotation.
 PER_NODE = 3
 
@@ -136,11 +133,11 @@ class Arms:
         return tangent
 
 
-class NodeMap(Protocol):
+class _NodeMap(Protocol):
     """From a link's coordinates to those of its nodes, less the reference ones."""
 
     @property
-    def back(self) -> NodeMap: ...
+    def back(self) -> _NodeMap: ...
 
     def moved(self, axis: FloatArray, /) -> FloatArray: ...
 
@@ -152,7 +149,7 @@ class LinkArms:
 
     Parameters
     ----------
-    maps : sequence of NodeMap or None
+    maps : sequence of _NodeMap or None
         None for a link whose coordinates are those of its nodes.
     coordinates : sequence of slice
         Where each link's coordinates are.
@@ -165,7 +162,7 @@ class LinkArms:
 
     def __init__(
         self,
-        maps: Sequence[NodeMap | None],
+        maps: Sequence[_NodeMap | None],
         coordinates: Sequence[slice],
         size: int | None = None,
         followers: Sequence[int] = (),
@@ -245,5 +242,5 @@ class LinkArms:
         return np.concatenate([nodes, axis[..., self._followers]], axis=-1)
 
     @classmethod
-    def _of(cls, links: Sequence[tuple[NodeMap, slice]]) -> LinkArms:
+    def _of(cls, links: Sequence[tuple[_NodeMap, slice]]) -> LinkArms:
         return cls([arms for arms, _ in links], [own for _, own in links])

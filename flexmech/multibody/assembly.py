@@ -31,8 +31,6 @@ from flexmech.multibody.node_bodies import point_masses_at
 from flexmech.multibody.user_functions import turned_frame
 from flexmech.types import FloatArray
 
-__all__ = ["LinkAssembly"]
-
 
 class LinkAssembly:
     """Links along the global x axis, one upon the other, until a state is given to them.

@@ -14,8 +14,6 @@ from flexmech.linkages import LinkBody
 from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.link_parts import BeamPart
 
-__all__ = ["AttachedPart", "add_attached_bodies"]
-
 
 @dataclass(frozen=True)
 class AttachedPart:

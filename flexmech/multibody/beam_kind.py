@@ -14,8 +14,6 @@ from flexmech.multibody.strains import Strain
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["BeamKind"]
-
 
 class BeamKind(ABC):
     """How a chain of beam elements is built and read.

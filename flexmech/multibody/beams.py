@@ -17,13 +17,6 @@ from flexmech.multibody.user_functions import turned_frame
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = [
-    "BEAM_KINDS",
-    "AncfCable",
-    "GeometricallyExactBeam",
-    "refuse_sections",
-]
-
 
 class AncfCable(BeamKind):
     """``ObjectANCFCable2D``: position and slope vector a node, no shear, no rotary inertia."""

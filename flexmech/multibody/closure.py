@@ -16,8 +16,6 @@ import numpy as np
 
 from flexmech.multibody.user_functions import Shaft
 
-__all__ = ["AngleGap", "ClosedJoints", "JoinedEnd", "LineGap", "PlaceGap"]
-
 
 @dataclass(frozen=True)
 class JoinedEnd:

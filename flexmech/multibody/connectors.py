@@ -17,8 +17,6 @@ from flexmech.multibody.gripped_nodes import ends_of_joint, leading_end
 from flexmech.multibody.grips import add_angle_marker, add_point_marker
 from flexmech.multibody.items import ItemNumber
 
-__all__ = ["Connectors", "JointSpringItem", "LoadItem", "SpringItem"]
-
 
 @dataclass(frozen=True)
 class LoadItem:

@@ -52,8 +52,6 @@ from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array
 from flexmech.time_domain import Impact, LinkState, PointRecorder, Recorder, Trajectory
 from flexmech.types import FloatArray, StepProgress
 
-__all__ = ["ExudynEngine"]
-
 
 class ExudynEngine(Engine):
     """Links of Exudyn's ANCF cable or geometrically exact beam elements.

@@ -15,8 +15,6 @@ import numpy as np
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = ["element_shear_damping_time", "element_shear_stiffness"]
-
 
 def element_shear_stiffness(section: BeamSection, length: FloatArray) -> FloatArray:
     """Shear stiffness of elements, ``1 / (1 / kGA + h^2 / (12 EI))``.

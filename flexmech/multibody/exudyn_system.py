@@ -19,8 +19,6 @@ from flexmech.short_repr import short_repr
 from flexmech.time_domain import LinkState
 from flexmech.types import FloatArray
 
-__all__ = ["SCRIPT", "ExudynSystem"]
-
 SCRIPT = "linkage.py"
 
 

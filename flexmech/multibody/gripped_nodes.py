@@ -8,15 +8,6 @@ from flexmech.linkages import LinkBody, LinkEnd, LinkMass, Load, Topology
 from flexmech.linkages.link_mass import LEAST_DISTANCE
 from flexmech.mechanism import Mechanism
 
-__all__ = [
-    "ends_of_joint",
-    "gripped_places",
-    "hanging_on",
-    "held_places",
-    "leading_end",
-    "turned_bodies",
-]
-
 
 def held_places(mechanism: Mechanism, mass: LinkMass, link: str, exact: bool) -> list[float]:
     """Places along a link that need a node.

@@ -9,8 +9,6 @@ from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 
-__all__ = ["add_angle_marker", "add_point_marker", "angle_of_end"]
-
 
 def add_point_marker(assembly: LinkAssembly, point: LinkPoint, name: str) -> ItemNumber:
     """Add a marker of a point on a link's axis, which turns with the link there.

@@ -22,8 +22,6 @@ from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.time_domain import Impact
 
-__all__ = ["add_impacts"]
-
 
 def add_impacts(
     assembly: LinkAssembly, drive: CrankDrive | LockedCrank, impacts: Sequence[Impact]

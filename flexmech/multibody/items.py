@@ -14,8 +14,6 @@ import numpy as np
 
 from flexmech.multibody.library import load_exudyn
 
-__all__ = ["Choice", "Item", "ItemKind", "ItemNumber", "Made", "SystemItems"]
-
 ItemKind = Literal["node", "object", "marker", "load", "sensor"]
 _KINDS: dict[str, ItemKind] = {
     "Node": "node",

@@ -21,8 +21,6 @@ from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.link_parts import RigidPart
 from flexmech.types import FloatArray
 
-__all__ = ["SliderJoint", "TieJoint", "add_sliders", "add_ties"]
-
 
 @dataclass(frozen=True)
 class TieJoint:

@@ -7,8 +7,6 @@ import io
 import sys
 from types import ModuleType
 
-__all__ = ["load_exudyn"]
-
 
 def load_exudyn() -> ModuleType:
     """Exudyn's module.

@@ -24,15 +24,6 @@ from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.static_solver import StaticSettings, simulation_settings, solve_static
 from flexmech.types import FloatArray, IntArray
 
-__all__ = [
-    "StaticEquilibrium",
-    "internal_forces",
-    "linearized",
-    "running_tangents",
-    "static_equilibrium",
-]
-
-
 # How often dampers are turned into their lines. Each time leaves a small part of the change.
 DAMPER_TURNS = 8
 

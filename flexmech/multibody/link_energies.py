@@ -13,8 +13,6 @@ from flexmech.multibody.attached_bodies import AttachedPart
 from flexmech.multibody.link_parts import RigidPart
 from flexmech.types import FloatArray
 
-__all__ = ["LinkEnergies"]
-
 
 class LinkEnergies:
     """Energies of the links of an assembly, but for those of their strains.

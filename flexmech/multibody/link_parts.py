@@ -23,8 +23,6 @@ from flexmech.multibody.polar_slopes import PolarSlopes
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["BeamPart", "LinkPart", "RigidPart", "turn_vectors"]
-
 # Coordinates of a rigid link.
 RIGID_SIZE = 3
 

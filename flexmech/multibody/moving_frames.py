@@ -10,8 +10,6 @@ from flexmech.linkages import RigidMotion
 from flexmech.multibody.link_parts import LinkPart, turn_vectors
 from flexmech.types import FloatArray
 
-__all__ = ["MovingFrames"]
-
 
 class MovingFrames:
     """Coordinates and velocities of links that move, batched over instants.

@@ -32,8 +32,6 @@ from flexmech.multibody.user_functions import difference_mass
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = ["NodalMass", "NodeBodies", "point_masses_at"]
-
 
 @dataclass(frozen=True)
 class NodalMass:

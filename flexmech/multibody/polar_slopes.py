@@ -19,8 +19,6 @@ import numpy as np
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["PolarSlopes"]
-
 
 @dataclass(frozen=True, eq=False)
 class PolarSlopes:

@@ -21,8 +21,6 @@ from flexmech.multibody.link_parts import RigidPart
 from flexmech.multibody.static_model import StaticModel
 from flexmech.types import FloatArray
 
-__all__ = ["JointForce", "joint_forces", "line_forces", "rigid_virial", "turning_stiffness"]
-
 
 @dataclass(frozen=True)
 class JointForce:

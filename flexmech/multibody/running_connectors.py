@@ -16,8 +16,6 @@ from flexmech.multibody.user_functions import Shaft, load_history
 from flexmech.time_domain import ConnectorWork
 from flexmech.types import FloatArray
 
-__all__ = ["RunningConnectors"]
-
 
 class RunningConnectors:
     """Connectors of a running system that is not assembled yet.

@@ -16,8 +16,6 @@ from flexmech.multibody.link_parts import RigidPart
 from flexmech.multibody.user_functions import AxisPoint, HubClamp, Joints, Shaft
 from flexmech.types import FloatArray
 
-__all__ = ["drifting_joints", "greatest_gap", "place_at_start", "place_on_hub"]
-
 
 def place_at_start(assembly: LinkAssembly, start: RigidMotion, held: LinkEnd) -> FloatArray:
     """Where a link end of the rigid linkage is at time zero in m, shape (2,).

@@ -10,8 +10,6 @@ from flexmech.multibody.link_energies import LinkEnergies
 from flexmech.multibody.link_parts import RigidPart
 from flexmech.multibody.node_bodies import NodeBodies
 
-__all__ = ["add_running_loads"]
-
 
 def add_running_loads(assembly: LinkAssembly, energies: LinkEnergies) -> None:
     """Add point masses and weight, node by node.

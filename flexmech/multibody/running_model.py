@@ -38,8 +38,6 @@ from flexmech.multibody.user_functions import Shaft
 from flexmech.time_domain import Impact
 from flexmech.types import FloatArray
 
-__all__ = ["RunningModel"]
-
 
 class RunningModel:
     """Exudyn system of a running mechanism.

@@ -32,8 +32,6 @@ from flexmech.multibody.solver_settings import Setting
 from flexmech.multibody.user_functions import Joints
 from flexmech.types import FloatArray
 
-__all__ = ["ScriptSource", "linkage_script"]
-
 WIDTH = 88
 _COORDINATES = {"NodePoint2DSlope1": 4, "NodeRigidBody2D": 3, "NodePointGround": 0}
 

@@ -12,8 +12,6 @@ import numpy as np
 
 from flexmech.multibody.items import Choice, ItemNumber, Made
 
-__all__ = ["Brackets", "Expression", "call", "columns", "expression", "pair", "quoted", "statement"]
-
 WIDTH = 88
 INDENT = "    "
 

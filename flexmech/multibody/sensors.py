@@ -14,8 +14,6 @@ from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.running_model import RunningModel
 from flexmech.multibody.user_functions import constraint_force, guide_line_force, middle_deflection
 
-__all__ = ["add_sensors"]
-
 # Kept in memory, at every step.
 _KEPT = {"writeToFile": False, "storeInternal": True}
 _POSITION = Choice("OutputVariableType", "Position")

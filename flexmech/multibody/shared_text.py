@@ -17,8 +17,6 @@ from flexmech.multibody.user_functions import (
     turned_frame,
 )
 
-__all__ = ["SHARED"]
-
 # In the order in which they need each other.
 SHARED = (
     Shaft,

@@ -26,9 +26,6 @@ from flexmech.time_domain import (
 )
 from flexmech.types import FloatArray
 
-__all__ = ["Simulation"]
-
-
 # How far a start may tear a joint apart, relative to the length of all links.
 START_GAP = 1e-6
 

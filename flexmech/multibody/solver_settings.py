@@ -9,9 +9,6 @@ from flexmech.multibody.items import Choice
 from flexmech.multibody.library import load_exudyn
 from flexmech.time_domain import Integrator
 
-__all__ = ["SPECTRAL_RADIUS", "Setting", "applied", "solver_settings"]
-
-
 # Generalized-alpha's damping of vibration much faster than the step: 1 none, 0 at once.
 SPECTRAL_RADIUS = 0.9
 

@@ -13,8 +13,6 @@ from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import RigidPart
 from flexmech.types import FloatArray
 
-__all__ = ["StaticConnectors"]
-
 # Change of a damper's force, relative to it, that is none.
 SETTLED = 1e-12
 

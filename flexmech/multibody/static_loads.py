@@ -16,8 +16,6 @@ from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.types import FloatArray
 
-__all__ = ["StaticLoads"]
-
 
 class StaticLoads:
     """Loads on every coordinate of the links, set anew for each position.

@@ -24,8 +24,6 @@ from flexmech.multibody.static_connectors import StaticConnectors
 from flexmech.multibody.static_loads import StaticLoads
 from flexmech.types import FloatArray
 
-__all__ = ["StaticModel"]
-
 
 class StaticModel:
     """Exudyn system of a mechanism whose crank is held.

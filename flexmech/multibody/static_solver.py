@@ -12,8 +12,6 @@ from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.library import load_exudyn
 from flexmech.types import FloatArray
 
-__all__ = ["StaticSettings", "simulation_settings", "solve_static"]
-
 
 def simulation_settings(absolute_tolerance: float = 1e-8, *, of_steps: bool = False) -> Any:
     """Settings for one quiet static step and for linearization.

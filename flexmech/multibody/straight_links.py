@@ -14,8 +14,6 @@ from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.static_solver import simulation_settings
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["link_models", "unit_tension_stiffness"]
-
 
 def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
     """Link models from the linearization of the undeformed system.

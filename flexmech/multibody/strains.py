@@ -10,9 +10,6 @@ from flexmech.multibody.exact_beam import element_shear_damping_time, element_sh
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = ["Strain", "cable_strains", "exact_beam_strains"]
-
-
 # Exudyn integrates a cable's axial strain to order 9 and its curvature to order 5.
 AXIAL_POINTS = 5
 BENDING_POINTS = 3

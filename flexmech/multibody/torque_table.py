@@ -14,8 +14,6 @@ from flexmech.multibody.user_functions import torque_history
 from flexmech.time_domain import rigid_torque
 from flexmech.types import FloatArray
 
-__all__ = ["TorqueTable"]
-
 
 @dataclass(frozen=True)
 class TorqueTable:

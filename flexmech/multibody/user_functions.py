@@ -13,20 +13,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = [
-    "AxisPoint",
-    "HubClamp",
-    "Joints",
-    "Shaft",
-    "constraint_force",
-    "difference_mass",
-    "guide_line_force",
-    "load_history",
-    "middle_deflection",
-    "torque_history",
-    "turned_frame",
-]
-
 
 @dataclass(frozen=True)
 class Shaft:

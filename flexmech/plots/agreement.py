@@ -15,8 +15,6 @@ from flexmech.plots.series import Look, line_handle, series_handles
 from flexmech.plots.speed_colours import colour_bar, has_many_speeds, speed_lines
 from flexmech.types import FloatArray
 
-__all__ = ["plot_agreement"]
-
 # Zero has no place on a logarithmic axis: equal frequencies are drawn at about machine epsilon.
 FLOOR = 1e-16
 ERROR: Look = {"color": style.MID_GREY, "linewidth": 0.7, "markersize": 4, "markeredgewidth": 0.8}

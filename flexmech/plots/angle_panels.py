@@ -22,19 +22,6 @@ from flexmech.plots.series import Look, few_points, line_handle, series_line, se
 from flexmech.plots.style import MID_GREY, is_narrow
 from flexmech.types import FloatArray
 
-__all__ = [
-    "ONE_MODE",
-    "Between",
-    "angle_layout",
-    "branch_lines",
-    "draw_line",
-    "draw_series",
-    "label_angles",
-    "mode_panels",
-    "series_and_engines",
-    "staggered",
-]
-
 # Size in points of the marks of further engines.
 MARK_SIZE = 4.2
 # Marks along a line: enough to judge by, few enough to see the lines through.

@@ -18,8 +18,6 @@ from flexmech.plots.choose import chosen
 from flexmech.plots.style import publication_style
 from flexmech.types import StepProgress
 
-__all__ = ["mp4_available", "write_animation"]
-
 Pictures = Iterator[NDArray[np.uint8]]
 
 # Of a GIF's palette: a few hues with their blends into white.

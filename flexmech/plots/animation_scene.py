@@ -23,8 +23,6 @@ from flexmech.plots.series import Look, line_handle, series_style
 from flexmech.plots.to_scale import height_of
 from flexmech.types import FloatArray
 
-__all__ = ["DOTS_AN_INCH", "FRAMES_A_SECOND", "EnlargedMotion", "Scene"]
-
 MOST_FRAMES = 120
 FRAMES_A_SECOND = 20
 # Wide enough to read, small enough for a web page: about 640 pixels.

@@ -18,8 +18,6 @@ from flexmech.plots.series import Look, line_handle, series_line, series_style
 from flexmech.runs import unbroken_runs
 from flexmech.units import from_si
 
-__all__ = ["plot_campbell"]
-
 BANDS_HEIGHT, PEAKS_HEIGHT = 3.9, 1.7
 NARROW_BANDS_HEIGHT = 3.0
 # The two axes of speed, in inches.

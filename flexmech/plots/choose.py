@@ -10,8 +10,6 @@ from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
 
-__all__ = ["chosen"]
-
 DIMENSIONS = {
     "engine": "engine",
     "modes": "mode",

@@ -16,8 +16,6 @@ from flexmech.plots.series import SERIES_STYLES, Look, line_handle, series_style
 from flexmech.types import FloatArray
 from flexmech.units import TIME
 
-__all__ = ["plot_comparison"]
-
 # The computed curve lies on the measured one, which is seen on both sides of it.
 MEASURED: Look = {"color": "0.68", "lw": 2.4}
 COMPUTED: Look = {"color": SERIES_STYLES[0].color, "lw": 0.8}

@@ -13,8 +13,6 @@ from flexmech.plots.reading import names_of, values_of
 from flexmech.plots.series import Look, line_handle, series_handle, series_line, series_style
 from flexmech.types import FloatArray
 
-__all__ = ["plot_composite_damping", "plot_composite_frequencies", "plot_laminate_factors"]
-
 PANEL = 1.9
 # From dark to light, so that the order shows without colour as well.
 SHADES = ("#08306b", "#08519c", "#2171b5", "#4292c6", "#9ecae1", "#deebf7")

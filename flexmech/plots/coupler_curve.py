@@ -17,8 +17,6 @@ from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.series import line_handle, series_handles, series_line, series_style, told_apart
 from flexmech.types import FloatArray
 
-__all__ = ["plot_coupler_angles", "plot_coupler_curve"]
-
 HEIGHT, HEIGHT_OF_THREE = 3.6, 2.45
 ANGLE_HEIGHT = 4.2
 CLOSE_UP_ROOM = 1.5

@@ -8,8 +8,6 @@ from flexmech.plots.linkage_symbols import Symbol, below
 from flexmech.plots.series import Look
 from flexmech.types import FloatArray
 
-__all__ = ["dashpot", "rotary_dashpot"]
-
 LOOK: Look = {"color": "0.25", "lw": 0.9}
 # Half the length of a cup over its half width, and the most of the whole length that it takes.
 SLENDER, MOST = 1.5, 0.25

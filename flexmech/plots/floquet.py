@@ -27,8 +27,6 @@ from flexmech.plots.unstable_bands import (
 from flexmech.types import FloatArray
 from flexmech.units import from_si
 
-__all__ = ["plot_floquet_frequencies", "plot_floquet_harmonics"]
-
 HEIGHT, NARROW_HEIGHT, AXES_HEIGHT = 3.9, 3.2, 0.9
 FILL: Look = {"alpha": 0.22, "lw": 0}
 POINT_SIZE = 2.2

@@ -19,8 +19,6 @@ from flexmech.plots.speed_colours import colour_bar, has_many_speeds, speed_line
 from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray
 
-__all__ = ["mode_groups", "plot_frequencies", "points_between"]
-
 # Two modes whose bands are this close in ratio can exchange branches; modes further apart
 # only seem to, where the crank angles are too coarse to follow a branch.
 NEAR_BANDS = 1.1

@@ -17,16 +17,6 @@ from flexmech.plots.series import Look, line_handle, series_style
 from flexmech.plots.style import is_narrow
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = [
-    "CURVES",
-    "complex_values",
-    "curve_handles",
-    "first_angle",
-    "hammer_title",
-    "plot_frf",
-    "plot_frf_parts",
-]
-
 ROW_HEIGHT, AXES_HEIGHT = 1.7, 0.5
 # Of a row and its axes where six panels stand under each other.
 NARROW_HEIGHT = 1.3

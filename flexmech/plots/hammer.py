@@ -11,8 +11,6 @@ from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import LENGTH_UNITS, fitting_unit
 from flexmech.plots.series import Look, line_handle, series_line
 
-__all__ = ["plot_hammer"]
-
 HEIGHT = 4.6
 # What is drawn of the force's record, in pulse durations about its start.
 BEFORE_PULSE, AFTER_PULSE = 2.0, 4.0

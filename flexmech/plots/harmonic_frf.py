@@ -15,8 +15,6 @@ from flexmech.plots.reading import values_of
 from flexmech.plots.series import Look, line_handle, series_style
 from flexmech.types import ComplexArray
 
-__all__ = ["plot_harmonic_frf"]
-
 # What a row of panels and what the axes take, in inches; on a narrow page each row becomes two.
 ROW, NARROW_ROW, AXES_HEIGHT = 1.25, 0.75, 0.7
 # Room above the greatest amplitude, and how far below it the axis reaches at most.

@@ -14,8 +14,6 @@ from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.series import Look, line_handle, series_line, series_style
 from flexmech.plots.speed_colours import colour_bar, has_many_speeds, speed_lines
 
-__all__ = ["plot_hygrothermal_effect"]
-
 LINES: tuple[Look, ...] = (
     {"linestyle": "-", "linewidth": 1.2},
     {"linestyle": (0.0, (4.0, 1.5)), "linewidth": 1.5},

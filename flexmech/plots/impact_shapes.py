@@ -13,8 +13,6 @@ from flexmech.plots.frf import first_angle
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.series import Look, line_handle, series_style
 
-__all__ = ["plot_impact_shapes"]
-
 PANEL_HEIGHT = 1.5
 COLUMNS, MOST_MODES = 2, 6
 EIGEN: Look = {"color": "0.35", "lw": 1.0}

@@ -16,8 +16,6 @@ from flexmech.plots.reading import Units, degrees, fitting_unit, names_of
 from flexmech.plots.series import Look, line_handle, series_line, series_style
 from flexmech.types import FloatArray
 
-__all__ = ["plot_drive", "plot_joint_forces", "plot_kinematics"]
-
 DEGREES: Units = ((np.degrees(1.0), "deg"),)
 VELOCITY: Units = ((1.0, "rad/s"),)
 ACCELERATION: Units = ((1.0, "rad/s²"),)

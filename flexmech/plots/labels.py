@@ -10,19 +10,6 @@ import xarray as xr
 from flexmech.types import FloatArray
 from flexmech.units import ANGULAR_SPEED, from_si
 
-__all__ = [
-    "engine_label",
-    "link_label",
-    "mechanism_name",
-    "mode_label",
-    "run_title",
-    "speed_label",
-    "speed_text",
-    "speed_texts",
-    "speed_unit",
-    "spread",
-]
-
 STARTS = {
     "rigid": "from undeformed links",
     "equilibrium": "from the quasi-static equilibrium",

@@ -20,16 +20,6 @@ from flexmech.errors import InputError
 from flexmech.plots.labels import mechanism_name
 from flexmech.plots.style import figure_width, is_narrow, new_figure, publication_style
 
-__all__ = [
-    "AxesLike",
-    "Layout",
-    "Sheet",
-    "grid",
-    "legend_columns",
-    "sheet",
-    "wrapped",
-]
-
 # Mean width of a letter of the font as a fraction of its size, on the safe side.
 MEAN_LETTER = 0.62
 

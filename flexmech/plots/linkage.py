@@ -18,8 +18,6 @@ from flexmech.plots.series import Look
 from flexmech.plots.to_scale import height_of
 from flexmech.types import FloatArray
 
-__all__ = ["name_joints", "plot_linkage"]
-
 LEAST_HEIGHT, MOST_HEIGHT = 1.6, 3.6
 # Distance of a name from its joint in points; farther from what slides and the shaft.
 AWAY, BEYOND_BLOCK, BEYOND_SHAFT = np.array([12.0, 9.0]), 1.5, 1.3

@@ -13,8 +13,6 @@ from flexmech.plots.linkage_parts import LinkageParts
 from flexmech.plots.series import Look, line_handle
 from flexmech.types import FloatArray
 
-__all__ = ["MASS", "part_handles"]
-
 MASS: Look = {"marker": "o", "mew": 0.0, "alpha": 0.75, "zorder": 3.0}
 ZIGZAG = Path(symbols.zigzag(np.array([-1.0, 0.0]), np.array([1.0, 0.0]), 0.22).places)
 """Marks of springs, dampers and bodies in a legend."""

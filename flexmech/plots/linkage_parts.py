@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 
 from flexmech.types import FloatArray
 
-__all__ = ["SAME_PLACE", "LinkageParts", "Posture", "drawn_posture", "extent_of", "parts_of"]
-
 # Places closer than this part of the linkage's extent are the same place.
 SAME_PLACE = 1e-6
 

@@ -23,8 +23,6 @@ from flexmech.plots.series import Look
 from flexmech.plots.to_scale import round_length
 from flexmech.types import FloatArray
 
-__all__ = ["JOINT", "RIGID", "LinkageSketch", "clearance"]
-
 RIGID: Look = {"color": "0.65", "lw": 0.9}
 """Look of undeformed links."""
 JOINT: Look = {"ls": "", "marker": "o", "ms": 3.6, "mfc": "white", "mec": OUTLINE, "mew": 0.7}

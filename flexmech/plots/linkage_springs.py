@@ -10,8 +10,6 @@ from flexmech.plots.linkage_parts import LinkageParts, Posture
 from flexmech.plots.linkage_symbols import OUTLINE, Symbol
 from flexmech.plots.series import Look
 
-__all__ = ["joint_spring_symbols", "spring_symbols", "wall_symbols"]
-
 BEARING: Look = {"ms": 7.0, "marker": "o", "mfc": "none", "mec": OUTLINE, "mew": 0.6, "zorder": 3.9}
 # Of the ring around a bearing with a damper over that without.
 DAMPED = 1.4

@@ -15,26 +15,6 @@ from matplotlib.transforms import Transform
 from flexmech.plots.series import Look
 from flexmech.types import FloatArray
 
-__all__ = [
-    "OUTLINE",
-    "Symbol",
-    "add_symbols",
-    "arrow",
-    "below",
-    "block",
-    "body",
-    "clamp",
-    "gravity_arrow",
-    "marks",
-    "move_symbols",
-    "rail",
-    "spiral",
-    "support",
-    "torque_arrow",
-    "wall",
-    "zigzag",
-]
-
 OUTLINE = "0.35"
 GRAVITY_COLOR = "0.5"
 THIN: Look = {"color": OUTLINE, "lw": 0.5}

@@ -21,8 +21,6 @@ from flexmech.plots.series import Look, line_handle, series_style
 from flexmech.plots.to_scale import height_of, round_length
 from flexmech.types import FloatArray
 
-__all__ = ["plot_mechanism"]
-
 POSTURE_HEIGHT = (1.7, 3.4)
 ROW_HEIGHT = 2.2
 # What the numbers along the transmission angle take of the width.

@@ -12,8 +12,6 @@ from flexmech.plots.labels import speed_texts
 from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.reading import MAP, degrees, values_of
 
-__all__ = ["plot_damping_ratio", "plot_modal_damping"]
-
 # More panels than these are too many to compare.
 MOST_SPEEDS = 6
 # Narrowest y axis as a part of the mean ratio: below it one would look at round-off.

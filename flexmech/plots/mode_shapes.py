@@ -22,8 +22,6 @@ from flexmech.plots.speed_colours import has_many_speeds
 from flexmech.plots.to_scale import height_of
 from flexmech.types import FloatArray
 
-__all__ = ["plot_mode_shapes"]
-
 PANELS_A_ROW, NARROW_ROW = 4, 2
 POINTS_A_STATION = 4
 # Largest displacement as drawn, over the linkage's size.

@@ -15,8 +15,6 @@ from flexmech.plots.reading import names_of
 from flexmech.plots.series import line_handle, series_handle, series_line
 from flexmech.units import ZERO_CELSIUS, from_si
 
-__all__ = ["plot_moisture"]
-
 ROW_HEIGHT, NARROW_ROW_HEIGHT = 2.1, 1.6
 # Formulas beside the finite volumes, by the numbers of their styles.
 LAWS = {1: ("short_time_uptake", "root of time"), 3: ("shen_springer_uptake", "Shen & Springer")}

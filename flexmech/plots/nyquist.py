@@ -13,8 +13,6 @@ from flexmech.plots.frf import CURVES, complex_values, curve_handles, first_angl
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.series import Look
 
-__all__ = ["plot_nyquist"]
-
 PANEL_HEIGHT, COLUMNS = 2.3, 3
 MOST_MODES = 6
 DOTS: Look = {"marker": ".", "ms": 3.5, "ls": ""}

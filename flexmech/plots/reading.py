@@ -8,20 +8,6 @@ import xarray as xr
 from flexmech.plots.labels import speed_text
 from flexmech.types import FloatArray
 
-__all__ = [
-    "LENGTH_UNITS",
-    "MAP",
-    "Units",
-    "at_highest_speed",
-    "bending_links",
-    "cell_edges",
-    "degrees",
-    "fitting_unit",
-    "highest_speed",
-    "names_of",
-    "values_of",
-]
-
 Units = tuple[tuple[float, str], ...]
 """Factors from the SI unit and names: the usual unit first, smaller ones after it."""
 LENGTH_UNITS: Units = ((1e3, "mm"), (1e6, "µm"), (1e9, "nm"))

@@ -22,8 +22,6 @@ from flexmech.plots.reading import (
 from flexmech.plots.series import Look, line_handle, series_handles, series_line
 from flexmech.types import FloatArray
 
-__all__ = ["engine_lines", "plot_forces", "plot_response"]
-
 STRAIN_UNITS: Units = ((1e6, "µm/m"),)
 TORQUE_UNITS: Units = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
 ROTATION_UNITS: Units = ((np.degrees(1.0), "deg"),)

@@ -12,16 +12,6 @@ from numpy.typing import ArrayLike
 from flexmech.plots.series import few_points
 from flexmech.types import FloatArray
 
-__all__ = [
-    "DEGREE_STEPS",
-    "FREQUENCY_BAND",
-    "crank_angle_axis",
-    "log_scale",
-    "plain_numbers",
-    "round_step",
-    "scale_y",
-]
-
 DEGREE_STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 90.0, 180.0, 360.0)
 """Distances of ticks at round angles."""
 

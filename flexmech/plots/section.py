@@ -20,8 +20,6 @@ from flexmech.plots.reading import values_of
 from flexmech.plots.series import Look, line_handle, series_handle, series_line
 from flexmech.types import FloatArray
 
-__all__ = ["plot_section"]
-
 PANEL_HEIGHT = 2.2
 # More layers than this are named by their shades in the legend, not one by one.
 MOST_NAMES = 22

@@ -12,19 +12,6 @@ from matplotlib.lines import Line2D
 from flexmech.errors import InputError
 from flexmech.types import FloatArray
 
-__all__ = [
-    "SERIES_STYLES",
-    "Look",
-    "SeriesStyle",
-    "few_points",
-    "line_handle",
-    "series_handle",
-    "series_handles",
-    "series_line",
-    "series_style",
-    "told_apart",
-]
-
 # Below this number of angles each computed point is marked: a line alone would suggest a
 # resolution that is not there, and a single point would not show at all.
 FEW_POINTS = 10

@@ -27,8 +27,6 @@ from flexmech.plots.response import engine_lines
 from flexmech.plots.series import Look, line_handle, series_line, series_style
 from flexmech.types import FloatArray
 
-__all__ = ["ONE_LINK", "plot_spectrogram", "plot_spectrum"]
-
 ONE_LINK = "choose one link (links=...)"
 
 # What the axes of frequency and of harmonics take, in inches.

@@ -13,8 +13,6 @@ from flexmech.plots.layout import Sheet
 from flexmech.plots.series import Look
 from flexmech.units import from_si
 
-__all__ = ["colour_bar", "has_many_speeds", "speed_lines"]
-
 FEW_SPEEDS = 5
 """More crank speeds than these are told by a colour map rather than by styles."""
 # Of viridis, which is perceptually uniform and grows lighter throughout; its yellow end cannot be

@@ -13,8 +13,6 @@ from flexmech.plots.reading import at_highest_speed, degrees, names_of, values_o
 from flexmech.plots.series import Look, few_points, line_handle, series_line
 from flexmech.types import FloatArray
 
-__all__ = ["plot_speed_effect"]
-
 # Narrowest y axis in Hz: far below what can be measured, far above round-off.
 LEAST_BAND = 2e-4
 # A term whose greatest change is a smaller part of that of the total in every mode is small.

@@ -19,8 +19,6 @@ from flexmech.plots.spectra import ONE_LINK
 from flexmech.types import FloatArray
 from flexmech.units import from_si
 
-__all__ = ["plot_speed_sweep"]
-
 MILLI = 1e3
 RPM = 30 / np.pi
 PANEL_HEIGHT = 1.5

@@ -14,8 +14,6 @@ from flexmech.plots.frf import first_angle
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.series import Look, line_handle, series_style
 
-__all__ = ["plot_stabilisation"]
-
 HEIGHT = 3.0
 # Of the orders' axis, that the receptance behind the poles takes.
 BEHIND = 0.9

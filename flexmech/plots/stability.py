@@ -24,8 +24,6 @@ from flexmech.plots.unstable_bands import (
 from flexmech.types import FloatArray
 from flexmech.units import from_si
 
-__all__ = ["plot_stability"]
-
 GROWTH_HEIGHT, MODULUS_HEIGHT = 2.6, 1.7
 # The two axes of speed, in inches.
 AXES_HEIGHT = 0.9

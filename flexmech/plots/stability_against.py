@@ -21,8 +21,6 @@ from flexmech.plots.series import Look, line_handle
 from flexmech.types import FloatArray
 from flexmech.units import from_si
 
-__all__ = ["plot_stability_against"]
-
 PANEL_HEIGHT = 2.9
 # Grows darker throughout, and begins where it is told from white.
 COLOURS = LinearSegmentedColormap.from_list(

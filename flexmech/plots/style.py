@@ -16,19 +16,6 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from flexmech.errors import InputError
 
-__all__ = [
-    "LIGHT_GREY",
-    "MID_GREY",
-    "figure_html",
-    "figure_png",
-    "figure_width",
-    "is_narrow",
-    "new_figure",
-    "page_width",
-    "publication_style",
-    "save_figure",
-]
-
 MILLIMETRE = 1 / 25.4
 TWO_COLUMNS = 180.0
 # Below this width in mm panels stand under each other, and letters are a point smaller.

@@ -11,9 +11,6 @@ from flexmech.plots.scales import DEGREE_STEPS, round_step
 from flexmech.plots.style import LIGHT_GREY
 from flexmech.types import FloatArray
 
-__all__ = ["angle_axis", "label_times", "time_layout"]
-
-
 PANEL_HEIGHT = 1.12
 # What the axes of time and of crank angle take, in inches.
 AXES_HEIGHT = 0.85

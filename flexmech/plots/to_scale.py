@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.transforms import Bbox
 
-__all__ = ["height_of", "round_length"]
-
 
 def height_of(limits: Bbox, width: float, least: float, most: float) -> float:
     """Height of a panel of a width that shows what is within limits at one scale.

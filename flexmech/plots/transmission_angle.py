@@ -12,8 +12,6 @@ from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.series import series_handles, series_line, told_apart
 
-__all__ = ["plot_transmission_angle"]
-
 TITLE = "Transmission angle over a turn of the crank"
 
 

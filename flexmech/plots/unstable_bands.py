@@ -14,15 +14,6 @@ from flexmech.plots.series import Look, series_style
 from flexmech.runs import unbroken_runs
 from flexmech.units import from_si
 
-__all__ = [
-    "draw_gaps",
-    "limit_speeds",
-    "name_bands",
-    "shade_bands",
-    "speed_axes",
-    "unstable_handles",
-]
-
 KINDS = ("principal", "sum", "difference", "unnamed")
 WORDS = {
     "principal": "twice a frequency",

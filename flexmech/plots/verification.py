@@ -10,8 +10,6 @@ from flexmech.plots.layout import AxesLike, grid, sheet, wrapped
 from flexmech.plots.reading import names_of
 from flexmech.plots.series import Look, line_handle
 
-__all__ = ["plot_verification"]
-
 ROW = 0.3
 # Deviations below this part of the tolerance, and none at all, stand at the left end.
 LEAST = 1e-6

@@ -16,8 +16,6 @@ from flexmech.plots.series import SERIES_STYLES, Look, few_points, line_handle, 
 from flexmech.plots.style import MID_GREY
 from flexmech.types import FloatArray
 
-__all__ = ["plot_vibration_effect"]
-
 # Of the engines, where there are several.
 MARKS = "so^D"
 MARK_SIZE = 3.6

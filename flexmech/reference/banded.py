@@ -12,8 +12,6 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from flexmech.types import FloatArray
 
-__all__ = ["factorize", "solve"]
-
 
 def factorize(band: FloatArray) -> FloatArray:
     """LDL^T factors of symmetric band matrices, in place.

@@ -28,8 +28,6 @@ from flexmech.beams.elements import BeamElements
 from flexmech.reference.rigid_arms import RigidArms
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["CorotationalElements", "ElementResponse", "LinearStrain"]
-
 
 @dataclass(frozen=True)
 class LinearStrain:

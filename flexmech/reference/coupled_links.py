@@ -11,8 +11,6 @@ from flexmech.linear_system import LinkFrames
 from flexmech.reference.turning_element import Ties
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["CoupledLinks"]
-
 
 class CoupledLinks:
     """Elastic energies over whole links; see :class:`flexmech.beams.link_matrices.Coupling`.

@@ -43,8 +43,6 @@ from flexmech.reference.equilibrium import Equilibrium
 from flexmech.reference.stretch import chain_stretch
 from flexmech.types import FloatArray
 
-__all__ = ["ReferenceEngine"]
-
 
 class ReferenceEngine(Engine):
     """Beam elements with consistent mass, in link frames.

@@ -51,8 +51,6 @@ from flexmech.reference.nodal_chains import (
 from flexmech.reference.radial_springs import RadialSprings
 from flexmech.types import FloatArray
 
-__all__ = ["Equilibrium"]
-
 logger = logging.getLogger(__name__)
 
 

@@ -21,8 +21,6 @@ from flexmech.reference.radial_springs import RadialSprings
 from flexmech.reference.turning_element import Ties
 from flexmech.types import FloatArray
 
-__all__ = ["ForceBalance"]
-
 
 @dataclass(frozen=True)
 class ForceBalance:

@@ -21,8 +21,6 @@ from flexmech.reference.corotational import CorotationalElements
 from flexmech.reference.turning_element import Ties, TurningElement
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LinkageTangents", "TangentEntries", "turned_by"]
-
 
 @dataclass(frozen=True)
 class TangentEntries:

@@ -14,8 +14,6 @@ from flexmech.reference.corotational import LinearStrain
 from flexmech.reference.turning_element import Ties
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Imbalance", "Problem", "State"]
-
 
 @dataclass(frozen=True)
 class State:

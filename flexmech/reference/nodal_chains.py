@@ -6,8 +6,6 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["element_ends", "node_forces", "relative_coordinates"]
-
 
 def element_ends(q: FloatArray, per_node: int) -> FloatArray:
     """Coordinates of both nodes of each element; (B, p (e + 1)) -> (B, e, 2 p)."""

@@ -19,8 +19,6 @@ from flexmech.linkages.motion import direction, normal
 from flexmech.reference.turning_element import Ties
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["RadialSprings"]
-
 
 @dataclass(frozen=True)
 class _End:

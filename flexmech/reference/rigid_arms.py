@@ -9,8 +9,6 @@ import numpy as np
 from flexmech.beams.elements import BeamElements
 from flexmech.types import FloatArray
 
-__all__ = ["RigidArms"]
-
 
 @dataclass(frozen=True)
 class RigidArms:

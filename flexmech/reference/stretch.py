@@ -7,8 +7,6 @@ import numpy as np
 from flexmech.beams.link_matrices import Chain
 from flexmech.linear_system import LinkStretch
 
-__all__ = ["chain_stretch"]
-
 # Directions in which an element's slopes are none but for round-off, to the greatest.
 _NO_SLOPE = 1e-12
 

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from flexmech.linear_system import PosedTies
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Ties", "TurningElement"]
-
 
 @dataclass(frozen=True)
 class Ties:

@@ -28,8 +28,6 @@ from flexmech.report.words import (
 )
 from flexmech.units import from_si
 
-__all__ = ["Answer", "answers", "report_summary"]
-
 LOWEST_ORDERS = 3
 Ranges = list[tuple[float, float]]
 

@@ -9,8 +9,6 @@ from numpy.typing import ArrayLike
 
 from flexmech.types import IntArray
 
-__all__ = ["MOST_POINTS", "Arrays", "thinning"]
-
 MOST_POINTS = 400
 """Points of a line over a turn: a screen shows no more of it in a plot of that width."""
 

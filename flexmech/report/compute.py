@@ -32,8 +32,6 @@ from flexmech.numbers import check_choice, check_count, check_instance, checked_
 from flexmech.report.results import Results
 from flexmech.types import FloatArray, LabelledProgress
 
-__all__ = ["ReportRequest", "report_results"]
-
 # The Campbell diagram goes beyond the greatest speed asked for by this factor.
 BEYOND = 2.0
 CAMPBELL_SPEEDS = 13

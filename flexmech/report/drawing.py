@@ -5,8 +5,6 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-__all__ = ["stack_drawings"]
-
 # Greatest width of a drawing, and least height of a section in it.
 WIDTH, LEAST = 300.0, 3.0
 # Opacity of the ink for each kind of layer: neighbours differ.

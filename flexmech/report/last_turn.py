@@ -11,8 +11,6 @@ from flexmech.report.arrays import thinning
 from flexmech.report.words import crank_degrees
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["LastTurn", "last_turn", "over_a_turn"]
-
 # Round-off must not lose the sample a full turn before the last one.
 ROUND_OFF = 1e-6
 FULL = 360.0

@@ -7,8 +7,6 @@ import re
 from html import escape
 from typing import Any
 
-__all__ = ["Markup", "equation_markup", "json_text"]
-
 # What would end a script element or is no character of JSON in old scripts.
 ESCAPES = {
     ord("<"): "\\u003c",

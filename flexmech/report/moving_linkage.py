@@ -25,8 +25,6 @@ from flexmech.report.words import crank_degrees, engine_names, speed_name, speed
 from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray
 
-__all__ = ["mechanism_of", "moving_linkage"]
-
 MOST_FRAMES = 120
 # Largest displacement as drawn, over the linkage's extent.
 ENLARGED_TO = 0.12

@@ -28,7 +28,6 @@ from flexmech.units import ANGULAR_SPEED, parse_quantity
 if TYPE_CHECKING:
     from jinja2 import Environment
 
-__all__ = ["check_extra", "write_report"]
 
 EXTRA = 'a report needs plotly and jinja2, which are not installed: pip install "flexmech[report]"'
 CHOICES = ("speed", "mode", "engine", "state")

@@ -13,8 +13,6 @@ from typing import Literal
 from flexmech.analyses import Table
 from flexmech.types import FloatArray
 
-__all__ = ["Choice", "Look", "Panel", "Plot", "Reading", "Trace", "YAxis"]
-
 Choice = Mapping[str, str]
 """What the reader must have chosen for something to be shown: ``speed``, ``engine``, ``state`` or
 ``mode``, such as ``{"speed": "20 rad/s"}``; what is not named does not matter."""

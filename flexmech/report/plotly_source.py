@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import re
 
-__all__ = ["plotly_source"]
-
 # Where the bundle registers every kind of plot beyond lines and points, which its core has.
 REGISTERED = re.compile(r"\.register\(\[(?:[\w$]+\(\),){20,}[\w$]+\(\)\]\)")
 

@@ -29,8 +29,6 @@ from flexmech.errors import InputError
 from flexmech.files import given_path
 from flexmech.numbers import check_instance, checked_tuple
 
-__all__ = ["Results", "stored_results"]
-
 KINDS: tuple[type[Result], ...] = (
     ModelCheck,
     MovingFrequencies,

@@ -12,16 +12,6 @@ from flexmech.report.results import Results
 from flexmech.types import FloatArray
 from flexmech.units import from_si
 
-__all__ = [
-    "crank_degrees",
-    "decimals_of",
-    "engine_names",
-    "speed_name",
-    "speed_unit_of",
-    "state_of",
-    "with_error",
-]
-
 MOST_DECIMALS = 6
 DRY = "dry"
 

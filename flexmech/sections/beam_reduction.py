@@ -19,8 +19,6 @@ from flexmech.materials import Laminate
 from flexmech.sections.plane_state import PlaneState, energy_by_direction, gauss_points
 from flexmech.types import FloatArray
 
-__all__ = ["REDUCTIONS", "Reduction", "Strained", "Strip", "WarpingParts", "shear_across"]
-
 Reduction = Literal["narrow", "wide"]
 REDUCTIONS: tuple[Reduction, ...] = ("narrow", "wide")
 # Among the strains x, z and xz at the mid-plane and their gradients: those along the link, all

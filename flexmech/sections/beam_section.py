@@ -35,8 +35,6 @@ from flexmech.units import (
     TIME,
 )
 
-__all__ = ["BeamSection"]
-
 # What no section is without.
 DIMENSIONS = {
     "axial_stiffness": FORCE,

@@ -9,8 +9,6 @@ from flexmech.linkages import Topology
 from flexmech.linkages.topology import LinkEnd
 from flexmech.sections.beam_section import BeamSection
 
-__all__ = ["sections_between_joints"]
-
 
 def sections_between_joints(
     topology: Topology, sections: Mapping[str, BeamSection]

@@ -10,8 +10,6 @@ from flexmech.model_text import TomlTable, quantity
 from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_number
 from flexmech.units import RATIO, TIME
 
-__all__ = ["DampingTimes", "SpecificDamping"]
-
 
 @dataclass(frozen=True)
 class DampingTimes:

@@ -36,8 +36,6 @@ from flexmech.sections.solid_section import (
 )
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["FreeEdges", "free_edges", "is_off_axis", "laminate_solid", "layer_runs"]
-
 # Strains x, z and xz among those of a solid.
 IN_PLANE = np.array([0, 2, 4])
 COLUMNS = 12

@@ -30,9 +30,6 @@ from flexmech.sections.laminate_section import LaminateSection
 from flexmech.sections.solid_section import CURVATURE, STRETCH, TWIST
 from flexmech.types import FloatArray
 
-__all__ = ["HygrothermalProfile", "SwollenSection", "swollen_section"]
-
-
 # Of a symmetric stack: strains below this part of the largest are rounding.
 ROUNDING = 1e-12
 

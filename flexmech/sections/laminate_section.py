@@ -34,8 +34,6 @@ from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray
 from flexmech.units import LENGTH
 
-__all__ = ["SHEAR_THEORIES", "LaminateSection", "ShearTheory", "ThroughThickness"]
-
 ShearTheory = Literal["equilibrium", "third-order"]
 SHEAR_THEORIES: tuple[ShearTheory, ...] = get_args(ShearTheory)
 

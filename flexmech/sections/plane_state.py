@@ -10,8 +10,6 @@ from flexmech.errors import InputError
 from flexmech.materials import Laminate
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["PlaneState", "energy_by_direction", "gauss_points", "layer_of"]
-
 
 @dataclass(frozen=True)
 class PlaneState:

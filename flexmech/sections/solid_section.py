@@ -27,8 +27,6 @@ from flexmech.errors import ComputationError
 from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["CURVATURE", "STRETCH", "TWIST", "SolidSection", "solid_section"]
-
 STRETCH, TWIST, CURVATURE = 0, 3, 5
 """Strains of a section by number; the curvature is that in the plane of the linkage."""
 LOADS = 6

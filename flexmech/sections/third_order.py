@@ -12,8 +12,6 @@ from flexmech.sections.plane_state import gauss_points
 from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["ThirdOrder", "parabolic_shear", "third_order_of"]
-
 
 @dataclass(frozen=True)
 class ThirdOrder:

@@ -19,8 +19,6 @@ from typing import Literal, get_args
 
 import numpy as np
 
-__all__ = ["FIRST_MODE", "TWISTS", "Twist"]
-
 Twist = Literal["free", "held"]
 TWISTS: tuple[Twist, ...] = get_args(Twist)
 

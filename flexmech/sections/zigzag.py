@@ -30,8 +30,6 @@ from flexmech.sections.plane_state import PlaneState, energy_by_direction, gauss
 from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray
 
-__all__ = ["WARPINGS", "Zigzag", "rectangular_zigzag", "zigzag_of"]
-
 WARPINGS = 2
 """How many warpings a cross-section has."""
 

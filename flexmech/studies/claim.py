@@ -7,16 +7,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
-__all__ = [
-    "REPRODUCED_WITHIN",
-    "Claim",
-    "Verdict",
-    "claim_lines",
-    "count_of_verdicts",
-    "verdict_on",
-    "within_a_tenth",
-]
-
 Verdict = Literal["reproduced", "not reproduced", "not judged"]
 REPRODUCED_WITHIN = 0.10
 """A number counts as reproduced when ours is within a tenth of the one printed."""

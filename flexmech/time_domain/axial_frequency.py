@@ -8,8 +8,6 @@ import scipy.linalg
 from flexmech.linear_system import Engine, LinkFrames, LinkModel, RotationTerms
 from flexmech.types import FloatArray
 
-__all__ = ["lowest_axial_frequency"]
-
 # Of the greatest eigenvalue: what is below is round-off of links that turn.
 LOOSE = 1e-10
 

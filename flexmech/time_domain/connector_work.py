@@ -13,8 +13,6 @@ from flexmech.linkages.spring_line import SpringLine
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["ConnectorWork", "connector_work"]
-
 
 @dataclass(frozen=True)
 class ConnectorWork:

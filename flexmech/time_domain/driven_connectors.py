@@ -29,8 +29,6 @@ from flexmech.linkages import CrankDrive, Load, RigidMotion, continuous_angles
 from flexmech.time_domain.connector_work import ConnectorWork, connector_work
 from flexmech.types import FloatArray
 
-__all__ = ["ActingForces", "DrivenConnectors", "LinkMotion"]
-
 LinkMotion = Sequence[tuple[FloatArray, FloatArray, FloatArray]]
 
 

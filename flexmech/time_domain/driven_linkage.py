@@ -42,8 +42,6 @@ from flexmech.time_domain.state import LinkState, VibrationState
 from flexmech.time_domain.stress_history import StressHistory
 from flexmech.types import FloatArray
 
-__all__ = ["DrivenLinkage"]
-
 # Newton's method for a start in balance, from close by.
 MOST_PASSES = 30
 CONVERGED = 1e-10

@@ -22,8 +22,6 @@ from flexmech.time_domain.shaft_motion import ShaftMotion
 from flexmech.time_domain.shaft_torque import rigid_torque
 from flexmech.types import FloatArray
 
-__all__ = ["DrivenShaft"]
-
 
 @dataclass(frozen=True)
 class DrivenShaft:

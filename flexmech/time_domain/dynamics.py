@@ -21,8 +21,6 @@ from flexmech.time_domain.recording import StepBlock
 from flexmech.time_domain.state import VibrationState
 from flexmech.types import FloatArray
 
-__all__ = ["LinkageDynamics"]
-
 
 class LinkageDynamics:
     """What a driven linkage's motion asks of its joints and its shaft.

@@ -14,8 +14,6 @@ from flexmech.linkages import RigidMotion
 from flexmech.time_domain.state import VibrationState
 from flexmech.types import FloatArray
 
-__all__ = ["Equations", "Following"]
-
 
 @dataclass(frozen=True)
 class Following:

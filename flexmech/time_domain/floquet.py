@@ -31,8 +31,6 @@ from flexmech.time_domain.matrix_exponential import matrix_exponentials
 from flexmech.time_domain.periodic_system import PeriodicSystem, SampledPeriodicSystem, exponents
 from flexmech.types import FloatArray
 
-__all__ = ["FloquetModes", "floquet_modes"]
-
 # Logarithm of how far apart the multipliers, and singular values, of one short transition matrix
 # may be: twelve digits of the weakest remain.
 SHORT = 8.0

@@ -11,8 +11,6 @@ from flexmech.time_domain.fourier import FourierSeries
 from flexmech.time_domain.moving_modes import MovingModes
 from flexmech.time_domain.state import LinkState
 
-__all__ = ["floquet_state"]
-
 
 def floquet_state(
     moving: MovingModes, modes: FloquetModes, number: int = 0

@@ -10,8 +10,6 @@ from flexmech.time_domain.low_pass import LowPass
 from flexmech.time_domain.sampling import ON_A_STEP, linear, place
 from flexmech.types import FloatArray
 
-__all__ = ["ForceRecord"]
-
 
 class ForceRecord:
     """Takes joint forces and torque step by step; keeps their samples and their peaks.

@@ -26,8 +26,6 @@ from flexmech.time_domain.harmonic_response import ForcedPeriodicSystem
 from flexmech.time_domain.moving_modes import MovingModes
 from flexmech.types import FloatArray
 
-__all__ = ["forced_linkage", "static_remainder"]
-
 # Crank angles whose unreduced matrices are held in memory at a time.
 BATCH = 64
 

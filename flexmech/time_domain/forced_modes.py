@@ -30,8 +30,6 @@ from flexmech.time_domain.moving_modes import MovingModes, counts_of_modes, movi
 from flexmech.time_domain.sampled_turn import SampledTurn
 from flexmech.types import FloatArray
 
-__all__ = ["ForcedModes", "FreeAndForced", "forced_modes"]
-
 Readings = Sequence[Sequence[FloatArray | None]]
 
 # Of a turn; an odd number leaves no harmonic whose phase is unknown.

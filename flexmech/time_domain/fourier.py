@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from flexmech.types import FloatArray
 
-__all__ = ["FourierSeries"]
-
 # The highest harmonics, this part of them, tell how large those are that the samples miss.
 TAIL = 4
 

@@ -22,8 +22,6 @@ from numpy.typing import NDArray
 from flexmech.errors import ComputationError
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["StateModes", "direct_receptance", "state_modes"]
-
 # Complex numbers that are held at a time.
 AT_ONCE = 2_000_000
 # Poles whose angular frequency is less than this part of their size do not oscillate.

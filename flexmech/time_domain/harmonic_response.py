@@ -33,8 +33,6 @@ from flexmech.time_domain.fourier import FourierSeries
 from flexmech.time_domain.periodic_system import SampledPeriodicSystem
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
-__all__ = ["ForcedPeriodicSystem", "balanced_response", "harmonic_response"]
-
 # Of the products of Fourier coefficients those below this part of the greatest are round-off.
 NEGLIGIBLE = 1e-16
 # Frequencies whose answers are held in memory at a time.

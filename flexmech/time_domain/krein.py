@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from flexmech.types import FloatArray
 
-__all__ = ["krein_signature"]
-
 
 def krein_signature(shapes: NDArray[np.complex128]) -> FloatArray:
     """Krein signature of Floquet modes in canonical coordinates ``x = (y, p)``.

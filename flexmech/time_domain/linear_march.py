@@ -13,9 +13,6 @@ from flexmech.time_domain.step_table import StepTable
 from flexmech.time_domain.trapezoidal import march
 from flexmech.types import FloatArray
 
-__all__ = ["LinearMarch"]
-
-
 # Steps whose operators are interpolated at once.
 CACHED_STEPS = 64
 

@@ -15,9 +15,6 @@ from flexmech.time_domain.state import VibrationState
 from flexmech.time_domain.trapezoidal import initial_state
 from flexmech.types import FloatArray, StepProgress
 
-__all__ = ["BLOCK_STEPS", "linear_run", "refuse_divergence", "start_state"]
-
-
 # Steps that are recorded at once.
 BLOCK_STEPS = 1024
 # Displacements beyond this many metres are no small vibration of any linkage.

@@ -12,9 +12,6 @@ from flexmech.linkages import RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray
 
-__all__ = ["LinkInertia", "MovingLink", "dot"]
-
-
 # Rigid fields of a link, in this order: unit translation along and across, unit turn about
 # the start, and the field of points at their distance from the start.
 FIELDS = ("along", "across", "tangential", "centripetal")

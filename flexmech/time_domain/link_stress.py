@@ -9,8 +9,6 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["LinkStress", "StressShapes"]
-
 
 @dataclass(frozen=True)
 class StressShapes:

@@ -12,8 +12,6 @@ from flexmech.linear_system import LinkFrames, LinkStretch
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
 
-__all__ = ["LinkageStretch", "PinTurns", "StretchForces"]
-
 
 @dataclass(frozen=True)
 class PinTurns:

@@ -20,18 +20,6 @@ from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.linkage_stretch import LinkageStretch, PinTurns
 from flexmech.types import FloatArray
 
-__all__ = [
-    "MARCH_ON",
-    "PREDICTION",
-    "RATE_BY_POSITION",
-    "STAGES",
-    "WEIGHTS",
-    "StageOperators",
-    "parabolic_work",
-    "stage_operators",
-]
-
-
 # Coefficients a of start, middle and end.
 _WHOLE = np.array([[0, 0, 0], [5 / 24, 8 / 24, -1 / 24], [4 / 24, 16 / 24, 4 / 24]])
 STAGES = 2

@@ -18,8 +18,6 @@ import numpy as np
 from flexmech.time_domain.pulse import HalfSinePulse
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["pulse_response"]
-
 # What has decayed by exp(-GONE) is below the round-off of what remains.
 GONE = 45.0
 

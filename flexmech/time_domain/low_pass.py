@@ -13,9 +13,6 @@ from scipy.signal import firwin, kaiser_beta, oaconvolve
 
 from flexmech.types import FloatArray
 
-__all__ = ["LowPass"]
-
-
 # Of frequencies beyond twice the band 1e-3 is left; below it the gain is 1 within 1e-3.
 ATTENUATION = 60.0
 # Parts of the kernel that are filtered at once, at least.

@@ -16,9 +16,6 @@ import numpy as np
 from flexmech.time_domain.matrix_exponential import cache_blocks
 from flexmech.types import FloatArray
 
-__all__ = ["GAUSS_POINTS", "ORDER", "step_exponents"]
-
-
 ORDER = 6
 """Of the error in the length of the step."""
 GAUSS_POINTS = tuple((0.5 + 0.1 * np.sqrt(15.0) * np.array([-1.0, 0.0, 1.0])).tolist())

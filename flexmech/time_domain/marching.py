@@ -15,8 +15,6 @@ from flexmech.time_domain.lobatto import STAGES
 from flexmech.time_domain.stretch_march import StretchMarch
 from flexmech.types import FloatArray
 
-__all__ = ["marching", "step_lag"]
-
 
 def marching(
     linkage: DrivenLinkage, step: float, load: Sequence[FloatArray] | None = None

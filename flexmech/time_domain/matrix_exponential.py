@@ -14,8 +14,6 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["cache_blocks", "matrix_exponentials"]
-
 # Norm up to which the polynomial of this degree is exact to double precision (A. H. Al-Mohy &
 # N. J. Higham, SIAM Journal on Scientific Computing 33 (2011) 488-511, eq. 3.3 and table 3.1).
 LARGEST_NORM = 0.78

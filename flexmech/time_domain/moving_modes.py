@@ -35,8 +35,6 @@ from flexmech.time_domain.periodic_system import SampledPeriodicSystem
 from flexmech.time_domain.sampled_turn import SampledTurn
 from flexmech.types import FloatArray
 
-__all__ = ["MovingModes", "counts_of_modes", "moving_modes"]
-
 # A subspace turns fast where its highest frequency comes nearer than this part to the next one,
 # and is far from its fixed basis where a direction of it has less than this part in common.
 LEAST_GAP = 0.1

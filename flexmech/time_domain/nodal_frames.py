@@ -23,8 +23,6 @@ from flexmech.linear_system import LinkModel, whole
 from flexmech.time_domain.fourier import FourierSeries
 from flexmech.types import FloatArray
 
-__all__ = ["NodalFrame", "quarter_turn", "vectors_turned"]
-
 
 @dataclass(frozen=True)
 class NodalFrame:

@@ -23,8 +23,6 @@ from flexmech.time_domain.orbit_equations import OrbitEquations, at_angles
 from flexmech.time_domain.orbit_newton import NewtonRun, newton
 from flexmech.types import FloatArray
 
-__all__ = ["NonlinearOrbit", "nonlinear_orbit"]
-
 logger = logging.getLogger(__name__)
 
 # Samples of a turn at which the equations hold, first and at most.

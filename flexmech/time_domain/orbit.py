@@ -21,8 +21,6 @@ from flexmech.time_domain.recording import Trajectory
 from flexmech.time_domain.state import LinkState, VibrationState
 from flexmech.types import FloatArray
 
-__all__ = ["PeriodicOrbit", "simulated_orbit"]
-
 logger = logging.getLogger(__name__)
 
 Turn = Callable[[LinkState], Trajectory]

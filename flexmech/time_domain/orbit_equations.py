@@ -34,8 +34,6 @@ from flexmech.linear_system import (
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
 
-__all__ = ["OrbitEquations", "OrbitState", "at_angles", "derivatives", "times"]
-
 
 @dataclass(frozen=True)
 class OrbitState:

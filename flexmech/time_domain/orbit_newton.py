@@ -24,8 +24,6 @@ from flexmech.linear_system import StressedLinks, SystemMatrices
 from flexmech.time_domain.orbit_equations import OrbitEquations, OrbitState, times
 from flexmech.types import FloatArray
 
-__all__ = ["NewtonRun", "newton"]
-
 logger = logging.getLogger(__name__)
 
 # The iteration ends at this residual, over the loads; see OrbitEquations.error.

@@ -21,9 +21,6 @@ from flexmech.time_domain.step_table import StepTable
 from flexmech.time_domain.trapezoidal import initial_state, march
 from flexmech.types import FloatArray
 
-__all__ = ["TurnMap", "periodic_state", "turn_map"]
-
-
 # Steps whose matrices are solved at once; fewer than in a single run, because a motion from a
 # unit of each coordinate is kept for all of them.
 BLOCK_STEPS = 256

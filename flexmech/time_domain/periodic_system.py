@@ -13,14 +13,6 @@ from flexmech.time_domain.magnus import GAUSS_POINTS, step_exponents
 from flexmech.time_domain.matrix_exponential import matrix_exponentials
 from flexmech.types import FloatArray
 
-__all__ = [
-    "PeriodicSystem",
-    "SampledPeriodicSystem",
-    "StatedPeriodicSystem",
-    "exponents",
-    "transitions",
-]
-
 
 class PeriodicSystem(Protocol):
     """A linear system of n states over a period."""

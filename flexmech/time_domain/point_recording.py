@@ -13,8 +13,6 @@ from flexmech.linkages import Topology
 from flexmech.time_domain.recording import StepBlock
 from flexmech.types import FloatArray
 
-__all__ = ["BlockTaker", "PointRecorder"]
-
 
 class BlockTaker(Protocol):
     """What a run hands its steps to, block by block."""

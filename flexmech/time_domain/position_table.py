@@ -16,9 +16,6 @@ import numpy as np
 from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["PositionTable"]
-
-
 # Greatest angle in rad by which a link turns, or turns from another, between two positions.
 # Of the k-th harmonic of its angle the interpolation misses 0.00024 times the tenth power of k
 # times this; that leaves 1e-7 of what the steps of the aluminium linkage are made of.

@@ -17,8 +17,6 @@ from flexmech.linear_system import LinkPoint
 from flexmech.numbers import NOT_NEGATIVE, POSITIVE, check_choice, check_instance, check_number
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["HalfSinePulse", "Impact"]
-
 # Where numerator and denominator of the spectrum vanish together, f T = 1/2.
 NEAR_HALF = 1e-6
 

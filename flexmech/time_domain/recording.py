@@ -16,8 +16,6 @@ from flexmech.time_domain.sampling import ON_A_STEP, hermite, linear, place
 from flexmech.time_domain.shaft_motion import ShaftMotion
 from flexmech.types import FloatArray
 
-__all__ = ["EnergyHistory", "Recorder", "StepBlock", "Trajectory"]
-
 
 @dataclass(frozen=True)
 class StepBlock:

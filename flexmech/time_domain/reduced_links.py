@@ -11,17 +11,6 @@ from flexmech.linear_system import ComponentModes, Engine, LinkModel, Prestress,
 from flexmech.linkages import CrankDrive
 from flexmech.types import FloatArray
 
-__all__ = [
-    "DETAIL",
-    "ReducedLinks",
-    "can_stretch",
-    "is_reduced",
-    "prestressed_links",
-    "stretches_in_runs",
-    "stretching_links",
-]
-
-
 # A start at speed shakes more than the lowest modes: component modes are kept up to this
 # many times the frequency that the natural frequencies themselves would need.
 DETAIL = 8.0

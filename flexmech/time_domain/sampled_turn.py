@@ -26,8 +26,6 @@ from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.reduced_links import ReducedLinks, prestressed_links
 from flexmech.types import FloatArray
 
-__all__ = ["FrozenSubspace", "SampledTurn"]
-
 # Times the frequency up to which component modes are kept for the natural frequencies alone.
 DETAIL = 2.0
 

@@ -6,9 +6,6 @@ import numpy as np
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["ON_A_STEP", "hermite", "linear", "place"]
-
-
 # Samples that fall on a step to this part of the step are read off, not interpolated.
 ON_A_STEP = 1e-6
 

@@ -10,8 +10,6 @@ from flexmech.errors import ComputationError
 from flexmech.linkages import CrankDrive, LockedCrank
 from flexmech.types import FloatArray
 
-__all__ = ["ShaftMotion"]
-
 # A shaft that is ahead or behind by more than this, in rad, no longer turns the linkage through
 # the positions for which its torque is made.
 RUN_AWAY = np.pi / 2

@@ -8,8 +8,6 @@ from flexmech.linkages import CrankDrive
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["rigid_torque"]
-
 # Positions whose inverse dynamics are held in memory at a time.
 BATCH = 4096
 

@@ -14,8 +14,6 @@ from flexmech.time_domain.recording import Trajectory
 from flexmech.time_domain.state import LinkState
 from flexmech.types import FloatArray, StepProgress
 
-__all__ = ["Simulator", "simulator"]
-
 
 class Simulator(Protocol):
     """An engine that runs the linkage with large displacements."""

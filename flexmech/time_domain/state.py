@@ -11,8 +11,6 @@ import numpy as np
 from flexmech.linear_system import LinkModel
 from flexmech.types import FloatArray
 
-__all__ = ["LinkState", "VibrationState"]
-
 
 @dataclass(frozen=True)
 class LinkState:

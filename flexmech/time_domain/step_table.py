@@ -13,8 +13,6 @@ from flexmech.time_domain.position_table import PositionTable
 from flexmech.time_domain.trapezoidal import StepOperators, step_operators
 from flexmech.types import FloatArray
 
-__all__ = ["StepRows", "StepTable"]
-
 
 @dataclass(frozen=True)
 class StepRows:

@@ -26,9 +26,6 @@ from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.link_stress import LinkStress, StressShapes
 from flexmech.types import FloatArray
 
-__all__ = ["StressHistory"]
-
-
 # Positions a turn; halving the spacing moves deflections by less than 1e-4 of their peak.
 SAMPLES_PER_TURN = 120
 LEAST_SAMPLES = 24

@@ -31,8 +31,6 @@ from flexmech.time_domain.position_table import PositionTable
 from flexmech.time_domain.state import VibrationState
 from flexmech.types import FloatArray
 
-__all__ = ["StretchMarch", "UnbalancedStepError"]
-
 logger = logging.getLogger(__name__)
 
 

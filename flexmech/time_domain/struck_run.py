@@ -15,8 +15,6 @@ from flexmech.time_domain.pulse import HalfSinePulse
 from flexmech.time_domain.state import VibrationState
 from flexmech.types import FloatArray
 
-__all__ = ["StruckLinkage"]
-
 
 class StruckLinkage:
     """A driven linkage with a hammer on one of its points and an eye on another.

@@ -24,16 +24,6 @@ from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.state import VibrationState
 from flexmech.types import FloatArray
 
-__all__ = [
-    "StepOperators",
-    "consecutive",
-    "initial_state",
-    "march",
-    "predicted",
-    "settled",
-    "step_operators",
-]
-
 
 @dataclass(frozen=True)
 class StepOperators:

@@ -13,8 +13,6 @@ from flexmech.errors import FlexmechError
 from flexmech.types import FloatArray
 from flexmech.verification.methods import METHODS
 
-__all__ = ["Computation", "DeviationKind", "Outcome", "Verdict", "VerificationCase"]
-
 Verdict = Literal["passed", "failed", "skipped"]
 DeviationKind = Literal["relative", "relative to the largest", "absolute"]
 """What a difference is divided by: the expected number, the largest expected one, or nothing."""

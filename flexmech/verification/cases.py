@@ -11,8 +11,6 @@ from typing import Any
 from flexmech.errors import InputError, suggestion
 from flexmech.verification.case import Computation, VerificationCase
 
-__all__ = ["verification_case", "verification_cases"]
-
 # In the order in which they are told.
 FILES = (
     "four_bars",

@@ -16,8 +16,6 @@ from flexmech.verification.case import Outcome, VerificationCase
 from flexmech.verification.cases import verification_cases
 from flexmech.verification.result import Verification
 
-__all__ = ["verify"]
-
 
 def verify(
     cases: Sequence[VerificationCase] | None = None,

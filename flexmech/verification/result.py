@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["Verification"]
-
 DIGITS = 6
 FARTHEST = "of each case the number that is farthest off; verification.csv has all of them"
 

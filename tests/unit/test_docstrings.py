@@ -50,10 +50,10 @@ class Subject(NamedTuple):
 
 
 def public_names(module: ModuleType) -> list[str]:
-    """What a module exports: its ``__all__``. The command line is no library and needs none."""
-    if module.__name__.startswith("flexmech.cli.") and not hasattr(module, "__all__"):
-        return [name for name in vars(module) if not name.startswith("_")]
-    return list(module.__all__)
+    """What a module exports: the ``__all__`` of a room, and of a file what is not private."""
+    if hasattr(module, "__all__"):
+        return list(module.__all__)
+    return [name for name in vars(module) if not name.startswith("_")]
 
 
 def subjects() -> Iterator[Subject]:

@@ -17,8 +17,6 @@ from flexmech.errors import ComputationError
 from flexmech.linear_system import RefusedPositionsError
 from flexmech.types import FloatArray
 
-__all__ = ["BandSolver", "Bands"]
-
 # Of a turn at a speed in doubt, every so many crank angles are tried first.
 PROBE_EVERY = 6
 # Crank angles at which speeds are tried, once one has failed there.

@@ -26,8 +26,6 @@ from flexmech.numbers import POSITIVE, check_choice, check_flag, check_number, c
 from flexmech.threads import one_thread
 from flexmech.types import IntArray, LabelledProgress
 
-__all__ = ["campbell"]
-
 # Every five degrees of a turn.
 TURN = np.radians(np.arange(0.0, 360.0, 5.0))
 

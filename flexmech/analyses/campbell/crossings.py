@@ -13,8 +13,6 @@ import numpy as np
 from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["CriticalSpeed", "Edge", "critical_speeds", "edges_of", "ray"]
-
 LOWEST, HIGHEST = 0, 2
 """Rows of both ends of a band."""
 NEAR_MISS = 0.1

@@ -18,8 +18,6 @@ from flexmech.analyses.provenance import provenance, with_units
 from flexmech.analyses.response import probes
 from flexmech.types import FloatArray
 
-__all__ = ["dataset_of"]
-
 
 def dataset_of(
     diagrams: Sequence[EngineDiagram], request: CampbellRequest, steady: SteadyResponse | None

@@ -21,8 +21,6 @@ from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["exact_edges"]
-
 logger = logging.getLogger(__name__)
 
 # Relative change of the speed in the last round, and relative distance of ray and band then.

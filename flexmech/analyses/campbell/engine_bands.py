@@ -21,8 +21,6 @@ from flexmech.linear_system import Engine
 from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["EngineDiagram", "Gap", "engine_diagram"]
-
 logger = logging.getLogger(__name__)
 
 # Extremes are refined to a tenth of this before the error of the mesh is known.

@@ -15,8 +15,6 @@ import numpy as np
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["band_fit"]
-
 NODES_OF_A_CUBIC = 4
 # Relative distance by which curves continued from both sides miss the node beyond a bend.
 BEND = 3e-5

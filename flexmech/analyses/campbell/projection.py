@@ -20,8 +20,6 @@ from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.linear_system import LinearSystem, StressedLinks
 from flexmech.types import FloatArray
 
-__all__ = ["KrylovSpace", "ProjectedSystems", "krylov_projected", "projected_systems"]
-
 logger = logging.getLogger(__name__)
 
 # Greatest relative error of a frequency by the projection.

@@ -13,8 +13,6 @@ from flexmech.errors import InputError
 from flexmech.numbers import checked_array
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["ORDERS", "CampbellRequest"]
-
 ORDERS = tuple(range(1, 11))
 """Of the crank's speed, drawn by default."""
 MOST_ORDER = 1000

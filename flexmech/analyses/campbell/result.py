@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["CampbellDiagram"]
-
-
 class CampbellDiagram(Result):
     """Natural frequencies over crank speed, each a band over the turn, and critical speeds.
 

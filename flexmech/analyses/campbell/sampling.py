@@ -19,8 +19,6 @@ from flexmech.analyses.campbell.fit import band_fit
 from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["FIT_TOLERANCE", "SampledBands", "sampled_bands", "speed_grid"]
-
 FIT_TOLERANCE = 3e-4
 """Relative difference of a predicted and a solved frequency up to which a fit is accepted."""
 # So few speeds are all solved, for they cost little.

@@ -19,14 +19,6 @@ from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray
 
-__all__ = [
-    "MOST_RESPONSES",
-    "RESPONSE_MODES",
-    "SteadyResponse",
-    "response_speeds",
-    "steady_response",
-]
-
 logger = logging.getLogger(__name__)
 
 MOST_RESPONSES = 100

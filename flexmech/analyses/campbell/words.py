@@ -9,15 +9,6 @@ from flexmech.analyses.beam_theory import theory_reason
 from flexmech.analyses.summary import Table
 from flexmech.units import from_si
 
-__all__ = [
-    "critical_table",
-    "error_lines",
-    "gap_lines",
-    "operating_lines",
-    "response_lines",
-    "verdict",
-]
-
 
 def critical_table(dataset: xr.Dataset) -> Table:
     """Ranges of speed in which an order meets a branch, grouped by engine and branch."""

@@ -26,8 +26,6 @@ from flexmech.threads import one_thread
 from flexmech.types import FloatArray
 from flexmech.units import ZERO_CELSIUS
 
-__all__ = ["check_mechanism"]
-
 
 def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCheck:
     """What is known of a mechanism, with its natural frequencies at rest and remarks on it.

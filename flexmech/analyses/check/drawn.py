@@ -21,8 +21,6 @@ from flexmech.mechanism import Mechanism, drawing
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = ["drawn_mechanism"]
-
 # Crank angles of paths and of the transmission angle.
 TURN = np.radians(np.arange(0.0, 361.0))
 ENDS: tuple[End, End] = ("start", "end")

@@ -18,8 +18,6 @@ from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 from flexmech.units import ZERO_CELSIUS
 
-__all__ = ["remarks"]
-
 # Ashby, Materials Selection in Mechanical Design: foams and soft rubber, diamond.
 LEAST_MODULUS, MOST_MODULUS = 1e6, 1.1e12
 # Polymer foams, osmium.

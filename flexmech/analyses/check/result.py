@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["ModelCheck"]
-
 ROWS = (*LINK_PROPERTIES, *PROPERTIES)
 
 

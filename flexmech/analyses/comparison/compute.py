@@ -20,8 +20,6 @@ from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
 from flexmech.types import LabelledProgress
 
-__all__ = ["compare_with_record"]
-
 _COMPARED = {
     "time": compared_over_time,
     "crank_angle": compared_over_angle,

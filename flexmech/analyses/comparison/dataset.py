@@ -14,8 +14,6 @@ from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord
 from flexmech.types import FloatArray
 
-__all__ = ["CURVES", "comparison_dataset"]
-
 CURVES = ("measured", "computed", "residual")
 Values = FloatArray | NDArray[np.complex128]
 

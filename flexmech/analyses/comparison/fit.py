@@ -22,8 +22,6 @@ import scipy.stats
 from flexmech.errors import ComputationError
 from flexmech.types import FloatArray, StepProgress
 
-__all__ = ["Fit", "Parameter", "Problem", "autoregression", "fitted"]
-
 CONFIDENCE = 0.95
 # Orders among which the autoregressive process is chosen: at most this part of the samples.
 MOST_ORDER = 40

@@ -16,8 +16,6 @@ from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["FrequencyProblem", "nearest_mode"]
-
 # Modes among which a record without their numbers is placed.
 CANDIDATES = 6
 

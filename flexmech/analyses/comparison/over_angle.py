@@ -16,8 +16,6 @@ from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord
 from flexmech.types import FloatArray, IntArray, StepProgress
 
-__all__ = ["compared_over_angle"]
-
 # Crank speeds of a record that are those asked for, in rad/s.
 SAME_SPEED = 1e-6
 MOST_MODE = 50

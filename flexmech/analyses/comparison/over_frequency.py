@@ -19,8 +19,6 @@ from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredQuantity, MeasuredRecord
 from flexmech.types import IntArray, StepProgress
 
-__all__ = ["compared_over_frequency"]
-
 # Crank angles that are the same, in rad.
 SAME_ANGLE = np.radians(0.01)
 LEAST_LINES = 16

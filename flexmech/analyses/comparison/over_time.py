@@ -19,8 +19,6 @@ from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord, sampling_interval
 from flexmech.types import FloatArray, StepProgress
 
-__all__ = ["compared_over_time"]
-
 CRANK_ANGLE = "crank_angle"
 # Relative difference of the record's own crank speed from the one given that is no rounding.
 SPEED_TOLERANCE = 0.01

@@ -10,19 +10,6 @@ from flexmech.errors import InputError, suggestion
 from flexmech.linear_system import Engine
 from flexmech.sections import BeamSection
 
-__all__ = [
-    "DAMPING",
-    "GAIN",
-    "NOTHING",
-    "OFFSET",
-    "STIFFNESS",
-    "Fitted",
-    "fitted_names",
-    "known_names",
-    "with_damping_times",
-    "with_stiffness",
-]
-
 DAMPING, STIFFNESS, OFFSET, GAIN, NOTHING = "damping", "stiffness", "offset", "gain", "none"
 # Beam elements whose stiffness is that of the layers, not that of the section as a whole.
 LAYERED = ("zigzag", "reddy")

@@ -13,8 +13,6 @@ from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredQuantity, MeasuredRecord
 from flexmech.types import FloatArray
 
-__all__ = ["Gauge", "Pair", "gauges", "matched", "value_columns"]
-
 UNITS = {"strain": "", "deflection": "m"}
 # Columns that tell where a sample was taken, not what was measured there.
 COMPANIONS = ("crank_angle", "crank_speed", "mode", "branch", "coherence", "engine")

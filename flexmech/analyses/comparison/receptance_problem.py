@@ -25,8 +25,6 @@ from flexmech.linear_system import Engine, LinkPoint, point_rows
 from flexmech.time_domain import direct_receptance
 from flexmech.types import FloatArray
 
-__all__ = ["MOBILITIES", "ReceptanceProblem", "points_of"]
-
 ComplexArray = NDArray[np.complex128]
 Kind = Literal["receptance", "mobility", "accelerance"]
 MOBILITIES: dict[str, Kind] = {

@@ -7,8 +7,6 @@ from dataclasses import dataclass, field
 from flexmech.errors import InputError
 from flexmech.numbers import check_angle, check_instance, check_number, checked_tuple
 
-__all__ = ["ComparisonRequest"]
-
 
 @dataclass(frozen=True)
 class ComparisonRequest:

@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["Comparison", "FittedValue"]
-
 # Units behind the names of columns.
 SUFFIXES = {"m": "_m", "Hz": "_Hz", "m/N": "_m_N", "m/(N s)": "_m_Ns", "m/(N s^2)": "_m_Ns2"}
 

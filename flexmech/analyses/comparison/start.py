@@ -9,8 +9,6 @@ import numpy as np
 from flexmech.analyses.comparison.fit import Parameter
 from flexmech.analyses.comparison.parameters import DAMPING, GAIN, OFFSET, STIFFNESS, Fitted
 
-__all__ = ["START_ANGLE", "USUAL_RATIO", "named", "parameters_from", "start_values"]
-
 START_ANGLE = "start_angle"
 """Crank angle of a record's first sample, where the record does not tell it."""
 USUAL_RATIO = 0.005

@@ -36,8 +36,6 @@ from flexmech.linear_system import Engine
 from flexmech.time_domain import ForcedModes, FreeAndForced, forced_modes
 from flexmech.types import FloatArray
 
-__all__ = ["TimeProblem"]
-
 # Singular values of the free vibrations below this part of the greatest tell nothing.
 UNTOLD = 1e-9
 # A mode is sampled if its frequency is below this part of half the sampling rate.

@@ -11,16 +11,6 @@ from flexmech.analyses.comparison.parameters import DAMPING, STIFFNESS
 from flexmech.analyses.summary import Table
 from flexmech.units import from_si
 
-__all__ = [
-    "correlation_lines",
-    "fit_table",
-    "ratio_lines",
-    "record_lines",
-    "residual_lines",
-    "verdict",
-    "warnings",
-]
-
 # Part of the record's variance from which a model is said to miss what was measured.
 POOR = 0.5
 # Relative difference of frequencies beyond which other modes are compared, or another linkage.

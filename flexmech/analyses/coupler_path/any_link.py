@@ -20,8 +20,6 @@ from flexmech.mechanism import Mechanism
 from flexmech.numbers import check_instance
 from flexmech.types import FloatArray
 
-__all__ = ["link_named", "path_of_link"]
-
 METRE, RADIAN = {"units": "m"}, {"units": "rad"}
 
 

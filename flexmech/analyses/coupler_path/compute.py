@@ -36,8 +36,6 @@ from flexmech.linkages import (
 from flexmech.mechanism import Mechanism, drawing
 from flexmech.types import FloatArray
 
-__all__ = ["coupler_paths"]
-
 # Points of a finely drawn loop.
 FINE = 400
 METRE, RADIAN = {"units": "m"}, {"units": "rad"}

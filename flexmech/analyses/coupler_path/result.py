@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["CouplerPaths"]
-
-
 class CouplerPaths(Result):
     """Paths of a coupler point, dry and in an environment, with their crunodes and cusps.
 

@@ -10,8 +10,6 @@ from scipy.optimize import linear_sum_assignment
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["assign", "cross_amplitude", "same_shapes"]
-
 
 def cross_amplitude(first: NDArray[Any], second: NDArray[Any]) -> FloatArray:
     """``|x_i^H M x_j|`` between the modes of paired positions.

@@ -17,8 +17,6 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["BandForm"]
-
 
 @dataclass(frozen=True)
 class BandForm:

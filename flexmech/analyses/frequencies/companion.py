@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 from flexmech.linear_system import LinearSystem, inverse_mass_root
 from flexmech.types import FloatArray
 
-__all__ = ["inverse_companion", "without_rigid_modes"]
-
 
 def inverse_companion(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
     """Matrices whose eigenvalues are a unit over those of the system.

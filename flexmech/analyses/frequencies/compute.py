@@ -30,8 +30,6 @@ from flexmech.numbers import checked_array
 from flexmech.threads import one_thread
 from flexmech.types import LabelledProgress
 
-__all__ = ["moving_frequencies"]
-
 
 def moving_frequencies(
     engine: Engine | Sequence[Engine],

@@ -16,8 +16,6 @@ from flexmech.linear_system import Engine
 from flexmech.mechanism import drawing
 from flexmech.types import FloatArray
 
-__all__ = ["joined", "with_states"]
-
 
 def joined(
     engines: Sequence[Engine],

@@ -13,9 +13,6 @@ from flexmech.analyses.frequencies.unreduced_eigenvalues import unreduced_eigenv
 from flexmech.choices import MOST_ELEMENTS
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["HIGHEST_ORDER", "MeshError", "check_angle_indices", "mesh_error"]
-
-
 CHECK_ANGLES = 12
 # A mesh is compared with one of four times the elements if that is no more than this, else of
 # twice as many.

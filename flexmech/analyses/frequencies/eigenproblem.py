@@ -23,9 +23,6 @@ from flexmech.linear_system import (
 )
 from flexmech.types import FloatArray
 
-__all__ = ["Modes", "solve_eigenvalues", "solve_frequencies", "solve_modes"]
-
-
 # Round-off that is allowed in a squared frequency, relatively.
 BLUR = 1e-10
 

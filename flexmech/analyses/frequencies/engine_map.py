@@ -34,8 +34,6 @@ from flexmech.analyses.frequencies.tracking import Tracker
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray, IntArray, LabelledProgress
 
-__all__ = ["EngineMap", "map_engine"]
-
 logger = logging.getLogger(__name__)
 
 MOST_ELEMENTS = 32

@@ -23,8 +23,6 @@ from flexmech.analyses.frequencies.quartic import predicted_minimum
 from flexmech.analyses.turn import without_end
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Extremes", "extremes_between", "extremes_of_speeds", "known_error"]
-
 # The change of an extreme by the last round over the error that is reported of it.
 SETTLED = 0.1
 # Round-off of a frequency: no extreme is refined further, however small its error is said to be.

@@ -19,8 +19,6 @@ from flexmech.linear_system import (
 from flexmech.numbers import check_choice, check_count
 from flexmech.types import FloatArray
 
-__all__ = ["Formulation", "Systems"]
-
 
 @dataclass(frozen=True)
 class Formulation:

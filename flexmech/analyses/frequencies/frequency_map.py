@@ -14,8 +14,6 @@ from flexmech.linear_system import Engine, StressedLinks
 from flexmech.threads import one_thread
 from flexmech.types import FloatArray
 
-__all__ = ["frequencies_along", "frequency_map", "systems_at"]
-
 
 def systems_at(
     engine: Engine, request: FrequencyRequest, crank_speed: float, detail: float = 1.0

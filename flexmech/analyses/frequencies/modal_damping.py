@@ -31,8 +31,6 @@ from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, DampingTimes
 from flexmech.types import FloatArray
 
-__all__ = ["StrainEnergyDamping", "links_without_loss"]
-
 
 def links_without_loss(mechanism: Mechanism) -> tuple[str, ...]:
     """Links whose sections tell no loss in a cycle: no specific damping, or zero."""

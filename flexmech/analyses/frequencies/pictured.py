@@ -20,8 +20,6 @@ from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.analyses.stations import rigid_positions
 from flexmech.types import FloatArray
 
-__all__ = ["bent_angles", "drawn_between", "scaled_parts", "shapes_asked_for"]
-
 # Distance of a line from its curve that is seen, over the range of the curve; a range is at
 # least this part of the frequency, as in the pictures.
 SEEN, LEAST_RANGE = 4e-3, 4e-3

@@ -19,8 +19,6 @@ from flexmech.numbers import checked_array
 from flexmech.threads import one_thread
 from flexmech.types import FloatArray
 
-__all__ = ["frequencies_at", "natural_frequencies", "strain_energy_damping"]
-
 
 def natural_frequencies(
     engine: Engine,

@@ -21,9 +21,6 @@ from flexmech.analyses.frequencies.companion import inverse_companion, without_r
 from flexmech.linear_system import LinearSystem
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["QuadraticModes", "quadratic_eigenvalues", "quadratic_modes"]
-
-
 # Eigenvalues with a greater damping ratio may be of shapes that creep back.
 NEARLY_CREEPING = 0.9
 # Such a shape creeps if its eigenvalue is slower than this part of its natural frequency; of

@@ -8,8 +8,6 @@ import numpy as np
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["PredictedMinimum", "predicted_minimum"]
-
 # Abscissae between the second and the fourth node at which quartics are looked at.
 SAMPLES = 65
 # Nearest distance of a trial to the middle node, over the width between its neighbours.

@@ -27,8 +27,6 @@ from flexmech.linear_system import (
 )
 from flexmech.types import FloatArray
 
-__all__ = ["CheckedModes", "ReductionError", "UnreducedPositions", "reduction_error", "settled"]
-
 logger = logging.getLogger(__name__)
 
 

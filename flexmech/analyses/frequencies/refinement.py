@@ -26,8 +26,6 @@ from flexmech.analyses.frequencies.assignment import assign, cross_amplitude
 from flexmech.errors import FlexmechError
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Between", "Chain", "Positions", "refined"]
-
 logger = logging.getLogger(__name__)
 
 Mask = NDArray[np.bool_]

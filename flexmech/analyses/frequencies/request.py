@@ -14,8 +14,6 @@ from flexmech.mechanism import Mechanism
 from flexmech.numbers import POSITIVE, check_flag, check_instance, check_number, checked_array
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["FrequencyRequest", "operating_speeds"]
-
 FORMULATION = Formulation()
 # Each with the mode shape of three links at nine stations, 1 kB.
 MOST_FREQUENCIES = 4_000_000

@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["EngineAgreement", "MovingFrequencies"]
-
 DIMS = ("engine", "crank_speed", "crank_angle", "mode")
 FILES = (
     "frequencies.csv",

@@ -12,9 +12,6 @@ from flexmech.linkages import CrankDrive
 from flexmech.time_domain import DrivenLinkage, simulated_orbit, simulator
 from flexmech.types import FloatArray
 
-__all__ = ["RunningStates"]
-
-
 # The settled motion moves frequencies by a part of what speed does; a step of an eighth of a
 # degree makes 1e-3 of the deflection.
 STEPS_PER_TURN = 2880

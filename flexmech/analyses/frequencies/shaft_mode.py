@@ -10,8 +10,6 @@ from flexmech.analyses.frequencies.eigenproblem import Modes
 from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.types import FloatArray
 
-__all__ = ["RIGID", "shaft_lines", "shaft_readings", "shaft_table"]
-
 RIGID = 1e-3
 """Frequency in Hz below which the shaft's mode is a rigid one."""
 

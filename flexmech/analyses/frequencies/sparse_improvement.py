@@ -11,8 +11,6 @@ from scipy.sparse.linalg import splu
 
 from flexmech.linear_system import SparseMatrices
 
-__all__ = ["sparse_improved"]
-
 
 def sparse_improved(
     matrices: SparseMatrices, eigenvalues: NDArray[np.complex128], shapes: NDArray[Any]

@@ -14,8 +14,6 @@ from flexmech.choices import Prestress
 from flexmech.linear_system import RotationTerms
 from flexmech.types import FloatArray, LabelledProgress
 
-__all__ = ["TERMS", "speed_effect_terms"]
-
 # In the order in which the terms are switched on, and what is on by then.
 TERMS: dict[str, tuple[Prestress, RotationTerms]] = {
     "geometric": ("axial", RotationTerms(False, False, False)),

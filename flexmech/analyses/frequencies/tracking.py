@@ -25,8 +25,6 @@ from flexmech.analyses.frequencies.refinement import (
 from flexmech.analyses.frequencies.veering import find_veering
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Branches", "Tracker"]
-
 FULL_TURN = 2 * np.pi
 
 

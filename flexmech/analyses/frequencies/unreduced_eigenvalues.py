@@ -16,8 +16,6 @@ from flexmech.analyses.frequencies.reduction import UnreducedPositions
 from flexmech.linear_system import SparseMatrices
 from flexmech.types import FloatArray
 
-__all__ = ["unreduced_eigenvalues"]
-
 # Of Newton's method, and the relative change below which it has ended.
 MOST_STEPS, STILL = 8, 1e-10
 # Relative difference of eigenvalues by which two modes have led to the same one.

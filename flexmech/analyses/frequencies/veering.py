@@ -7,9 +7,6 @@ from numpy.typing import NDArray
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["find_veering"]
-
-
 # Branches veer when they come this close (relative to their mean frequency) ...
 VEERING_GAP = 0.25
 # ... and their shapes turn into one another by an angle (rad) between these bounds on the

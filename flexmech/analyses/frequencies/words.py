@@ -13,19 +13,6 @@ from flexmech.analyses.summary import Table
 from flexmech.analyses.wished_modes import fewer_modes_lines
 from flexmech.units import from_si
 
-__all__ = [
-    "beyond_tolerance",
-    "change_lines",
-    "counted_lines",
-    "damping_lines",
-    "damping_ratio_lines",
-    "error_lines",
-    "extremes_table",
-    "known_digits",
-    "tracking_lines",
-    "vibration_lines",
-]
-
 MOST_DECIMALS = 6
 # What stands for the engines where they agree.
 TOGETHER = ("both", "all")

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from flexmech.modal_testing import IdentifiedModes, StabilisationChart
 
-__all__ = ["chart_variables"]
-
 Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 OVER = ("crank_angle", "pole")
 

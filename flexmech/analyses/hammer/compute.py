@@ -17,8 +17,6 @@ from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
 from flexmech.types import LabelledProgress
 
-__all__ = ["hammer_test"]
-
 
 def hammer_test(
     engine: Engine,

@@ -18,8 +18,6 @@ from flexmech.analyses.provenance import provenance
 from flexmech.linear_system import Engine
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["PARTS", "dataset_of", "receptance_of"]
-
 OVER_LINES = ("crank_angle", "frequency")
 OVER_MODES = ("crank_angle", "mode")
 OVER_RECORDS = ("crank_angle", "average", "time")

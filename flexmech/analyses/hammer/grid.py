@@ -19,8 +19,6 @@ from flexmech.linear_system import Engine, LinkPoint
 from flexmech.modal_testing import IdentifiedModes, complexity_factor, mac
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["GridShapes", "grid_points", "grid_shapes", "grid_variables"]
-
 Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 OVER_MODES, OVER_POINTS = ("crank_angle", "mode"), ("crank_angle", "point", "mode")
 

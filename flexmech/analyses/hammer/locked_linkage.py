@@ -20,8 +20,6 @@ from flexmech.time_domain import (
 )
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["LockedLinkage"]
-
 # Unreduced systems beyond so many coordinates take longer than their last digits are worth.
 MOST_COORDINATES = 400
 # Of the component modes that are taken instead.

@@ -22,8 +22,6 @@ from flexmech.modal_testing import (
 )
 from flexmech.types import ComplexArray, FloatArray, LabelledProgress
 
-__all__ = ["Measurement", "measured"]
-
 # Modes up to this multiple of the bandwidth are superposed; the rest adds its flexibility.
 SUPERPOSED = 2.0
 # Lines at which the direct solution is compared with the superposition of all modes.

@@ -14,8 +14,6 @@ from flexmech.modal_testing import ExponentialWindow, ForceWindow
 from flexmech.time_domain import HalfSinePulse
 from flexmech.types import FloatArray
 
-__all__ = ["LEFT", "RecordPlan", "planned_record"]
-
 ABOVE_MODES = 1.25
 """Bandwidth over the highest natural frequency wanted."""
 SAMPLES_A_HERTZ = 2.56

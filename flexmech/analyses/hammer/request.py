@@ -30,8 +30,6 @@ from flexmech.numbers import (
 )
 from flexmech.types import FloatArray
 
-__all__ = ["HammerRequest"]
-
 MIDDLE = LinkPoint("coupler", 0.5)
 MOST_AVERAGES = 1000
 

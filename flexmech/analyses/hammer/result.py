@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["HammerTest"]
-
 
 class HammerTest(Result):
     """Hammer tests at locked crank angles.

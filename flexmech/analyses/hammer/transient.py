@@ -30,8 +30,6 @@ from flexmech.linkages import LockedCrank
 from flexmech.time_domain import Impact, LinkState, simulator
 from flexmech.types import FloatArray, StepProgress
 
-__all__ = ["Record", "taken_record", "unwarped"]
-
 ATTENUATION = 80.0
 """In dB, of what sampling would fold into the band."""
 # The spectrum is read between lines of a record that is so many times longer, with zeros.

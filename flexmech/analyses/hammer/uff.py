@@ -28,8 +28,6 @@ from flexmech.measured_data import (
 )
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["geometry_variables", "uff_contents"]
-
 Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
 NODES_A_LINK = 1000
 # Directions in the frame of a link.

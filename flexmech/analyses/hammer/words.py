@@ -12,8 +12,6 @@ from flexmech.analyses.summary import Table
 from flexmech.analyses.tables import DEGREES
 from flexmech.types import FloatArray
 
-__all__ = ["mode_table", "record_lines", "unfound_warnings", "verdict"]
-
 HEADINGS = ("crank deg", "mode", "FE Hz", "Ex Hz", "diff %", "FE xi %", "Ex xi %", "diff %", "MAC")
 CAPTION = (
     "FE: eigen model; Ex: identified from the hammer test; xi: damping ratio; "

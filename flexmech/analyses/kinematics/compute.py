@@ -11,8 +11,6 @@ from flexmech.linear_system import checked_mechanism
 from flexmech.mechanism import Mechanism
 from flexmech.numbers import check_instance
 
-__all__ = ["kinematics"]
-
 
 def kinematics(mechanism: Mechanism, request: KinematicsRequest | None = None) -> Kinematics:
     """Angles, velocities, accelerations, joint forces and driving torque of the rigid linkage.

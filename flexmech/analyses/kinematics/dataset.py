@@ -22,8 +22,6 @@ from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
-__all__ = ["kinematics_dataset"]
-
 ANGLE, LINK = "crank_angle", "link"
 PLANE = (ANGLE, LINK, "component")
 

@@ -13,8 +13,6 @@ from flexmech.mechanism import Mechanism
 from flexmech.numbers import check_count, check_number, checked_tuple
 from flexmech.types import FloatArray
 
-__all__ = ["MOST_LUMPS", "KinematicsRequest"]
-
 MOST_LUMPS = 1000
 """Elements of a link whose mass is lumped."""
 

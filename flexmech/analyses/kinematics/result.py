@@ -18,8 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["Kinematics"]
-
 # Relative difference up to which two values are the same.
 SAME = 1e-12
 

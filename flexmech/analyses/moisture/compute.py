@@ -25,8 +25,6 @@ from flexmech.numbers import POSITIVE, Bounds, checked_number
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
-__all__ = ["moisture_uptake"]
-
 # Profiles at these parts of the time, uptake at so many times evenly in its root.
 PARTS = np.array([0.01, 0.05, 0.2, 0.5, 1.0])
 TIMES = 121

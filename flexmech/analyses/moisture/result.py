@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["MoistureUptake"]
-
-
 class MoistureUptake(Result):
     """Water in the links of a mechanism over time, from dry.
 

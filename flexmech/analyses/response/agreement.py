@@ -6,15 +6,6 @@ import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
 
-__all__ = [
-    "agreement_line",
-    "errors_of",
-    "force_agreement_lines",
-    "listed",
-    "standing_for_all",
-    "within_errors",
-]
-
 CAUSES = ("step", "reduction", "mesh")
 # Names of :meth:`Response.agreement` and :meth:`Response.force_agreement`, and of the errors of
 # each cause.

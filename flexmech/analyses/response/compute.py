@@ -17,8 +17,6 @@ from flexmech.numbers import check_flag
 from flexmech.threads import one_thread
 from flexmech.types import LabelledProgress
 
-__all__ = ["response"]
-
 
 def response(
     engines: Engine | Sequence[Engine],

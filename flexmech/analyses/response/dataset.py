@@ -28,8 +28,6 @@ from flexmech.mechanism import drawing
 from flexmech.time_domain import Trajectory
 from flexmech.types import FloatArray
 
-__all__ = ["add_mesh_errors", "build_dataset"]
-
 # Spectra reach this far above the highest natural frequency asked for.
 SPECTRUM_REACH = 1.5
 # Positions at which the length of the spectrogram's window is chosen.

@@ -19,15 +19,13 @@ from flexmech.threads import one_thread
 from flexmech.time_domain import LinkState
 from flexmech.types import LabelledProgress
 
-__all__ = ["exudyn_system"]
-
 System = TypeVar("System", covariant=True)
 
 # How far a sample may be off a step, in steps.
 _ON_A_STEP = 1e-6
 
 
-class HandsOver(Protocol[System]):
+class _HandsOver(Protocol[System]):
     """An engine whose running model is a system of its own program."""
 
     def running_system(
@@ -44,7 +42,7 @@ class HandsOver(Protocol[System]):
 
 
 def exudyn_system(
-    engine: HandsOver[System],
+    engine: _HandsOver[System],
     request: ResponseRequest,
     *,
     environment: Environment | None = None,
@@ -99,7 +97,7 @@ def exudyn_system(
             step = run.trajectory.step
         start = simulation_start(chosen, request, step)
         stride = request.sample_interval / step
-        return cast("HandsOver[System]", chosen).running_system(
+        return cast("_HandsOver[System]", chosen).running_system(
             request.drive,
             start,
             step,

@@ -12,15 +12,6 @@ from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain import Trajectory
 from flexmech.types import FloatArray
 
-__all__ = [
-    "bending_strains",
-    "constraint_drift",
-    "deflections",
-    "deflections_of",
-    "ground_displacements",
-    "probes",
-]
-
 NO_DEFLECTION = 1e-12
 """Part of the links' lengths below which deflections are the round-off of none at all."""
 

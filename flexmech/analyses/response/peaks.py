@@ -6,8 +6,6 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["peaks_between"]
-
 
 def peaks_between(values: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Greatest size of each history, and where it is.

@@ -25,9 +25,6 @@ from flexmech.numbers import check_instance
 from flexmech.time_domain import lowest_axial_frequency
 from flexmech.types import FloatArray
 
-__all__ = ["RunPlan", "engines_in_state", "planned"]
-
-
 # Samples in a period of the highest frequency of the spectra; two would be the limit.
 SAMPLES_PER_PERIOD = 2.5
 # Forces and torque count up to this part of the lowest frequency at which the links vibrate

@@ -9,8 +9,6 @@ from flexmech.analyses.damping_ratios import with_damping_time
 from flexmech.linear_system import Engine, OverdampedError
 from flexmech.types import FloatArray
 
-__all__ = ["oscillating", "undamped", "vibrating_engine"]
-
 
 def undamped(engine: Engine) -> Engine:
     """The engine whose links, springs and joints have no damping."""

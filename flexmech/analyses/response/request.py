@@ -12,8 +12,6 @@ from flexmech.linkages import CrankDrive
 from flexmech.numbers import POSITIVE, check_choice, check_count, check_instance, check_number
 from flexmech.types import FloatArray
 
-__all__ = ["ResponseRequest"]
-
 # More samples than this are taken for a slip of the keyboard.
 MOST_SAMPLES = 2_000_000
 MOST_STEPS = 50_000_000

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["Response"]
-
 ANIMATIONS = ("animation.gif", "animation.mp4")
 
 

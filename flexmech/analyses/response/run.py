@@ -27,8 +27,6 @@ from flexmech.time_domain import (
 )
 from flexmech.types import FloatArray, LabelledProgress, StepProgress
 
-__all__ = ["EngineRun", "RunError", "mesh_error", "run_engine"]
-
 logger = logging.getLogger(__name__)
 
 

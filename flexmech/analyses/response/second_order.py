@@ -18,8 +18,6 @@ from flexmech.linear_system import Engine, LinkFrames, RotationTerms
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray
 
-__all__ = ["linear_forces", "without_second_order_stretch"]
-
 # Each leaves of the stretch about the part by which the links have turned.
 PASSES = 4
 

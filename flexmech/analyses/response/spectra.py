@@ -9,9 +9,6 @@ from scipy.signal import ShortTimeFFT, get_window, periodogram
 
 from flexmech.types import FloatArray
 
-__all__ = ["Spectrogram", "amplitude_spectrum", "resolution_note", "spectrogram", "window_duration"]
-
-
 WINDOW = "hann"
 WHOLE_PERIODS = "boxcar"
 """Window of signals that repeat: over whole periods none is needed."""

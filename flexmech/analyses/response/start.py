@@ -13,9 +13,6 @@ from flexmech.linkages import CrankDrive, Load, RigidMotion
 from flexmech.time_domain import DrivenLinkage, LinkState, VibrationState, periodic_state
 from flexmech.types import FloatArray
 
-__all__ = ["linear_start", "simulation_start"]
-
-
 # Time over which a quasi-static start differentiates its displacement, in turns.
 START_INTERVAL = 1e-4
 LEAST_STEPS_OF_A_TURN = 1440

@@ -7,8 +7,6 @@ import xarray as xr
 
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["needed"]
-
 # Where links are takes nine tenths of a run, and is drawn for the animation's last turn alone.
 PLACES = ("displacement", "rigid_position")
 # Whose balance is stored: none is drawn, and none is in a table.

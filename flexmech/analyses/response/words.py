@@ -11,16 +11,6 @@ from flexmech.analyses.response.agreement import errors_of, listed
 from flexmech.analyses.summary import Table
 from flexmech.analyses.tables import DEGREES
 
-__all__ = [
-    "check_lines",
-    "load_lines",
-    "peak_table",
-    "shaft_columns",
-    "shaft_lines",
-    "spectrogram_lines",
-    "supported",
-]
-
 MOST_DIGITS = 4
 # Of deflections in the table of peaks.
 TABLE_DIGITS = 5

@@ -24,8 +24,6 @@ from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
 from flexmech.types import LabelledProgress
 
-__all__ = ["running_hammer_test"]
-
 # Of the first natural frequency at rest: the bandwidth, if none is asked for.
 BANDWIDTH = 2.0
 # Natural frequencies that elements which were not asked for must be fit for.

@@ -16,8 +16,6 @@ from flexmech.linear_system import Engine
 from flexmech.time_domain import step_lag, stretches_in_runs
 from flexmech.types import ComplexArray
 
-__all__ = ["dataset_of"]
-
 OVER_BOTH = ("order", "frequency")
 
 

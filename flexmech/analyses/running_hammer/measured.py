@@ -14,8 +14,6 @@ from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.modal_testing import HarmonicEstimate, estimate_harmonics, with_noise
 from flexmech.types import ComplexArray, FloatArray, LabelledProgress
 
-__all__ = ["HALVING", "MeasuredResponse", "measured_response"]
-
 HALVING = 0.01
 """Greatest change of any order by halving the impacts, over its greatest amplitude."""
 MOST_HALVINGS = 4

@@ -8,8 +8,6 @@ import numpy as np
 
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
-__all__ = ["OrderPeaks", "order_peaks"]
-
 # How far from the predicted peak the identified one is sought: in bins, and of its frequency.
 BINS, NEAR = 5, 0.05
 

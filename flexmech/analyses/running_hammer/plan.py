@@ -13,8 +13,6 @@ from flexmech.linear_system import Engine
 from flexmech.time_domain import ForcedPeriodicSystem, HalfSinePulse, harmonic_response
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["DECAYED", "GUARD_ORDERS", "RunPlan", "planned"]
-
 DECAYED = 1e-4
 """Part of its greatest response to which an impact has died out before the next one comes."""
 GUARD_ORDERS = 3

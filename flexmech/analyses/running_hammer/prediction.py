@@ -29,8 +29,6 @@ from flexmech.time_domain import (
 )
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
-__all__ = ["Prediction", "PredictionErrors", "frozen_response", "predicted_linkage"]
-
 # Natural modes up to this part of the highest frequency of input and response are kept, and tried.
 DETAIL = 1.5
 COUNTS = (3, 4, 6, 8, 12, 16)

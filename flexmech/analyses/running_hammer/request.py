@@ -17,8 +17,6 @@ from flexmech.numbers import (
     check_number,
 )
 
-__all__ = ["RunningHammerRequest"]
-
 # Orders to either side beyond which a crank of any speed answers nothing that can be measured.
 MOST_ORDERS = 20
 MIDDLE = LinkPoint("coupler", 0.5)

@@ -16,8 +16,6 @@ from flexmech.analyses.tables import table_over
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["RunningHammerTest"]
-
 
 class RunningHammerTest(Result):
     """Harmonic transfer functions of the running linkage, identified from impacts and predicted.

@@ -25,8 +25,6 @@ from flexmech.time_domain import (
 )
 from flexmech.types import FloatArray, StepProgress
 
-__all__ = ["Struck", "added_by_impacts", "runner"]
-
 # Natural frequencies that the reduction of engines that do not simulate gets right at least.
 LEAST_MODES = 6
 ORBIT_SAMPLES = 8

@@ -8,8 +8,6 @@ import xarray as xr
 from flexmech.analyses.summary import Table
 from flexmech.units import from_si
 
-__all__ = ["error_lines", "impact_lines", "peak_table", "prediction_lines", "verdict"]
-
 # Of the acceptance of a test: amplitudes within this part, and frequencies within so many bins.
 AGREES, BINS = 0.05, 1
 # Sidebands that the last line speaks of, and the part of the greatest amplitude of all orders

@@ -21,8 +21,6 @@ from flexmech.mechanism import Mechanism
 from flexmech.sections import SHEAR_THEORIES, LaminateSection
 from flexmech.types import FloatArray
 
-__all__ = ["section_profiles"]
-
 # Places in a layer, and about how many in all layers of a link with few.
 FEWEST_PLACES, SMOOTH = 9, 60
 # After the layers of a link with fewer of them.

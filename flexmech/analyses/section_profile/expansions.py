@@ -7,8 +7,6 @@ import xarray as xr
 
 from flexmech.analyses.summary import Table
 
-__all__ = ["DIRECTIONS", "expansion_table", "expansions_of_plies"]
-
 DIRECTIONS = ("along", "across")
 """Of the fibres of a ply."""
 # Printed in the units in which tables of resins have them.

@@ -18,8 +18,6 @@ from flexmech.analyses.summary import Row
 from flexmech.sections import BeamSection
 from flexmech.units import from_si
 
-__all__ = ["COUPLINGS", "LINK_PROPERTIES", "PROPERTIES", "STORED", "Property", "section_properties"]
-
 COUPLINGS = ("with", "without")
 """A section with its axial-bending coupling, and with that left out."""
 

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["QUANTITIES", "SectionProfiles"]
-
 QUANTITIES = ("strain", "normal_stress", "shear_stress", "third_order_shear_stress")
 
 

@@ -12,8 +12,6 @@ from flexmech.analyses.summary import Table
 from flexmech.materials.stacking import stacking_text
 from flexmech.types import FloatArray
 
-__all__ = ["layer_tables", "property_table"]
-
 STRAIN = ((1e-6, "1e-6"),)
 STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
 # What rounding leaves of a zero, over the largest value of its column.

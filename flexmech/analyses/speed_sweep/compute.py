@@ -31,15 +31,6 @@ from flexmech.threads import one_thread
 from flexmech.time_domain import DrivenLinkage, VibrationState, periodic_turn
 from flexmech.types import FloatArray, LabelledProgress
 
-__all__ = [
-    "highest_frequency",
-    "periodic_peaks",
-    "quasi_static_peaks",
-    "speed_sweep",
-    "vibrating_linkage",
-]
-
-
 LEAST_STEPS = 720
 QUASI_STATIC_ANGLES = 360
 # A steady state shakes the lowest modes alone: fewer component modes than a start at speed.

@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["SpeedSweep"]
-
-
 class SpeedSweep(Result):
     """Peak deflections of the periodic motion over crank speeds, with critical speeds.
 

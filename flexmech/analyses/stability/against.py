@@ -39,8 +39,6 @@ from flexmech.numbers import check_number, checked_array
 from flexmech.types import FloatArray, LabelledProgress
 from flexmech.units import RATIO, TEMPERATURE_DIFFERENCE, Dimension
 
-__all__ = ["DAMPING_PARAMETER", "Against", "map_against", "parameters_of"]
-
 DAMPING_PARAMETER, MOISTURE, TEMPERATURE_RISE = "damping-ratio", "moisture", "temperature-rise"
 OF_ITS_OWN = {
     DAMPING_PARAMETER: RATIO,

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-__all__ = ["KINDS", "Band", "BandEdge", "Kind"]
-
 Kind = Literal["principal", "sum", "difference", "unnamed"]
 KINDS: tuple[Kind, ...] = ("principal", "sum", "difference", "unnamed")
 """``f_a + f_a``, ``f_a + f_b`` or ``f_a - f_b`` a multiple of the crank's frequency, or none."""

@@ -12,8 +12,6 @@ import scipy.optimize
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 
-__all__ = ["ClosingSearch", "closing_damping_ratio"]
-
 # Relative.
 RATIO_TOLERANCE = 1e-5
 LARGEST_RATIO, LEAST_RATIO = 1.0, 1e-9

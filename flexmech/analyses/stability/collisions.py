@@ -29,8 +29,6 @@ from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.errors import ComputationError
 from flexmech.types import FloatArray
 
-__all__ = ["Meeting", "MeetingPair", "MetModes", "meetings", "met"]
-
 # After so many orders one after the other that are far from growing, a pair is left.
 HOPELESS = 3
 FAR = 1 / 3

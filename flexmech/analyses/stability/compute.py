@@ -26,8 +26,6 @@ from flexmech.numbers import checked_array
 from flexmech.threads import one_thread
 from flexmech.types import LabelledProgress
 
-__all__ = ["stability"]
-
 
 def stability(
     engine: Engine | Sequence[Engine],

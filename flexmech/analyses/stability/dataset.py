@@ -20,8 +20,6 @@ from flexmech.analyses.stability.engine_stability import (
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.types import FloatArray
 
-__all__ = ["NOT_COMPUTED", "NO_EQUILIBRIUM", "dataset_of", "state_of"]
-
 YES, NO, NO_EQUILIBRIUM = "yes", "no", "no equilibrium"
 NOT_COMPUTED = "not computed"
 """Of speeds that an interrupted map has not come to."""

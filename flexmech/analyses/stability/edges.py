@@ -13,8 +13,6 @@ from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.errors import ComputationError
 
-__all__ = ["EdgeSearch", "FoundEdge", "edge_errors", "find_edge", "find_top"]
-
 # Relative to the crank speed.
 EDGE_TOLERANCE = 1e-8
 MOST_STEPS = 60

@@ -47,8 +47,6 @@ from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray, LabelledProgress
 
-__all__ = ["map_engine"]
-
 logger = logging.getLogger(__name__)
 
 # Branches are numbered at this part of the lowest natural frequency, and followed in steps of it.

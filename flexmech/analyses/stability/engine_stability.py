@@ -12,8 +12,6 @@ from flexmech.analyses.stability.exponents import GROWS, FloquetExponents
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["CheckedErrors", "EngineStability", "FollowedSpeed", "NoEquilibrium"]
-
 
 @dataclass(frozen=True)
 class FollowedSpeed(FloquetExponents):

@@ -11,8 +11,6 @@ from flexmech.errors import ComputationError
 from flexmech.linear_system.position_errors import RefusedPositionsError
 from flexmech.types import FloatArray
 
-__all__ = ["speeds_without_equilibrium"]
-
 TURN = np.radians(np.arange(0.0, 360.0, 15.0))
 
 

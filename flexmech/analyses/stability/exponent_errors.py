@@ -11,8 +11,6 @@ from flexmech.analyses.stability.exponents import wrapped
 from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
 
-__all__ = ["ExponentErrors", "exponent_errors"]
-
 
 @dataclass(frozen=True)
 class ExponentErrors:

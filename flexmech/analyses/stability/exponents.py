@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from flexmech.types import FloatArray
 
-__all__ = ["GROWS", "FloquetExponents", "wrapped"]
-
 GROWS = 1e-7
 """Logarithm of a multiplier's modulus that is growth, and not round-off."""
 

@@ -19,8 +19,6 @@ from flexmech.analyses.stability.exponents import GROWS
 from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["BranchShapes", "FollowedModes", "follow", "likeness", "usual_frequencies"]
-
 # Modes that turn the other way round are taken for a branch only where no other is left.
 OTHER_SENSE = 0.3
 # From one speed to the next a frequency changes by a small part of this part of itself.

@@ -13,8 +13,6 @@ from flexmech.linear_system import Engine, LinearSystem
 from flexmech.numbers import check_choice, check_count
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["frozen_eigenvalues", "in_ground_axes"]
-
 
 def frozen_eigenvalues(
     engine: Engine,

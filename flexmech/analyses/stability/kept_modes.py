@@ -14,8 +14,6 @@ from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.time_domain import floquet_modes, krein_signature
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["KeptGrowth", "KeptModes", "kept_growth", "kept_modes", "matched"]
-
 # Harmonics to either side of the largest whose share is told.
 HARMONICS = 4
 

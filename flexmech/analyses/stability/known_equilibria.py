@@ -10,8 +10,6 @@ import numpy as np
 from flexmech.time_domain import FourierSeries
 from flexmech.types import FloatArray
 
-__all__ = ["KnownEquilibria"]
-
 # Of polynomials in the square of the crank speed, which the inertia forces are in proportion to.
 MOST_SPEEDS = 3
 

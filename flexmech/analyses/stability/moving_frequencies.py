@@ -17,8 +17,6 @@ from flexmech.linear_system import Engine, stressed_along_turn
 from flexmech.time_domain import SampledTurn
 from flexmech.types import FloatArray
 
-__all__ = ["MovingBands", "moving_bands"]
-
 MOST_SPEEDS = 9
 ANGLES = 36
 

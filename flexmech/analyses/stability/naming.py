@@ -14,8 +14,6 @@ from flexmech.analyses.stability.following import FollowedModes, likeness
 from flexmech.analyses.stability.kept_modes import KeptModes
 from flexmech.types import FloatArray
 
-__all__ = ["BandName", "band_name", "name_of_growth", "signatures_of"]
-
 # A branch that is a smaller part of the mode that grows has no part in the band.
 # In Hz: below it lies none.
 TINY = 1e-300

@@ -17,8 +17,6 @@ from typing import Any, TypeVar
 from flexmech.interruption import STOPPING, uninterrupted
 from flexmech.threads import one_thread
 
-__all__ = ["FEW", "in_order"]
-
 FEW = 2
 """Tasks that are not worth processes of their own."""
 

@@ -20,8 +20,6 @@ from flexmech.errors import InputError
 from flexmech.numbers import check_choice, check_count, check_number, checked_array
 from flexmech.types import FloatArray
 
-__all__ = ["StabilityRequest"]
-
 LEAST_STEPS, MOST_STEPS = 2 * SHAPE_ANGLES, 1_000_000
 
 

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["StabilityMap"]
-
 SHAFT = "shaft_growth_rate"
 
 

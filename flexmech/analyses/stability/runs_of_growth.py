@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-__all__ = ["RunOfGrowth", "Sample", "runs_of_growth", "speeds_between"]
-
 
 @dataclass(frozen=True)
 class Sample:

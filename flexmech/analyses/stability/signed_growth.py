@@ -13,8 +13,6 @@ from flexmech.analyses.stability.runs_of_growth import Sample
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 
-__all__ = ["SignedGrowth"]
-
 
 @dataclass(frozen=True)
 class SignedGrowth:

@@ -26,8 +26,6 @@ from flexmech.time_domain import (
 )
 from flexmech.types import FloatArray
 
-__all__ = ["BY_REFINEMENT", "LinkageSolver", "SolvedSpeed"]
-
 BY_REFINEMENT = 4 / 3
 """Error by the mesh over what half the element length changes: of second order, or less."""
 

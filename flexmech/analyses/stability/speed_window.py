@@ -17,8 +17,6 @@ from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.time_domain import FourierSeries
 from flexmech.types import FloatArray
 
-__all__ = ["NODES", "SpeedWindow", "chebyshev_nodes"]
-
 NODES = 6
 """Crank speeds at which the system is built."""
 

@@ -11,8 +11,6 @@ from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.time_domain import SampledPeriodicSystem, floquet_modes
 from flexmech.types import FloatArray
 
-__all__ = ["step_error"]
-
 
 def step_error(moving: VibratingLinkage, modes: KeptModes, damping: float) -> FloatArray:
     """Change of the logarithms of multipliers (k,) when the steps are halved in number.

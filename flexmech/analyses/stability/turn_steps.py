@@ -8,8 +8,6 @@ from flexmech.analyses.stability.request import MOST_STEPS
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
 from flexmech.errors import CRANK_SPEED, ComputationError
 
-__all__ = ["steps_of_turn"]
-
 # Steps are this part of a period of the fastest moving mode over 2 pi, or shorter.
 RADIANS_A_STEP = 1.5
 # A free shaft moves far more slowly, and what the steps leave of the fastest modes shows there.

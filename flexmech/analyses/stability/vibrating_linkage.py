@@ -10,8 +10,6 @@ from flexmech.linear_system import whole
 from flexmech.time_domain import FourierSeries, MovingModes, SampledPeriodicSystem
 from flexmech.types import FloatArray
 
-__all__ = ["SHAPE_ANGLES", "VibratingLinkage"]
-
 SHAPE_ANGLES = 16
 """Crank angles a turn at which the shapes of modes are compared."""
 

@@ -12,8 +12,6 @@ from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.speed_window import NODES, SpeedWindow
 from flexmech.errors import ComputationError
 
-__all__ = ["joined_windows", "narrow_windows", "window_ends", "windows_are_cheaper"]
-
 logger = logging.getLogger(__name__)
 
 # Width of windows over the lowest natural frequency, least relative width, and the relative error

@@ -13,19 +13,6 @@ from flexmech.analyses.stability.dataset import NO_EQUILIBRIUM, NOT_COMPUTED
 from flexmech.analyses.summary import Table
 from flexmech.units import from_si
 
-__all__ = [
-    "avoid_lines",
-    "band_name",
-    "band_range",
-    "band_table",
-    "error_lines",
-    "gap_lines",
-    "interrupted_warnings",
-    "motion_lines",
-    "shaft_lines",
-    "verdict",
-]
-
 MOST_LINES, MOST_ROWS = 6, 24
 """Bands of an engine that are told in a sentence and in a row; of more, the fastest growing."""
 STILL = 1e-3

@@ -10,8 +10,6 @@ from flexmech.analyses.synthesis.result import CrankRockerSynthesis
 from flexmech.linkages import rocker_swing, synthesize_crank_rocker, time_ratio, transmission_design
 from flexmech.numbers import POSITIVE, checked_number
 
-__all__ = ["crank_rocker_synthesis"]
-
 TURN = np.radians(np.arange(361.0))
 
 

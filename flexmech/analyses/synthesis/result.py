@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["CrankRockerSynthesis"]
-
-
 class CrankRockerSynthesis(Result):
     """A crank-rocker for a wanted transmission angle, and what comes out when it is checked.
 

@@ -15,8 +15,6 @@ from flexmech.linkages.planar.newton import FollowedPath, NewtonGroup
 from flexmech.linkages.planar.plan import assembly_order
 from flexmech.types import FloatArray
 
-__all__ = ["Assembly"]
-
 
 class Assembly:
     """The moving linkage of a drawing.

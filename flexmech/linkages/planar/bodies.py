@@ -14,8 +14,6 @@ from flexmech.errors import InputError
 from flexmech.linkages.planar.drawing import Drawing
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["CRANK", "GROUND_BODY", "Bodies", "BodyMotion", "Coincidence", "OnLine", "bodies_of"]
-
 GROUND_BODY, CRANK = 0, 1
 
 

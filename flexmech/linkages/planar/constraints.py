@@ -11,8 +11,6 @@ from flexmech.linkages.planar.bodies import BodyMotion, Coincidence, OnLine
 from flexmech.linkages.planar.drawing import Drawing
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["Constraints", "dot"]
-
 
 def dot(first: ComplexArray | complex, second: ComplexArray | complex) -> FloatArray:
     """Scalar product of vectors that are complex numbers."""

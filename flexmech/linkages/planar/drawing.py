@@ -22,8 +22,6 @@ from flexmech.numbers import (
     checked_tuple,
 )
 
-__all__ = ["Beam", "Drawing", "JointKind", "PlanarJoint", "PlanarLink"]
-
 JointKind = Literal["pin", "clamp", "weld", "slider"]
 JOINT_KINDS: tuple[JointKind, ...] = ("pin", "clamp", "weld", "slider")
 # Of the size of the drawing: points that are nearer to each other are one point, drawn twice.

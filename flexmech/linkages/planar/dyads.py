@@ -20,8 +20,6 @@ from flexmech.linkages.planar.constraints import dot
 from flexmech.linkages.planar.words import Refusal
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = ["Circle", "Dyad", "Line", "PointPath", "SlidingBody", "TwoLoci", "cross"]
-
 Known = Mapping[int, BodyMotion]
 # Below this sine between two loci velocities are set by round-off: the position is locked.
 LOCKING_SINE = 1e-6
@@ -64,7 +62,15 @@ class Locus(Protocol):
         ...
 
     def acceleration(self, bodies: Known, place: ComplexArray, first: ComplexArray) -> FloatArray:
-        """Second derivative along the normal of a point with a first derivative."""
+        """Second derivative along the normal of a point with a first derivative.
+
+        Parameters
+        ----------
+        bodies : sequence of BodyMotion
+            Those known so far.
+        place, first : ndarray of complex
+            Of the point, and its first derivative.
+        """
         ...
 
 
@@ -165,6 +171,15 @@ class Placed:
     pivot: complex | None
 
     def motion(self, bodies: Known, path: PointPath) -> BodyMotion:
+        """Motion of the body.
+
+        Parameters
+        ----------
+        bodies : sequence of BodyMotion
+            Those known so far.
+        path : PointPath
+            Of its point.
+        """
         known = bodies[self.known]
         if self.pivot is None:
             return BodyMotion(

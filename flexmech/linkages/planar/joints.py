@@ -17,8 +17,6 @@ from flexmech.linkages.topology import (
     Weld,
 )
 
-__all__ = ["derived_topology"]
-
 
 def derived_topology(drawing: Drawing, sprung: tuple[str, ...]) -> Topology:
     """Links and connections of a drawing.

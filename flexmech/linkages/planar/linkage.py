@@ -23,8 +23,6 @@ from flexmech.model_text import TomlTable, quantity
 from flexmech.numbers import check_angle, check_instance, check_pair, checked_tuple
 from flexmech.units import ANGLE, LENGTH
 
-__all__ = ["PlanarLinkage"]
-
 # Fields that hold several things: of which type, and what to give.
 _PARTS: tuple[tuple[str, type, str], ...] = (
     ("links", PlanarLink, "give PlanarLink(name, points) in a tuple"),

@@ -19,8 +19,6 @@ from flexmech.linkages.planar.constraints import Constraints
 from flexmech.linkages.planar.words import Refusal, degrees
 from flexmech.types import FloatArray
 
-__all__ = ["FollowedPath", "NewtonGroup"]
-
 Known = Callable[[FloatArray], Mapping[int, BodyMotion]]
 """Motion of the bodies that are known before, at crank angles of shape (B,)."""
 

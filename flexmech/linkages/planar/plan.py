@@ -16,8 +16,6 @@ from flexmech.linkages.planar.dyads import Circle, Line, Placed, SlidingBody, Tw
 from flexmech.linkages.planar.newton import NewtonGroup
 from flexmech.linkages.planar.words import Refusal, degrees
 
-__all__ = ["Step", "assembly_order"]
-
 Step = TwoLoci | SlidingBody | NewtonGroup
 # Between lines that count as parallel.
 PARALLEL_SINE = 1e-9

@@ -12,8 +12,6 @@ from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, Bodies, Coincide
 from flexmech.linkages.planar.drawing import Drawing
 from flexmech.types import FloatArray
 
-__all__ = ["resized_points"]
-
 ITERATIONS = 30
 # Of the size.
 SETTLED, CLOSED = 1e-15, 1e-12

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from flexmech.errors import InputError
 from flexmech.types import FloatArray
 
-__all__ = ["Refusal", "degrees"]
-
 Cause = Literal["apart", "locked"]
 SAID: dict[Cause, str] = {
     "apart": "the linkage cannot be assembled at crank angle {angle}: {links} do not meet in joint "

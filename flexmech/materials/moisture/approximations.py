@@ -11,9 +11,6 @@ from numpy.typing import ArrayLike
 from flexmech.materials.moisture.unit_slab import Faces, diffusion_length, fourier_number
 from flexmech.types import FloatArray
 
-__all__ = ["shen_springer_uptake", "short_time_uptake"]
-
-
 FACTOR = 7.3
 EXPONENT = 0.75
 

@@ -13,9 +13,6 @@ from flexmech.materials.moisture.diffusivity import Diffusivity
 from flexmech.materials.moisture.unit_slab import Faces
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["DiffusionLayer", "DiffusionMesh", "graded", "layer_mesh"]
-
-
 FEWEST_CELLS = 4
 # Cells at a fine end are cosh(2)^2 = 14 times smaller than in the middle: with more, the error in
 # the middle grows faster than that of the first instants falls.

@@ -10,9 +10,6 @@ from numpy.typing import ArrayLike
 from flexmech.errors import InputError
 from flexmech.types import FloatArray
 
-__all__ = ["Diffusivity", "MoistureEquilibrium", "composite_diffusivity_ratio"]
-
-
 GAS_CONSTANT = 8.31446261815324
 
 

@@ -25,8 +25,6 @@ from flexmech.materials.moisture.unit_slab import Faces
 from flexmech.materials.moisture.waves import Waves
 from flexmech.types import FloatArray
 
-__all__ = ["Fluxes"]
-
 SparseMatrix = Any  # SciPy's sparse arrays, whose types its stubs parametrize differently
 
 # Absolute over relative tolerance of the water through a face: cells at an exposed face hold

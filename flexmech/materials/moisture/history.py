@@ -12,8 +12,6 @@ from numpy.typing import ArrayLike
 from flexmech.errors import InputError
 from flexmech.types import FloatArray, IntArray
 
-__all__ = ["Ambient", "Period"]
-
 
 @dataclass(frozen=True)
 class Period:

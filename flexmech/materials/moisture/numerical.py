@@ -16,8 +16,6 @@ from flexmech.materials.moisture.unit_slab import Faces, checked_faces
 from flexmech.materials.moisture.waves import Waves, side_waves
 from flexmech.types import FloatArray
 
-__all__ = ["MoistureHistory", "diffuse", "diffuse_bar"]
-
 
 @dataclass(frozen=True, eq=False)
 class MoistureHistory:

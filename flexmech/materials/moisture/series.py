@@ -15,16 +15,6 @@ from flexmech.errors import InputError
 from flexmech.materials.moisture.unit_slab import Faces, diffusion_length
 from flexmech.types import FloatArray
 
-__all__ = [
-    "FOURIER_OF_CHANGE",
-    "SMALLEST",
-    "TERMS",
-    "early_uptake",
-    "remaining_uptake",
-    "time_to_saturation",
-]
-
-
 # Below this Fourier number the images are summed, above it the cosines; there either one's
 # first term left out is below 1e-17.
 FOURIER_OF_CHANGE = 0.2

@@ -11,14 +11,6 @@ from flexmech.errors import InputError
 from flexmech.numbers import check_choice
 from flexmech.types import FloatArray
 
-__all__ = [
-    "Faces",
-    "checked_faces",
-    "diffusion_length",
-    "fourier_number",
-]
-
-
 Faces = Literal["both", "lower", "upper"]
 """The faces of a slab that are exposed; the other one is sealed."""
 

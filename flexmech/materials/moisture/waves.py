@@ -8,8 +8,6 @@ import numpy as np
 
 from flexmech.types import FloatArray
 
-__all__ = ["Waves", "side_waves"]
-
 
 @dataclass(frozen=True, eq=False)
 class Waves:

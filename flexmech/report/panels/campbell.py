@@ -11,8 +11,6 @@ from flexmech.report.results import Results
 from flexmech.report.words import engine_names, speed_unit_of, state_of, with_error
 from flexmech.units import from_si
 
-__all__ = ["campbell_panel", "relative_error"]
-
 FILLINGS = ("0,114,178", "213,94,0", "0,158,115", "204,121,167", "230,159,0", "86,180,233")
 
 

@@ -10,8 +10,6 @@ from flexmech.report.panel import Panel, Plot, Trace, YAxis
 from flexmech.report.results import Results
 from flexmech.types import FloatArray
 
-__all__ = ["comparison_panel"]
-
 MEASURED = "#8a8a8a"
 COMPUTED, RESIDUAL = 0, 1
 # Strains are read in µm/m; what has a unit is drawn in it.

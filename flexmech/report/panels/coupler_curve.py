@@ -9,8 +9,6 @@ from flexmech.report.panel import Panel, Plot, Trace, YAxis
 from flexmech.report.results import Results
 from flexmech.report.words import crank_degrees
 
-__all__ = ["coupler_panel"]
-
 
 def coupler_panel(results: Results) -> Panel | None:
     """Coupler curves of each state, with their crunodes and cusps."""

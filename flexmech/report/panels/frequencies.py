@@ -21,8 +21,6 @@ from flexmech.report.words import (
 from flexmech.types import FloatArray
 from flexmech.units import from_si
 
-__all__ = ["damping_panel", "frequency_panel", "in_each_state"]
-
 AXIS_HEIGHT, FRAME_HEIGHT = 130, 110
 STRESSES = {
     "none": "links without stress",

@@ -10,8 +10,6 @@ from flexmech.report.panel import Look, Panel, Plot, Trace, YAxis
 from flexmech.report.results import Results
 from flexmech.types import FloatArray
 
-__all__ = ["hammer_panel"]
-
 # Of a receptance: what it is called, and its variable.
 CURVES: tuple[tuple[str, str, Look], ...] = (
     ("eigen model, exact", "exact_receptance", "dash"),

@@ -11,8 +11,6 @@ from flexmech.report.results import Results
 from flexmech.report.words import crank_degrees, speed_name, speed_unit_of
 from flexmech.types import FloatArray
 
-__all__ = ["kinematics_panel"]
-
 
 def kinematics_panel(results: Results) -> Panel | None:
     """Angular velocities and accelerations, sizes of joint forces, torque and power.

@@ -9,8 +9,6 @@ from flexmech.report.panel import Panel, Plot, Trace, YAxis
 from flexmech.report.results import Results
 from flexmech.report.words import crank_degrees
 
-__all__ = ["mechanism_panel"]
-
 
 def mechanism_panel(results: Results) -> Panel | None:
     """Links, masses and operation in words and a table, and the transmission angle."""

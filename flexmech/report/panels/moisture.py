@@ -12,8 +12,6 @@ from flexmech.report.results import Results
 from flexmech.types import IntArray
 from flexmech.units import from_si
 
-__all__ = ["moisture_panel"]
-
 LAWS: tuple[tuple[str, str, Look], ...] = (
     ("uptake", "", "solid"),
     ("short_time_uptake", "law of the root of time", "dash"),

@@ -6,8 +6,6 @@ from flexmech.analyses import CrankRockerSynthesis, SpeedSweep
 from flexmech.report.panel import Panel
 from flexmech.report.results import Results
 
-__all__ = ["other_panel"]
-
 KINDS = (SpeedSweep, CrankRockerSynthesis)
 
 

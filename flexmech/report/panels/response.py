@@ -20,8 +20,6 @@ from flexmech.report.words import (
 )
 from flexmech.types import FloatArray
 
-__all__ = ["response_panel", "spectrum_panel"]
-
 
 def response_panel(results: Results) -> Panel | None:
     """Deflections, torque and joint forces over the last turn of every run."""

@@ -10,8 +10,6 @@ from flexmech.report.panel import Look, Panel, Plot, Trace, YAxis
 from flexmech.report.results import Results
 from flexmech.report.words import speed_name, speed_unit_of
 
-__all__ = ["running_hammer_panel"]
-
 LINES: tuple[tuple[str, str, int | str, Look, float], ...] = (
     ("frozen", "frozen linkage", "#737373", "dash", 1.2),
     ("receptance", "identified from impacts", 1, "solid", 3.0),

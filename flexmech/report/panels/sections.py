@@ -13,8 +13,6 @@ from flexmech.report.results import Results
 from flexmech.report.words import state_of
 from flexmech.types import FloatArray
 
-__all__ = ["section_panel"]
-
 # Variable, number of the unit load, title of the axis, and its units in a Pa.
 LOADS = (
     ("normal_stress", 0, "σ by N (kPa)", 1e-3),

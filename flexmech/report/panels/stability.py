@@ -11,8 +11,6 @@ from flexmech.report.results import Results
 from flexmech.report.words import engine_names, speed_unit_of
 from flexmech.units import from_si
 
-__all__ = ["stability_panel"]
-
 SHADE = {"principal": "0,114,178", "sum": "213,94,0", "difference": "0,158,115"}
 OTHER_SHADE = "110,110,110"
 NAMES = {

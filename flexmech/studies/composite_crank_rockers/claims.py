@@ -25,8 +25,6 @@ from flexmech.studies.claim import REPRODUCED_WITHIN, Claim, verdict_on, within_
 from flexmech.studies.composite_crank_rockers import linkages, published, structure
 from flexmech.types import FloatArray
 
-__all__ = ["all_models", "composite_claims"]
-
 # Printed limits are held to half a degree.
 LIMIT_TOLERANCE = 0.5
 # Of Tables 5 and 6 against ours, in percent: as near to separable as the rounding of the printed

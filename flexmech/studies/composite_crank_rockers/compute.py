@@ -18,8 +18,6 @@ from flexmech.studies.composite_crank_rockers.result import CompositeStudy
 from flexmech.studies.composite_crank_rockers.structure import laminate_factors
 from flexmech.types import LabelledProgress
 
-__all__ = ["MakeEngine", "composite_dataset", "study_composites"]
-
 MakeEngine = Callable[[Mechanism, int, str], Engine]
 
 

@@ -17,20 +17,6 @@ from flexmech.modelfile import mechanism_from_toml
 from flexmech.studies.composite_crank_rockers import published
 from flexmech.types import FloatArray
 
-__all__ = [
-    "BEAMS",
-    "CONVERGED",
-    "PAPERS_MESH",
-    "PLY_MODELS",
-    "SECOND",
-    "WITH_SHEAR",
-    "PlyModel",
-    "composite_crank_rocker",
-    "composite_model_file",
-    "composite_model_files",
-    "position_angles",
-]
-
 PlyModel = Literal["unidirectional", "woven", "table 2"]
 PLY_MODELS: dict[PlyModel, str] = {"unidirectional": "", "woven": "_woven", "table 2": "_table_2"}
 """Plies by the rule of mixtures, straight or as balanced fabric (the paper's, in its words);

@@ -12,16 +12,6 @@ import xarray as xr
 
 from flexmech.linkages import FourBar
 
-__all__ = [
-    "CASES",
-    "LAMINATES",
-    "POSITIONS",
-    "published_case",
-    "published_tables",
-    "stored_table",
-    "stored_text",
-]
-
 
 def stored_text(name: str) -> str:
     """Text of a file that comes with the study."""

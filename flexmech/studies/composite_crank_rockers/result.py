@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-__all__ = ["CompositeStudy"]
-
-
 class CompositeStudy(Result):
     """Composite crank-rockers at rest, computed and published.
 

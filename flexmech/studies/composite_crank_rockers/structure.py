@@ -11,8 +11,6 @@ from collections.abc import Hashable
 import numpy as np
 import xarray as xr
 
-__all__ = ["deviation_at_best_scale", "geometric_mean", "laminate_factors", "separable_error"]
-
 
 def laminate_factors(frequency: xr.DataArray) -> xr.DataArray:
     """Factor s of each laminate against C1: geometric mean over cases and positions.

@@ -12,8 +12,6 @@ from flexmech.studies.composite_crank_rockers.claims import all_models
 from flexmech.studies.composite_crank_rockers.linkages import SECOND, position_angles
 from flexmech.studies.composite_crank_rockers.published import POSITIONS, published_case
 
-__all__ = ["frequency_table", "ratio_tables"]
-
 # What every column of frequencies is divided by.
 ONE = {"laminate": "C1", "case": 1, "position": "min"}
 DIMS = ("plies", "beams", "position", "laminate", "case")

@@ -28,14 +28,6 @@ from flexmech.studies import composite_crank_rocker, position_angles, published_
 from flexmech.studies.composite_crank_rockers.published import CASES, LAMINATES
 from flexmech.types import FloatArray
 
-__all__ = [
-    "flexural_moduli",
-    "khdeir_reddy_beams",
-    "laminate_stiffness",
-    "lowest_case",
-    "order_of_laminates",
-]
-
 # Khdeir & Reddy: E1 = 40 E2, G12 = G13 = 0.6 E2, G23 = 0.5 E2, nu12 = 0.25.
 ACROSS = 1e9
 DENSITY = 1000.0

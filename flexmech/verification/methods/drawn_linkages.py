@@ -15,8 +15,6 @@ from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import SLENDER, engine_of_name, example
 from flexmech.verification.methods.floating_rod import CRANK_SPEED, END_TIME, FloatingRod
 
-__all__ = ["free_shaft_decay_rates", "free_shaft_frequencies", "rod_peak", "running_rod_peak"]
-
 FREE_SHAFT = "slider_crank_free_shaft"
 
 

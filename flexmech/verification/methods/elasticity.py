@@ -8,8 +8,6 @@ from flexmech.errors import InputError
 from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import example
 
-__all__ = ["four_bar_by_plane_elasticity"]
-
 
 def four_bar_by_plane_elasticity(
     *, model: str, crank_angle: float, elements: int, modes: int

@@ -13,8 +13,6 @@ from flexmech.modelfile import load_mechanism
 from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
 
-__all__ = ["SLENDER", "engine_of_name", "example"]
-
 SLENDER: dict[EngineName, ElementName] = {"reference": "euler", "exudyn": "ancf"}
 """Elements that only bend and stretch, as the published frequencies of slender links have it."""
 

@@ -16,16 +16,6 @@ from scipy.integrate import solve_ivp
 
 from flexmech.types import ComplexArray, FloatArray
 
-__all__ = [
-    "CRANK_LENGTH",
-    "CRANK_SPEED",
-    "END_TIME",
-    "ROD_LENGTH",
-    "FloatingRod",
-    "rod_at_end",
-    "rod_first_sine",
-]
-
 CRANK_LENGTH, ROD_LENGTH, CRANK_SPEED = 0.15, 0.30, 150.0
 END_TIME = 0.1
 DENSITY, MODULUS, SIDE, SLIDER = 7870.0, 2e11, 0.008, 0.075552

@@ -15,13 +15,6 @@ from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import SLENDER, engine_of_name, example
 
-__all__ = [
-    "cantilever_frequencies",
-    "four_bar_frequencies",
-    "rotating_arm_frequencies",
-    "unit_arm",
-]
-
 
 def four_bar_frequencies(
     *,

@@ -24,16 +24,6 @@ from flexmech.studies import published_case
 from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import example
 
-__all__ = [
-    "crank_rocker_proportions",
-    "crunodes",
-    "cusp_angles",
-    "cusp_moistures",
-    "swelling_of_angles",
-    "swollen",
-    "transmission_angle_limits",
-]
-
 
 def crunodes(
     *, models: Sequence[str], temperature_rise: float = 0.0, moisture: float = 0.0

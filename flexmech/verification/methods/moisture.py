@@ -23,15 +23,6 @@ from flexmech.materials.moisture.series import (
 from flexmech.materials.moisture.unit_slab import diffusion_length, fourier_number
 from flexmech.types import FloatArray
 
-__all__ = [
-    "crank_half_time",
-    "diffused_uptake",
-    "half_time",
-    "mass_balance_errors",
-    "series_uptake",
-    "slab_uptake",
-]
-
 THICKNESS, DIFFUSIVITY = 2e-3, 1e-12
 UNIT = THICKNESS**2 / DIFFUSIVITY
 SLAB = DiffusionLayer(THICKNESS, Diffusivity(DIFFUSIVITY), 60.0)

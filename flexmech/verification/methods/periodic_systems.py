@@ -11,18 +11,6 @@ import scipy.optimize
 from flexmech.time_domain import FloquetModes, StatedPeriodicSystem, floquet_modes
 from flexmech.types import FloatArray
 
-__all__ = [
-    "Combination",
-    "combination_edges",
-    "combination_growth",
-    "combination_modes",
-    "known_exponents",
-    "known_system",
-    "mathieu_boundaries",
-    "oscillators",
-    "resonance_modulus",
-]
-
 Combination = Literal["sum", "difference"]
 """Of the coupling: two oscillators that push each other alike, or oppositely."""
 

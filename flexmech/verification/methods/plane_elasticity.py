@@ -19,8 +19,6 @@ from skfem.helpers import sym_grad
 
 from flexmech.materials import Laminate
 
-__all__ = ["PlaneLink", "fourbar_frequencies", "free_modes", "plane_link"]
-
 FloatArray = NDArray[np.float64]
 # Of the lowest frequencies squared, below which a free link's rigid motions are.
 SHIFT = -1e3

@@ -23,20 +23,6 @@ from flexmech.time_domain import DrivenLinkage, LinkState, Trajectory, linear_ru
 from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import engine_of_name, example
 
-__all__ = [
-    "SPIN_UP",
-    "SPIN_UP_TIME",
-    "deflection_history",
-    "periodic_deflection",
-    "running_deflection",
-    "settled_deflection",
-    "spin_up_deflection",
-    "spin_up_extension",
-    "spin_up_time",
-    "spin_up_trajectory",
-    "stored_deflection",
-]
-
 SAMPLES = 360
 SPIN_UP = CrankDrive(6.0, run_up_time=15.0)
 """Drive of Simo & Vu-Quoc 1986: to 6 rad/s within 15 s."""

@@ -16,8 +16,6 @@ from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import SLENDER, engine_of_name
 
-__all__ = ["FRAMES", "HEIGHT", "SPAN", "exact_frame_frequencies", "frame_frequencies"]
-
 SECTION = BeamSection.rectangle(Material(200e9, 7800.0), 10e-3, 30e-3)
 HEIGHT, SPAN = 0.5, 0.7
 FrameName = Literal["L", "portal"]
