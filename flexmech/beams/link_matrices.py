@@ -16,7 +16,6 @@ from flexmech.linear_system import (
     LinkReadings,
     RigidFields,
     chain_matrices,
-    with_bodies,
 )
 from flexmech.linkages import LinkMass
 from flexmech.mesh import node_positions
@@ -162,7 +161,7 @@ def build_chain(
         end_warping=last + warping,
         vectors=per_node * np.arange(len(nodes)) + np.array([[0], [1]]),
     )
-    return Chain(with_bodies(model, mass.bodies), nodes, beams)
+    return Chain(model.with_bodies(mass.bodies), nodes, beams)
 
 
 def _kinked(

@@ -3,7 +3,6 @@
 from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.linear_system.attached_points import AttachedPoint
 from flexmech.linear_system.balanced_loads import BalancedLoads
-from flexmech.linear_system.body_couples import BodyCouples
 from flexmech.linear_system.carried_inertia import CarriedInertia
 from flexmech.linear_system.chains import (
     ChainMatrix,
@@ -32,15 +31,10 @@ from flexmech.linear_system.constant_turn import (
     turns_or_slides,
     unchanged,
 )
+from flexmech.linear_system.dead_moments import DeadMoments, body_turns
 from flexmech.linear_system.engine import Engine
 from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.joint_couples import has_dampers
-from flexmech.linear_system.link_bodies import (
-    BodyMatrices,
-    body_couple,
-    body_nodes,
-    with_bodies,
-)
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
 from flexmech.linear_system.link_points import LinkPoint, displacement_row, point_rows
@@ -63,12 +57,8 @@ from flexmech.linear_system.quasi_static import (
     free_load,
     refuse_large_displacements,
 )
-from flexmech.linear_system.rigid_link import (
-    dead_virial,
-    off_axis_inertia,
-    rigid_link,
-    rigid_tangent,
-)
+from flexmech.linear_system.rigid_body import RigidBody, body_nodes
+from flexmech.linear_system.rigid_link import rigid_link
 from flexmech.linear_system.rigid_pose import PoseStiffness
 from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linear_system.sparse_positions import SparseMatrices, SparsePositions
@@ -107,13 +97,12 @@ __all__ = [
     "ROUND_OFF",
     "AttachedPoint",
     "BalancedLoads",
-    "BodyCouples",
-    "BodyMatrices",
     "CarriedInertia",
     "ChainMatrix",
     "ComponentModes",
     "ConnectedMatrices",
     "Connectors",
+    "DeadMoments",
     "Engine",
     "FollowingRows",
     "LinearSystem",
@@ -130,6 +119,7 @@ __all__ = [
     "Prestress",
     "Push",
     "RefusedPositionsError",
+    "RigidBody",
     "RigidFields",
     "RotationTerms",
     "SparseMatrices",
@@ -141,15 +131,14 @@ __all__ = [
     "TheoryDifference",
     "TooManyModesError",
     "acts_still",
-    "body_couple",
     "body_nodes",
+    "body_turns",
     "chain_matrices",
     "chain_matrix",
     "check_elastic",
     "checked_mechanism",
     "component_modes",
     "condense",
-    "dead_virial",
     "diagonal",
     "displacement_row",
     "element_tensions",
@@ -161,12 +150,10 @@ __all__ = [
     "inverse_mass_root",
     "is_constant_turn",
     "link_matrices",
-    "off_axis_inertia",
     "point_rows",
     "refuse_large_displacements",
     "refuse_positions",
     "rigid_link",
-    "rigid_tangent",
     "same_answers",
     "static_displacement",
     "straight_forces",
@@ -176,6 +163,5 @@ __all__ = [
     "turns_or_slides",
     "unchanged",
     "whole",
-    "with_bodies",
     "with_rigid_links",
 ]

@@ -75,7 +75,7 @@ class AttachedPoint:
         """Force on the link's coordinates.
 
         The moment of a rigid link that has turned by phi is
-        ``cos(phi) moment - sin(phi) virial`` (see :mod:`flexmech.linear_system.dead_forces`).
+        ``cos(phi) moment - sin(phi) virial`` (see :mod:`flexmech.linear_system.dead_moments`).
         A torque is the same however far it has turned: its part of the moment is
         ``torque cos(phi)``, and of the virial ``-torque sin(phi)``.
 

@@ -162,7 +162,7 @@ class _Acting:
         )
         if self.carried is None or displacement is None:
             return total
-        return _sum(total, self.carried.forces(displacement))
+        return _sum(total, self.carried.on_drawn(displacement))
 
     def beyond(
         self, counted: Sequence[FloatArray], displacement: Sequence[FloatArray]
@@ -178,7 +178,7 @@ class _Acting:
     ) -> FloatArray:
         """Stiffness of the linkage against such forces, (B, size, size), from its links'."""
         if self.carried is not None:
-            pairs = zip(stiffness, self.carried.matrices, strict=True)
+            pairs = zip(stiffness, self.carried.matrices(displacement), strict=True)
             stiffness = [whole(tangent) - matrix for tangent, matrix in pairs]
         links = frames.assemble(self.motion, stiffness, STILL)
         held = self.connectors.added(frames, self.motion, links, STILL, "equilibrium", displacement)

@@ -134,7 +134,7 @@ class Connectors:
         """Products of forces on rigid links with their places from the links' starts.
 
         As :meth:`forces`, in N m by link (B, n_links); zero of flexible ones. See
-        :func:`flexmech.linear_system.dead_virial`.
+        :class:`flexmech.linear_system.dead_moments.DeadMoments`.
         """
         total = np.zeros(motion.angle.shape)
         rigid = any(link.rigid for link in self.links)

@@ -15,12 +15,12 @@ from flexmech.linear_system.carried_inertia import CarriedInertia, turns_as_one_
 from flexmech.linear_system.chains import LinkMatrix
 from flexmech.linear_system.connected_matrices import ConnectedMatrices
 from flexmech.linear_system.connectors import Connectors
+from flexmech.linear_system.dead_moments import DeadMoments, without_own_turning
 from flexmech.linear_system.element_kinds import ElementKinds
 from flexmech.linear_system.free_shaft import FreeShaft
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel, inertia_loads
 from flexmech.linear_system.link_stretch import LinkStretch
-from flexmech.linear_system.rigid_link import dead_virial
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.mechanism import Mechanism
@@ -123,6 +123,8 @@ class EngineLinks(ElementKinds):
             If the equilibrium does not converge or is unstable; names the crank angle.
         """
         held = self.stressed_held_links(motion, prestress, near)
+        if not self._is_straight(motion, prestress):
+            held = self._without_own_turning(motion, held)
         shaft = self._free_shaft
         if shaft is None:
             return held
@@ -201,18 +203,32 @@ class EngineLinks(ElementKinds):
         acting = self.held_connectors.forces(motion, displacement)
         return [a + b for a, b in zip(loads, acting, strict=True)]
 
-    def _virial(self, motion: RigidMotion, displacement: Sequence[FloatArray] | None) -> FloatArray:
-        """Products of forces on rigid links with their places, (B, n_links), at a displacement."""
-        virial = dead_virial(self.held_links, motion, self.mechanism.gravity)
-        if not self.held_connectors.any:
-            return virial
-        return virial + self.held_connectors.virial(motion, displacement)
+    def _without_own_turning(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
+        return without_own_turning(self.held_links, motion, stressed, self._carried(motion))
+
+    def _carried(self, motion: RigidMotion) -> CarriedInertia | None:
+        return CarriedInertia.of(self.mechanism.linkage.topology, self.held_links, motion)
+
+    def _dead(
+        self,
+        motion: RigidMotion,
+        loads: Sequence[FloatArray],
+        displacement: Sequence[FloatArray] | None = None,
+    ) -> DeadMoments:
+        """Moments on bodies and rigid links of loads (B, n_link) at a displacement."""
+        virial, carried = None, None if displacement is None else self._carried(motion)
+        if self.held_connectors.any and not self.solves_connectors:
+            virial = self.held_connectors.virial(motion, displacement)
+        beside = None
+        if carried is not None and displacement is not None:
+            beside = carried.moments(displacement)
+        gravity = self.mechanism.gravity
+        return DeadMoments.of(self.held_links, motion, gravity, loads, virial, beside)
 
     def _quasi_static_loads(self, motion: RigidMotion, solve: Solve) -> BalancedLoads:
         """Loads on the held links, which ``solve`` displaces under them."""
         loads = inertia_loads(self.held_links, motion, self.mechanism.gravity)
-        topology = self.mechanism.linkage.topology
-        carried = CarriedInertia.of(topology, self.held_links, motion)
+        carried = self._carried(motion)
         connectors = self.held_connectors
         if carried is None and (self.solves_connectors or not connectors.any):
             return BalancedLoads(loads, None)
@@ -268,12 +284,16 @@ class EngineLinks(ElementKinds):
         """
         shaft = self._free_shaft
         if shaft is None:
-            return self.running_held_links(motion, displacement)
+            return self._running(motion, displacement)
         clamped = shaft.displacements(self.held_links, list(displacement))
-        held = self.running_held_links(motion, clamped)
+        held = self._running(motion, clamped)
         pull = shaft.pull(self.mechanism, self.held_links, motion)
         free = shaft.stressed(self.held_links, held, pull=pull)
         return replace(free, displacement=list(displacement))
+
+    def _running(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> StressedLinks:
+        held = self.running_held_links(motion, displacement)
+        return self._without_own_turning(motion, held)
 
     def running_held_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]

@@ -121,6 +121,7 @@ class FreeShaft:
             readings=link.readings.projected(basis) if self.has_lever else link.readings,
             fields=RigidFields(*own),
             shaft=np.array([turned]),
+            bodies=tuple(body.projected(basis) for body in link.bodies),
         )
         rotation = np.array([turned])
         if end == "start":

@@ -146,6 +146,7 @@ class LinkFrames:
         terms: RotationTerms,
         damping: Sequence[LinkDamping] | None = None,
         guiding: FloatArray | None = None,
+        turns: Sequence[Sequence[FloatArray]] | None = None,
     ) -> SystemMatrices:
         """Matrices of the whole linkage in the independent coordinates.
 
@@ -160,6 +161,8 @@ class LinkFrames:
             At the prestress wanted; that of the straight links where it is left out.
         guiding : ndarray, shape (B, n_sliders), optional
             Stiffness between the rotation of a slider's guide and its slide in N/rad.
+        turns : sequence of sequence of ndarray, shape (B,), optional
+            Of the bodies on each link; see :func:`flexmech.linear_system.body_turns`.
 
         Returns
         -------
@@ -169,6 +172,10 @@ class LinkFrames:
         if damping is None:
             damping = [LinkDamping(link.damping, link.ends.damping) for link in self.links]
         links, resisting = [link.whole() for link in self.links], [own.whole() for own in damping]
+        turned: dict[int, WholeLink] = {}
+        for number, angles in enumerate(turns or ()):
+            if (change := self.links[number].inertia_change(angles)) is not None:
+                turned[number], links[number] = change, links[number] + change
         shape = (batch, self.size, self.size)
         # One block of memory: the allocator keeps it for the next batch.
         mass, total = np.empty((2, *shape))
@@ -184,7 +191,7 @@ class LinkFrames:
             zip(links, tangents, resisting, strict=True)
         ):
             damped = bool(damping_matrix.any())
-            if number in steady and not damped and not terms.any:
+            if number in steady and number not in turned and not damped and not terms.any:
                 continue
             if following is None:
                 following = self.following_rows(motion)
@@ -192,6 +199,8 @@ class LinkFrames:
             speed = motion.angular_velocity[:, number, None, None]
             if number not in self._steady.numbers:
                 place.add(mass, link.mass, pairs)
+            elif number in turned:
+                place.add(mass, turned[number].mass, pairs)
             if number not in steady:
                 place.add(total, tangent, pairs)
             if damped:

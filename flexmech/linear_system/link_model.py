@@ -8,9 +8,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.linear_system.chains import LinkMatrix, whole
+from flexmech.linear_system.chains import LinkMatrix, whole, with_entries
 from flexmech.linear_system.link_readings import LinkReadings
-from flexmech.linkages import RigidMotion
+from flexmech.linear_system.rigid_body import RigidBody, body_nodes
+from flexmech.linkages import LinkBody, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray, IntArray
 
@@ -77,6 +78,10 @@ class WholeLink:
     end_mass: FloatArray
     end_gyroscopic: FloatArray
 
+    def __add__(self, other: WholeLink) -> WholeLink:
+        pairs = zip(vars(self).values(), vars(other).values(), strict=True)
+        return WholeLink(*(own + more for own, more in pairs))
+
 
 @dataclass(frozen=True)
 class LinkModel:
@@ -128,6 +133,8 @@ class LinkModel:
         Coordinate that is the rotation of the driven shaft, where it is free.
     rigid : bool
         Whether the link is rigid; see :func:`flexmech.linear_system.rigid_link`.
+    bodies : tuple of RigidBody
+        Whose inertia, where the link is straight, is in its matrices; a rigid link is one.
     """
 
     name: str
@@ -150,6 +157,68 @@ class LinkModel:
     vectors: IntArray = field(default_factory=NO_VECTORS.copy)
     shaft: IntArray = field(default_factory=NONE.copy)
     rigid: bool = False
+    bodies: tuple[RigidBody, ...] = ()
+
+    def with_bodies(self, bodies: Sequence[LinkBody]) -> LinkModel:
+        """The unreduced link with bodies fixed to its nodes.
+
+        Parameters
+        ----------
+        bodies : sequence of LinkBody
+            With a node at the position of each.
+
+        Returns
+        -------
+        LinkModel
+        """
+        matrices = [self.mass, self.gyroscopic, self.translational_mass]
+        moment, fixed = self.first_moment.copy(), []
+        nodes = body_nodes(self.readings.nodes, bodies)
+        for body, node in zip(bodies, nodes.tolist(), strict=True):
+            own = self.readings.per_node * node + np.array([0, 1, self.readings.slope])
+            fixed.append(RigidBody.fixed(body, np.eye(self.size)[own]))
+            (a, c), entries = fixed[-1].first_moment, np.ix_(own, own)
+            rows, columns = (each.ravel() for each in np.broadcast_arrays(*entries))
+            added = fixed[-1].matrices(np.zeros(()), on_axis=True).reshape(3, -1)
+            matrices = [
+                with_entries(matrix, rows, columns, more)
+                for matrix, more in zip(matrices, added, strict=True)
+            ]
+            moment[:, own[:2]] += [[c, -a], [a, c]]
+        mass, gyroscopic, translational = matrices
+        return replace(
+            self,
+            mass=mass,
+            gyroscopic=gyroscopic,
+            translational_mass=translational,
+            first_moment=moment,
+            bodies=tuple(fixed),
+        )
+
+    def inertia_change(self, turns: Sequence[FloatArray]) -> WholeLink | None:
+        """By what bodies that are turned change the matrices of the straight link.
+
+        Parameters
+        ----------
+        turns : sequence of ndarray, shape (B,)
+            Angle of each body in the link's frame in rad.
+
+        Returns
+        -------
+        WholeLink or None
+            Matrices (B, n, n); None where no body is off the axis.
+        """
+        parts = []
+        for body, angle in zip(self.bodies, turns, strict=True):
+            if body.is_off_axis:
+                mass, gyroscopic, centrifugal = body.inertia_change(angle)
+                rows, ends = body.rows, body.rows
+                if self.reduced_ends is not None and body.end_rows is not None:
+                    ends = body.end_rows
+                mass, gyroscopic = rows.T @ mass, rows.T @ gyroscopic
+                own = (mass @ rows, gyroscopic @ rows, rows.T @ centrifugal @ rows)
+                parts.append(WholeLink(*own, mass @ ends, gyroscopic @ ends))
+        return sum(parts[1:], parts[0]) if parts else None
 
     def whole(self) -> WholeLink:
         """Its matrices with all their entries."""
@@ -266,6 +335,7 @@ class LinkModel:
             shaft=shaft,
             readings=self.readings.projected(basis),
             reduced_ends=ends,
+            bodies=tuple(body.projected(basis, unit) for body in self.bodies),
         )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -99,7 +99,7 @@ class PosedTies:
         return result
 
     def stiffness(
-        self, forces: Sequence[FloatArray], virial: FloatArray, moment: FloatArray
+        self, forces: Sequence[FloatArray], turning: Mapping[int, FloatArray]
     ) -> PoseStiffness:
         """Stiffness of rigid links and sliders from forces that keep their direction.
 
@@ -107,9 +107,9 @@ class PosedTies:
         ----------
         forces : sequence of ndarray, shape (B, n_link)
             Outer less inner ones on each link in its frame.
-        virial, moment : ndarray, shape (B, n_links)
-            Products of force and place, and moments about the start, of what acts on each rigid
-            link besides its joints, in its undisplaced place, in N m.
+        turning : mapping of int to ndarray, shape (B,)
+            Of each rigid link by its number: stiffness against its turn by what acts on it
+            besides its joints, in N m/rad.
 
         Returns
         -------
@@ -129,11 +129,10 @@ class PosedTies:
         for own in self._at_coordinates:
             for row, coordinate in zip(own.rows, own.among, strict=True):
                 by_y[:, coordinate] += forces[own.link][:, row]
-        turned = np.zeros_like(virial)
+        by_link = np.zeros(motion.angle.shape)
         for link in rigid.links:
-            turn = pose.displaced.turn[:, link]
-            turned[:, link] = np.cos(turn) * virial[:, link] + np.sin(turn) * moment[:, link]
-        return pose.stiffness(at_points, by_y, turned)
+            by_link[:, link] = turning[link]
+        return pose.stiffness(at_points, by_y, by_link)
 
     def matrix(self, stiffness: PoseStiffness) -> FloatArray:
         """A stiffness of the pose by the independent coordinates, (B, n, n)."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from flexmech.linear_system.chains import LinkMatrix, diagonal, in_positions, whole
 from flexmech.linear_system.component_modes import ComponentModes, ReducedLink
+from flexmech.linear_system.dead_moments import body_turns
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
@@ -53,7 +54,8 @@ def unreduced_system(
     if stressed.damping is not None:
         damping = [LinkDamping(matrix, matrix) for matrix in stressed.damping]
     motion = frames.displaced(motion, stressed.displacement)
-    matrices = frames.assemble(motion, stressed.tangent, terms, damping, stressed.guiding)
+    turns = body_turns(frames.links, stressed.displacement)
+    matrices = frames.assemble(motion, stressed.tangent, terms, damping, stressed.guiding, turns)
     if connect is not None:
         matrices = connect(frames, motion, matrices, slice(None))
     massless = np.zeros(frames.size, dtype=bool)
@@ -106,7 +108,7 @@ def reduced_system(
     condensed = np.zeros(frames.size, dtype=bool)
     for target, link in zip(frames.targets, reduction.links, strict=True):
         condensed[target[link.condensed]] = True
-    damping = _damping(links, reduction, stressed)
+    damping, turns = _damping(links, reduction, stressed), body_turns(links, stressed.displacement)
     at_once = max(1, MATRIX_BYTES // (8 * frames.size**2))
     parts = []
     for first in range(0, len(motion.crank_angle), at_once):
@@ -117,7 +119,8 @@ def reduced_system(
         ]
         own = damping and [each.at(some) for each in damping]
         guiding = None if stressed.guiding is None else stressed.guiding[some]
-        matrices = frames.assemble(motion.at(some), projected, terms, own, guiding)
+        turned = turns and [[angle[some] for angle in each] for each in turns]
+        matrices = frames.assemble(motion.at(some), projected, terms, own, guiding, turned)
         if connect is not None:
             matrices = connect(frames, motion.at(some), matrices, some)
         forces = _damped_ends(frames, reduction, own, len(matrices.mass))
@@ -126,6 +129,7 @@ def reduced_system(
         *(_joined([getattr(m, field.name) for m, _ in parts]) for field in fields(SystemMatrices))
     )
     expansion = _joined([e for _, e in parts if e is not None]) if condensed.any() else None
+    has_unit_mass = reduction.parts_mass and expansion is None and turns is None
     return LinearSystem(
         motion,
         matrices.mass,
@@ -136,7 +140,7 @@ def reduced_system(
         expansion,
         tuple(link.basis for link in reduction.links),
         # Component modes are normalized by the mass; condensed ones bring theirs along.
-        unit_mass_from=frames.end_count if reduction.parts_mass and expansion is None else None,
+        unit_mass_from=frames.end_count if has_unit_mass else None,
     )
 
 

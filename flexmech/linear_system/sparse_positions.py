@@ -13,6 +13,7 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 
 from flexmech.linear_system.chains import ChainMatrix, LinkMatrix, in_positions
+from flexmech.linear_system.dead_moments import body_turns
 from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.rotation_terms import RotationTerms
@@ -53,6 +54,7 @@ class SparsePositions:
     ) -> None:
         self._frames, self._stressed, self.terms = frames, stressed, terms
         self._motion = frames.displaced(motion, stressed.displacement)
+        self._turns = body_turns(frames.links, stressed.displacement)
         self._following = frames.following_rows(self._motion)
         self._steady = [
             tuple(map(_sparse, (link.mass, link.gyroscopic, link.translational_mass)))
@@ -74,14 +76,20 @@ class SparsePositions:
         mass, rates, total = (csc_array((size, size)) for _ in range(3))
         for number, (inertia, gyroscopic, translational) in enumerate(self._steady):
             speed = self._motion.angular_velocity[position, number]
-            change = self._motion.angular_acceleration[position, number]
+            faster = self._motion.angular_acceleration[position, number]
+            if self._turns is not None:
+                change = self._inertia_change(number, position)
+                inertia, gyroscopic, translational = (
+                    own + more
+                    for own, more in zip((inertia, gyroscopic, translational), change, strict=True)
+                )
             resting, rate, centripetal, tangential = self._maps(number, position)
             across = resting.T
             tangent, damping = self._stress(number, position)
             if terms.centripetal:
                 tangent = tangent - speed**2 * translational
             if terms.tangential:
-                tangent = tangent + change * gyroscopic
+                tangent = tangent + faster * gyroscopic
             mass = mass + across @ (inertia @ resting)
             moved = tangent @ resting
             if damping is not None:
@@ -106,6 +114,17 @@ class SparsePositions:
         if stressed.damping is not None:
             damping = _at(stressed.damping[number], position)
         return tangent, _sparse(damping) if damping.any() else None
+
+    def _inertia_change(self, number: int, position: int) -> list[csc_array]:
+        """What bodies that are turned change in mass, gyroscopic matrix and centrifugal mass."""
+        assert self._turns is not None
+        link = self._frames.links[number]
+        changes = [csc_array((link.size, link.size)) for _ in range(3)]
+        for body, angle in zip(link.bodies, self._turns[number], strict=True):
+            rows = csc_array(body.rows)
+            for place, block in enumerate(body.inertia_change(angle[position])):
+                changes[place] = changes[place] + rows.T @ csc_array(block) @ rows
+        return changes
 
     def _maps(self, number: int, position: int) -> list[csc_array]:
         """``N`` of a link and its time derivatives: ``N.``, ``N..`` in its two parts."""

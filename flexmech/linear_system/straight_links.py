@@ -14,9 +14,8 @@ import numpy as np
 
 from flexmech.linear_system.chains import LinkMatrix
 from flexmech.linear_system.connectors import Connectors
-from flexmech.linear_system.dead_forces import DeadForces
+from flexmech.linear_system.dead_moments import DeadMoments
 from flexmech.linear_system.link_frames import LinkFrames
-from flexmech.linear_system.rigid_link import dead_virial, rigid_tangent
 from flexmech.linear_system.rigid_pose import PoseStiffness
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.tension import forces_of_links, static_displacement
@@ -24,6 +23,9 @@ from flexmech.linkages import RigidMotion
 from flexmech.linkages.internal_forces import LinkForces
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
+
+# A rigid link's stiffness against its rotation alone, by its three coordinates.
+TURN = np.diag([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True)
@@ -88,18 +90,17 @@ def straight_forces(
     forces = replace(forces, applied=applied)
     if not frames.rigid.size:
         return StraightForces(loads, forces, None)
-    virial = dead_virial(frames.links, motion, mechanism.gravity)
-    if connectors is not None:
-        virial = virial + connectors.virial(motion)
-    posed = frames.posed(motion, np.zeros((len(virial), len(frames.rigid.independent))))
+    virial = None if connectors is None else connectors.virial(motion)
+    posed = frames.posed(motion, np.zeros((len(motion.angle), len(frames.rigid.independent))))
     inner = [q @ link.stiffness for q, link in zip(displacement, frames.links, strict=True)]
-    dead = DeadForces.of(frames.links, motion, loads, virial)
-    return StraightForces(loads, forces, dead.stiffness(posed, inner))
+    dead = DeadMoments.of(frames.links, motion, mechanism.gravity, loads, virial)
+    beside = [load - force for load, force in zip(loads, inner, strict=True)]
+    turning = dead.by_link([np.zeros_like(load.T) for load in loads])
+    return StraightForces(loads, forces, posed.stiffness(beside, turning))
 
 
 def with_rigid_links(
     frames: LinkFrames,
-    motion: RigidMotion,
     tangent: Mapping[int, LinkMatrix],
     found: PoseStiffness | None,
     loads: list[FloatArray] | None = None,
@@ -110,8 +111,6 @@ def with_rigid_links(
     ----------
     frames : LinkFrames
         Of the unreduced links.
-    motion : RigidMotion
-        Batch of shape (B,).
     tangent : mapping of int to ndarray, shape (n, n) or (B, n, n)
         Of each flexible link.
     found : PoseStiffness, optional
@@ -126,9 +125,7 @@ def with_rigid_links(
     if found is None:
         return StressedLinks(list(_in_order(tangent)), loads=loads)
     tangents = [
-        rigid_tangent(link, motion, number, found.turning[:, number])
-        if link.rigid
-        else tangent[number]
+        np.multiply.outer(found.turning[:, number], TURN) if link.rigid else tangent[number]
         for number, link in enumerate(frames.links)
     ]
     return StressedLinks(tangents, loads=loads, guiding=found.guiding)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from flexmech.linear_system import body_nodes
+from flexmech.linear_system import RigidBody, body_nodes
 from flexmech.linkages import LinkBody
 from flexmech.multibody.items import ItemNumber, SystemItems
 from flexmech.multibody.link_parts import BeamPart
@@ -47,8 +47,8 @@ class AttachedPart:
     @property
     def moments(self) -> tuple[float, float, float, float]:
         """Mass, its first moments along and across and its polar second moment about the axis."""
-        mass, (a, c) = self.body.mass, self.body.offset
-        return mass, mass * a, mass * c, self.body.inertia + mass * (a**2 + c**2)
+        own = RigidBody.fixed(self.body)
+        return own.mass, *own.first_moment, own.second_moment
 
 
 def add_attached_bodies(

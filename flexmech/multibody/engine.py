@@ -22,7 +22,6 @@ from flexmech.choices import (
 from flexmech.errors import InputError
 from flexmech.linear_system import (
     BalancedLoads,
-    BodyCouples,
     Engine,
     LinkFrames,
     LinkMatrix,
@@ -159,10 +158,12 @@ class ExudynEngine(Engine):
             return self._axial(motion)
 
         def displaced(under: BalancedLoads) -> list[FloatArray]:
-            return static_equilibrium(self.model, motion, under.loads).displacement
+            dead = self._dead(motion, under.loads, under.at)
+            return static_equilibrium(self.model, motion, under.loads, dead).displacement
 
-        loads = self._quasi_static_loads(motion, displaced).loads
-        equilibrium = static_equilibrium(self.model, motion, loads)
+        under = self._quasi_static_loads(motion, displaced)
+        loads, dead = under.loads, self._dead(motion, under.loads, under.at)
+        equilibrium = static_equilibrium(self.model, motion, loads, dead)
         topology = self.mechanism.linkage.topology
         refuse_large_displacements(topology, self.held_links, motion, equilibrium.displacement)
         return StressedLinks(
@@ -357,7 +358,7 @@ class ExudynEngine(Engine):
             )
             if not link.rigid
         }
-        if self.mechanism.bodies:
-            masses, gravity = self.mechanism.link_masses_in_order, self.mechanism.gravity
-            tangent = BodyCouples.of(self.held_links, masses, motion, gravity).stiffen(tangent)
-        return with_rigid_links(frames, motion, tangent, straight.stiffness, loads)
+        tangent = self._dead(motion, loads).stiffen(
+            tangent, [np.zeros_like(load.T) for load in loads]
+        )
+        return with_rigid_links(frames, tangent, straight.stiffness, loads)

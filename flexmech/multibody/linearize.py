@@ -12,14 +12,14 @@ from flexmech.linear_system import (
     LESS_LOADED,
     LOAD_STEPS,
     ROUND_OFF,
-    body_couple,
+    DeadMoments,
     refuse_positions,
 )
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import BeamPart, RigidPart, turn_vectors
-from flexmech.multibody.rigid_tangents import line_forces, rigid_virial, turning_stiffness
+from flexmech.multibody.rigid_tangents import line_forces, turning_stiffness
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.static_solver import StaticSettings, simulation_settings, solve_static
 from flexmech.types import FloatArray, IntArray
@@ -75,7 +75,10 @@ class StaticEquilibrium:
 
 
 def static_equilibrium(
-    model: StaticModel, motion: RigidMotion, loads: list[FloatArray]
+    model: StaticModel,
+    motion: RigidMotion,
+    loads: list[FloatArray],
+    dead: DeadMoments,
 ) -> StaticEquilibrium:
     """Quasi-static equilibrium of each position and its tangent stiffness.
 
@@ -86,6 +89,8 @@ def static_equilibrium(
         Batch of shape (B,).
     loads : list of ndarray, shape (B, n_link)
         Forces on each link in its frame.
+    dead : DeadMoments
+        Of bodies and rigid links.
 
     Returns
     -------
@@ -99,7 +104,7 @@ def static_equilibrium(
     assembly, batch = model.assembly, len(motion.crank_angle)
     tangents = _Tangents(model, batch)
     relative = motion.angle - motion.angle[:, assembly.base, None]
-    applied = _Applied.of(model, motion, loads)
+    applied = _Applied.of(model, motion, loads, dead)
     static_settings = StaticSettings(ROUND_OFF * assembly.nodal_force_scale)
     deformation = np.zeros(assembly.size)
     displacement = np.empty((batch, assembly.size))
@@ -120,7 +125,7 @@ def static_equilibrium(
             solved = np.array(assembly.mbs.systemData.GetODE2Coordinates())
             solve_static(assembly, settings, solved)
         state = assembly.arms.to_axis(assembly.mbs.systemData.GetODE2Coordinates())
-        turning = turning_stiffness(model, state, couples, motion.angular_velocity[number])
+        turning = turning_stiffness(model, state, couples)
         line_force[number] = line_forces(model)
         moved = assembly.deformation(state, pose)
         deformation = displacement[number] = assembly.turned(moved, -relative[number])
@@ -142,27 +147,30 @@ class _Applied:
     couples: FloatArray
 
     @classmethod
-    def of(cls, model: StaticModel, motion: RigidMotion, loads: list[FloatArray]) -> _Applied:
+    def of(
+        cls,
+        model: StaticModel,
+        motion: RigidMotion,
+        loads: list[FloatArray],
+        dead: DeadMoments,
+    ) -> _Applied:
         """Forces (B, n_link) in link frames as those in the crank's frame."""
         assembly = model.assembly
         relative = motion.angle - motion.angle[:, assembly.base, None]
         forces = np.concatenate(loads, axis=1)
         couples = np.zeros((len(forces), len(assembly.parts) + len(assembly.attached), 2))
-        for number, attached in enumerate(assembly.attached, len(assembly.parts)):
-            couple, body = couples[:, number], assembly.parts[attached.link]
-            gravity = assembly.mechanism.gravity
-            couple[:] = body_couple(attached.body, motion, attached.link, gravity)
-            # What turns with the body is not on the node as well.
-            forces[:, attached.angle] -= couple[:, 1]
-            couple /= body.length
-            turn_vectors(couple, (np.array([0]), np.array([1])), relative[:, attached.link])
+        bodies = iter(enumerate(assembly.attached, len(assembly.parts)))
+        for place, link in enumerate(dead.links.tolist()):
+            part, number = assembly.parts[link], link
+            if not isinstance(part, RigidPart):
+                number, attached = next(bodies)
+                # What turns with the body is not on the node as well.
+                forces[:, attached.angle] -= dead.moment[place]
+            couple = couples[:, number]
+            couple[:] = np.transpose([dead.virial[place], dead.moment[place]]) / part.length
+            turn_vectors(couple, (np.array([0]), np.array([1])), relative[:, link])
         for link, part in enumerate(assembly.parts):
             own, angle = forces[:, part.coordinates], relative[:, link]
-            if isinstance(part, RigidPart):
-                couple = couples[:, link]
-                couple[:, 0] = rigid_virial(assembly.mechanism, motion, link) / part.length
-                couple[:, 1] = own[:, 2] / part.length
-                turn_vectors(couple, part.force_vectors, angle)
             turn_vectors(own, part.force_vectors, angle)
         return cls(forces, couples)
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexmech.linear_system import BodyMatrices, LinkModel, whole
+from flexmech.linear_system import LinkModel, whole
 from flexmech.linkages.motion import direction, normal
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.attached_bodies import AttachedPart
@@ -29,12 +29,10 @@ class LinkEnergies:
         self._links = links
         # Without attached bodies, which turn with their nodes.
         self._mass = [whole(link.mass) for link in links]
-        for number, part in assembly.beams:
-            bodies = assembly.mechanism.link_mass(part.name).bodies
-            if bodies:
-                self._mass[number] = (
-                    self._mass[number] - BodyMatrices.of(links[number], bodies).mass
-                )
+        for number, _ in assembly.beams:
+            for body in links[number].bodies:
+                own = body.matrices(np.zeros(()))[0]
+                self._mass[number] = self._mass[number] - body.rows.T @ own @ body.rows
 
     def weight(self, link: int) -> FloatArray:
         """Generalized weight of a link without attached bodies, shape (n_link,)."""

@@ -13,10 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.linear_system import off_axis_inertia
-from flexmech.linkages import LinkEnd, RigidMotion
-from flexmech.linkages.motion import direction, normal
-from flexmech.mechanism import Mechanism
+from flexmech.linkages import LinkEnd
+from flexmech.linkages.motion import direction
 from flexmech.multibody.link_parts import RigidPart
 from flexmech.multibody.static_model import StaticModel
 from flexmech.types import FloatArray
@@ -84,35 +82,8 @@ def joint_forces(model: StaticModel, state: FloatArray) -> Iterator[JointForce]:
             yield JointForce(guide, held.place, -held.force)
 
 
-def rigid_virial(mechanism: Mechanism, motion: RigidMotion, link: int) -> FloatArray:
-    """Virial of inertia forces and weight of a rigid link about its start.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-    motion : RigidMotion
-        Batch of shape (B,).
-    link : int
-
-    Returns
-    -------
-    ndarray, shape (B,)
-        Integral of force times place in N m.
-    """
-    mass = mechanism.link_mass(mechanism.linkage.topology.link_names[link])
-    angle, turning = motion.angle[:, link], motion.angular_velocity[:, link] ** 2
-    pull = motion.origin_acceleration[:, link] - np.asarray(mechanism.gravity)
-    centre = mass.moment(1) * direction(angle) + mass.moment_across * normal(angle)
-    return np.asarray(turning * mass.moment(2) - np.sum(centre * pull, axis=1))
-
-
-def turning_stiffness(
-    model: StaticModel, state: FloatArray, couples: FloatArray, speed: FloatArray
-) -> FloatArray:
+def turning_stiffness(model: StaticModel, state: FloatArray, couples: FloatArray) -> FloatArray:
     """Stiffness against turning of rigid links and attached bodies after a static solution.
-
-    Without that of the centrifugal forces of matter that turns about its place on the axis: a
-    rotation keeps their potential, and ``translational_mass`` leaves them out as well.
 
     Parameters
     ----------
@@ -121,8 +92,6 @@ def turning_stiffness(
         Coordinates of all links.
     couples : ndarray, shape (n_links + n_attached, 2)
         As :meth:`flexmech.multibody.static_loads.StaticLoads.set` took them.
-    speed : ndarray, shape (n_links,)
-        Angular velocities of the links in rad/s.
 
     Returns
     -------
@@ -134,16 +103,13 @@ def turning_stiffness(
     for attached, couple in zip(model.assembly.attached, couples[len(parts) :], strict=True):
         arm = parts[attached.link].length * direction(state[attached.angle])
         stiffness[attached.angle] += couple @ arm
-        stiffness[attached.angle] -= speed[attached.link] ** 2 * attached.moments[3]
-    rigid = {link: part for link, part in enumerate(parts) if isinstance(part, RigidPart)}
+    rigid = [link for link, part in enumerate(parts) if isinstance(part, RigidPart)]
     if not rigid:
         return stiffness
     for link in rigid:
         end = parts[link].end_place("end", state)
         own = parts[link].coordinates
         stiffness[own.stop - 1] = couples[link] @ (end - state[own][:2])
-        mass = model.assembly.mechanism.link_mass(rigid[link].name)
-        stiffness[own.stop - 1] -= speed[link] ** 2 * off_axis_inertia(mass)
         if model.applied is not None:
             stiffness[own.stop - 1] += model.applied.virial(state)[link]
     for acting in joint_forces(model, state):

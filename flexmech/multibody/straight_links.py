@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.linear_system import LinkModel, LinkReadings, rigid_link, with_bodies
+from flexmech.linear_system import LinkModel, LinkReadings, rigid_link
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.linearize import linearized
 from flexmech.multibody.link_parts import RigidPart
@@ -68,7 +68,7 @@ def link_models(model: StaticModel) -> tuple[LinkModel, ...]:
             fields=kind.rigid_fields(part.positions),
             vectors=np.stack([x, y]),
         )
-        models.append(with_bodies(link, assembly.mechanism.link_mass(name).bodies))
+        models.append(link.with_bodies(assembly.mechanism.link_mass(name).bodies))
     return tuple(models)
 
 

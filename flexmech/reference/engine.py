@@ -16,7 +16,6 @@ from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.choices import ELEMENTS, MASSES, MassChoice
 from flexmech.linear_system import (
     BalancedLoads,
-    BodyCouples,
     Engine,
     LinkFrames,
     LinkMatrix,
@@ -172,12 +171,11 @@ class ReferenceEngine(Engine):
 
     def _equilibrium(self, motion: RigidMotion, near: Sequence[FloatArray] | None) -> StressedLinks:
         varying = self._varying(motion)
-        bodies = self._bodies(motion)
 
         def displaced(under: BalancedLoads) -> list[FloatArray]:
-            virial = self._virial(motion, under.at)
+            dead = self._dead(motion, under.loads, under.at)
             start = near if under.at is None else under.at
-            return self.equilibrium.solve(motion, under.loads, varying, start, virial, bodies)
+            return self.equilibrium.solve(motion, under.loads, varying, dead, start)
 
         under = self._quasi_static_loads(motion, displaced)
         displacement, loads = displaced(under), under.loads
@@ -208,15 +206,14 @@ class ReferenceEngine(Engine):
     ) -> StressedLinks:
         force, of_chains = self.equilibrium.response(displacement, varying)
         frames, links = self.equilibrium.frames, self.held_links
-        bodies = self._bodies(motion)
-        if bodies is not None:
-            of_chains = bodies.stiffen(of_chains, displacement)
-            bodies.resist(force, displacement)
-        found = None
+        found, dead = None, self._dead(motion, loads, displacement)
+        columns = [q.T for q in displacement]
+        of_chains = dead.stiffen(of_chains, columns)
+        dead.resist([each.T for each in force], columns)
         if frames.rigid.size:
-            virial = self._virial(motion, displacement)
-            found = self.equilibrium.stiffness_of_rigid(motion, displacement, force, loads, virial)
-        stressed = with_rigid_links(frames, motion, of_chains, found)
+            beside = [load - own for load, own in zip(loads, force, strict=True)]
+            found = self.equilibrium.stiffness_of_rigid(motion, displacement, beside, dead)
+        stressed = with_rigid_links(frames, of_chains, found)
         damping = None
         if any(section.damping.any for section in self.mechanism.sections.values()):
             damping = self._damping(displacement)
@@ -248,22 +245,16 @@ class ReferenceEngine(Engine):
             self.mechanism, frames, motion, loads, self._lumped, self.held_connectors
         )
         tensions = element_tensions(self.mechanism, self.nodes, motion, straight.links)
-        tangent = {
+        tangent: dict[int, LinkMatrix] = {
             number: summed(
                 chain.model.stiffness,
                 chain_matrix(chain.elements.geometric_stiffness(tensions[number])),
             )
             for number, chain in self.chains.items()
         }
-        if (bodies := self._bodies(motion)) is not None:
-            tangent = bodies.stiffen(tangent)
-        return with_rigid_links(frames, motion, tangent, straight.stiffness, loads)
-
-    def _bodies(self, motion: RigidMotion) -> BodyCouples | None:
-        """Couples of bodies on flexible links, if there are any."""
-        if not self.mechanism.bodies:
-            return None
-        return BodyCouples.of(self.held_links, self._masses, motion, self.mechanism.gravity)
+        drawn = [np.zeros_like(load.T) for load in loads]
+        tangent = self._dead(motion, loads).stiffen(tangent, drawn)
+        return with_rigid_links(frames, tangent, straight.stiffness, loads)
 
     def _varying(self, motion: RigidMotion) -> list[FloatArray]:
         """Geometric stiffness of each element, (B, e, 6, 6), by flexible link: its varying part.

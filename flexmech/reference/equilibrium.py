@@ -27,7 +27,7 @@ from flexmech.linear_system import (
     LESS_LOADED,
     LOAD_STEPS,
     MAX_ITERATIONS,
-    BodyCouples,
+    DeadMoments,
     LinkFrames,
     LinkMatrix,
     PoseStiffness,
@@ -35,7 +35,6 @@ from flexmech.linear_system import (
     refuse_positions,
     whole,
 )
-from flexmech.linear_system.dead_forces import DeadForces
 from flexmech.linkages import JointSpring, RigidMotion
 from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements
@@ -115,9 +114,8 @@ class Equilibrium:
         motion: RigidMotion,
         loads: Sequence[FloatArray],
         extra: Sequence[FloatArray],
+        dead: DeadMoments,
         near: Sequence[FloatArray] | None = None,
-        virial: FloatArray | None = None,
-        bodies: BodyCouples | None = None,
     ) -> list[FloatArray]:
         """Elastic displacement of each link in its frame at equilibrium.
 
@@ -130,14 +128,11 @@ class Equilibrium:
         extra : sequence of ndarray, shape (B, e, 2 p, 2 p)
             Stiffness of each element besides that of the corotational beam; a rigid
             displacement meets none.
+        dead : DeadMoments
+            Of bodies and rigid links.
         near : sequence of ndarray, shape (B, n_link), optional
             Displacements from which Newton's method starts. Where it leads to no stable
             equilibrium from there, and by default, it starts from straight links.
-        virial : ndarray, shape (B, n_links), optional
-            Products of force and place of the forces on rigid links; see
-            :func:`flexmech.linear_system.dead_virial`. Zero by default.
-        bodies : BodyCouples, optional
-            Of bodies on flexible links.
 
         Returns
         -------
@@ -154,11 +149,9 @@ class Equilibrium:
             outer,
             self._by_relative_coordinates(extra),
             self._tangents.ties(motion, np.zeros_like(outer)),
-            DeadForces.of(self.frames.links, motion, loads, virial)
-            if self._tangents.ties_move
-            else None,
-            bodies,
-            sprung=motion if self._springs.columns else None,
+            motion,
+            dead,
+            [load.T for load in loads] if self._tangents.ties_move else None,
         )
         state = State.unloaded(*problem.outer.shape)
         if near is not None:
@@ -185,9 +178,8 @@ class Equilibrium:
         self,
         motion: RigidMotion,
         displacement: Sequence[FloatArray],
-        force: Sequence[FloatArray],
-        loads: Sequence[FloatArray],
-        virial: FloatArray,
+        beside: Sequence[FloatArray],
+        dead: DeadMoments,
     ) -> PoseStiffness:
         """Stiffness of rigid links and sliders at given displacements.
 
@@ -195,9 +187,9 @@ class Equilibrium:
         ----------
         motion : RigidMotion
             Batch of shape (B,).
-        displacement, force, loads : sequence of ndarray, shape (B, n_link)
-            Of each link: where it is, what it exerts there, and what is exerted on it.
-        virial : ndarray, shape (B, n_links)
+        displacement, beside : sequence of ndarray, shape (B, n_link)
+            Where each link is, and outer less inner forces on it there.
+        dead : DeadMoments
             As in :meth:`solve`.
 
         Returns
@@ -205,10 +197,10 @@ class Equilibrium:
         PoseStiffness
         """
         posed = self.frames.posed_by(motion, displacement)
-        inner = [each.T.copy() for each in force]
-        turning = self._springs.resist(motion, [q.T for q in displacement], inner)
-        dead = DeadForces.of(self.frames.links, motion, loads, virial)
-        found = dead.stiffness(posed, [each.T for each in inner])
+        columns = [q.T for q in displacement]
+        inner = [-each.T for each in beside]
+        turning = self._springs.resist(motion, columns, inner)
+        found = posed.stiffness([-each.T for each in inner], dead.by_link(columns))
         return replace(found, turning=found.turning + turning)
 
     def _in_steps(self, problem: Problem, steps: int) -> State:

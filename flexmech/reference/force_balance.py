@@ -11,7 +11,7 @@ from itertools import chain
 
 import numpy as np
 
-from flexmech.linear_system import BodyCouples
+from flexmech.linear_system import DeadMoments
 from flexmech.reference.corotational import CorotationalElements, LinearStrain
 from flexmech.reference.coupled_links import CoupledLinks
 from flexmech.reference.linkage_tangents import LinkageTangents, TangentEntries
@@ -45,9 +45,9 @@ class ForceBalance:
 
     def ties(self, z: FloatArray, problem: Problem) -> Ties:
         """Ties of the linkage displaced by z (size, B)."""
-        if problem.dead is None:
+        if problem.loads is None:
             return problem.ties
-        return self.tangents.ties(problem.dead.motion, z)
+        return self.tangents.ties(problem.motion, z)
 
     def imbalance(
         self, z: FloatArray, problem: Problem, before: Sequence[LinearStrain] | None = None
@@ -81,19 +81,20 @@ class ForceBalance:
             tangent += extra
             inner[number] = node_forces(force, self.per_node)
             strains.append(strain)
-        if problem.bodies is not None:
-            self._turn_bodies(problem.bodies, displacement, inner, entries)
+        problem.dead.resist(inner, displacement)
+        self._stiffen(problem.dead, displacement, entries)
         self.coupled.resist(displacement, inner, problem.swelling)
         turning: FloatArray | None = None
         springs: Iterable[FloatArray] = ()
-        if problem.sprung is not None:
-            turning = self.springs.resist(problem.sprung, displacement, inner)
-            springs = self.springs.tangents(problem.sprung, displacement, ties)
+        if self.springs.columns:
+            turning = self.springs.resist(problem.motion, displacement, inner)
+            springs = self.springs.tangents(problem.motion, displacement, ties)
         springs = chain(springs, self.coupled.tangents(ties, z.shape[1]))
         residual = self._unbalanced(inner, ties, problem)
-        if problem.dead is None or ties.posed is None:
+        if problem.loads is None or ties.posed is None:
             return Imbalance(residual, self.tangents.band(entries, ties, springs=springs), strains)
-        stiffness = problem.dead.stiffness(ties.posed, [force.T for force in inner])
+        beside = [(load - force).T for load, force in zip(problem.loads, inner, strict=True)]
+        stiffness = ties.posed.stiffness(beside, problem.dead.by_link(displacement))
         if turning is not None:
             stiffness = replace(stiffness, turning=stiffness.turning + turning)
         band = self.tangents.band(entries, ties, ties.posed.matrix(stiffness), springs)
@@ -109,11 +110,10 @@ class ForceBalance:
             force = self.links[number].relative_force(relative, problem.swelling)
             force += (extra * relative[:, None]).sum(axis=2)
             inner[number] = node_forces(force, self.per_node)
-        if problem.bodies is not None:
-            self._turn_bodies(problem.bodies, displacement, inner)
+        problem.dead.resist(inner, displacement)
         self.coupled.resist(displacement, inner, problem.swelling)
-        if problem.sprung is not None:
-            self.springs.resist(problem.sprung, displacement, inner)
+        if self.springs.columns:
+            self.springs.resist(problem.motion, displacement, inner)
         return self._unbalanced(inner, ties, problem)
 
     def _resting(self, displacement: Sequence[FloatArray]) -> list[FloatArray]:
@@ -122,26 +122,19 @@ class ForceBalance:
 
     def _unbalanced(self, inner: Sequence[FloatArray], ties: Ties, problem: Problem) -> FloatArray:
         """Outer minus inner forces (n_link, B), on the independent coordinates, (size, B)."""
-        if problem.dead is None or ties.posed is None:
+        if problem.loads is None:
             return problem.outer - self.tangents.gather(inner, ties)
-        unbalanced = problem.dead.unbalanced(ties.posed, [force.T for force in inner])
-        return self.tangents.gather([force.T for force in unbalanced], ties)
+        beside = [load - force for load, force in zip(problem.loads, inner, strict=True)]
+        return self.tangents.gather(beside, ties)
 
-    def _turn_bodies(
-        self,
-        bodies: BodyCouples,
-        displacement: Sequence[FloatArray],
-        inner: Sequence[FloatArray],
-        entries: TangentEntries | None = None,
+    def _stiffen(
+        self, dead: DeadMoments, displacement: Sequence[FloatArray], entries: TangentEntries
     ) -> None:
-        """Add to forces, and to tangents, what bodies meet that turn with their sections."""
-        for number, (link, row) in enumerate(zip(bodies.links.tolist(), bodies.rows, strict=True)):
-            couple, stiffness = bodies.turned(number, displacement[link][row])
-            inner[link][row] += couple
-            if entries is None:
+        """Add to tangents of flexible links what their bodies resist a turn with."""
+        for link, row, stiffness in dead.turning(displacement):
+            if link not in self.links:
                 continue
             tangent = entries.of_link(link)
-            element = min(int(row) // self.per_node, len(tangent) - 1)
-            local = int(row) - self.per_node * element
-            place = self.links[link].relative_places[local]
+            element = min(row // self.per_node, len(tangent) - 1)
+            place = self.links[link].relative_places[row - self.per_node * element]
             tangent[element, place, place] += stiffness

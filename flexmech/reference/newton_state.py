@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.linear_system.body_couples import BodyCouples
-from flexmech.linear_system.dead_forces import DeadForces
+from flexmech.linear_system import DeadMoments
 from flexmech.linkages import RigidMotion
 from flexmech.reference.corotational import LinearStrain
 from flexmech.reference.turning_element import Ties
@@ -100,39 +99,38 @@ class Problem:
         Stiffness that comes with them, by each element's relative coordinates.
     ties : Ties
         Of the linkage where it is not displaced.
-    dead : DeadForces, optional
+    motion : RigidMotion
+    dead : DeadMoments
+        Of bodies and rigid links.
+    loads : list of ndarray, shape (n_link, B), or None
         The forces link by link, where ties move with the displacement.
-    bodies : BodyCouples, optional
-        Of bodies on flexible links.
     swelling : float
         Part of the swelling that has come on.
-    sprung : RigidMotion, optional
-        The positions, where joints have radial springs.
     """
 
     outer: FloatArray
     extra: list[FloatArray]
     ties: Ties
-    dead: DeadForces | None
-    bodies: BodyCouples | None = None
+    motion: RigidMotion
+    dead: DeadMoments
+    loads: list[FloatArray] | None = None
     swelling: float = 1.0
-    sprung: RigidMotion | None = None
 
     def loaded(self, part: float) -> Problem:
         """With a part of the load, and of the swelling."""
         extra = [part * e for e in self.extra]
-        dead = self.dead and self.dead.scaled(part)
-        bodies = self.bodies and self.bodies.scaled(part)
-        return Problem(part * self.outer, extra, self.ties, dead, bodies, part, self.sprung)
+        loads = self.loads and [part * load for load in self.loads]
+        dead = self.dead.scaled(part)
+        return Problem(part * self.outer, extra, self.ties, self.motion, dead, loads, part)
 
     def at(self, which: NDArray[np.bool_] | IntArray) -> Problem:
         """That of some positions."""
         return Problem(
             self.outer[:, which],
             [e[..., which] for e in self.extra],
-            self.ties.at(which) if self.dead is None else self.ties,
-            self.dead and self.dead.at(which),
-            self.bodies and self.bodies.at(which),
+            self.ties.at(which) if self.loads is None else self.ties,
+            self.motion.at(which),
+            self.dead.at(which),
+            self.loads and [load[:, which] for load in self.loads],
             self.swelling,
-            self.sprung and self.sprung.at(which),
         )
