@@ -18,7 +18,7 @@ from flexmech import (
     Material,
     Mechanism,
 )
-from flexmech.linear_system import inertia_loads
+from flexmech.linear_system import DeadMoments, inertia_loads
 from flexmech.linkages import Linkage, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import AttachedBody
@@ -93,20 +93,9 @@ class Static:
         loads = [load.copy() for load in self.loads]
         for load, more in zip(loads, further or [], strict=bool(further)):
             load += more
-        return static_equilibrium(self.model, self.motion, loads)
-
-    def own_centrifugal(self) -> FloatArray:
-        """What forces of fixed direction add to tangents, and the terms of speed take off."""
-        first = np.concatenate([[0], np.cumsum([link.size for link in self.links])])
-        turning = np.zeros(first[-1])
-        speed = self.motion.angular_velocity[0] ** 2
-        for number, link in enumerate(self.links):
-            if link.rigid:
-                kept = link.mass[2, 2] - link.translational_mass[2, 2]
-                turning[first[number] + 2] += speed[number] * kept
-        for body in self.model.assembly.attached:
-            turning[body.angle] += speed[body.link] * body.moments[3]
-        return np.diag(turning)
+        gravity = self.model.assembly.mechanism.gravity
+        dead = DeadMoments.of(self.links, self.motion, gravity, loads)
+        return static_equilibrium(self.model, self.motion, loads, dead)
 
     def displacement(self, further: Sequence[FloatArray]) -> FloatArray:
         return np.concatenate([q[0] for q in self.equilibrium(further).displacement])
@@ -121,7 +110,6 @@ def test_the_tangent_tells_how_the_equilibrium_moves(name: str, bodies: bool, ki
     ties = Ties(case.topology, case.motion, case.links, found.displacement)
     stiffness = scipy.linalg.block_diag(*(k[0] for k in found.tangent))
     stiffness += ties.line_stiffness(found.line_force[0])
-    stiffness += case.own_centrifugal()
     basis = ties.basis
     stiffness = basis.T @ stiffness @ basis
     # Joints keep what they join: places, and angles of welds, also where links bend far.
