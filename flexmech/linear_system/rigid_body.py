@@ -138,6 +138,14 @@ class RigidBody:
         still = self.matrices(np.zeros_like(angle), on_axis=True)
         return self.matrices(angle) - still
 
+    @property
+    def about_centre(self) -> Self:
+        """The body about its centre of mass, in whose place :meth:`centre_map` puts its point."""
+        a, c = self.first_moment
+        less = (a**2 + c**2) / self.mass
+        second, on_axis = self.second_moment - less, self.on_axis - less
+        return replace(self, first_moment=(0.0, 0.0), second_moment=second, on_axis=on_axis)
+
     def centre_map(self, angle: FloatArray) -> FloatArray:
         """Displacement of the centre of mass and rotation by those of the point, (..., 3, 3)."""
         a, c = self._turned(angle)

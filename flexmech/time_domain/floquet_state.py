@@ -67,7 +67,7 @@ def floquet_state(
         )
     shape = states[:: len(states) // samples, : moving.size, number] / np.sqrt(moving.scale)
     coordinates = turn.frames.link_coordinates(
-        turn.motion, (moving.basis @ shape[..., None]).astype(complex)
+        turn.displaced, (moving.basis @ shape[..., None]).astype(complex)
     )
     displacement = [b @ q[0, :, 0] for b, q in zip(turn.bases, coordinates, strict=True)]
     rate = [

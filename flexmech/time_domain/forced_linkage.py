@@ -120,7 +120,7 @@ def static_remainder(
     answer = np.empty(count)
     for first in range(0, count, BATCH):
         some = slice(first, first + BATCH)
-        motion = turn.motion.at(some)
+        motion = turn.displaced.at(some)
         tangent = [in_positions(t, some) for t in stressed.tangent]
         still = RotationTerms.all_or_none(False)
         stiffness = frames.assemble(motion, tangent, still).stiffness
@@ -139,7 +139,7 @@ def static_remainder(
 def _shapes(moving: MovingModes, some: slice) -> list[FloatArray]:
     """Moving modes in the coordinates of each unreduced link, (B, n_link, m)."""
     turn = moving.turn
-    reduced = turn.frames.link_coordinates(turn.motion.at(some), moving.basis[some])
+    reduced = turn.frames.link_coordinates(turn.displaced.at(some), moving.basis[some])
     return [basis @ q for basis, q in zip(turn.bases, reduced, strict=True)]
 
 
@@ -160,5 +160,5 @@ def _row(moving: MovingModes, point: LinkPoint, direction: LinkDirection) -> Flo
     turn = moving.turn
     number = point.index(turn.frames.topology)
     row = displacement_row(turn.unreduced[number], point.fraction, direction) @ turn.bases[number]
-    reduced = turn.frames.link_coordinates(turn.motion, moving.basis)[number]
+    reduced = turn.frames.link_coordinates(turn.displaced, moving.basis)[number]
     return np.asarray(row @ reduced)

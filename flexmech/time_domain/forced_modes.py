@@ -237,7 +237,7 @@ def forced_modes(
     if turn.turns_pins:
         count = counts_of_modes(turn, modes, 1)[0]
     moving = moving_modes(turn, count)
-    force = turn.frames.gather(motion, _loads(engine, turn, stressed))
+    force = turn.frames.gather(turn.displaced, _loads(engine, turn, stressed))
     modal = np.einsum("kni,kn->ki", moving.basis, force)
     shapes = np.concatenate([moving.basis, _rest(moving, force, modal)], axis=2)
     read = _read(turn, readings, shapes)
@@ -316,14 +316,14 @@ def _rest(moving: MovingModes, force: FloatArray, modal: FloatArray) -> FloatArr
     """What the loads bend statically beyond the moving modes, (N, n, 1)."""
     turn, across = moving.turn, np.swapaxes(moving.basis, 1, 2)
     still = RotationTerms.all_or_none(False)
-    stiffness = turn.frames.assemble(turn.motion, turn.tangent, still).stiffness
+    stiffness = turn.frames.assemble(turn.displaced, turn.tangent, still).stiffness
     own = np.linalg.solve(across @ stiffness @ moving.basis, modal[..., None])
     return np.asarray(np.linalg.solve(stiffness, force[..., None]) - moving.basis @ own)
 
 
 def _read(turn: SampledTurn, readings: Readings, shapes: FloatArray) -> FloatArray:
     """Readings (N, r, k) of shapes (N, n, k) of the linkage."""
-    moved = turn.frames.link_coordinates(turn.motion, shapes)
+    moved = turn.frames.link_coordinates(turn.displaced, shapes)
     values = np.zeros((len(shapes), len(readings), shapes.shape[2]))
     for index, rows in enumerate(readings):
         for row, basis, shape in zip(rows, turn.bases, moved, strict=True):

@@ -23,6 +23,7 @@ turn.
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -254,12 +255,14 @@ def _projected(
     """B and Q, each (N, m, m), and ``P' D P`` with ``P' D P.`` of links."""
     count, _, size = basis.shape
     skew, stiffness, damping, moving_damping = np.zeros((4, count, size, size))
-    for number, shapes in enumerate(turn.frames.link_coordinates(turn.motion, basis)):
+    for number, shapes in enumerate(turn.frames.link_coordinates(turn.displaced, basis)):
         across = np.swapaxes(shapes, 1, 2)
         in_frame = _in_link_frame if frame == "link" else _in_ground_axes
         inertia, rates = in_frame(turn, number, shapes)
-        skew += inertia.skew
-        stiffness += across @ (turn.tangent[number] @ shapes) + inertia.stiffness
+        for sign, each in [(1.0, inertia), *_turned_bodies(turn, number, shapes)]:
+            skew += sign * each.skew
+            stiffness += sign * each.stiffness
+        stiffness += across @ (turn.tangent[number] @ shapes)
         forces = across @ turn.damping[number]
         damping += forces @ shapes
         moving_damping += forces @ rates
@@ -287,8 +290,16 @@ def _inertia(
     shapes: FloatArray,
     rates: FloatArray,
 ) -> _Inertia:
-    """Of the energy ``|P y. + P. y|_M^2 / 2 + omega (P y. + P. y)' S P y + ...``."""
-    turning = speed * (link.gyroscopic @ shapes)
+    """Of a link."""
+    return _energy((mass, link.gyroscopic, link.translational_mass), speed, shapes, rates)
+
+
+def _energy(
+    matrices: Sequence[LinkMatrix], speed: FloatArray, shapes: FloatArray, rates: FloatArray
+) -> _Inertia:
+    """Of ``|P y. + P. y|_M^2 / 2 + omega (P y. + P. y)' S P y + omega^2 y' P' M_t P y / 2``."""
+    mass, gyroscopic, centrifugal = matrices
+    turning = speed * (gyroscopic @ shapes)
     across, across_rates = np.swapaxes(shapes, 1, 2), np.swapaxes(rates, 1, 2)
     coriolis = across_rates @ turning
     return _Inertia(
@@ -296,16 +307,30 @@ def _inertia(
         stiffness=-coriolis
         - np.swapaxes(coriolis, 1, 2)
         - across_rates @ (mass @ rates)
-        - across @ (speed**2 * (link.translational_mass @ shapes)),
+        - across @ (speed**2 * (centrifugal @ shapes)),
     )
+
+
+def _turned_bodies(
+    turn: SampledTurn, number: int, shapes: FloatArray
+) -> Iterator[tuple[float, _Inertia]]:
+    """Inertia of bodies on a link where its sections turn them, less that on the straight link."""
+    speed = turn.frame_speed[:, number, None, None]
+    angles = [] if turn.turns is None else turn.turns[number]
+    for body, angle in zip(turn.models[number].bodies, angles, strict=bool(angles)):
+        if body.is_off_axis:
+            for sign, turned in ((1.0, angle), (-1.0, np.zeros_like(angle))):
+                centre = body.centre_map(turned) @ (body.rows @ shapes)
+                own = body.about_centre.matrices(np.zeros(()), on_axis=sign < 0)
+                yield sign, _energy(list(own), speed, centre, turn.rate(centre))
 
 
 def _in_link_frame(
     turn: SampledTurn, number: int, shapes: FloatArray
 ) -> tuple[_Inertia, FloatArray]:
     """Inertia by rates in the link's frame, and these rates (N, n_link, m)."""
-    link, speed = turn.models[number], turn.motion.angular_velocity[:, number, None, None]
-    rates = FourierSeries.through(shapes).rate().samples(len(shapes)) / turn.period
+    link, speed = turn.models[number], turn.frame_speed[:, number, None, None]
+    rates = turn.rate(shapes)
     return _inertia(link, link.mass, speed, shapes, rates), rates
 
 
@@ -314,9 +339,9 @@ def _in_ground_axes(
 ) -> tuple[_Inertia, FloatArray]:
     """Inertia by rates in ground axes; the rates that damping feels, (N, n_link, m)."""
     frame, reduction = NodalFrame(turn.unreduced[number]), turn.bases[number]
-    speed = turn.motion.angular_velocity[:, number, None, None]
+    speed = turn.frame_speed[:, number, None, None]
     full = reduction @ shapes
-    moving = frame.rates(full, turn.motion.angle[:, number], turn.period)
+    moving = frame.rates(full, turn.displaced.angle[:, number], turn.period)
     rates = moving - speed * (quarter_turn(frame.link) @ full)
     return (
         _inertia(frame, frame.link.mass, speed, full, moving),

@@ -16,6 +16,7 @@ from flexmech.linear_system import (
     Prestress,
     RotationTerms,
     StressedLinks,
+    body_turns,
     inverse_mass_root,
     is_constant_turn,
     same_answers,
@@ -23,6 +24,7 @@ from flexmech.linear_system import (
     unchanged,
 )
 from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.time_domain.fourier import FourierSeries
 from flexmech.time_domain.reduced_links import ReducedLinks, prestressed_links
 from flexmech.types import FloatArray
 
@@ -72,6 +74,10 @@ class SampledTurn:
         How many of the natural modes, the first ones, deform nothing: that of a free shaft.
     connected : ConnectedMatrices or None
         Of springs, loads and guides in the coordinates of ``frames``; None without them.
+    displaced : RigidMotion
+        The motion whose rigid links are where their stress has turned them.
+    turns : list of list of ndarray, shape (N,), or None
+        Of bodies on the links; see :func:`flexmech.linear_system.body_turns`.
     """
 
     motion: RigidMotion
@@ -82,8 +88,10 @@ class SampledTurn:
     damping: list[FloatArray]
     frames: LinkFrames
     crank_speed: float
-    rigid_modes: int = 0
-    connected: ConnectedMatrices | None = None
+    rigid_modes: int
+    connected: ConnectedMatrices | None
+    displaced: RigidMotion
+    turns: list[list[FloatArray]] | None
 
     @classmethod
     def of(
@@ -133,9 +141,10 @@ class SampledTurn:
         frames = LinkFrames(engine.topology, reduced.models)
         pairs = list(zip(reduced.bases, engine.links, strict=True))
         damping = stressed.damping or [link.damping for link in engine.links]
-        connected = engine.connected_matrices(frames, motion, prestress, stressed.displacement)
+        displaced = engine.frames.displaced(motion, stressed.displacement)
+        connected = engine.connected_matrices(frames, displaced, prestress, stressed.displacement)
         if stressed.guiding is not None and stressed.guiding.any():
-            guided = frames.guided(motion, stressed.guiding)
+            guided = frames.guided(displaced, stressed.guiding)
             connected = (
                 ConnectedMatrices.of_stiffness(guided)
                 if connected is None
@@ -155,6 +164,8 @@ class SampledTurn:
             crank_speed=speed,
             rigid_modes=engine.rigid_modes,
             connected=connected,
+            displaced=displaced,
+            turns=body_turns(engine.links, stressed.displacement),
         )
 
     @property
@@ -178,6 +189,18 @@ class SampledTurn:
     def period(self) -> float:
         """Time of a turn in s."""
         return 2 * np.pi / abs(self.crank_speed)
+
+    @cached_property
+    def frame_speed(self) -> FloatArray:
+        """Angular velocities of the links' frames, which turn with rigid links, (N, n_links)."""
+        turned = self.displaced.angle - self.motion.angle
+        if not turned.any():
+            return self.motion.angular_velocity
+        return self.motion.angular_velocity + self.rate(turned)
+
+    def rate(self, samples: FloatArray) -> FloatArray:
+        """Time derivative of what is periodic along the turn, (N, ...)."""
+        return FourierSeries.through(samples).rate().samples(len(samples)) / self.period
 
     @cached_property
     def mass(self) -> FloatArray:
@@ -265,7 +288,7 @@ class SampledTurn:
     @cached_property
     def _frozen(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         still = RotationTerms.all_or_none(False)
-        matrices = self.frames.assemble(self.motion, self.tangent, still)
+        matrices = self.frames.assemble(self.displaced, self.tangent, still, turns=self.turns)
         if self.connected is not None:
             potential = self.connected.potential
             matrices = replace(matrices, stiffness=matrices.stiffness + potential)

@@ -88,7 +88,9 @@ class Drawing:
             lines += ["rigid = true", size, f'centre = "{arm!r} m"']
         head = ['name = "drawn"', 'source = "own"', "[linkage]", 'kind = "planar"']
         head += ['drawn_at = "0 deg"', f"ground = {list(self.ground)}", "[linkage.points]"]
-        head += [f'{name} = ["{float(x)!r} m", "{float(y)!r} m"]' for name, (x, y) in points.items()]
+        head += [
+            f'{name} = ["{float(x)!r} m", "{float(y)!r} m"]' for name, (x, y) in points.items()
+        ]
         head += ["[materials.aluminium]", 'youngs_modulus = "69 GPa"', "poisson_ratio = 0.3"]
         head += ['density = "2700 kg/m^3"']
         for name, kind in joints.items():

@@ -168,7 +168,7 @@ def predicted_linkage(engine: Engine, request: RunningHammerRequest, highest: fl
         solver = LinkageSolver(engine, request.prestress, modes, larger=larger)
         moving = solver.moving_modes(request.crank_speed)
         stressed = engine.stressed_links(moving.turn.motion, request.prestress)
-        connected = _connected(engine, request, moving.turn.motion, stressed)
+        connected = _connected(engine, request, moving.turn.displaced, stressed)
         pair = (request.impact, request.response)
         systems.append(forced_linkage(moving, stressed, *pair, request.direction, connected))
         steps = max(steps, solver.steps_for(VibratingLinkage.of(moving, modes)))

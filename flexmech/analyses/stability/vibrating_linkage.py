@@ -77,7 +77,7 @@ class VibratingLinkage:
         turn = moving.turn
         some = slice(None, None, len(moving.basis) // SHAPE_ANGLES)
         basis, squares = moving.basis[some], turn.frozen_squares
-        coordinates = turn.frames.link_coordinates(turn.motion.at(some), basis)
+        coordinates = turn.frames.link_coordinates(turn.displaced.at(some), basis)
         weighted = [
             np.linalg.cholesky(whole(link.mass)).T @ reduction @ q
             for link, reduction, q in zip(turn.unreduced, turn.bases, coordinates, strict=True)
