@@ -17,8 +17,8 @@ from flexmech.beams.elements import BeamElements
 from flexmech.beams.link_matrices import assemble_chain, build_chain
 from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.errors import ComputationError, InputError
-from flexmech.linear_system import LinkFrames
-from flexmech.linkages import LinkMass
+from flexmech.linear_system import DeadMoments, LinkFrames
+from flexmech.linkages import LinkMass, RigidMotion
 from flexmech.mesh import STATIONS, node_positions, pieces
 from flexmech.reference import banded
 from flexmech.reference.corotational import CorotationalElements
@@ -342,7 +342,7 @@ def test_corotational_tangent_of_a_straight_element_is_elastic_plus_geometric() 
 
 def cantilever(
     elements: int, force: tuple[float, float, float]
-) -> tuple[Equilibrium, FloatArray, object]:
+) -> tuple[Equilibrium, FloatArray, RigidMotion]:
     """A cantilever of length 1 under a force and moment (in units of EI) at its tip."""
     mechanism = arm()
     section = mechanism.sections["arm"]
@@ -358,7 +358,8 @@ def cantilever(
 def tip(elements: int, force: tuple[float, float, float]) -> FloatArray:
     solver, load, motion = cantilever(elements, force)
     nothing = [np.zeros((1, elements, 6, 6))]
-    return solver.solve(motion, [load], nothing)[0][0, -3:]
+    dead = DeadMoments.of(solver.frames.links, motion, (0.0, 0.0), [load])
+    return solver.solve(motion, [load], nothing, dead)[0][0, -3:]
 
 
 @pytest.mark.parametrize("turn", [1 / 12, 1 / 4, 1 / 2])

@@ -19,7 +19,7 @@ from flexmech import (
     ReferenceEngine,
     natural_frequencies,
 )
-from flexmech.linear_system import inertia_loads
+from flexmech.linear_system import DeadMoments, inertia_loads
 from flexmech.linkages import (
     JointSpring,
     LinkPoint,
@@ -212,7 +212,8 @@ def test_the_equilibrium_is_one(name: str, kind: str, degrees: float) -> None:
     motion = mechanism.linkage.motion(np.array([np.radians(degrees)]), 20.0)
     loads = inertia_loads(links, motion, mechanism.gravity)
     outer = [load[0].copy() for load in loads]
-    found = static_equilibrium(model, motion, loads)
+    dead = DeadMoments.of(links, motion, mechanism.gravity, loads)
+    found = static_equilibrium(model, motion, loads, dead)
     q = [each[0] for each in found.displacement]
     inner = [force[0] for force in internal_forces(model, found.displacement)]
     added = forces_of_connectors(mechanism, links, motion, q, kind)
