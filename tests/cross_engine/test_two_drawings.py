@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -123,7 +124,7 @@ def arm(bodies: Sequence[Body], length: float = 0.3, thickness: float = 2.0) -> 
     names = [chr(ord("A") + n) for n in range(len(bodies))]
     places = np.linspace(0.0, length, len(bodies) + 1)[1:]
     points = {"O2": (0.0, 0.0)} | {n: (float(x), 0.0) for n, x in zip(names, places, strict=True)}
-    links = dict(zip([f"part_{n}" for n in names], zip(["O2", *names], names), strict=False))
+    links = {f"part_{end}": (start, end) for start, end in pairwise(["O2", *names])}
     joints = {"O2": "clamp"} | dict.fromkeys(names[:-1], "weld")
     carried = dict(zip(links, bodies, strict=True))
     return Drawing(points, links, joints, ("O2",), carried, thickness)
