@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.stability.exponents import FloquetExponents, wrapped
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
+from flexmech.dynamical_systems import floquet_modes, krein_signature
 from flexmech.errors import CRANK_SPEED, ComputationError
-from flexmech.time_domain import floquet_modes, krein_signature
 from flexmech.types import FloatArray, IntArray
 
 # Harmonics to either side of the largest whose share is told.

@@ -14,7 +14,7 @@ import numpy as np
 
 from flexmech.analyses.stability.known_equilibria import KnownEquilibria
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
-from flexmech.time_domain import FourierSeries
+from flexmech.dynamical_systems import FourierSeries
 from flexmech.types import FloatArray
 
 NODES = 6

@@ -8,7 +8,7 @@ import scipy.linalg
 from flexmech.analyses.stability.exponents import wrapped
 from flexmech.analyses.stability.kept_modes import KeptModes, matched
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
-from flexmech.time_domain import SampledPeriodicSystem, floquet_modes
+from flexmech.dynamical_systems import SampledPeriodicSystem, floquet_modes
 from flexmech.types import FloatArray
 
 

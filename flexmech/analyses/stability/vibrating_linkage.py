@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem
 from flexmech.linear_system import whole
-from flexmech.time_domain import FourierSeries, MovingModes, SampledPeriodicSystem
+from flexmech.time_domain import MovingModes
 from flexmech.types import FloatArray
 
 SHAPE_ANGLES = 16
