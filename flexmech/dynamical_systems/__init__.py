@@ -16,7 +16,7 @@ Mathieu's equation ``y'' + (1 + 0.4 cos 2 t) y = 0`` is unstable in its principa
 ...     return np.array([[[0.0, 1.0], [-k, 0.0]] for k in stiffness])
 >>> modes = floquet_modes(StatedPeriodicSystem(matrix, np.pi), steps=64)
 >>> [round(float(growth), 4) for growth in modes.exponent.real]
-[0.1, -0.1]
+[0.0995, -0.0995]
 """
 
 from flexmech.dynamical_systems.floquet import FloquetModes, floquet_modes, krein_signature

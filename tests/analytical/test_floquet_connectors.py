@@ -10,13 +10,7 @@ import pytest
 import scipy.optimize
 from numpy.typing import NDArray
 
-from flexmech import (
-    ExudynEngine,
-    Mechanism,
-    ReferenceEngine,
-    RotatingArm,
-    load_mechanism,
-)
+from flexmech import ExudynEngine, Mechanism, ReferenceEngine, RotatingArm, load_mechanism
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.dynamical_systems import floquet_modes
 from flexmech.linear_system import Engine, Prestress

@@ -8,8 +8,12 @@ import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flexmech.dynamical_systems import FloquetModes, StatedPeriodicSystem, floquet_modes
-from flexmech.dynamical_systems.magnus import transition_matrices
+from flexmech.dynamical_systems import (
+    FloquetModes,
+    StatedPeriodicSystem,
+    floquet_modes,
+    transition_matrices,
+)
 from flexmech.errors import ComputationError
 from flexmech.types import FloatArray
 from flexmech.verification import VerificationCase, verification_cases

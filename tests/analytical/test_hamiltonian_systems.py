@@ -12,8 +12,8 @@ from flexmech.dynamical_systems import (
     StatedPeriodicSystem,
     floquet_modes,
     krein_signature,
+    transition_matrices,
 )
-from flexmech.dynamical_systems.magnus import transition_matrices
 from flexmech.types import FloatArray
 
 SYMPLECTIC = 1e-8

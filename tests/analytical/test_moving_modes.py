@@ -16,8 +16,7 @@ from flexmech.analyses.frequencies.eigenproblem import solve_eigenvalues
 from flexmech.analyses.stability import frozen_eigenvalues
 from flexmech.analyses.stability.frames import in_ground_axes
 from flexmech.choices import MovingFrame
-from flexmech.dynamical_systems import FloquetModes, floquet_modes
-from flexmech.dynamical_systems.magnus import transition_matrices
+from flexmech.dynamical_systems import FloquetModes, floquet_modes, transition_matrices
 from flexmech.linear_system import Engine, Prestress
 from flexmech.time_domain import (
     SampledTurn,

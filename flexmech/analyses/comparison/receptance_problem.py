@@ -11,12 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.analyses.comparison.fit import Parameter
-from flexmech.analyses.comparison.parameters import (
-    GAIN,
-    Fitted,
-    with_damping_times,
-    with_stiffness,
-)
+from flexmech.analyses.comparison.parameters import GAIN, Fitted, with_damping_times, with_stiffness
 from flexmech.analyses.comparison.start import USUAL_RATIO, named, parameters_from, start_values
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.choices import MOST_MODES

@@ -19,13 +19,7 @@ from flexmech.dynamical_systems import (
     state_modes,
 )
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
-from flexmech.linear_system import (
-    Engine,
-    LinearSystem,
-    LinkPoint,
-    StressedLinks,
-    point_rows,
-)
+from flexmech.linear_system import Engine, LinearSystem, LinkPoint, StressedLinks, point_rows
 from flexmech.linkages import RigidMotion
 from flexmech.time_domain import forced_linkage
 from flexmech.types import ComplexArray, FloatArray, IntArray
