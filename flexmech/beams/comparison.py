@@ -33,7 +33,7 @@ from flexmech.linkages import (
     Topology,
     shown_crank_angle,
 )
-from flexmech.linkages.spring_line import SpringLine
+from flexmech.linkages.applied_forces import SpringLine
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, DampingTimes
 from flexmech.threads import one_thread
