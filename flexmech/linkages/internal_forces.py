@@ -155,4 +155,4 @@ def _mass_before(mass: LinkMass, place: FloatArray) -> FloatArray:
 
 def _spread(values: FloatArray, place: FloatArray) -> FloatArray:
     """Values of shape (...) beside those of cuts: shape (...) or (..., 1)."""
-    return values[(..., *[None] * place.ndim)]
+    return np.asarray(values[(..., *[None] * place.ndim)])
