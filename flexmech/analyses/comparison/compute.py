@@ -10,8 +10,8 @@ from flexmech.analyses.comparison.over_frequency import compared_over_frequency
 from flexmech.analyses.comparison.over_time import compared_over_time
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.comparison.result import Comparison
-from flexmech.analyses.loads_over_time import left_out_attributes
-from flexmech.analyses.provenance import provenance, with_units
+from flexmech.analyses.datasets import provenance, with_units
+from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import engine_of
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine

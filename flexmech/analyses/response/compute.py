@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from flexmech.analyses.beam_theory import theory_attributes
-from flexmech.analyses.provenance import with_units
+from flexmech.analyses.datasets import with_units
 from flexmech.analyses.response.dataset import add_mesh_errors, build_dataset
 from flexmech.analyses.response.plan import engines_in_state, planned
 from flexmech.analyses.response.request import ResponseRequest

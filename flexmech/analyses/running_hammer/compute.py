@@ -5,12 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from flexmech.analyses.beam_theory import theory_attributes
-from flexmech.analyses.damping_ratios import (
-    lowest_frequency,
-    with_damping_ratio,
-    with_damping_time,
-)
-from flexmech.analyses.provenance import with_units
+from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_ratio, with_damping_time
+from flexmech.analyses.datasets import with_units
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.running_hammer.dataset import dataset_of
 from flexmech.analyses.running_hammer.measured import measured_response

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.provenance import provenance
+from flexmech.analyses.datasets import provenance
 from flexmech.analyses.running_hammer.measured import MeasuredResponse
 from flexmech.analyses.running_hammer.peaks import order_peaks
 from flexmech.analyses.running_hammer.prediction import Prediction

@@ -11,11 +11,11 @@ from flexmech.analyses.response.start import linear_start
 from flexmech.analyses.running_hammer.plan import RunPlan
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.stability.parallel import in_order
+from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain import (
     DrivenLinkage,
-    HalfSinePulse,
     Impact,
     LinkState,
     StruckLinkage,
