@@ -258,8 +258,8 @@ class JointSpring:
     Examples
     --------
     >>> spring = flexmech.JointSpring("B", torsional_stiffness=0.2, free_angle=0.5)
-    >>> spring.torque(np.array(0.6), np.array(0.0)).round(3)
-    -0.02
+    >>> spring.torque(np.array([0.6]), np.zeros(1)).round(3)
+    array([-0.02])
     """
 
     joint: str
