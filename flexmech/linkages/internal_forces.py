@@ -126,7 +126,7 @@ class LinkForces:
 
     def _pull(self, link: int) -> FloatArray:
         """Acceleration less gravity at a link's start, ground axes, (..., 2)."""
-        return self.motion.origin_acceleration[..., link, :] - np.asarray(self.gravity)
+        return np.asarray(self.motion.origin_acceleration[..., link, :] - self.gravity)
 
     def _forces_before(
         self, link: int, place: FloatArray
