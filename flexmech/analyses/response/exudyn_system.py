@@ -16,7 +16,7 @@ from flexmech.hygrothermal import Environment
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.threads import one_thread
-from flexmech.time_domain import LinkState
+from flexmech.time_domain.recorded_runs import LinkState
 from flexmech.types import LabelledProgress
 
 System = TypeVar("System", covariant=True)
