@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexmech.beams.theories import BEAM_SHAPES
+from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.choices import engine_of
 from flexmech.errors import InputError
 from flexmech.linkages import FourBar

@@ -26,7 +26,7 @@ from flexmech.linear_system import (
     SystemMatrices,
 )
 from flexmech.linkages import CrankDrive, Load, RigidMotion, continuous_angles
-from flexmech.linkages.spring_line import SpringLine
+from flexmech.linkages.applied_forces import SpringLine
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 

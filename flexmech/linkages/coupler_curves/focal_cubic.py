@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from flexmech.linkages.coupler_curve import CouplerTriangle
+from flexmech.linkages.coupler_curves.curve import CouplerTriangle
 
 Coefficients = tuple[float, ...]
 

@@ -1,4 +1,4 @@
-"""The path of a point of a four-bar's coupler: places, derivatives and curvature."""
+"""The path of a point of a four-bar's coupler: places, derivatives, curvature, its equation."""
 
 from __future__ import annotations
 
@@ -11,13 +11,14 @@ from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
 from flexmech.linkages.fourbar import FourBar
-from flexmech.linkages.motion import RigidMotion, direction, normal
+from flexmech.linkages.motion import RigidMotion, cross, direction
 from flexmech.model_text import TomlTable, quantity
 from flexmech.numbers import POSITIVE, check_angle, check_instance, check_number
 from flexmech.short_repr import short_repr
 from flexmech.types import FloatArray
 from flexmech.units import ANGLE, LENGTH
 
+# Number of the coupler among the links of a four-bar.
 COUPLER = 1
 
 # Below this part of the linkage's size, in m per rad, the tangent's direction is round-off.
@@ -181,8 +182,7 @@ class CouplerCurve:
         InputError
             Where the linkage cannot be assembled or locks.
         """
-        motion = self._motion(crank_angle)
-        return motion.origin[..., COUPLER, :] + self.point.distance * direction(self._angle(motion))
+        return self._motion(crank_angle).position(COUPLER, *self.point.place)
 
     def derivative(self, crank_angle: ArrayLike) -> FloatArray:
         """First derivative of the place by the crank angle in m/rad.
@@ -203,7 +203,7 @@ class CouplerCurve:
         InputError
             Where the linkage cannot be assembled or locks.
         """
-        return self._derivatives(crank_angle)[0]
+        return self._motion(crank_angle).velocity(COUPLER, *self.point.place)
 
     def second_derivative(self, crank_angle: ArrayLike) -> FloatArray:
         """Second derivative of the place by the crank angle in m/rad^2.
@@ -224,7 +224,7 @@ class CouplerCurve:
         InputError
             Where the linkage cannot be assembled or locks.
         """
-        return self._derivatives(crank_angle)[1]
+        return self._motion(crank_angle).acceleration(COUPLER, *self.point.place)
 
     def speed(self, crank_angle: ArrayLike) -> FloatArray:
         """Length of the path by the crank angle in m/rad: zero at a cusp.
@@ -267,38 +267,70 @@ class CouplerCurve:
             Where the point stands still (a cusp: the curvature is infinite there), and where
             the linkage cannot be assembled or locks.
         """
-        first, second = self._derivatives(crank_angle)
+        motion, place = self._motion(crank_angle), self.point.place
+        first, second = motion.velocity(COUPLER, *place), motion.acceleration(COUPLER, *place)
         speed = np.hypot(first[..., 0], first[..., 1])
-        self._refuse_standstill(np.asarray(crank_angle, dtype=float), speed)
-        turning = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
-        return np.asarray(turning / speed**3)
-
-    def _derivatives(self, crank_angle: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        motion = self._motion(crank_angle)
-        angle = self._angle(motion)
-        arm = self.point.distance
-        turning = motion.angular_velocity[..., COUPLER, None]
-        spin = motion.angular_acceleration[..., COUPLER, None]
-        along, across = direction(angle), normal(angle)
-        first = motion.origin_velocity[..., COUPLER, :] + arm * turning * across
-        second = motion.origin_acceleration[..., COUPLER, :] + arm * (
-            spin * across - turning**2 * along
-        )
-        return first, second
-
-    def _motion(self, crank_angle: ArrayLike) -> RigidMotion:
-        return self.linkage.motion(crank_angle, crank_speed=1.0)
-
-    def _angle(self, motion: RigidMotion) -> FloatArray:
-        """Angle of A-E in ground axes in rad; shape (...)."""
-        angle: FloatArray = motion.angle[..., COUPLER] + self.point.angle
-        return angle
-
-    def _refuse_standstill(self, theta: FloatArray, speed: FloatArray) -> None:
         still = speed <= STANDSTILL * (self.linkage.crank + self.point.distance)
         if np.any(still):
-            angle = float(np.round(np.degrees(theta[still].flat[0]), 9))
+            angle = float(np.round(np.degrees(motion.crank_angle[still].flat[0]), 9))
             raise InputError(
                 f"the coupler point stands still at crank angle {angle:g} deg: the path has a "
                 "cusp and no finite curvature there; leave that crank angle out"
             )
+        return np.asarray(cross(first, second) / speed**3)
+
+    def _motion(self, crank_angle: ArrayLike) -> RigidMotion:
+        return self.linkage.motion(crank_angle, crank_speed=1.0)
+
+
+def coupler_sextic(linkage: FourBar, point: CouplerPoint, position: ArrayLike) -> FloatArray:
+    """Residual of the coupler curve's equation, zero on the curves of all its circuits.
+
+    The circles on which A and B stay, about O2 and O4 and about E, are linear in the sine and
+    the cosine of the coupler's angle, which are eliminated (S. Roberts 1876; Hartenberg &
+    Denavit 1964, ch. 6). With d the ground, a and c crank and rocker, e and f the distances of
+    E from A and B under the angle epsilon, r2 and r4 those from O2 and O4:
+
+        U = r2^2 + e^2 - a^2,    V = r4^2 + f^2 - c^2,    W = x^2 - x d + y^2,
+        f^2 r4^2 U^2 + e^2 r2^2 V^2 - 2 e f U V (W cos epsilon + y d sin epsilon)
+            = 4 e^2 f^2 (y d cos epsilon - W sin epsilon)^2.
+
+    The right side vanishes on the circle of singular foci, on which the double points lie. The
+    highest power is b^2 r2^6, b being the coupler's length.
+
+    Parameters
+    ----------
+    linkage : FourBar
+        Its branch is without effect.
+    point : CouplerPoint
+    position : array_like, shape (..., 2)
+        Places (x, y) in ground axes in m.
+
+    Returns
+    -------
+    ndarray, shape (...)
+        Left less right side over b^2 (a + e)^6, where a + e is the longest reach from O2:
+        about (r2 / (a + e))^6 far from the curve, some 1e-14 on it.
+
+    Raises
+    ------
+    InputError
+        If the last axis of the places is not of length two.
+    """
+    place = np.asarray(position, dtype=float)
+    if place.ndim == 0 or place.shape[-1] != 2:
+        raise InputError(
+            f"places must be (x, y) along their last axis, got an array of shape {place.shape}"
+        )
+    e, f, cosine, sine = point.triangle(linkage.coupler)
+    ground = linkage.ground
+    x, y = place[..., 0], place[..., 1]
+    r2, r4 = x**2 + y**2, (x - ground) ** 2 + y**2
+    u = r2 + e**2 - linkage.crank**2
+    v = r4 + f**2 - linkage.rocker**2
+    w = r2 - x * ground
+    left = (f * u) ** 2 * r4 + (e * v) ** 2 * r2
+    left -= 2 * e * f * u * v * (w * cosine + y * ground * sine)
+    right = (2 * e * f * (y * ground * cosine - w * sine)) ** 2
+    residual: FloatArray = (left - right) / (linkage.coupler**2 * (linkage.crank + e) ** 6)
+    return residual
