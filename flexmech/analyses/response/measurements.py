@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, LinkModel
 from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.time_domain import Trajectory
@@ -99,14 +99,27 @@ def bending_strains(engine: Engine, trajectory: Trajectory) -> FloatArray:
     -------
     ndarray, shape (N, n_links)
     """
-    mechanism = engine.mechanism
-    parts = []
-    for link, q in zip(engine.links, trajectory.displacement, strict=True):
-        section = mechanism.sections.get(link.name)
-        # A rigid link is not strained, whatever it is made of.
-        thickness = 0.0 if section is None else section.in_plane_thickness
-        parts.append(-thickness / 2 * (q @ link.curvature))
-    return np.stack(parts, axis=1)
+    pairs = zip(engine.links, trajectory.displacement, strict=True)
+    return np.stack([q @ surface_strain(engine, link) for link, q in pairs], axis=1)
+
+
+def surface_strain(engine: Engine, link: LinkModel) -> FloatArray:
+    """Bending strain in the middle of a link by its coordinates, of the surface at its +y side.
+
+    Parameters
+    ----------
+    engine : Engine
+    link : LinkModel
+        Of the engine.
+
+    Returns
+    -------
+    ndarray, shape (n_link,)
+        Zero for a rigid link, whatever it is made of.
+    """
+    section = engine.mechanism.sections.get(link.name)
+    thickness = 0.0 if section is None else section.in_plane_thickness
+    return np.asarray(-thickness / 2 * link.curvature)
 
 
 def ground_displacements(engine: Engine, trajectory: Trajectory, motion: RigidMotion) -> FloatArray:
