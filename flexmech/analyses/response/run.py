@@ -9,8 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from flexmech.analyses.response.measurements import NO_DEFLECTION, deflections
-from flexmech.analyses.response.peaks import peaks_between
+from flexmech.analyses.response.measurements import NO_DEFLECTION, deflections, peaks_between
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start, simulation_start
 from flexmech.errors import ComputationError

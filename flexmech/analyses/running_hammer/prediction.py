@@ -12,13 +12,7 @@ from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
-from flexmech.linear_system import (
-    Engine,
-    LinearSystem,
-    LinkPoint,
-    StressedLinks,
-    point_rows,
-)
+from flexmech.linear_system import Engine, LinearSystem, LinkPoint, StressedLinks, point_rows
 from flexmech.linkages import RigidMotion
 from flexmech.time_domain import (
     ForcedPeriodicSystem,

@@ -18,10 +18,10 @@ from flexmech.verification.methods.drawn_linkages import (
     rod_peak,
     running_rod_peak,
 )
-from flexmech.verification.methods.elasticity import four_bar_by_plane_elasticity
 from flexmech.verification.methods.floating_rod import rod_at_end, rod_first_sine
 from flexmech.verification.methods.frequencies import (
     cantilever_frequencies,
+    four_bar_by_plane_elasticity,
     four_bar_frequencies,
     rotating_arm_frequencies,
 )

@@ -9,6 +9,7 @@ from scipy.optimize import brentq
 
 from flexmech.analyses import natural_frequencies
 from flexmech.choices import ElementName, EngineName, Prestress
+from flexmech.errors import InputError
 from flexmech.linkages import RotatingArm
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
@@ -154,3 +155,42 @@ def cantilever_frequencies(*, modes: int) -> FloatArray:
         for n in range(modes)
     ]
     return np.square(roots)
+
+
+def four_bar_by_plane_elasticity(
+    *, model: str, crank_angle: float, elements: int, modes: int
+) -> FloatArray:
+    """Natural frequencies of a four-bar at rest by plane stress, its layers in elements.
+
+    Parameters
+    ----------
+    model : str
+        Name of an example with laminated links.
+    crank_angle : float
+        In deg.
+    elements : int
+        Along each link.
+    modes : int
+
+    Returns
+    -------
+    ndarray, shape (modes,)
+        In Hz.
+
+    Raises
+    ------
+    InputError
+        If a link has no layers.
+    """
+    from flexmech.verification.methods.plane_elasticity import fourbar_frequencies, plane_link
+
+    mechanism = example(model)
+    links = mechanism.linkage.topology.links
+    made = []
+    for link in links:
+        layers = mechanism.sections[link.name].layers
+        if layers is None:
+            raise InputError(f"{model}: {link.name} has no layers")
+        made.append(plane_link(layers.laminate, layers.width, link.length, elements))
+    angles = mechanism.linkage.motion(np.radians(crank_angle)).angle.tolist()
+    return fourbar_frequencies(made, angles, [link.length for link in links], modes)

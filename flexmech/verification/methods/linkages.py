@@ -7,11 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmech.errors import ComputationError, InputError
-from flexmech.hygrothermal import (
-    HygrothermalState,
-    coupler_point_in_state,
-    linkage_in_state,
-)
+from flexmech.hygrothermal import HygrothermalState, coupler_point_in_state, linkage_in_state
 from flexmech.linkages import (
     CouplerPoint,
     CuspTransition,

@@ -15,11 +15,7 @@ from flexmech.materials.moisture import (
     diffuse,
     time_to_saturation,
 )
-from flexmech.materials.moisture.series import (
-    FOURIER_OF_CHANGE,
-    early_uptake,
-    remaining_uptake,
-)
+from flexmech.materials.moisture.series import FOURIER_OF_CHANGE, early_uptake, remaining_uptake
 from flexmech.materials.moisture.unit_slab import diffusion_length, fourier_number
 from flexmech.types import FloatArray
 
