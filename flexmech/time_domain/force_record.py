@@ -6,8 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexmech.time_domain.low_pass import LowPass
-from flexmech.time_domain.sampling import ON_A_STEP, linear, place
+from flexmech.dynamical_systems import ON_A_STEP, LowPass, linear_interpolation, sample_intervals
 from flexmech.types import FloatArray
 
 
@@ -111,4 +110,4 @@ class ForceRecord:
         stop = int(np.searchsorted(self._sample_time, reach, side="right"))
         at = self._sample_time[self._sampled : stop]
         self._sampled = stop
-        self._samples.append(linear(values, *place(time, at)))
+        self._samples.append(linear_interpolation(values, *sample_intervals(time, at)))

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmech.choices import LinkDirection
+from flexmech.dynamical_systems import ForcedPeriodicSystem, FourierSeries
 from flexmech.linear_system import (
     LinkFrames,
     LinkMatrix,
@@ -21,8 +22,6 @@ from flexmech.linear_system import (
     displacement_row,
     in_positions,
 )
-from flexmech.time_domain.fourier import FourierSeries
-from flexmech.time_domain.harmonic_response import ForcedPeriodicSystem
 from flexmech.time_domain.moving_modes import MovingModes
 from flexmech.types import FloatArray
 

@@ -8,14 +8,13 @@ link in proportion to the damping of the model, so that other damping costs no n
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.linalg
 from scipy.interpolate import CubicSpline
 
+from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem, transition_matrices
 from flexmech.linear_system import (
     CarriedInertia,
     Engine,
@@ -24,8 +23,6 @@ from flexmech.linear_system import (
     StressedLinks,
     inertia_loads,
 )
-from flexmech.time_domain.fourier import FourierSeries
-from flexmech.time_domain.magnus import GAUSS_POINTS, step_exponents
 from flexmech.time_domain.moving_modes import MovingModes, counts_of_modes, moving_modes
 from flexmech.time_domain.sampled_turn import SampledTurn
 from flexmech.types import FloatArray
@@ -39,10 +36,6 @@ SAMPLES = 181
 # hardly moves.
 STEPS_A_PERIOD = 12
 LEAST_STEPS = 720
-# Degree of the Taylor polynomial of a short step's exponential, and the norm up to which it is
-# taken: 1.5^13 / 13! = 3e-8 is left out at most.
-DEGREE = 12
-SHORT = 1.5
 # Modes besides those asked for, where nothing turns and any number of them is smooth.
 SPARE_MODES = 2
 
@@ -118,10 +111,8 @@ class ForcedModes:
             LEAST_STEPS,
             int(np.ceil(STEPS_A_PERIOD * self.period * self.fastest / (2 * np.pi))),
         )
-        first, middle, last = (series.samples(steps, place) for place in GAUSS_POINTS)
-        exponents = step_exponents(first, middle, last, self.period / steps)
         return FreeAndForced(
-            transitions=_exponentials(exponents),
+            transitions=transition_matrices(SampledPeriodicSystem(series, self.period), steps),
             rows=self.rows.samples(steps),
             offset=self.offset.samples(steps),
         )
@@ -253,25 +244,6 @@ def forced_modes(
         FourierSeries.through(rows),
         FourierSeries.through(read[..., count]),
     )
-
-
-def _exponentials(exponents: FloatArray) -> FloatArray:
-    """Exponentials of matrices (N, n + 1, n + 1) whose last row is zero.
-
-    Those of short steps by a Taylor polynomial (Paterson & Stockmeyer 1973), five products for all
-    of them at once: a third of the time of one by one.
-    """
-    own = exponents[:, :-1, :-1]
-    if np.abs(own).sum(axis=1).max() > SHORT:
-        return np.asarray(scipy.linalg.expm(exponents), dtype=float)
-    powers = [np.eye(exponents.shape[1]), exponents]
-    while len(powers) < 5:
-        powers.append(powers[-1] @ exponents)
-    total = np.zeros_like(exponents)
-    for start in range(DEGREE, -1, -4):
-        terms = [powers[k] / math.factorial(start + k) for k in range(4) if start + k <= DEGREE]
-        total = total @ powers[4] + sum(terms)
-    return total
 
 
 def _link_damping(moving: MovingModes) -> tuple[FourierSeries, ...]:

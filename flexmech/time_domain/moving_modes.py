@@ -28,10 +28,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.choices import MovingFrame
+from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem
 from flexmech.linear_system import LinkMatrix, LinkModel
-from flexmech.time_domain.fourier import FourierSeries
 from flexmech.time_domain.nodal_frames import NodalFrame, quarter_turn
-from flexmech.time_domain.periodic_system import SampledPeriodicSystem
 from flexmech.time_domain.sampled_turn import SampledTurn
 from flexmech.types import FloatArray
 

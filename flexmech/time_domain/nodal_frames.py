@@ -19,8 +19,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flexmech.dynamical_systems import FourierSeries
 from flexmech.linear_system import LinkModel, whole
-from flexmech.time_domain.fourier import FourierSeries
 from flexmech.types import FloatArray
 
 

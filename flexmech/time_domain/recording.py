@@ -10,9 +10,14 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
+from flexmech.dynamical_systems import (
+    ON_A_STEP,
+    hermite_interpolation,
+    linear_interpolation,
+    sample_intervals,
+)
 from flexmech.time_domain.force_record import ForceRecord
 from flexmech.time_domain.lobatto import WEIGHTS, parabolic_work
-from flexmech.time_domain.sampling import ON_A_STEP, hermite, linear, place
 from flexmech.time_domain.shaft_motion import ShaftMotion
 from flexmech.types import FloatArray
 
@@ -227,9 +232,9 @@ class Recorder:
         stop = int(np.searchsorted(self.sample_time, reach, side="right"))
         at = self.sample_time[self._taken : stop]
         self._taken = stop
-        before, fraction = place(block.time, at)
+        before, fraction = sample_intervals(block.time, at)
         cubic = [
-            hermite(block.time, q, r, before, fraction)
+            hermite_interpolation(block.time, q, r, before, fraction)
             for q, r in zip(block.displacement, block.rate, strict=True)
         ]
         energy = np.stack(
@@ -247,13 +252,15 @@ class Recorder:
         if block.shaft is not None:
             self._turns_freely = True
             rotation, rate = block.shaft.rotation[:, None], block.shaft.rate[:, None]
-            turned = [v[:, 0] for v in hermite(block.time, rotation, rate, before, fraction)]
+            turned = [
+                v[:, 0] for v in hermite_interpolation(block.time, rotation, rate, before, fraction)
+            ]
         self._parts.append(
             {
                 "shaft": turned,
                 "displacement": [value for value, _ in cubic],
                 "rate": [slope for _, slope in cubic],
-                "energy": [linear(energy, before, fraction)],
+                "energy": [linear_interpolation(energy, before, fraction)],
             }
         )
 

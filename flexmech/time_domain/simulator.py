@@ -1,18 +1,47 @@
-"""What an engine offers that simulates the nonlinear motion itself."""
+"""What an engine offers that simulates the nonlinear motion itself, and impacts on it."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Protocol, cast
 
-from flexmech.choices import Integrator, LinkDirection
+from flexmech.choices import LINK_DIRECTIONS, Integrator, LinkDirection
+from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinkPoint
 from flexmech.linkages import CrankDrive, LockedCrank
-from flexmech.time_domain.pulse import Impact
+from flexmech.numbers import check_choice, check_instance
 from flexmech.time_domain.recording import Trajectory
 from flexmech.time_domain.state import LinkState
 from flexmech.types import FloatArray, StepProgress
+
+
+@dataclass(frozen=True)
+class Impact:
+    """A pulse on a point of a link, in the axes of the link's rigid frame.
+
+    Parameters
+    ----------
+    point : LinkPoint
+    direction : {"transverse", "axial"}
+        Across the link's frame or along it; the force turns with the frame.
+    pulse : HalfSinePulse
+
+    Raises
+    ------
+    InputError
+        If one is no such thing.
+    """
+
+    point: LinkPoint
+    direction: LinkDirection
+    pulse: HalfSinePulse
+
+    def __post_init__(self) -> None:
+        check_instance(self.point, LinkPoint, "point of an impact", "give a flexmech.LinkPoint")
+        check_choice(self.direction, LINK_DIRECTIONS, "direction of an impact")
+        check_instance(self.pulse, HalfSinePulse, "pulse of an impact", "give a HalfSinePulse")
 
 
 class Simulator(Protocol):

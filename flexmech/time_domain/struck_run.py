@@ -7,11 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from flexmech.choices import LinkDirection
+from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.linear_system import LinkPoint, displacement_row
 from flexmech.time_domain.driven_linkage import DrivenLinkage
 from flexmech.time_domain.linear_run import BLOCK_STEPS, refuse_divergence, start_state
 from flexmech.time_domain.marching import marching
-from flexmech.time_domain.pulse import HalfSinePulse
 from flexmech.time_domain.state import VibrationState
 from flexmech.types import FloatArray
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.provenance import versions
+from flexmech.analyses.datasets import versions
 from flexmech.errors import InputError
 from flexmech.threads import one_thread
 from flexmech.types import FloatArray, LabelledProgress

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from flexmech import ReferenceEngine, load_mechanism
+from flexmech.dynamical_systems import LowPass
 from flexmech.linkages import CrankDrive, JointSpring
 from flexmech.time_domain import DrivenLinkage, linear_run, lowest_axial_frequency, step_lag
 from flexmech.time_domain import stretch_march as march_module
@@ -17,7 +18,6 @@ from flexmech.time_domain.lobatto import (
     parabolic_work,
     stage_operators,
 )
-from flexmech.time_domain.low_pass import LowPass
 from flexmech.time_domain.position_table import PositionTable
 from flexmech.time_domain.step_table import StepTable
 from flexmech.time_domain.trapezoidal import step_operators

@@ -9,14 +9,13 @@ import pytest
 
 from flexmech import CrankDrive, LinkPoint, ReferenceEngine, load_mechanism
 from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.dynamical_systems import HalfSinePulse, harmonic_response
 from flexmech.linear_system import Prestress
 from flexmech.time_domain import (
     DrivenLinkage,
-    HalfSinePulse,
     StruckLinkage,
     VibrationState,
     forced_linkage,
-    harmonic_response,
 )
 from flexmech.types import ComplexArray, FloatArray
 

@@ -16,9 +16,9 @@ from flexmech.analyses.comparison.parameters import (
     fitted_names,
     stiffness_factors,
 )
+from flexmech.dynamical_systems.frequency_response import direct_receptance
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import point_rows
-from flexmech.time_domain import direct_receptance
 from tests.unit.comparison_data import (
     RATIO,
     SPEED,

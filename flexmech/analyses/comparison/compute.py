@@ -13,8 +13,8 @@ from flexmech.analyses.comparison.over_time import time_problem
 from flexmech.analyses.comparison.problem import RecordProblem, comparison_dataset
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.comparison.result import Comparison
-from flexmech.analyses.loads_over_time import left_out_attributes
-from flexmech.analyses.provenance import provenance, with_units
+from flexmech.analyses.datasets import provenance, with_units
+from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import engine_of
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine

@@ -21,10 +21,10 @@ from flexmech.analyses.comparison.problem import RecordProblem, rows_taken_at
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.choices import MOST_MODES
+from flexmech.dynamical_systems.frequency_response import direct_receptance
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinkPoint, point_rows
 from flexmech.measured_data import MeasuredQuantity, MeasuredRecord
-from flexmech.time_domain import direct_receptance
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
 # What a response over a force is called by its SI unit, and how often it is differentiated.

@@ -13,10 +13,10 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.comparison.parameters import DAMPING, STIFFNESS
 from flexmech.analyses.comparison.problem import CURVES
-from flexmech.analyses.loads_over_time import left_out_warnings
+from flexmech.analyses.datasets import DEGREES, table_over
+from flexmech.analyses.remarks import left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
-from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.errors import InputError, suggestion
 from flexmech.units import from_si
 

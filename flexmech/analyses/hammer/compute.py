@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.datasets import with_units
 from flexmech.analyses.hammer.dataset import dataset_of
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.measurement import measured
 from flexmech.analyses.hammer.plan import planned_record
 from flexmech.analyses.hammer.request import HammerRequest
 from flexmech.analyses.hammer.result import HammerTest
-from flexmech.analyses.loads_over_time import left_out_attributes
-from flexmech.analyses.provenance import with_units
+from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import engine_of
 from flexmech.linear_system import Engine
 from flexmech.numbers import check_instance

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.datasets import origin, with_units
 from flexmech.analyses.kinematics.request import KinematicsRequest
 from flexmech.analyses.kinematics.result import Kinematics
-from flexmech.analyses.provenance import origin, with_units
 from flexmech.errors import InputError
 from flexmech.linear_system import checked_mechanism
 from flexmech.linkages import (

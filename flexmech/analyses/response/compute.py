@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Protocol, TypeVar, cast
 
 from flexmech.analyses.beam_theory import theory_attributes
-from flexmech.analyses.provenance import with_units
+from flexmech.analyses.datasets import with_units
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.response.dataset import add_mesh_errors, build_dataset
 from flexmech.analyses.response.plan import engines_in_state, planned

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.datasets import provenance, rigid_positions
 from flexmech.analyses.frequencies import Formulation, frequencies_at
-from flexmech.analyses.provenance import provenance
 from flexmech.analyses.response import measurements
 from flexmech.analyses.response.measurements import peaks_between
 from flexmech.analyses.response.plan import oscillating, vibrating_engine
@@ -21,7 +21,6 @@ from flexmech.analyses.response.spectra import (
     spectrogram,
     window_duration,
 )
-from flexmech.analyses.stations import rigid_positions
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.mechanism import drawing

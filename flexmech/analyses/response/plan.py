@@ -8,12 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.analyses.damping_ratios import with_damping_time
-from flexmech.analyses.environment import environment_lines
 from flexmech.analyses.frequencies import natural_frequencies
-from flexmech.analyses.requests import engines_of
+from flexmech.analyses.remarks import environment_lines
+from flexmech.analyses.requests import engines_of, sampled_turn
 from flexmech.analyses.response.dataset import SPECTRUM_REACH
 from flexmech.analyses.response.request import MOST_SAMPLES, NO_PERIODIC_START, ResponseRequest
-from flexmech.analyses.turn import sampled_turn
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine, OverdampedError

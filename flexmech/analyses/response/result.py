@@ -13,6 +13,7 @@ import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.datasets import DEGREES, table_over
 from flexmech.analyses.response import words
 from flexmech.analyses.response.agreement import (
     agreement_line,
@@ -25,7 +26,6 @@ from flexmech.analyses.response.dataset import needed
 from flexmech.analyses.response.measurements import NO_DEFLECTION
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
-from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.choices import STORES, PageWidth, PictureFormat, Store
 from flexmech.files import given_path, moved_into
 from flexmech.numbers import check_choice

@@ -9,7 +9,7 @@ import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_ratio, with_damping_time
-from flexmech.analyses.provenance import provenance, with_units
+from flexmech.analyses.datasets import provenance, with_units
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.running_hammer.measured import MeasuredResponse, measured_response, runner
 from flexmech.analyses.running_hammer.plan import GUARD_ORDERS, planned

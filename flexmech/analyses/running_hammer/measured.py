@@ -12,13 +12,13 @@ from flexmech.analyses.response.start import linear_start
 from flexmech.analyses.running_hammer.plan import RunPlan
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.stability.parallel import in_order
+from flexmech.dynamical_systems.half_sine_pulse import HalfSinePulse
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.modal_testing import HarmonicEstimate, estimate_harmonics, with_noise
 from flexmech.time_domain import (
     DrivenLinkage,
-    HalfSinePulse,
     Impact,
     LinkState,
     StruckLinkage,

@@ -11,16 +11,16 @@ from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
+from flexmech.dynamical_systems.frequency_response import state_modes
+from flexmech.dynamical_systems.harmonic_response import (
+    ForcedPeriodicSystem,
+    balanced_response,
+    harmonic_response,
+)
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError
 from flexmech.linear_system import Engine, LinearSystem, LinkPoint, StressedLinks, point_rows
 from flexmech.linkages import RigidMotion
-from flexmech.time_domain import (
-    ForcedPeriodicSystem,
-    balanced_response,
-    forced_linkage,
-    harmonic_response,
-    state_modes,
-)
+from flexmech.time_domain import forced_linkage
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
 # Natural modes up to this part of the highest frequency of input and response are kept, and tried.

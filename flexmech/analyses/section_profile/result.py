@@ -9,6 +9,7 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
+from flexmech.analyses.datasets import DEGREES, table_over
 from flexmech.analyses.requests import link_of
 from flexmech.analyses.result import Result
 from flexmech.analyses.section_profile.properties import PROPERTIES, STORED
@@ -19,7 +20,6 @@ from flexmech.analyses.section_profile.tables import (
     property_table,
 )
 from flexmech.analyses.summary import Summary, Table
-from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.errors import InputError
 
 if TYPE_CHECKING:

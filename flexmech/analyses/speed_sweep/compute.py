@@ -15,13 +15,12 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.datasets import provenance, with_units
 from flexmech.analyses.frequencies import natural_frequencies
-from flexmech.analyses.provenance import provenance, with_units
-from flexmech.analyses.requests import engine_of
+from flexmech.analyses.requests import engine_of, sampled_turn
 from flexmech.analyses.response import deflections_of, probes
 from flexmech.analyses.response.run import STEPS_PER_PERIOD
 from flexmech.analyses.speed_sweep.result import SpeedSweep
-from flexmech.analyses.turn import sampled_turn
 from flexmech.choices import MOST_MODES, PRESTRESS_LEVELS, Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine

@@ -1,9 +1,10 @@
 """Stability of the running linkage: Floquet multipliers over the crank speed."""
 
 from flexmech.analyses.stability.against import parameters_of
-from flexmech.analyses.stability.band import Band, BandEdge
 from flexmech.analyses.stability.compute import stability
 from flexmech.analyses.stability.engine_stability import (
+    Band,
+    BandEdge,
     CheckedErrors,
     EngineStability,
     FollowedSpeed,

@@ -8,8 +8,8 @@ from itertools import product
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.datasets import provenance
 from flexmech.analyses.frequencies import natural_frequencies, strain_energy_damping
-from flexmech.analyses.provenance import provenance
 from flexmech.linear_system import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.reference import ReferenceEngine

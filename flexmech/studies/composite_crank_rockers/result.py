@@ -9,9 +9,9 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
+from flexmech.analyses.datasets import table_over
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Row, Summary, Table
-from flexmech.analyses.tables import table_over
 from flexmech.studies.claim import REPRODUCED_WITHIN, Claim, claim_lines, count_of_verdicts
 from flexmech.studies.composite_crank_rockers.claims import all_models, composite_claims
 from flexmech.studies.composite_crank_rockers.linkages import (

@@ -6,7 +6,7 @@ n. The amplitudes are the harmonic transfer functions H_n(w) (N. M. Wereley & S.
 response of linear time periodic systems, 29th IEEE Conference on Decision and Control (1990)
 3650-3655; N. M. Wereley, thesis, MIT 1991). They follow from the one solution with
 ``x(T) = exp(i w T) x(0)``. In the Floquet modes ``x = Phi(t) z``, which the
-propagator of :mod:`flexmech.time_domain.floquet` gives, that solution is known harmonic by
+propagator of :mod:`flexmech.dynamical_systems.floquet` gives, that solution is known harmonic by
 harmonic::
 
     z_j' = lambda_j z_j + beta_j(t) exp(i w t),   beta = Phi^-1 b,   gamma = c Phi
@@ -26,11 +26,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flexmech.dynamical_systems.floquet import floquet_modes
+from flexmech.dynamical_systems.fourier import FourierSeries
+from flexmech.dynamical_systems.periodic_system import SampledPeriodicSystem
 from flexmech.errors import ComputationError
 from flexmech.numbers import check_count, checked_array
-from flexmech.time_domain.floquet import FloquetModes, floquet_modes
-from flexmech.time_domain.fourier import FourierSeries
-from flexmech.time_domain.periodic_system import SampledPeriodicSystem
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
 # Of the products of Fourier coefficients those below this part of the greatest are round-off.
@@ -96,18 +96,9 @@ class ForcedPeriodicSystem:
         )
 
     @property
-    def is_constant(self) -> bool:
-        """Whether A does not change along the period."""
-        return not self.system.matrix.harmonics
-
-    @property
     def turning(self) -> float:
         """``W`` in rad/s."""
         return 2 * np.pi / self.system.period
-
-    def floquet(self, steps: int) -> FloquetModes:
-        """Floquet modes by so many steps of the propagator a period."""
-        return floquet_modes(self.system, steps)
 
 
 def harmonic_response(
@@ -142,7 +133,7 @@ def harmonic_response(
 
     Examples
     --------
-    >>> from flexmech.time_domain import ForcedPeriodicSystem, harmonic_response
+    >>> from flexmech.dynamical_systems import ForcedPeriodicSystem, harmonic_response
     >>> one = np.eye(1)
     >>> oscillator = ForcedPeriodicSystem.constant(one, 0.1 * one, 4 * one, one[0], one[0], 1.0)
     >>> response = harmonic_response(oscillator, [0.0], [0, 1], 16)
@@ -151,9 +142,9 @@ def harmonic_response(
     """
     input_rate, wanted = _checked(frequency, orders)
     check_count(steps, "steps")
-    if forced.is_constant:
+    if forced.system.is_constant:
         return _of_constant_matrix(forced, input_rate, wanted)
-    modes = forced.floquet(steps)
+    modes = floquet_modes(forced.system, steps)
     with np.errstate(all="ignore"):
         shapes = modes.shapes()
     if not np.isfinite(shapes).all():

@@ -1,6 +1,9 @@
-"""What heat and moisture make of each link, in words that every result can carry."""
+"""Remarks of a result on its conditions: heat and moisture, and loads that it leaves out."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
 
 from flexmech.analyses.requests import environment_of
 from flexmech.hygrothermal import Environment, inert_links, resin_retention, swollen_links
@@ -66,3 +69,31 @@ def environment_lines(
     if inert:
         lines.append(f"heat and moisture do nothing to: {', '.join(inert)} (no such keys)")
     return lines
+
+
+LEFT_OUT = "loads_left_out"
+
+
+def left_out_attributes(mechanism: Mechanism) -> dict[str, str]:
+    """Attribute that names the loads over time; nothing where there are none.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+
+    Returns
+    -------
+    dict of str to str
+    """
+    names = [load.name for load in mechanism.loads if load.over == "time"]
+    return {LEFT_OUT: ", ".join(names)} if names else {}
+
+
+def left_out_warnings(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
+    """Warning that loads are left out, one line or none."""
+    if LEFT_OUT not in attributes:
+        return ()
+    return (
+        f"loads over time are left out here: {attributes[LEFT_OUT]}; they have no value at a crank "
+        "angle, and flexmech response counts them",
+    )

@@ -10,7 +10,7 @@ from flexmech.types import FloatArray, IntArray
 ON_A_STEP = 1e-6
 
 
-def place(time: FloatArray, at: FloatArray) -> tuple[IntArray, FloatArray]:
+def sample_intervals(time: FloatArray, at: FloatArray) -> tuple[IntArray, FloatArray]:
     """Step before each sample and how far the sample is beyond it, from 0 to 1.
 
     Parameters
@@ -31,7 +31,7 @@ def place(time: FloatArray, at: FloatArray) -> tuple[IntArray, FloatArray]:
     return before, np.where(np.abs(fraction - nearest) <= ON_A_STEP, nearest, fraction)
 
 
-def linear(values: FloatArray, before: IntArray, fraction: FloatArray) -> FloatArray:
+def linear_interpolation(values: FloatArray, before: IntArray, fraction: FloatArray) -> FloatArray:
     """Linear interpolation between steps.
 
     Parameters
@@ -39,7 +39,7 @@ def linear(values: FloatArray, before: IntArray, fraction: FloatArray) -> FloatA
     values : ndarray, shape (m, ...)
     before : ndarray of int, shape (N,)
     fraction : ndarray, shape (N,)
-        Both of :func:`place`.
+        Both of :func:`sample_intervals`.
 
     Returns
     -------
@@ -49,7 +49,7 @@ def linear(values: FloatArray, before: IntArray, fraction: FloatArray) -> FloatA
     return (1 - s) * values[before] + s * values[before + 1]
 
 
-def hermite(
+def hermite_interpolation(
     time: FloatArray,
     value: FloatArray,
     rate: FloatArray,
@@ -64,7 +64,7 @@ def hermite(
     value, rate : ndarray, shape (m, n)
     before : ndarray of int, shape (N,)
     fraction : ndarray, shape (N,)
-        Both of :func:`place`.
+        Both of :func:`sample_intervals`.
 
     Returns
     -------

@@ -8,9 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from flexmech.time_domain.fourier import FourierSeries
-from flexmech.time_domain.magnus import GAUSS_POINTS, step_exponents
-from flexmech.time_domain.matrix_exponential import matrix_exponentials
+from flexmech.dynamical_systems.fourier import FourierSeries
 from flexmech.types import FloatArray
 
 
@@ -95,14 +93,3 @@ class SampledPeriodicSystem:
         """Trace of A at the times ``k period / count``, shape (count,)."""
         coefficients = np.trace(self.matrix.coefficients, axis1=1, axis2=2)
         return FourierSeries(coefficients).samples(count)
-
-
-def exponents(system: PeriodicSystem, steps: int) -> FloatArray:
-    """Matrices whose exponentials are the transition matrices of a period's steps."""
-    first, middle, last = (system.matrices(steps, place) for place in GAUSS_POINTS)
-    return step_exponents(first, middle, last, system.period / steps)
-
-
-def transitions(system: PeriodicSystem, steps: int) -> FloatArray:
-    """Transition matrices of the steps of a period, (steps, n, n)."""
-    return matrix_exponentials(exponents(system, steps))

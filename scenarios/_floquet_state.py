@@ -5,11 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from flexmech.dynamical_systems import FloquetModes, FourierSeries
 from flexmech.errors import InputError
-from flexmech.time_domain.floquet import FloquetModes
-from flexmech.time_domain.fourier import FourierSeries
-from flexmech.time_domain.moving_modes import MovingModes
-from flexmech.time_domain.state import LinkState
+from flexmech.time_domain import LinkState, MovingModes
 
 
 def floquet_state(
@@ -43,19 +41,6 @@ def floquet_state(
     ------
     InputError
         If there is no step at a sample of the turn.
-
-    Examples
-    --------
-    >>> from flexmech.time_domain import SampledTurn, floquet_modes, moving_modes
-    >>> engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/steel_fourbar.toml"), 4)
-    >>> motion = engine.mechanism.linkage.motion(2 * np.pi / 128 * np.arange(128), 20.0)
-    >>> stressed = engine.stressed_links(motion, "axial")
-    >>> turn = SampledTurn.of(engine, motion, stressed, "axial", 3)
-    >>> moving = moving_modes(turn, 4)
-    >>> v, w = floquet_state(moving, floquet_modes(moving.system(), 1024))
-    >>> moved = [link.shape @ q for link, q in zip(engine.links, v.displacement)]
-    >>> print(round(max(abs(d).max() for d in moved), 9))
-    1.0
     """
     turn = moving.turn
     samples = len(moving.basis)

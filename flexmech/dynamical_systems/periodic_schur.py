@@ -1,9 +1,8 @@
-"""Floquet multipliers and modes of a periodic linear system, however far apart they are.
+"""Multipliers and modes of a product of many matrices, however far apart they are.
 
-A mode is a solution ``phi(t) exp(lambda t)`` whose shape phi repeats itself after a period T; its
-multiplier is ``exp(lambda T)``. Multiplied together, the transition matrices of a whole period
-lose what decays fast beside what does not: of a multiplier of ``exp(-24 * 2 pi)`` beside one of 1
-nothing is left. So they stay short, and are brought to triangular form one after the other::
+Multiplied together, the transition matrices of a whole period lose what decays fast beside what
+does not: of a multiplier of ``exp(-24 * 2 pi)`` beside one of 1 nothing is left. So they stay
+short, and are brought to triangular form one after the other::
 
     G_k Q_(k-1) = Q_k R_k
 
@@ -19,16 +18,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from math import gcd
-from typing import Protocol
 
 import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
+from flexmech.dynamical_systems.magnus import matrix_exponentials
 from flexmech.errors import ComputationError
-from flexmech.time_domain.matrix_exponential import matrix_exponentials
-from flexmech.time_domain.periodic_system import PeriodicSystem, SampledPeriodicSystem, exponents
 from flexmech.types import FloatArray
 
 # Logarithm of how far apart the multipliers, and singular values, of one short transition matrix
@@ -47,172 +43,30 @@ PATIENCE = 3.0
 MOST_PARTS = 1024
 
 
-@dataclass(frozen=True)
-class FloquetModes:
-    """All n modes of a periodic system, the one that grows most first.
+def short_products(exponent: FloatArray, spread: float) -> tuple[FloatArray, FloatArray]:
+    """Transition matrices of a period in rows so short that no product loses a weak multiplier.
+
+    A step that is too long for itself is taken in parts: its matrix is the power of another one.
 
     Parameters
     ----------
-    period : float
-        T in s.
-    exponent : ndarray of complex, shape (n,)
-        ``lambda`` in 1/s; the imaginary part is known but for multiples of ``2 pi / T`` and taken
-        between ``-pi / T`` and ``pi / T``.
-    trace_integral : float
-        Integral of the trace of A over a period.
-    """
-
-    period: float
-    exponent: NDArray[np.complex128]
-    trace_integral: float
-    _propagated: _Shapes
-
-    @property
-    def log_modulus(self) -> FloatArray:
-        """Logarithm of the multipliers' moduli, (n,)."""
-        return np.asarray(self.exponent.real * self.period)
-
-    @property
-    def angle(self) -> FloatArray:
-        """Angles of the multipliers between -pi and pi, (n,)."""
-        return np.asarray(self.exponent.imag * self.period)
-
-    @property
-    def liouville_defect(self) -> float:
-        """Sum of the logarithms of all moduli against the integral of the trace.
-
-        Relative to the sum of the logarithms' sizes, or absolute where that is below one. The
-        phases of a constant system count as well: its eigenvalues are rounded off as a whole,
-        and a slow crank lets them turn millions of times in a period.
-        """
-        defect = abs(float(self.log_modulus.sum()) - self.trace_integral)
-        size = float(np.abs(self.log_modulus).sum())
-        if self.whole_turns is not None:
-            size += 2 * np.pi * float(np.abs(self.whole_turns).sum())
-        return defect / max(1.0, size)
-
-    @property
-    def whole_turns(self) -> FloatArray | None:
-        """Whole turns a period of each shape of a constant system, (n,); None of other systems.
-
-        Such a shape is one harmonic: eigenvectors whose phase turns.
-        """
-        return self._propagated.turns if isinstance(self._propagated, _Turning) else None
-
-    def shapes(self, every: int = 1) -> NDArray[np.complex128]:
-        """Shapes ``phi`` at the starts of the N steps, (N, n, n): (step, state, mode).
-
-        Parameters
-        ----------
-        every : int
-            A divisor of N: at the start of every so many steps alone, (N / every, n, n).
-        """
-        return self._propagated.shapes(every)
-
-
-def floquet_modes(system: PeriodicSystem, steps: int) -> FloquetModes:
-    """Floquet modes of a periodic system.
-
-    Parameters
-    ----------
-    system : PeriodicSystem
-    steps : int
-        Steps of the propagator (:mod:`flexmech.time_domain.magnus`) a period.
+    exponent : ndarray, shape (N, n, n)
+        Logarithms of the transition matrices of the steps.
+    spread : float
+        By how much the logarithms of the multipliers differ by damping alone. Where vibrations
+        grow, rows are halved on.
 
     Returns
     -------
-    FloquetModes
+    ndarray, shape (K, m, n, n)
+        K rows of m matrices each.
+    ndarray, shape (K, n, n)
+        Their products.
 
     Raises
     ------
     ComputationError
-        If the steps are so few that their transition matrices overflow, or if the multipliers
-        do not part into groups.
-    """
-    if isinstance(system, SampledPeriodicSystem) and system.is_constant:
-        return _constant_modes(system.matrices(1, 0.0)[0], system.period, steps)
-    trace = system.traces(2 * steps)
-    integral = float(trace.mean() * system.period)
-    exponent = exponents(system, steps)
-    if not np.ptp(exponent, axis=0).any():
-        return _constant_modes(exponent[0] * (steps / system.period), system.period, steps)
-    spread = float(np.abs(trace).mean() * system.period)
-    chunks, products = _short_products(exponent, spread)
-    triangular = _triangular_form(products)
-    log, vectors = _block_eigenvalues(triangular)
-    order = np.argsort(-log.real, kind="stable")
-    propagated = _Propagated(steps, chunks, triangular, log, vectors, order)
-    return FloquetModes(system.period, log[order] / system.period, integral, propagated)
-
-
-class _Shapes(Protocol):
-    """What the shapes of the modes are made from."""
-
-    def shapes(self, every: int) -> NDArray[np.complex128]:
-        """At the starts of every so many of the N steps, (N / every, n, n)."""
-
-
-@dataclass(frozen=True)
-class _Turning:
-    """Shapes of a constant system's modes, which turn by whole angles in a period."""
-
-    steps: int
-    vectors: NDArray[np.complex128]
-    turns: FloatArray
-
-    def shapes(self, every: int) -> NDArray[np.complex128]:
-        phase = 2j * np.pi * np.arange(0, self.steps, every)[:, None] / self.steps
-        return np.asarray(self.vectors * np.exp(phase * self.turns)[:, None])
-
-
-def _constant_modes(matrix: FloatArray, period: float, steps: int) -> FloquetModes:
-    """Modes of a constant system, by its eigenvalues: some may die out within any step."""
-    values, vectors = np.linalg.eig(matrix)
-    order = np.argsort(-values.real, kind="stable")
-    log = period * values[order].astype(complex)
-    turns = np.round(log.imag / (2 * np.pi))
-    shapes = _Turning(steps, vectors[:, order].astype(complex), turns)
-    trace = period * float(np.trace(matrix))
-    exponent = ((log - 2j * np.pi * turns) / period).astype(np.complex128)
-    return FloquetModes(period, exponent, trace, shapes)
-
-
-@dataclass(frozen=True)
-class _Propagated:
-    """What the shapes of the modes are made from; ``order`` is that in which they stand."""
-
-    steps: int
-    chunks: FloatArray
-    triangular: _TriangularForm
-    log: NDArray[np.complex128]
-    vectors: NDArray[np.complex128]
-    order: NDArray[np.intp]
-
-    def shapes(self, every: int) -> NDArray[np.complex128]:
-        starts = _modes_backwards(self.triangular, self.log, self.vectors)
-        count, length, size, _ = self.chunks.shape
-        parts = count * length // self.steps
-        # Nothing is wanted in the middle of so many transition matrices.
-        joined = gcd(every * parts, length)
-        length //= joined
-        chunks = _products(self.chunks.reshape(-1, joined, size, size))
-        chunks = chunks.reshape(count, length, size, size)
-        shapes = np.empty((count, length, size, size), dtype=complex)
-        back = np.exp(-self.log[self.order] / (count * length))
-        now = np.ascontiguousarray(starts[..., self.order])
-        for step in range(length):
-            shapes[:, step] = now
-            # Real matrices move real and imaginary parts by themselves.
-            moved = chunks[:, step] @ now.view(float)
-            now = back * moved.view(complex)
-        return shapes.reshape(-1, size, size)[:: every * parts // joined]
-
-
-def _short_products(exponent: FloatArray, spread: float) -> tuple[FloatArray, FloatArray]:
-    """Transition matrices (K, m, n, n) in rows whose products (K, n, n) lose no weak multiplier.
-
-    ``spread`` is what the damping alone asks for; where others grow, rows are halved on. A step
-    that is too long for itself is taken in parts: its matrix is the power of another one.
+        If modes grow or decay too far within one step.
     """
     steps = len(exponent)
     matrices = matrix_exponentials(exponent)
@@ -223,7 +77,7 @@ def _short_products(exponent: FloatArray, spread: float) -> tuple[FloatArray, Fl
         chunks = matrices.reshape(count, steps // count, *matrices.shape[1:])
         # Steps far longer than a vibration's period can let it grow beyond all numbers.
         with np.errstate(over="ignore", invalid="ignore"):
-            products = _products(chunks)
+            products = chunk_products(chunks)
         if _log_condition(products) <= SHORT:
             return chunks, products
         wanted = 2 * count
@@ -247,8 +101,17 @@ def _log_condition(matrices: FloatArray) -> float:
         return float(np.log(np.linalg.cond(matrices).max()))
 
 
-def _products(chunks: FloatArray) -> FloatArray:
-    """Product of each row of matrices (K, m, n, n), the first rightmost; (K, n, n)."""
+def chunk_products(chunks: FloatArray) -> FloatArray:
+    """Product of each row of matrices, the first rightmost.
+
+    Parameters
+    ----------
+    chunks : ndarray, shape (K, m, n, n)
+
+    Returns
+    -------
+    ndarray, shape (K, n, n)
+    """
     while chunks.shape[1] > 1:
         even = chunks.shape[1] // 2 * 2
         paired = chunks[:, 1:even:2] @ chunks[:, 0:even:2]
@@ -257,7 +120,7 @@ def _products(chunks: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True)
-class _TriangularForm:
+class PeriodicSchurForm:
     """``G_k Q_(k-1) = Q_k R_k`` over a period after which the groups of columns return.
 
     Parameters
@@ -280,7 +143,23 @@ class _TriangularForm:
     apart: float
 
 
-def _triangular_form(matrices: FloatArray) -> _TriangularForm:
+def periodic_schur_form(matrices: FloatArray) -> PeriodicSchurForm:
+    """Periodic Schur form of K matrices in groups of columns.
+
+    Parameters
+    ----------
+    matrices : ndarray, shape (K, n, n)
+        G_1 to G_K.
+
+    Returns
+    -------
+    PeriodicSchurForm
+
+    Raises
+    ------
+    ComputationError
+        If the multipliers do not part into groups.
+    """
     size = matrices.shape[1]
     # A general start: an invariant subspace of weak modes would stay before the strong ones.
     start = scipy.linalg.qr(np.random.default_rng(0).normal(size=(size, size)))[0]
@@ -298,7 +177,7 @@ def _triangular_form(matrices: FloatArray) -> _TriangularForm:
         apart = min((_fall(logs, edge) for edge in edges), default=np.inf)
         closed = all(np.abs(seam[edge:, :edge]).max() <= PARTED for edge in edges)
         if closed and all(np.ptp(logs[group]) <= WIDEST for group in groups):
-            return _TriangularForm(bases, factors, seam, groups, apart)
+            return PeriodicSchurForm(bases, factors, seam, groups, apart)
         most_turns = FIRST_TURNS - PATIENCE * np.log(PARTED) / apart
         start = bases[-1]
     raise ComputationError(
@@ -341,10 +220,22 @@ def _groups(logs: FloatArray) -> list[slice]:
     return groups
 
 
-def _block_eigenvalues(
-    form: _TriangularForm,
+def block_eigenvalues(
+    form: PeriodicSchurForm,
 ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Logarithms of the multipliers (n,), and eigenvectors of their groups' blocks (n, n)."""
+    """Eigenvalues of the product ``G_K ... G_1``, group by group.
+
+    Parameters
+    ----------
+    form : PeriodicSchurForm
+
+    Returns
+    -------
+    ndarray of complex, shape (n,)
+        Logarithms of the multipliers.
+    ndarray of complex, shape (n, n)
+        Eigenvectors of their groups' diagonal blocks.
+    """
     size = len(form.seam)
     logs = np.zeros(size, dtype=complex)
     vectors = np.zeros((size, size), dtype=complex)
@@ -359,13 +250,25 @@ def _block_eigenvalues(
     return logs, vectors
 
 
-def _modes_backwards(
-    form: _TriangularForm, log: NDArray[np.complex128], vectors: NDArray[np.complex128]
+def modes_backwards(
+    form: PeriodicSchurForm, log: NDArray[np.complex128], vectors: NDArray[np.complex128]
 ) -> NDArray[np.complex128]:
-    """Shapes of the modes at the starts of the short matrices, (K, n, n).
+    """Shapes of the modes at the starts of the K matrices.
 
     Backwards a mode outgrows those that are stronger than it, to which its own group's columns
     and those before them are open; after some turns its share in them is what it must be.
+
+    Parameters
+    ----------
+    form : PeriodicSchurForm
+    log : ndarray of complex, shape (n,)
+    vectors : ndarray of complex, shape (n, n)
+        Both of :func:`block_eigenvalues`.
+
+    Returns
+    -------
+    ndarray of complex, shape (K, n, n)
+        Modes in columns.
     """
     count = len(form.factors)
     back = np.exp(log / count)
