@@ -21,7 +21,7 @@ from flexmech.analyses.comparison.problem import RecordProblem, rows_taken_at
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.choices import MOST_MODES
-from flexmech.dynamical_systems.frequency_response import direct_receptance
+from flexmech.dynamical_systems import direct_receptance
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinkPoint, point_rows
 from flexmech.measured_data import MeasuredQuantity, MeasuredRecord

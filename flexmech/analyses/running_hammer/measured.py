@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.response.request import ResponseRequest
+from flexmech.analyses.response import ResponseRequest
 from flexmech.analyses.response.start import linear_start
 from flexmech.analyses.running_hammer.plan import RunPlan
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.stability.parallel import in_order
-from flexmech.dynamical_systems.half_sine_pulse import HalfSinePulse
+from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
