@@ -11,7 +11,7 @@ from flexmech.analyses.datasets import provenance, rigid_positions
 from flexmech.analyses.frequencies import Formulation, frequencies_at
 from flexmech.analyses.response import measurements
 from flexmech.analyses.response.measurements import peaks_between
-from flexmech.analyses.response.plan import oscillating, vibrating_engine
+from flexmech.analyses.response.plan import SPECTRUM_REACH, oscillating, vibrating_engine
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.run import EngineRun, RunError
 from flexmech.analyses.response.spectra import (
@@ -27,8 +27,6 @@ from flexmech.mechanism import drawing
 from flexmech.time_domain import Trajectory
 from flexmech.types import FloatArray, IntArray
 
-# Spectra reach this far above the highest natural frequency asked for.
-SPECTRUM_REACH = 1.5
 # Positions at which the length of the spectrogram's window is chosen.
 PREDICTIONS = 145
 

@@ -11,7 +11,6 @@ from flexmech.analyses.damping_ratios import with_damping_time
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import engines_of, sampled_turn
-from flexmech.analyses.response.dataset import SPECTRUM_REACH
 from flexmech.analyses.response.request import MOST_SAMPLES, NO_PERIODIC_START, ResponseRequest
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
@@ -20,6 +19,8 @@ from flexmech.numbers import check_instance
 from flexmech.time_domain import lowest_axial_frequency
 from flexmech.types import FloatArray
 
+SPECTRUM_REACH = 1.5
+"""Spectra reach this far above the highest natural frequency asked for."""
 # Samples in a period of the highest frequency of the spectra; two would be the limit.
 SAMPLES_PER_PERIOD = 2.5
 # Forces and torque count up to this part of the lowest frequency at which the links vibrate

@@ -9,7 +9,7 @@ import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_ratio, with_damping_time
-from flexmech.analyses.datasets import provenance, with_units
+from flexmech.analyses.datasets import attributes_of, complex_parts, provenance, with_units
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.running_hammer.measured import MeasuredResponse, measured_response, runner
 from flexmech.analyses.running_hammer.plan import GUARD_ORDERS, planned
@@ -35,6 +35,8 @@ _MODES = 6
 # How far from the predicted peak the identified one is sought: in bins, and of its frequency. That
 # is beyond what damping shifts, and nearer than the next resonance.
 _BINS, _NEAR = 5, 0.05
+# What a dataset has of the request as it is.
+_OF_REQUEST = ["crank_speed", "speed_unit", "direction", "prestress", "averages", "noise", "seed"]
 
 
 def running_hammer_test(
@@ -137,24 +139,21 @@ def _dataset(
     identified = estimate.response[orders + plan.fitted]
     predicted = prediction.response(frequency, orders)
     errors = prediction.errors(frequency, orders)
-    bins = _peak_bins(predicted, identified)
-    peaks = [
-        np.abs(h)[np.arange(len(orders)), b]
-        for h, b in zip((predicted, identified), bins, strict=True)
-    ]
+    at, found = _peak_bins(predicted, identified)
+    rows = np.arange(len(orders))
     variables: dict[str, Any] = {
-        **_parts("receptance", identified),
-        **_parts("predicted", predicted),
-        **_parts("frozen", frozen),
+        **complex_parts("receptance", ("order", "frequency"), identified),
+        **complex_parts("predicted", ("order", "frequency"), predicted),
+        **complex_parts("frozen", ("order", "frequency"), frozen),
         "step_error": ("order", errors.steps),
         "balance_error": ("order", errors.balance),
         "reduction_error": ("order", errors.reduction),
         "halving_change": ("order", measured.halving_change),
-        "predicted_peak": ("order", peaks[0]),
-        "predicted_peak_frequency": ("order", frequency[bins[0]]),
-        "identified_peak": ("order", peaks[1]),
-        "identified_peak_frequency": ("order", frequency[bins[1]]),
-        "bins_apart": ("order", np.abs(bins[1] - bins[0])),
+        "predicted_peak": ("order", np.abs(predicted)[rows, at]),
+        "predicted_peak_frequency": ("order", frequency[at]),
+        "identified_peak": ("order", np.abs(identified)[rows, found]),
+        "identified_peak_frequency": ("order", frequency[found]),
+        "bins_apart": ("order", np.abs(found - at)),
         "impact_angle": ("impact", np.sign(request.crank_speed) * 2 * np.pi * plan.phase),
         "decay": ("impact", measured.decay),
     }
@@ -167,45 +166,25 @@ def _dataset(
         },
     )
     return dataset.assign_attrs(
-        provenance([engine]),
+        provenance([engine])
+        | attributes_of(request, *_OF_REQUEST)
+        | attributes_of(plan, "bandwidth", "pulse", "peak_force", "turns", "turn_time", "step")
+        | attributes_of(measured, "peak_response", "twin_defect")
+        | attributes_of(estimate, "condition", "misfit"),
         engine=engine.name,
         element=engine.element,
-        crank_speed=request.crank_speed,
-        speed_unit=request.speed_unit,
         impact_point=str(request.impact),
         response_point=str(request.response),
-        direction=request.direction,
-        prestress=request.prestress,
         damping_ratio=np.nan if request.damping_ratio is None else request.damping_ratio,
-        averages=request.averages,
-        noise=request.noise,
-        seed=request.seed,
-        bandwidth=plan.bandwidth,
-        pulse=plan.pulse,
-        peak_force=plan.peak_force,
-        peak_response=measured.peak_response,
-        turns=plan.turns,
-        turn_time=plan.turn_time,
-        step=plan.step,
         step_lag=step_lag(
             2 * np.pi * plan.bandwidth * plan.step,
             stretches=stretches_in_runs(engine, request.prestress),
         ),
         highest_fitted_order=plan.fitted,
-        condition=estimate.condition,
-        misfit=estimate.misfit,
-        twin_defect=measured.twin_defect,
         moving_modes=prediction.moving_modes,
         propagator_steps=prediction.steps,
         decay_rate=-prediction.growth_rate,
     )
-
-
-def _parts(name: str, values: ComplexArray) -> dict[str, Any]:
-    return {
-        f"{name}_real": (("order", "frequency"), values.real),
-        f"{name}_imag": (("order", "frequency"), values.imag),
-    }
 
 
 def _peak_bins(predicted: ComplexArray, identified: ComplexArray) -> tuple[IntArray, IntArray]:
