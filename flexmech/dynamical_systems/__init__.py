@@ -3,7 +3,7 @@
 This room knows arrays and functions of time alone and nothing of mechanisms: Fourier series,
 transition matrices of ``x' = A(t) x`` by the Magnus expansion, Floquet modes and their Krein
 signatures, harmonic transfer functions of periodic systems, the frequency response and the response
-to a pulse of constant ones, and low-pass filters.
+to a pulse of constant ones, Lobatto's integration methods, and low-pass filters.
 
 Examples
 --------
@@ -28,26 +28,34 @@ from flexmech.dynamical_systems.harmonic_response import (
     balanced_response,
     harmonic_response,
 )
-from flexmech.dynamical_systems.interpolation import (
-    ON_A_STEP,
-    hermite_interpolation,
-    linear_interpolation,
-    sample_intervals,
-)
-from flexmech.dynamical_systems.low_pass import LowPass
-from flexmech.dynamical_systems.magnus import (
-    magnus_exponents,
-    matrix_exponentials,
-    transition_matrices,
+from flexmech.dynamical_systems.lobatto import (
+    EquationsOfMotion,
+    StepOperators,
+    VibrationState,
+    initial_state,
+    march,
+    parabolic_work,
+    step_operators,
 )
 from flexmech.dynamical_systems.periodic_system import (
     PeriodicSystem,
     SampledPeriodicSystem,
     StatedPeriodicSystem,
+    magnus_exponents,
+    matrix_exponentials,
+    transition_matrices,
+)
+from flexmech.dynamical_systems.signals import (
+    ON_A_STEP,
+    LowPass,
+    hermite_interpolation,
+    linear_interpolation,
+    sample_intervals,
 )
 
 __all__ = [
     "ON_A_STEP",
+    "EquationsOfMotion",
     "FloquetModes",
     "ForcedPeriodicSystem",
     "FourierSeries",
@@ -57,17 +65,23 @@ __all__ = [
     "SampledPeriodicSystem",
     "StateModes",
     "StatedPeriodicSystem",
+    "StepOperators",
+    "VibrationState",
     "balanced_response",
     "direct_receptance",
     "floquet_modes",
     "harmonic_response",
     "hermite_interpolation",
+    "initial_state",
     "krein_signature",
     "linear_interpolation",
     "magnus_exponents",
+    "march",
     "matrix_exponentials",
+    "parabolic_work",
     "pulse_response",
     "sample_intervals",
     "state_modes",
+    "step_operators",
     "transition_matrices",
 ]

@@ -13,7 +13,6 @@ from math import gcd
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.dynamical_systems.magnus import magnus_exponents
 from flexmech.dynamical_systems.periodic_schur import (
     PeriodicSchurForm,
     block_eigenvalues,
@@ -25,6 +24,7 @@ from flexmech.dynamical_systems.periodic_schur import (
 from flexmech.dynamical_systems.periodic_system import (
     PeriodicSystem,
     SampledPeriodicSystem,
+    magnus_exponents,
 )
 from flexmech.types import FloatArray, IntArray
 
@@ -99,7 +99,7 @@ def floquet_modes(system: PeriodicSystem, steps: int) -> FloquetModes:
     ----------
     system : PeriodicSystem
     steps : int
-        Steps of the propagator (:mod:`flexmech.dynamical_systems.magnus`) a period.
+        Steps of the propagator (:mod:`flexmech.dynamical_systems.periodic_system`) a period.
 
     Returns
     -------

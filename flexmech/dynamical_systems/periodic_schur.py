@@ -23,7 +23,7 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import NDArray
 
-from flexmech.dynamical_systems.magnus import matrix_exponentials
+from flexmech.dynamical_systems.periodic_system import matrix_exponentials
 from flexmech.errors import ComputationError
 from flexmech.types import FloatArray
 

@@ -27,7 +27,8 @@ from flexmech.dynamical_systems import (
     harmonic_response,
 )
 from flexmech.linear_system import Engine, LinearSystem, point_rows
-from flexmech.time_domain.forced_linkage import forced_linkage, static_remainder
+from flexmech.time_domain.periodic_motion import forced_linkage
+from flexmech.time_domain.periodic_motion.forced_linkage import static_remainder
 from flexmech.types import ComplexArray, FloatArray
 
 ORDERS = np.arange(-2, 3)

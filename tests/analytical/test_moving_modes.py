@@ -18,12 +18,8 @@ from flexmech.analyses.stability.frames import in_ground_axes
 from flexmech.choices import MovingFrame
 from flexmech.dynamical_systems import FloquetModes, floquet_modes, transition_matrices
 from flexmech.linear_system import Engine, Prestress
-from flexmech.time_domain import (
-    SampledTurn,
-    counts_of_modes,
-    moving_modes,
-)
-from flexmech.time_domain.nodal_frames import NodalFrame
+from flexmech.time_domain import SampledTurn, counts_of_modes, moving_modes
+from flexmech.time_domain.periodic_motion.nodal_frames import NodalFrame
 from flexmech.types import FloatArray
 
 SAMPLES = 128

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flexmech.dynamical_systems import matrix_exponentials
-from flexmech.dynamical_systems.magnus import BLOCK, cache_blocks
+from flexmech.dynamical_systems.periodic_system import BLOCK, cache_blocks
 
 
 @pytest.mark.parametrize("size", [1, 2, 5, 24])

@@ -16,7 +16,7 @@ from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine, OverdampedError
 from flexmech.numbers import check_instance
-from flexmech.time_domain import lowest_axial_frequency
+from flexmech.time_domain.equations_of_motion import lowest_axial_frequency
 from flexmech.types import FloatArray
 
 SPECTRUM_REACH = 1.5

@@ -9,9 +9,10 @@ import numpy as np
 
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.choices import Prestress
+from flexmech.dynamical_systems import VibrationState
 from flexmech.linear_system import Engine, LinkFrames, RotationTerms
 from flexmech.linkages import CrankDrive, Load, RigidMotion
-from flexmech.time_domain import DrivenLinkage, LinkState, VibrationState, periodic_state
+from flexmech.time_domain import DrivenLinkage, LinkState, periodic_state
 from flexmech.types import FloatArray
 
 # Time over which a quasi-static start differentiates its displacement, in turns.

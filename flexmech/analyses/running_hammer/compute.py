@@ -23,7 +23,8 @@ from flexmech.analyses.running_hammer.result import RunningHammerTest
 from flexmech.linear_system import Engine
 from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
-from flexmech.time_domain import step_lag, stretches_in_runs
+from flexmech.time_domain.equations_of_motion import stretches_in_runs
+from flexmech.time_domain.integrators import step_lag
 from flexmech.types import ComplexArray, IntArray, LabelledProgress
 
 # Of the first natural frequency at rest: the bandwidth, if none is asked for. It holds the first

@@ -30,7 +30,7 @@ from flexmech.interruption import tidying
 from flexmech.linear_system import Engine, stressed_along_turn
 from flexmech.numbers import checked_array
 from flexmech.threads import one_thread
-from flexmech.time_domain import SampledTurn
+from flexmech.time_domain.periodic_motion import SampledTurn
 from flexmech.types import FloatArray, LabelledProgress
 
 MOST_SPEEDS = 9
