@@ -21,7 +21,7 @@ from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord, read_record
 from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress
+from flexmech.types import LabelledProgress, silent
 
 _PROBLEMS: dict[str, Callable[[Engine, MeasuredRecord, ComparisonRequest], RecordProblem]] = {
     "time": time_problem,
@@ -84,7 +84,7 @@ def compare_with_record(
     _check_kind(taken, request)
     with one_thread():
         problem = _PROBLEMS[taken.abscissa](own, taken, request)
-        fit = fitted(problem, partial(progress, "fit") if progress else None)
+        fit = fitted(problem, partial(progress or silent, "fit"))
         dataset = comparison_dataset(problem, taken, request, fit)
     attributes = dict(provenance([own]))
     if "time" not in dataset.dims:

@@ -23,7 +23,7 @@ from flexmech.linkages import CrankDrive
 from flexmech.numbers import check_flag
 from flexmech.threads import one_thread
 from flexmech.time_domain import LinkState
-from flexmech.types import LabelledProgress
+from flexmech.types import LabelledProgress, silent
 
 
 def response(
@@ -73,7 +73,7 @@ def response(
     ['engine', 'time', 'link']
     """
     check_flag(check_mesh, "check_mesh")
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
     chosen, lines = engines_in_state(engines, request, environment)
     with one_thread():
         plan = planned(chosen, request)
@@ -159,7 +159,7 @@ def exudyn_system(
         raise InputError(
             f"the {asked.name} engine has no Exudyn system; give flexmech.ExudynEngine(mechanism)"
         )
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
     [chosen], _ = engines_in_state([asked], request, environment)
     with one_thread():
         plan = planned([chosen], request)

@@ -25,7 +25,7 @@ from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
 from flexmech.time_domain.equations_of_motion import stretches_in_runs
 from flexmech.time_domain.integrators import step_lag
-from flexmech.types import ComplexArray, IntArray, LabelledProgress
+from flexmech.types import ComplexArray, IntArray, LabelledProgress, silent
 
 # Of the first natural frequency at rest: the bandwidth, if none is asked for. It holds the first
 # resonance and the beginning of what lies between it and the second.
@@ -92,7 +92,7 @@ def running_hammer_test(
         "request",
         "write flexmech.RunningHammerRequest(20.0, impact, response, damping_ratio=0.005)",
     )
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
     with one_thread():
         chosen = engine_of(engine).fit_for(_MODES)
         if chosen.simulates:

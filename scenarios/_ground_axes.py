@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flexmech.analyses.frequencies.quadratic_eigenproblem import quadratic_eigenvalues
-from flexmech.choices import MODES, MOST_MODES, MOVING_FRAMES, MovingFrame, Prestress
+from flexmech.analyses import solve_modes
+from flexmech.choices import MovingFrame, Prestress
 from flexmech.linear_system import Engine, LinearSystem
-from flexmech.numbers import check_choice, check_count
 from flexmech.types import FloatArray, IntArray
+
+__all__ = ["frozen_eigenvalues", "in_ground_axes"]
 
 
 def frozen_eigenvalues(
@@ -21,9 +22,9 @@ def frozen_eigenvalues(
     *,
     prestress: Prestress = "equilibrium",
     frame: MovingFrame = "link",
-    modes: int = MODES,
+    modes: int,
 ) -> NDArray[np.complex128]:
-    """Eigenvalues of the linkage with the crank held in thought, in all its coordinates.
+    """Eigenvalues of the linkage at a fixed crank angle, in all its coordinates.
 
     They depend on the frame in which the nodes' displacements are written, Floquet multipliers
     do not: what a damping ratio of one position tells is a matter of the frame.
@@ -43,36 +44,18 @@ def frozen_eigenvalues(
     -------
     ndarray of complex, shape (B, modes)
         In rad/s, imaginary parts positive, by the natural frequencies of their shapes.
-
-    Raises
-    ------
-    InputError
-        If an argument is none of the kind, or the linkage cannot be assembled.
-    ComputationError
-        If the equilibrium does not converge.
-
-    Examples
-    --------
-    >>> engine = flexmech.ReferenceEngine(flexmech.load_mechanism("models/steel_fourbar.toml"))
-    >>> for frame in ("link", "inertial"):  # there is no damping
-    ...     found = frozen_eigenvalues(engine, 1.0, 20.0, prestress="axial", frame=frame, modes=1)
-    ...     print(f"{found[0, 0].real:.3f} 1/s")
-    0.022 1/s
-    0.006 1/s
     """
-    check_choice(frame, MOVING_FRAMES, "frame")
-    check_count(modes, "modes", most=MOST_MODES)
     system = engine.unreduced().linear_system(crank_angle, crank_speed, prestress=prestress)
     if frame == "inertial":
         system = in_ground_axes(system)
-    return quadratic_eigenvalues(system, modes).eigenvalues
+    return solve_modes(system, modes).eigenvalues
 
 
 def in_ground_axes(system: LinearSystem) -> LinearSystem:
     """The system of ``d = T(t) z``, T the turn of each node's vectors by its link's angle.
 
     With ``W = T'``: ``T M W``, ``T (2 M W. + C W)`` and ``T (M W.. + C W. + K W)``. A vector of
-    which one component is held is the other component's number in any axes and stays.
+    which one component is fixed is the other component's number in any axes and stays.
 
     Parameters
     ----------
@@ -115,7 +98,7 @@ def _rows(factors: FloatArray, matrix: FloatArray) -> FloatArray:
 
 
 def _free_vectors(system: LinearSystem) -> list[IntArray]:
-    """Numbers (2, k) of the coordinates of each link's own vectors that nothing holds."""
+    """Numbers (2, k) of the coordinates of each link's own vectors of which both are free."""
     pairs = []
     for number, link in enumerate(system.frames.links):
         target = system.frames.targets[number].copy()
