@@ -12,7 +12,6 @@ from flexmech.choices import Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system.balanced_loads import BalancedLoads, Solve, balanced_loads
 from flexmech.linear_system.carried_inertia import CarriedInertia, turns_as_one_body
-from flexmech.linear_system.chains import LinkMatrix
 from flexmech.linear_system.connected_matrices import ConnectedMatrices
 from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.dead_moments import DeadMoments, without_own_turning
@@ -216,14 +215,12 @@ class EngineLinks(ElementKinds):
         displacement: Sequence[FloatArray] | None = None,
     ) -> DeadMoments:
         """Moments on bodies and rigid links of loads (B, n_link) at a displacement."""
-        virial, carried = None, None if displacement is None else self._carried(motion)
+        links, gravity, virial, beside = self.held_links, self.mechanism.gravity, None, None
         if self.held_connectors.any and not self.solves_connectors:
             virial = self.held_connectors.virial(motion, displacement)
-        beside = None
-        if carried is not None and displacement is not None:
+        if displacement is not None and (carried := self._carried(motion)) is not None:
             beside = carried.moments(displacement)
-        gravity = self.mechanism.gravity
-        return DeadMoments.of(self.held_links, motion, gravity, loads, virial, beside)
+        return DeadMoments.of(links, motion, gravity, loads, virial, beside)
 
     def _quasi_static_loads(self, motion: RigidMotion, solve: Solve) -> BalancedLoads:
         """Loads on the held links, which ``solve`` displaces under them."""
@@ -233,17 +230,13 @@ class EngineLinks(ElementKinds):
         if carried is None and (self.solves_connectors or not connectors.any):
             return BalancedLoads(loads, None)
         frames = LinkFrames(self.mechanism.linkage.topology, self.held_links)
-
-        def tangents(displacement: list[FloatArray]) -> Sequence[LinkMatrix]:
-            return self.running_held_links(motion, displacement).tangent
-
         return balanced_loads(
             connectors,
             frames,
             motion,
             loads,
             solve,
-            tangents,
+            lambda displacement: self.running_held_links(motion, displacement).tangent,
             carried=carried,
             solve_connects=self.solves_connectors,
         )
@@ -284,16 +277,13 @@ class EngineLinks(ElementKinds):
         """
         shaft = self._free_shaft
         if shaft is None:
-            return self._running(motion, displacement)
+            held = self.running_held_links(motion, displacement)
+            return self._without_own_turning(motion, held)
         clamped = shaft.displacements(self.held_links, list(displacement))
-        held = self._running(motion, clamped)
+        held = self._without_own_turning(motion, self.running_held_links(motion, clamped))
         pull = shaft.pull(self.mechanism, self.held_links, motion)
         free = shaft.stressed(self.held_links, held, pull=pull)
         return replace(free, displacement=list(displacement))
-
-    def _running(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> StressedLinks:
-        held = self.running_held_links(motion, displacement)
-        return self._without_own_turning(motion, held)
 
     def running_held_links(
         self, motion: RigidMotion, displacement: Sequence[FloatArray]
