@@ -8,19 +8,29 @@ from dataclasses import dataclass
 from itertools import accumulate
 from math import lcm
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
 from flexmech.plots import scales
-from flexmech.plots.labels import engine_label, mode_label
 from flexmech.plots.layout import AxesLike, Layout, Sheet, sheet
-from flexmech.plots.reading import degrees
-from flexmech.plots.series import Look, few_points, line_handle, series_line, series_style
-from flexmech.plots.style import MID_GREY, is_narrow
+from flexmech.plots.reading import degrees, engine_label, mode_label, speed_unit
+from flexmech.plots.style import (
+    MID_GREY,
+    Look,
+    few_points,
+    is_narrow,
+    line_handle,
+    series_line,
+    series_style,
+)
 from flexmech.types import FloatArray
+from flexmech.units import from_si
 
 # Size in points of the marks of further engines.
 MARK_SIZE = 4.2
@@ -34,6 +44,16 @@ PANEL_HEIGHT = 1.4
 # More panels on top of each other than these are flatter, so that a page holds them.
 MOST_TALL, FLAT_PANEL = 5, 1.1
 WIDE = 4.0
+
+FEW_SPEEDS = 5
+"""More crank speeds than these are told by a colour map rather than by styles."""
+# Of viridis, which is perceptually uniform and grows lighter throughout; its yellow end cannot be
+# seen on white.
+LIGHTEST = 0.9
+COLOURS = LinearSegmentedColormap.from_list(
+    "speeds", mpl.colormaps["viridis"](np.linspace(0.0, LIGHTEST, 256))
+)
+SPEED_LINE: Look = {"linestyle": "-", "linewidth": 0.9}
 
 
 def angle_layout(sizes: Sequence[int], *, share_y: bool = False) -> Layout:
@@ -296,3 +316,48 @@ def series_and_engines(dataset: xr.Dataset, names: Sequence[str]) -> list[Artist
         look = _mark("o", MID_GREY, engine) if engine else first
         handles.append(line_handle(engine_label(dataset, engine), **look))
     return handles
+
+
+def has_many_speeds(dataset: xr.Dataset) -> bool:
+    """Whether a dataset has too many crank speeds for each to have a style of its own."""
+    return bool(dataset.sizes["crank_speed"] > FEW_SPEEDS)
+
+
+def speed_lines(dataset: xr.Dataset) -> list[Look]:
+    """Properties of the line of each of many crank speeds, without marks.
+
+    Parameters
+    ----------
+    dataset : Dataset
+
+    Returns
+    -------
+    list of dict
+        For ``Axes.plot``; a single crank angle is a dot.
+    """
+    mark = {"marker": "." if dataset.sizes["crank_angle"] == 1 else ""}
+    mapped = _mappable(dataset)
+    return [
+        {**SPEED_LINE, **mark, "color": mapped.to_rgba(speed)}
+        for speed in dataset["crank_speed"].values.astype(float).tolist()
+    ]
+
+
+def colour_bar(drawn: Sheet, dataset: xr.Dataset) -> None:
+    """Put the scale of the crank speeds' colours beside the panels.
+
+    Parameters
+    ----------
+    drawn : Sheet
+    dataset : Dataset
+    """
+    factor, mapped = from_si(1.0, speed_unit(dataset)), _mappable(dataset)
+    mapped.set_clim(*(factor * end for end in mapped.get_clim()))
+    bar = drawn.figure.colorbar(mapped, ax=drawn.panels, pad=0.02, aspect=30)
+    bar.set_label(f"Crank speed ({speed_unit(dataset)})")
+    bar.outline.set_linewidth(0.6)
+
+
+def _mappable(dataset: xr.Dataset) -> ScalarMappable:
+    speeds = dataset["crank_speed"].values.astype(float)
+    return ScalarMappable(Normalize(float(speeds.min()), float(speeds.max())), COLOURS)

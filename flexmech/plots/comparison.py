@@ -8,11 +8,18 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots import scales, style, time_axis
-from flexmech.plots.labels import mode_label, speed_text
+from flexmech.plots import scales, style
+from flexmech.plots import scales as time_axis
 from flexmech.plots.layout import AxesLike, Sheet, grid, sheet
-from flexmech.plots.reading import LENGTH_UNITS, Units, degrees, fitting_unit
-from flexmech.plots.series import SERIES_STYLES, Look, line_handle, series_style
+from flexmech.plots.reading import (
+    LENGTH_UNITS,
+    Units,
+    degrees,
+    fitting_unit,
+    mode_label,
+    speed_text,
+)
+from flexmech.plots.style import SERIES_STYLES, Look, line_handle, series_style
 from flexmech.types import FloatArray
 from flexmech.units import TIME
 

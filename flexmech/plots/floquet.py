@@ -13,17 +13,16 @@ from matplotlib.ticker import FuncFormatter, LogLocator
 
 from flexmech.errors import InputError
 from flexmech.plots import scales, style
-from flexmech.plots.labels import speed_unit, spread
 from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.reading import cell_edges, values_of
-from flexmech.plots.series import Look, line_handle, series_style
-from flexmech.plots.unstable_bands import (
+from flexmech.plots.reading import cell_edges, speed_unit, spread, values_of
+from flexmech.plots.stability import (
     draw_gaps,
     limit_speeds,
     shade_bands,
     speed_axes,
     unstable_handles,
 )
+from flexmech.plots.style import Look, line_handle, series_style
 from flexmech.types import FloatArray
 from flexmech.units import from_si
 

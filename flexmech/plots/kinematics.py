@@ -1,4 +1,4 @@
-"""Motion of the rigid links over the crank angle, joint forces, and what drives the linkage."""
+"""Motion of the rigid links, transmission angles, joint forces, and what drives the linkage."""
 
 from __future__ import annotations
 
@@ -7,13 +7,20 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
-from flexmech.plots import scales, style
+from flexmech.plots import angle_panels, scales, style
 from flexmech.plots.angle_panels import angle_layout, draw_line
-from flexmech.plots.labels import speed_text
 from flexmech.plots.layout import AxesLike, Sheet, grid, sheet
-from flexmech.plots.reading import Units, degrees, fitting_unit, names_of
-from flexmech.plots.series import Look, line_handle, series_line, series_style
+from flexmech.plots.reading import Units, degrees, fitting_unit, names_of, speed_text, values_of
+from flexmech.plots.style import (
+    Look,
+    line_handle,
+    series_handles,
+    series_line,
+    series_style,
+    told_apart,
+)
 from flexmech.types import FloatArray
 
 DEGREES: Units = ((np.degrees(1.0), "deg"),)
@@ -31,6 +38,8 @@ MOTIONS = (
 STYLES, WIDTHS = 6, (1.1, 2.2, 3.3)
 # Around forces by distributed masses, which they hardly leave.
 LUMPED: Look = {"color": "0.25", "linestyle": (0.0, (1.0, 1.4)), "lw": 1.3}
+
+TITLE = "Transmission angle over a turn of the crank"
 
 
 def plot_kinematics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -175,3 +184,45 @@ def _label(drawn: Sheet, angles: FloatArray) -> None:
         width = axes.get_position().width * drawn.figure.get_figwidth()
         scales.crank_angle_axis(axes, angles, narrow=width < 4.0)
     drawn.label_x("Crank angle (deg)")
+
+
+def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw transmission angles of linkages over the crank's turn.
+
+    As Elamy et al. 2023, Figure 7.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        With ``transmission_angle`` (linkage, crank_angle) in rad; the names along ``linkage``
+        are those of the legend. The attributes ``wanted_least`` and ``wanted_greatest`` in rad
+        shade a range, which the legend calls ``wanted_label``; ``title`` is the heading.
+    ax : Axes, optional
+        The user's. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If there are no linkages, or more than there are styles to tell them apart.
+    """
+    names = told_apart(names_of(dataset, "linkage"))
+    curves = np.degrees(values_of(dataset["transmission_angle"], "linkage", "crank_angle"))
+    angles, attrs = degrees(dataset["crank_angle"]), dataset.attrs
+    with sheet(grid(1, 1, 3.2), ax=ax) as drawn:
+        (axes,) = drawn.panels
+        handles = series_handles(names)
+        if "wanted_least" in attrs:
+            wanted = np.degrees([attrs["wanted_least"], attrs["wanted_greatest"]])
+            axes.axhspan(*wanted, color=style.LIGHT_GREY, zorder=0)
+            words = attrs.get("wanted_label", "wanted range")
+            handles.append(Patch(color=style.LIGHT_GREY, label=words))
+        drawn.header(handles, str(attrs.get("title", TITLE)), of=dataset)
+        axes.axhline(90.0, color=style.MID_GREY, lw=0.6, zorder=1)
+        for number, values in enumerate(curves):
+            axes.plot(angles, values, **series_line(number))
+        angle_panels.label_angles(drawn, angles, "Transmission angle (deg)")
+    return drawn.figure

@@ -14,10 +14,11 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError
-from flexmech.plots.labels import mechanism_name
+from flexmech.plots.reading import mechanism_name
 from flexmech.plots.style import figure_width, is_narrow, new_figure, publication_style
 
 # Mean width of a letter of the font as a fraction of its size, on the safe side.
@@ -241,3 +242,25 @@ def wrapped(text: str, width: float) -> list[str]:
     with publication_style():
         letters = int(width * 72 / (MEAN_LETTER * mpl.rcParams["legend.title_fontsize"]))
     return textwrap.wrap(text, letters)
+
+
+def height_of(limits: Bbox, width: float, least: float, most: float) -> float:
+    """Height of a panel of a width that shows what is within limits at one scale.
+
+    Parameters
+    ----------
+    limits : Bbox
+    width, least, most : float
+        Width of the panel, and what its height may be, in inches.
+
+    Returns
+    -------
+    float
+    """
+    return float(min(max(width * limits.height / limits.width, least), most))
+
+
+def round_length(most: float) -> float:
+    """Longest of 1, 2 and 5 times a power of ten that is not above a length."""
+    decade = 10.0 ** np.floor(np.log10(most))
+    return float(decade * max(step for step in (1, 2, 5) if step * decade <= most * (1 + 1e-9)))

@@ -14,13 +14,13 @@ from matplotlib.axes import Axes
 from matplotlib.transforms import Bbox
 
 from flexmech.plots import linkage_symbols as symbols
-from flexmech.plots.linkage_legend import MASS, part_handles
+from flexmech.plots.layout import round_length
+from flexmech.plots.linkage import MASS, part_handles
 from flexmech.plots.linkage_parts import SAME_PLACE, LinkageParts, Part, Posture, parts_of
 from flexmech.plots.linkage_springs import joint_spring_symbols, spring_symbols, wall_symbols
 from flexmech.plots.linkage_symbols import OUTLINE, Symbol, add_symbols
 from flexmech.plots.reading import values_of
-from flexmech.plots.series import Look
-from flexmech.plots.to_scale import round_length
+from flexmech.plots.style import Look
 from flexmech.types import FloatArray
 
 RIGID: Look = {"color": "0.65", "lw": 0.9}

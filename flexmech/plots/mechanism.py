@@ -13,12 +13,11 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.transforms import Bbox
 
 from flexmech.plots import scales, style
-from flexmech.plots.layout import AxesLike, Layout, sheet
+from flexmech.plots.layout import AxesLike, Layout, height_of, round_length, sheet
 from flexmech.plots.linkage import name_joints
 from flexmech.plots.linkage_sketch import LinkageSketch
 from flexmech.plots.reading import degrees, names_of, values_of
-from flexmech.plots.series import Look, line_handle, series_style
-from flexmech.plots.to_scale import height_of, round_length
+from flexmech.plots.style import Look, line_handle, series_style
 from flexmech.types import FloatArray
 
 POSTURE_HEIGHT = (1.7, 3.4)

@@ -12,14 +12,12 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from flexmech.plots import angle_panels, style
-from flexmech.plots.labels import engine_label, mode_label, speed_texts
-from flexmech.plots.layout import AxesLike, Layout, grid, sheet
+from flexmech.plots.angle_panels import has_many_speeds
+from flexmech.plots.layout import AxesLike, Layout, grid, height_of, sheet
 from flexmech.plots.linkage_parts import parts_of
 from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
-from flexmech.plots.reading import highest_speed, values_of
-from flexmech.plots.series import line_handle, series_handle, series_line
-from flexmech.plots.speed_colours import has_many_speeds
-from flexmech.plots.to_scale import height_of
+from flexmech.plots.reading import engine_label, highest_speed, mode_label, speed_texts, values_of
+from flexmech.plots.style import line_handle, series_handle, series_line
 from flexmech.types import FloatArray
 
 PANELS_A_ROW, NARROW_ROW = 4, 2

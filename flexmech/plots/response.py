@@ -8,18 +8,21 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots import scales, style, time_axis
-from flexmech.plots.labels import engine_label, link_label, run_title
+from flexmech.plots import scales, style
+from flexmech.plots import scales as time_axis
 from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.reading import (
     LENGTH_UNITS,
     Units,
     bending_links,
+    engine_label,
     fitting_unit,
+    link_label,
     names_of,
+    run_title,
     values_of,
 )
-from flexmech.plots.series import Look, line_handle, series_handles, series_line
+from flexmech.plots.style import Look, line_handle, series_handles, series_line
 from flexmech.types import FloatArray
 
 STRAIN_UNITS: Units = ((1e6, "µm/m"),)

@@ -12,19 +12,23 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from flexmech.errors import InputError
-from flexmech.plots import scales, style, time_axis
-from flexmech.plots.labels import engine_label, link_label, run_title, spread
+from flexmech.plots import scales, style
+from flexmech.plots import scales as time_axis
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
 from flexmech.plots.reading import (
     LENGTH_UNITS,
     bending_links,
     cell_edges,
+    engine_label,
     fitting_unit,
+    link_label,
     names_of,
+    run_title,
+    spread,
     values_of,
 )
 from flexmech.plots.response import engine_lines
-from flexmech.plots.series import Look, line_handle, series_line, series_style
+from flexmech.plots.style import Look, line_handle, series_line, series_style
 from flexmech.types import FloatArray
 
 ONE_LINK = "choose one link (links=...)"

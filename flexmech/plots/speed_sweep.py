@@ -11,11 +11,10 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from flexmech.plots import scales, style
-from flexmech.plots.labels import link_label, speed_unit
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
-from flexmech.plots.reading import names_of, values_of
-from flexmech.plots.series import Look, line_handle, series_line, series_style
+from flexmech.plots.reading import link_label, names_of, speed_unit, values_of
 from flexmech.plots.spectra import ONE_LINK
+from flexmech.plots.style import Look, line_handle, series_line, series_style
 from flexmech.types import FloatArray
 from flexmech.units import from_si
 

@@ -19,13 +19,7 @@ from flexmech.analyses import (
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.report.panels.frequencies import in_each_state
 from flexmech.report.results import Results
-from flexmech.report.words import (
-    engine_names,
-    speed_name,
-    speed_unit_of,
-    state_of,
-    with_error,
-)
+from flexmech.report.words import engine_names, speed_name, speed_unit_of, state_of, with_error
 from flexmech.units import from_si
 
 LOWEST_ORDERS = 3

@@ -14,7 +14,7 @@ from flexmech.analyses.netcdf import file_attributes
 from flexmech.errors import InputError
 from flexmech.files import given_path, write_whole
 from flexmech.mechanism import Mechanism
-from flexmech.plots.series import SERIES_STYLES
+from flexmech.plots.style import SERIES_STYLES
 from flexmech.report.answers import answers
 from flexmech.report.arrays import Arrays
 from flexmech.report.markup import equation_markup, json_text

@@ -21,7 +21,7 @@ from flexmech import (
 from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring, linkage_positions
 from flexmech.mechanism import Mechanism, drawing
 from flexmech.plots import page_width, plot_coupler_curve, plot_linkage, plot_mode_shapes
-from flexmech.plots.animation_scene import EnlargedMotion, Scene
+from flexmech.plots.animation import EnlargedMotion, Scene
 from flexmech.plots.linkage_sketch import LinkageSketch
 from flexmech.plots.linkage_symbols import Symbol
 from flexmech.report.arrays import Arrays
