@@ -47,7 +47,7 @@ from .spectra import plot_spectrogram as plot_spectrogram
 from .spectra import plot_spectrum as plot_spectrum
 from .speed_sweep import plot_speed_sweep as plot_speed_sweep
 from .stability import plot_stability as plot_stability
-from .stability import plot_stability_against as plot_stability_against
+from .stability_against import plot_stability_against as plot_stability_against
 from .style import LIGHT_GREY as LIGHT_GREY
 from .style import MID_GREY as MID_GREY
 from .style import SERIES_STYLES as SERIES_STYLES

@@ -105,7 +105,7 @@ def _columns(sizes: Sequence[int]) -> list[range]:
     return [part for part in (whole[:cut], whole[cut:]) if part]
 
 
-def label_angles(drawn: Sheet, angles: FloatArray, y_label: str) -> None:
+def label_angles(drawn: Sheet, angles: FloatArray, y_label: str = "") -> None:
     """Scale and label the axes of panels over the crank angle.
 
     Parameters
@@ -114,13 +114,14 @@ def label_angles(drawn: Sheet, angles: FloatArray, y_label: str) -> None:
     angles : ndarray
         Crank angles in degrees, ascending.
     y_label : str
-        Label of all y axes, with its unit.
+        Label of all y axes, with its unit; left out where they differ.
     """
     width = drawn.figure.get_figwidth()
     for axes in drawn.panels:
         scales.crank_angle_axis(axes, angles, narrow=axes.get_position().width * width < WIDE)
     drawn.label_x("Crank angle (deg)")
-    drawn.label_y(y_label)
+    if y_label:
+        drawn.label_y(y_label)
 
 
 @contextmanager
@@ -344,18 +345,17 @@ def speed_lines(dataset: xr.Dataset) -> list[Look]:
 
 
 def colour_bar(drawn: Sheet, dataset: xr.Dataset) -> None:
-    """Put the scale of the crank speeds' colours beside the panels.
+    """Put the scale of the crank speeds' colours beside the panels, where there are many speeds.
 
     Parameters
     ----------
     drawn : Sheet
     dataset : Dataset
     """
-    factor, mapped = from_si(1.0, speed_unit(dataset)), _mappable(dataset)
-    mapped.set_clim(*(factor * end for end in mapped.get_clim()))
-    bar = drawn.figure.colorbar(mapped, ax=drawn.panels, pad=0.02, aspect=30)
-    bar.set_label(f"Crank speed ({speed_unit(dataset)})")
-    bar.outline.set_linewidth(0.6)
+    if has_many_speeds(dataset):
+        factor, mapped = from_si(1.0, speed_unit(dataset)), _mappable(dataset)
+        mapped.set_clim(*(factor * end for end in mapped.get_clim()))
+        drawn.colour_bar(mapped, f"Crank speed ({speed_unit(dataset)})")
 
 
 def _mappable(dataset: xr.Dataset) -> ScalarMappable:

@@ -19,18 +19,27 @@ from PIL import Image
 
 from flexmech.errors import InputError
 from flexmech.plots import style
-from flexmech.plots.layout import grid, height_of, sheet
+from flexmech.plots.layout import grid, height_of, round_enlargement, sheet
+from flexmech.plots.linkage import part_handles
 from flexmech.plots.linkage_parts import LinkageParts, extent_of, parts_of
 from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
 from flexmech.plots.linkage_symbols import add_symbols, move_symbols
-from flexmech.plots.reading import chosen, engine_label, names_of, speed_text, values_of
+from flexmech.plots.reading import (
+    chosen,
+    engine_label,
+    mechanism_name,
+    names_of,
+    speed_text,
+    values_of,
+)
 from flexmech.plots.style import Look, line_handle, publication_style, series_style
 from flexmech.types import FloatArray, StepProgress
 
-MOST_FRAMES = 120
-FRAMES_A_SECOND = 20
+# As many pictures as make a film of six seconds, which nobody waits for too long.
+MOST_FRAMES, FRAMES_A_SECOND = 120, 20
 # Wide enough to read, small enough for a web page: about 640 pixels.
 DOTS_AN_INCH = 90
+# Of the line with time and crank angle in inches.
 TITLE_HEIGHT = 0.35
 # Marks of joints over those of a figure, on wide lines.
 JOINT_SIZE = 1.4
@@ -38,8 +47,6 @@ JOINT_SIZE = 1.4
 ENLARGED_TO = 0.1
 # Ends that move less than this fraction of the extent stay in place.
 SAME_PLACE = 1e-6
-# Displacements below this fraction of the extent are not enlarged.
-ROUND_OFF = 1e-10
 # A digit's width, so that the title does not tremble while the numbers grow.
 FIGURE_SPACE = "\N{FIGURE SPACE}"
 
@@ -47,6 +54,7 @@ Pictures = Iterator[NDArray[np.uint8]]
 
 # Of a GIF's palette: a few hues with their blends into white.
 COLOURS = 128
+# Of 255: entries of the palette that are lighter throughout are paper.
 NEARLY_WHITE = 240
 
 
@@ -107,11 +115,10 @@ class EnlargedMotion:
         rigid = values_of(turn["rigid_position"], *order)
         elastic = values_of(turn["displacement"], *order)
         if enlargement is None:
-            enlargement = _round_enlargement(extent_of(rigid), elastic)
+            enlargement = round_enlargement(elastic, extent_of(rigid), ENLARGED_TO)
         links = names_of(turn, "link")
         path, traced = _true_path(turn, rigid + elastic, links)
-        name = str(dataset.attrs["mechanism"])
-        name = name[:1].upper() + name[1:]
+        run = f"{mechanism_name(dataset)} at {speed_text(dataset)}"
         return cls(
             time=turn["time"].values.astype(float),
             angle=angle[shown],
@@ -120,7 +127,7 @@ class EnlargedMotion:
             parts=parts_of(dataset, rigid, _at_rest(rigid)),
             path=path,
             trace_name=f"true path of the {traced}",
-            run_name=f"{name} at {speed_text(dataset)}, {engine_label(dataset)}",
+            run_name=f"{run}, {engine_label(dataset)}",
             enlargement=enlargement,
         )
 
@@ -177,17 +184,6 @@ def _at_rest(rigid: FloatArray) -> NDArray[np.bool_]:
     return np.asarray(rests & (len(ends) > 1))
 
 
-def _round_enlargement(extent: float, elastic: FloatArray) -> float:
-    """1, 2 or 5 times a power of ten, at least 1: the nearest in ratio to what is wanted."""
-    greatest = float(np.nanmax(np.hypot(elastic[..., 0], elastic[..., 1]), initial=0.0))
-    if greatest <= ROUND_OFF * extent:
-        return 1.0
-    wanted = max(ENLARGED_TO * extent / greatest, 1.0)
-    decade = 10.0 ** np.floor(np.log10(wanted))
-    rounds = [float(round(step * decade)) for step in (1, 2, 5, 10)]
-    return min(rounds, key=lambda value: abs(np.log(value / wanted)))
-
-
 class Scene:
     """The picture: a ground drawn once, and what moves drawn on it for each frame.
 
@@ -203,22 +199,17 @@ class Scene:
         sketch = LinkageSketch(
             motion.rigid[0], motion.parts, joint_size=JOINT_SIZE, travel=motion.rigid
         )
-        self._rigid = self._lines(sketch, RIGID | {"zorder": 1})
+        self._rigid = _lines(sketch, RIGID | {"zorder": 1})
         self._trace = Line2D([], [], label=motion.trace_name, color=orange, lw=1.0, zorder=2)
-        self._deflected = self._lines(sketch, {"color": blue, "lw": 2.2, "zorder": 2.1})
+        self._deflected = _lines(sketch, {"color": blue, "lw": 2.2, "zorder": 2.1})
         self._point = Line2D([], [], color="black", marker="o", ms=3.5, ls="", zorder=5)
         handles = [
             line_handle("rigid linkage", **RIGID),
             line_handle(enlarged, color=blue, lw=2.2),
             self._trace,
-            *sketch.handles(),
+            *part_handles(sketch),
         ]
         self._open(sketch, handles)
-
-    @staticmethod
-    def _lines(sketch: LinkageSketch, look: Look) -> list[Line2D]:
-        """One line a link."""
-        return [Line2D([], [], **one) for one in sketch.link_looks(look)]
 
     def _open(self, sketch: LinkageSketch, handles: list[Artist]) -> None:
         """Draw what does not move, with room for the whole motion, the legend and the title."""
@@ -271,6 +262,11 @@ class Scene:
         for artist in self._moving:
             self._axes.draw_artist(artist)
         return np.array(self._canvas.buffer_rgba(), dtype=np.uint8)[..., :3].copy()
+
+
+def _lines(sketch: LinkageSketch, look: Look) -> list[Line2D]:
+    """One line a link."""
+    return [Line2D([], [], **one) for one in sketch.link_looks(look)]
 
 
 def _times(factor: float) -> str:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexmech.errors import InputError
-from flexmech.plots import angle_panels, scales, style
+from flexmech.plots import angle_panels, scales
 from flexmech.plots.angle_panels import colour_bar, has_many_speeds, speed_lines
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import (
@@ -27,6 +27,7 @@ from flexmech.plots.style import (
     Look,
     few_points,
     line_handle,
+    line_handles,
     series_handles,
     series_line,
     series_style,
@@ -37,7 +38,7 @@ from flexmech.types import FloatArray
 LEAST_BAND = 2e-4
 # A term whose greatest change is a smaller part of that of the total in every mode is small.
 SMALL_PART = 0.01
-SMALL: Look = {"color": style.MID_GREY, "linewidth": 0.8, "linestyle": (0.0, (1.0, 1.0))}
+SMALL: Look = {"color": MID_GREY, "linewidth": 0.8, "linestyle": (0.0, (1.0, 1.0))}
 
 STATE_LINES: tuple[Look, ...] = (
     {"linestyle": "-", "linewidth": 1.2},
@@ -49,13 +50,14 @@ MARKS = "so^D"
 MARK_SIZE = 3.6
 # Narrowest axis of the difference in percent: below it one would look at round-off.
 LEAST_DIFFERENCE = 1e-3
+# Relative difference of frequencies that is round-off.
 SAME = 1e-12
 RUNNING: Look = {"lw": 1.1}
 STILL: Look = {"color": "0.2", "ls": (0, (4.0, 2.0)), "lw": 0.9}
 
 # Zero has no place on a logarithmic axis: equal frequencies are drawn at about machine epsilon.
 FLOOR = 1e-16
-ERROR: Look = {"color": style.MID_GREY, "linewidth": 0.7, "markersize": 4, "markeredgewidth": 0.8}
+ERROR: Look = {"color": MID_GREY, "linewidth": 0.7, "markersize": 4, "markeredgewidth": 0.8}
 ERRORS: tuple[Look, ...] = (
     ERROR | {"linestyle": (0.0, (4.0, 2.0)), "marker": "x"},
     ERROR | {"linestyle": (0.0, (1.0, 1.5)), "marker": "+"},
@@ -87,16 +89,12 @@ def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     InputError
         If the dataset has no ``speed_effect``.
     """
-    if "speed_effect" not in dataset:
-        raise InputError(
-            "this result does not split the effect of speed by term: compute it with "
-            "moving_frequencies(..., speed_effect=True)"
-        )
     fastest, speed = at_highest_speed(dataset.sortby("crank_angle"))
-    if fastest["speed_effect"].isnull().any():
+    known = "speed_effect" in dataset
+    if not known or fastest["speed_effect"].isnull().any():
         raise InputError(
-            f"this result does not split the effect of speed by term at {speed}: compute it with "
-            "moving_frequencies(..., speed_effect=True)"
+            f"this result does not split the effect of speed by term{f' at {speed}' * known}: "
+            "compute it with moving_frequencies(..., speed_effect=True)"
         )
     effect = values_of(fastest["speed_effect"], "mode", "term", "crank_angle")
     angles = degrees(fastest["crank_angle"])
@@ -108,15 +106,14 @@ def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
         title = f"Change of frequency from rest to {speed}, by term"
         small = _small(effect)
         handles = [line_handle("total", **total)]
-        for number, term in enumerate(terms):
-            if number not in small:
-                handles.append(line_handle(term, **series_line(number, angles)))
+        for number in sorted(set(range(len(terms))) - set(small)):
+            handles.append(line_handle(terms[number], **series_line(number, angles)))
         if small:
             words = ", ".join(terms[number] for number in small)
             handles.append(line_handle(f"{words} (below 1 % of the total)", **SMALL))
         drawn.header(handles, title, of=dataset)
         for axes, changes in zip(drawn.panels, effect, strict=True):
-            axes.axhline(0.0, color=style.MID_GREY, lw=0.6, zorder=1)
+            axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=1)
             # Under the terms, so that a term which makes up the whole effect is seen on it.
             whole = changes.sum(axis=0)
             axes.plot(angles, whole, **total, zorder=1.9)
@@ -172,12 +169,11 @@ def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None)
         lines = np.concatenate([frequency, between], axis=-1)[..., sequence]
     with angle_panels.mode_panels(dataset, "Natural frequency (Hz)", ax=ax) as drawn:
         handles = [
-            line_handle(label, color=style.MID_GREY, **line)
+            line_handle(label, color=MID_GREY, **line)
             for label, line in zip(names_of(dataset, "state"), STATE_LINES, strict=True)
         ]
-        many = has_many_speeds(dataset)
-        looks = speed_lines(dataset) if many else []
-        for number, text in enumerate([] if many else speed_texts(dataset)):
+        looks = speed_lines(dataset) if has_many_speeds(dataset) else []
+        for number, text in enumerate([] if looks else speed_texts(dataset)):
             handles.append(line_handle(text, color=series_style(number).color, linewidth=1.5))
             looks.append(series_line(number, angles))
         title = "Natural frequencies in two states of heat and moisture"
@@ -187,8 +183,7 @@ def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None)
                 for values, line in zip(states, STATE_LINES, strict=True):
                     axes.plot(drawn_at, values, **(look | line))
             scales.scale_y(axes, speeds, least_part=scales.FREQUENCY_BAND)
-        if many:
-            colour_bar(drawn, dataset)
+        colour_bar(drawn, dataset)
     return drawn.figure
 
 
@@ -277,7 +272,7 @@ def _mode_mark(number: int) -> Look:
 
 def _handles(modes: list[int], names: list[str]) -> list[Artist]:
     """Legend entries: the two lines of the upper panels, then a colour and mark a mode."""
-    handles = [line_handle("running", color="0.2", **RUNNING), line_handle("quasi-static", **STILL)]
+    handles = line_handles({"running": RUNNING | {"color": "0.2"}, "quasi-static": STILL})
     for number, name in enumerate(names if len(names) > 1 else []):
         mark = {"ls": "", "marker": MARKS[number % 4], "ms": MARK_SIZE}
         handles.append(line_handle(name, color="0.2", **mark))
@@ -317,25 +312,23 @@ def plot_agreement(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     angles, check_angles = (degrees(dataset[name]) for name in ("crank_angle", "check_angle"))
     difference, error = _relative_difference(dataset), _own_errors(dataset)
     with angle_panels.mode_panels(dataset, "Relative difference (-)", ax=ax, share_y=True) as drawn:
-        many = has_many_speeds(dataset)
-        handles = [] if many else series_handles(speed_texts(dataset), angles)
+        looks = speed_lines(dataset) if has_many_speeds(dataset) else []
+        handles = [] if looks else series_handles(speed_texts(dataset), angles)
         for engine, line in zip(names_of(dataset, "engine"), ERRORS, strict=False):
             handles.append(line_handle(f"estimated error of {engine}", **line))
         first, second = (engine_label(dataset, engine) for engine in (0, 1))
         drawn.header(handles, f"Frequencies of {second} against {first}", of=dataset)
         low, high = _decades(np.concatenate([difference.ravel(), error.ravel()]))
         for mode, axes in enumerate(drawn.panels):
-            if many:
-                for values, look in zip(difference[mode], speed_lines(dataset), strict=True):
-                    axes.plot(angles, values, **look)
-            else:
-                for number, values in enumerate(difference[mode]):
+            for number, values in enumerate(difference[mode]):
+                if looks:
+                    axes.plot(angles, values, **looks[number])
+                else:
                     angle_panels.draw_line(axes, angles, values, number)
             for values, line in zip(error[mode], ERRORS, strict=False):
                 axes.plot(check_angles, values, **line, zorder=1.5, clip_on=False)
             scales.log_scale(axes, low, high)
-        if many:
-            colour_bar(drawn, dataset)
+        colour_bar(drawn, dataset)
     return drawn.figure
 
 

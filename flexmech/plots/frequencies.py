@@ -37,7 +37,7 @@ STRIP: Look = {"color": "0.72", "lw": 0}
 
 # More panels than these are too many to compare.
 MOST_SPEEDS = 6
-# Narrowest y axis as a part of the mean ratio: below it one would look at round-off.
+# Narrowest axis of damping as a part of the mean ratio: below it one would look at round-off.
 LEAST_BAND = 0.02
 
 
@@ -68,8 +68,8 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     veering = dataset["veering"].transpose(*MAP).values.astype(bool)[0]
     layout = angle_panels.angle_layout([len(group) for group in groups])
     with sheet(layout, ax=ax, fewer=angle_panels.ONE_MODE) as drawn:
-        many = has_many_speeds(dataset)
-        if many:
+        looks = speed_lines(dataset) if has_many_speeds(dataset) else []
+        if looks:
             handles = [line_handle(engine_label(dataset), color=style.MID_GREY)]
         else:
             handles = angle_panels.series_and_engines(dataset, speed_texts(dataset))
@@ -82,14 +82,10 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
             axes.set_title(mode_label(dataset["mode"].values[group].tolist()))
             scales.scale_y(axes, frequency[..., group], least_part=scales.FREQUENCY_BAND)
             _mark_veering(axes, angles, veering[..., group])
-            parts = axes, angles, frequency[..., group], branch[0][..., group]
             of_group = [_of_modes(each, group) for each in between]
-            if many:
-                _draw_many(*parts, of_group, speed_lines(dataset))
-            else:
-                _draw_speeds(*parts, of_group)
-        if many:
-            colour_bar(drawn, dataset)
+            parts = frequency[..., group], branch[0][..., group], of_group
+            _draw_speeds(axes, angles, *parts, looks)
+        colour_bar(drawn, dataset)
     return drawn.figure
 
 
@@ -170,34 +166,24 @@ def _draw_speeds(
     frequency: FloatArray,
     branch: FloatArray,
     between: list[Between],
+    looks: list[Look],
 ) -> None:
-    """All speeds in one panel: frequency (engine, speed, angle, mode), branch without engine."""
+    """All speeds in one panel: frequency (engine, speed, angle, mode), branch without engine.
+
+    Of many speeds each has its look, and the first engine is drawn alone.
+    """
     _, n_speeds, _, n_modes = frequency.shape
     # One mode alone is one line: sorted frequencies do not jump.
     along = branch if n_modes > 1 else np.zeros_like(branch)
-    for number in range(n_speeds):
-        values = frequency[:, number]
-        series = along[number], number, n_speeds, between[number]
-        lines = angle_panels.draw_series(axes, angles, values, *series)
+    for number, points in enumerate(between):
+        if looks:
+            lines = angle_panels.branch_lines(frequency[0, number], along[number])
+            for of_branch, line in lines.items():
+                axes.plot(*points.among(angles, line, of_branch), **looks[number])
+        else:
+            series = along[number], number, n_speeds, points
+            lines = angle_panels.draw_series(axes, angles, frequency[:, number], *series)
         if number == 0 and n_modes > 1:
-            _number_branches(axes, lines)
-
-
-def _draw_many(
-    axes: Axes,
-    angles: FloatArray,
-    frequency: FloatArray,
-    branch: FloatArray,
-    between: list[Between],
-    looks: list[Look],
-) -> None:
-    """As with few speeds, each in its look, and of the first engine alone."""
-    for number, look in enumerate(looks):
-        along = branch[number] if branch.shape[-1] > 1 else np.zeros_like(branch[number])
-        lines = angle_panels.branch_lines(frequency[0, number], along)
-        for of_branch, line in lines.items():
-            axes.plot(*between[number].among(angles, line, of_branch), **look)
-        if number == 0 and branch.shape[-1] > 1:
             _number_branches(axes, lines)
 
 

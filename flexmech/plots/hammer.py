@@ -4,73 +4,58 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from flexmech.errors import InputError
 from flexmech.plots import style
-from flexmech.plots.frf import CURVES, complex_values, curve_handles, first_angle, hammer_title
-from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.reading import LENGTH_UNITS, fitting_unit
-from flexmech.plots.style import Look, line_handle, series_line, series_style
+from flexmech.plots.frf import (
+    CURVES,
+    angle_text,
+    curve_handles,
+    first_angle,
+    hammer_title,
+)
+from flexmech.plots.layout import AxesLike, grid, sheet, tiles
+from flexmech.plots.reading import LENGTH_UNITS, complex_values, fitting_unit, names_of
+from flexmech.plots.style import (
+    Look,
+    line_handle,
+    line_handles,
+    series_handle,
+    series_line,
+    series_style,
+)
 
-HEIGHT = 4.6
+# Of the records, of a circle, of the chart and of a shape, in inches.
+HEIGHT, CIRCLE_HEIGHT, CHART_HEIGHT, SHAPE_HEIGHT = 4.6, 2.3, 3.0, 1.5
+# More impacts or modes than these hide each other or fill more than a page.
+MOST_RECORDS = MOST_MODES = 6
 # What is drawn of the force's record, in pulse durations about its start.
 BEFORE_PULSE, AFTER_PULSE = 2.0, 4.0
-MOST_RECORDS = 6
 PULSE: Look = {"color": "0.75", "lw": 2.6}
 DOTS: Look = {"marker": ".", "markersize": 4.0}
 THREE = "give three Axes"
 
-CIRCLE_HEIGHT, CIRCLE_COLUMNS = 2.3, 3
-MOST_CIRCLES = 6
 CIRCLE_DOTS: Look = {"marker": ".", "ms": 3.5, "ls": ""}
 
-CHART_HEIGHT = 3.0
 # Of the orders' axis, that the receptance behind the poles takes.
 BEHIND = 0.9
 CURVE: Look = {"color": style.MID_GREY, "lw": 0.8, "zorder": 1}
 EIGEN: Look = {"color": "0.1", "lw": 0.8, "ls": (0, (1, 2)), "zorder": 1.5}
+BLUE, ORANGE, GREEN = (series_style(number).color for number in range(3))
+POLE: Look = {"ls": "none", "marker": "o", "ms": 3.5, "color": BLUE}
 # On the axis: modes that the fit keeps, since noise does not explain them as well.
-IDENTIFIED: Look = {
-    "marker": "^",
-    "markersize": 6.5,
-    "color": series_style(2).color,
-    "ls": "none",
-    "clip_on": False,
-    "zorder": 5,
-}
+IDENTIFIED = POLE | {"marker": "^", "ms": 6.5, "color": GREEN, "clip_on": False, "zorder": 5}
+# Poles by their state: label and look.
 STATES: dict[str, tuple[str, Look]] = {
-    "new": (
-        "new pole",
-        {"marker": ".", "markersize": 2.5, "color": "0.6", "markeredgewidth": 0.0, "ls": "none"},
-    ),
-    "frequency": (
-        "stable in frequency",
-        {
-            "marker": "o",
-            "markersize": 3.5,
-            "color": series_style(0).color,
-            "markerfacecolor": "white",
-            "markeredgewidth": 0.8,
-            "ls": "none",
-        },
-    ),
-    "stable": (
-        "stable in damping as well",
-        {"marker": "o", "markersize": 3.5, "color": series_style(0).color, "ls": "none"},
-    ),
+    "new": ("new pole", POLE | {"marker": ".", "ms": 2.5, "color": "0.6", "mew": 0.0}),
+    "frequency": ("stable in frequency", POLE | {"mfc": "white", "mew": 0.8}),
+    "stable": ("stable in damping as well", POLE),
     "chosen": (
         "chosen to begin the fit",
-        {
-            "marker": "D",
-            "markersize": 5.5,
-            "color": series_style(1).color,
-            "ls": "none",
-            "zorder": 4,
-        },
+        POLE | {"marker": "D", "ms": 5.5, "color": ORANGE, "zorder": 4},
     ),
 }
 NO_CHART = (
@@ -78,21 +63,9 @@ NO_CHART = (
     'install flexmech[modal-test] and ask for method="lscf"'
 )
 
-PANEL_HEIGHT = 1.5
-COLUMNS, MOST_MODES = 2, 6
 EIGEN_SHAPE: Look = {"color": "0.35", "lw": 1.0}
-FOUND: Look = {
-    "color": series_style(0).color,
-    "marker": "o",
-    "markersize": 4,
-    "ls": "none",
-}
-IMAGINARY: Look = {
-    "color": series_style(1).color,
-    "marker": "x",
-    "markersize": 3.5,
-    "ls": "none",
-}
+FOUND = POLE | {"ms": 4}
+IMAGINARY = POLE | {"marker": "x", "color": ORANGE}
 JOINT: Look = {"color": "0.8", "lw": 0.6, "zorder": 0}
 NO_GRID = "this hammer test has no grid of impacts; ask for it by grid=N (--grid N)"
 
@@ -118,10 +91,9 @@ def plot_hammer(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     with sheet(grid(3, 1, HEIGHT), ax=ax, fewer=THREE) as drawn:
         # Impacts without noise are the same.
         count = count if data.attrs["noise"] else 1
-        handles = [line_handle("force of the hammer", **PULSE)] + [
-            line_handle(f"impact {number + 1}, as recorded", **(series_line(number) | DOTS))
-            for number in range(count)
-        ]
+        handles = [line_handle("force of the hammer", **PULSE)]
+        for number in range(count):
+            handles.append(series_handle(number, f"impact {number + 1}, as recorded", **DOTS))
         drawn.header(handles, hammer_title(dataset), of=dataset)
         force, response, coherence = drawn.panels
         scale, unit = fitting_unit(data["response"].values, LENGTH_UNITS)
@@ -131,18 +103,15 @@ def plot_hammer(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             force.plot(1e3 * time, data["force"].values[number], **(look | DOTS))
             response.plot(time, scale * data["response"].values[number], **look)
         force.set_xlim(1e3 * (start - BEFORE_PULSE * pulse), 1e3 * (start + AFTER_PULSE * pulse))
-        force.set_xlabel("Time (ms)")
-        force.set_ylabel("Force (N)")
+        force.set(xlabel="Time (ms)", ylabel="Force (N)")
         force.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
         response.set_xlim(0.0, float(time[-1]))
-        response.set_xlabel("Time (s)")
-        response.set_ylabel(f"Displacement ({unit})")
+        response.set(xlabel="Time (s)", ylabel=f"Displacement ({unit})")
         look = series_line(0) | {"lw": 0.8}
         coherence.plot(data["frequency"].values, data["coherence"].values, **look)
         coherence.set_xlim(0.0, float(data["frequency"].values[-1]))
         coherence.set_ylim(min(0.0, float(np.nanmin(data["coherence"]))), 1.05)
-        coherence.set_xlabel("Frequency (Hz)")
-        coherence.set_ylabel("Coherence")
+        coherence.set(xlabel="Frequency (Hz)", ylabel="Coherence")
     return drawn.figure
 
 
@@ -168,13 +137,12 @@ def plot_nyquist(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         If no mode was identified there.
     """
     data = first_angle(dataset)
-    modes = np.flatnonzero(np.isfinite(data["identified_frequency"].values))[:MOST_CIRCLES]
+    modes = np.flatnonzero(np.isfinite(data["identified_frequency"].values))[:MOST_MODES]
     if not len(modes):
         raise InputError("no mode was identified at the first crank angle: there is no circle")
-    columns = min(CIRCLE_COLUMNS, len(modes))
-    rows = -(-len(modes) // columns)
-    layout = grid(rows, columns, CIRCLE_HEIGHT * rows, count=len(modes), narrow=2)
-    with sheet(layout, ax=ax, fewer="give one Axes a mode") as drawn:
+    with sheet(
+        tiles(len(modes), 3, CIRCLE_HEIGHT, narrow=2), ax=ax, fewer="give one Axes a mode"
+    ) as drawn:
         drawn.header(curve_handles(**CIRCLE_DOTS), hammer_title(dataset), of=dataset)
         for axes, mode in zip(drawn.panels, modes, strict=True):
             _draw_circle(axes, data, int(mode))
@@ -233,8 +201,10 @@ def plot_stabilisation(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     """
     if "chart_order" not in dataset:
         raise InputError(NO_CHART)
+    words = dict(STATES.values()) | {"identified": IDENTIFIED}
+    words |= {"receptance, logarithmic": CURVE, "eigen model": EIGEN}
     with sheet(grid(1, 1, CHART_HEIGHT), ax=ax) as drawn:
-        drawn.header(_chart_handles(), _chart_title(dataset), of=dataset)
+        drawn.header(line_handles(words), f"Stabilisation chart {_where(dataset)}", of=dataset)
         _draw_chart(drawn.panels[0], first_angle(dataset))
         drawn.label_x("Frequency (Hz)")
         drawn.label_y("Modes of the model")
@@ -244,7 +214,7 @@ def plot_stabilisation(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
 def _draw_chart(axes: Axes, one: xr.Dataset) -> None:
     orders = float(np.nanmax(one["chart_order"].values))
     lines = one["frequency"].values
-    level = np.log(np.abs(one["receptance_real"].values + 1j * one["receptance_imag"].values))
+    level = np.log(np.abs(complex_values(one, "receptance")))
     finite = np.isfinite(level)
     low, high = level[finite].min(), level[finite].max()
     part = (level - low) / (high - low) if high > low else np.zeros_like(level)
@@ -258,24 +228,13 @@ def _draw_chart(axes: Axes, one: xr.Dataset) -> None:
         axes.plot(one["chart_frequency"].values[which], one["chart_order"].values[which], **look)
     identified = one["identified_frequency"].values
     axes.plot(identified, np.zeros_like(identified), **IDENTIFIED)
-    axes.set_xlim(0.0, float(lines[-1]))
-    axes.set_ylim(0.0, 1.04 * orders)
+    axes.set(xlim=(0.0, float(lines[-1])), ylim=(0.0, 1.04 * orders))
 
 
-def _chart_handles() -> list[Artist]:
-    poles = [line_handle(words, **look) for words, look in STATES.values()]
-    return [
-        *poles,
-        line_handle("identified", **IDENTIFIED),
-        line_handle("receptance, logarithmic", **CURVE),
-        line_handle("eigen model", **EIGEN),
-    ]
-
-
-def _chart_title(dataset: xr.Dataset) -> str:
-    degrees = float(np.degrees(first_angle(dataset)["crank_angle"]))
+def _where(dataset: xr.Dataset) -> str:
+    """At which crank angle a test is drawn, and where the response is."""
     response = dataset.attrs["response_point"]
-    return f"Stabilisation chart at crank angle {degrees:.6g} deg, response at {response}"
+    return f"at crank angle {angle_text(first_angle(dataset))}, response at {response}"
 
 
 def plot_impact_shapes(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -307,11 +266,14 @@ def plot_impact_shapes(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     modes = np.flatnonzero(np.isfinite(data["shape_real"].values).all(axis=0))[:MOST_MODES]
     if not len(modes):
         raise InputError("no mode was identified at the first crank angle: there is no shape")
-    columns = min(COLUMNS, len(modes))
-    rows = -(-len(modes) // columns)
-    layout = grid(rows, columns, PANEL_HEIGHT * rows + 0.3, count=len(modes))
+    words = {
+        "eigen model": EIGEN_SHAPE,
+        "identified, real part": FOUND,
+        "imaginary part": IMAGINARY,
+    }
+    layout = tiles(len(modes), 2, SHAPE_HEIGHT, extra=0.3)
     with sheet(layout, ax=ax, fewer="give one Axes a mode") as drawn:
-        drawn.header(_shape_handles(), _shape_title(dataset), of=dataset)
+        drawn.header(line_handles(words), f"Mode shapes {_where(dataset)}", of=dataset)
         for axes, mode in zip(drawn.panels, modes, strict=True):
             _draw_shape(axes, data.isel(mode=int(mode)))
         drawn.label_x("Link")
@@ -320,8 +282,8 @@ def plot_impact_shapes(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
 
 
 def _draw_shape(axes: Axes, data: xr.Dataset) -> None:
-    links = [str(name) for name in data["link"].values]
-    own = np.array([links.index(str(name)) for name in data["point_link"].values])
+    links = names_of(data, "link")
+    own = np.array([links.index(name) for name in names_of(data, "point_link")])
     place = own + data["point_fraction"].values
     for number in range(len(links)):
         which = own == number
@@ -329,26 +291,8 @@ def _draw_shape(axes: Axes, data: xr.Dataset) -> None:
         axes.axvline(number + 1, **JOINT)
     axes.plot(place, data["shape_imag"].values, **IMAGINARY)
     axes.plot(place, data["shape_real"].values, **FOUND)
-    axes.set_xlim(0.0, len(links))
-    axes.set_ylim(-1.15, 1.15)
+    axes.set(xlim=(0.0, len(links)), ylim=(-1.15, 1.15))
     axes.set_xticks(np.arange(len(links)) + 0.5, links)
     axes.tick_params(axis="x", length=0)
-    axes.set_title(
-        f"Mode {int(data['mode'])}: MAC {float(data['mac']):.4f}, "
-        f"MCF {float(data['complexity_factor']):.2g}",
-        loc="left",
-    )
-
-
-def _shape_handles() -> list[Artist]:
-    return [
-        line_handle("eigen model", **EIGEN_SHAPE),
-        line_handle("identified, real part", **FOUND),
-        line_handle("imaginary part", **IMAGINARY),
-    ]
-
-
-def _shape_title(dataset: xr.Dataset) -> str:
-    degrees = float(np.degrees(first_angle(dataset)["crank_angle"]))
-    response = dataset.attrs["response_point"]
-    return f"Mode shapes at crank angle {degrees:.6g} deg, response at {response}"
+    of = f"MAC {float(data['mac']):.4f}, MCF {float(data['complexity_factor']):.2g}"
+    axes.set_title(f"Mode {int(data['mode'])}: {of}", loc="left")

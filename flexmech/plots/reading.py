@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
-from flexmech.types import FloatArray
+from flexmech.types import ComplexArray, FloatArray
 from flexmech.units import ANGULAR_SPEED, from_si
 
 STARTS = {
@@ -23,6 +23,9 @@ Units = tuple[tuple[float, str], ...]
 """Factors from the SI unit and names: the usual unit first, smaller ones after it."""
 LENGTH_UNITS: Units = ((1e3, "mm"), (1e6, "µm"), (1e9, "nm"))
 """Deflections are read in mm; an arm at constant speed hardly bends, and needs less."""
+FORCE_UNITS: Units = ((1.0, "N"), (1e3, "mN"), (1e6, "µN"))
+TORQUE_UNITS: Units = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
+# Of the largest value in a unit that can be read: axes write two decimals.
 LEAST_NUMBER = 0.01
 MAP = ("engine", "crank_speed", "crank_angle", "mode")
 """Dimensions of what is known of each mode, in the order in which it is drawn."""
@@ -35,8 +38,9 @@ _DIMENSIONS = {
     "branches": "branch",
     "orders": "order",
 }
+# Relative difference up to which two speeds are the same.
 _SAME_SPEED = 1e-9
-"""Relative difference up to which two speeds are the same."""
+_SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
 def mechanism_name(dataset: xr.Dataset) -> str:
@@ -135,6 +139,34 @@ def values_of(array: xr.DataArray, *order: str) -> FloatArray:
 def names_of(dataset: xr.Dataset | xr.DataArray, coordinate: str) -> list[str]:
     """Names along a coordinate such as ``link``."""
     return [str(name) for name in dataset[coordinate].values]
+
+
+def complex_values(dataset: xr.Dataset, name: str, *order: str) -> ComplexArray:
+    """Values that are stored as real and imaginary part, with their dimensions in an order."""
+    parts = (dataset[f"{name}_{part}"] for part in ("real", "imag"))
+    real, imaginary = (values_of(part, *(order or map(str, part.dims))) for part in parts)
+    return np.asarray(real + 1j * imaginary)
+
+
+def amplitudes_of(values: ComplexArray) -> FloatArray:
+    """Amplitudes for a logarithmic axis: not a number where nothing answers."""
+    size = np.abs(values)
+    return np.where(size > 0, size, np.nan)
+
+
+def speeds_of(dataset: xr.Dataset, name: str = "crank_speed") -> FloatArray:
+    """Crank speeds along a coordinate, in the unit in which the user reads them."""
+    return np.asarray(from_si(1.0, speed_unit(dataset)) * dataset[name].values)
+
+
+def subscripts(number: int | str) -> str:
+    """An integer in lowered figures."""
+    return str(number).translate(_SUBSCRIPTS)
+
+
+def signed(order: int) -> str:
+    """An order with its sign, 0 without one."""
+    return f"{order:+d}" if order else "0"
 
 
 def bending_links(dataset: xr.Dataset) -> list[str]:

@@ -11,8 +11,10 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
 from flexmech.plots.layout import Layout, Sheet, grid
+from flexmech.plots.reading import speed_unit, speeds_of
 from flexmech.plots.style import LIGHT_GREY, few_points
-from flexmech.types import FloatArray
+from flexmech.types import ComplexArray, FloatArray
+from flexmech.units import from_si
 
 DEGREE_STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 90.0, 180.0, 360.0)
 """Distances of ticks at round angles."""
@@ -23,6 +25,7 @@ FREQUENCY_BAND = 4e-3
 # Half the height of a y axis over the span of the values on it.
 HALF_AXIS = 0.58
 
+# Of a panel over time in inches: four of them and their axes fit half a page.
 TIME_PANEL_HEIGHT = 1.12
 # What the axes of time and of crank angle take, in inches.
 TIME_AXES_HEIGHT = 0.85
@@ -30,8 +33,10 @@ TIME_AXES_HEIGHT = 0.85
 # Up to this many turns the angle is read in degrees, beyond it turns are counted.
 MOST_TURNS_IN_DEGREES = 2.05
 TURN_STEPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
-MOST_INTERVALS = 8
-MOST_TURNS = 12
+# Parts of the axis between ticks, at most: numbers of degrees are longer than those of turns.
+MOST_INTERVALS, MOST_TURNS = 8, 12
+# Up to this many decades the ticks stand at 1, 2 and 5, beyond it at powers of ten.
+FEW_DECADES = 2.3
 
 
 def crank_angle_axis(axes: Axes, angles: FloatArray, *, narrow: bool = False) -> None:
@@ -116,7 +121,7 @@ def scale_y(axes: Axes, values: ArrayLike, *, least: float = 1e-9, least_part: f
     plain_numbers(axes)
 
 
-def log_scale(axes: Axes, low: float, high: float) -> None:
+def log_scale(axes: Axes, low: float, high: float, *, plain: bool = False) -> None:
     """Make the y axis logarithmic, ticked at every decade or every few.
 
     Parameters
@@ -124,11 +129,84 @@ def log_scale(axes: Axes, low: float, high: float) -> None:
     axes : Axes
     low, high : float
         Limits of the axis.
+    plain : bool
+        Whether numbers are written in full, of few decades those of 1, 2 and 5.
     """
     axes.set_yscale("log")
     axes.set_ylim(low, high)
-    axes.yaxis.set_major_locator(ticker.LogLocator(base=10, numticks=7))
     axes.yaxis.set_minor_formatter(ticker.NullFormatter())
+    few = plain and np.log10(high / low) <= FEW_DECADES
+    steps = (1.0, 2.0, 5.0) if few else (1.0,)
+    axes.yaxis.set_major_locator(ticker.LogLocator(subs=steps, numticks=9 if plain else 7))
+    if plain:
+        axes.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def log_limits(values: ArrayLike, decades: float, room: float = 2.0) -> tuple[float, float]:
+    """Limits of a logarithmic axis for amplitudes, at most so many decades below the greatest.
+
+    Parameters
+    ----------
+    values : array_like
+        Not a number is left out.
+    decades : float
+    room : float
+        Factor between the greatest value and the upper limit.
+
+    Returns
+    -------
+    float, float
+        The least value or the last decade that is drawn, and the upper limit.
+    """
+    highest = float(np.nanmax(values)) or 1.0
+    return max(float(np.nanmin(values)), highest * 10.0**-decades), room * highest
+
+
+def phase_axis(axes: Axes) -> None:
+    """Scale the y axis to phases in degrees, from half a turn below zero to half a turn above."""
+    axes.set_ylim(-190.0, 190.0)
+    axes.set_yticks([-180.0, -90.0, 0.0, 90.0, 180.0])
+
+
+def phase_of(values: ComplexArray) -> FloatArray:
+    """Phases in degrees from -180 to 180, broken where they leave one end for the other."""
+    phase = np.asarray(np.degrees(np.angle(values)), dtype=float)
+    phase[1:][np.abs(np.diff(phase)) > 180.0] = np.nan
+    return phase
+
+
+def zero_line(axes: Axes) -> None:
+    """Draw where a quantity is zero, behind all else."""
+    axes.axhline(0.0, color=LIGHT_GREY, lw=0.6, zorder=0)
+
+
+def speed_limits(dataset: xr.Dataset, room: float = 0.0) -> tuple[float, float]:
+    """Limits of an axis of crank speed in the user's unit.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    room : float
+        Beyond either end, as a part of the range.
+
+    Returns
+    -------
+    float, float
+    """
+    speeds = speeds_of(dataset)
+    low, high = float(speeds.min()), float(speeds.max())
+    beyond = room * (high - low) if high > low else 1.0
+    return low - beyond, high + beyond
+
+
+def second_speed_axis(axes: Axes, dataset: xr.Dataset) -> None:
+    """Crank speed in turns a minute above a panel, or in rad/s where turns a minute are below."""
+    unit = speed_unit(dataset)
+    factor = from_si(1.0, unit)
+    other, ratio = ("rad/s", 1.0 / factor) if unit == "rpm" else ("rpm", 30 / np.pi / factor)
+    there_and_back = (lambda speed: ratio * speed, lambda speed: speed / ratio)
+    upper = axes.secondary_xaxis("top", functions=there_and_back)
+    upper.set_xlabel(f"Crank speed ({other})")
 
 
 def time_layout(count: int) -> Layout:

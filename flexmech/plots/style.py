@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -20,10 +20,13 @@ from matplotlib.lines import Line2D
 from flexmech.errors import InputError
 from flexmech.types import FloatArray
 
+# In inches.
 MILLIMETRE = 1 / 25.4
+# Width in mm of a page of two columns, as journals have it.
 TWO_COLUMNS = 180.0
 # Below this width in mm panels stand under each other, and letters are a point smaller.
 NARROW = 130.0
+# Narrower pages cannot hold a legend's entries, wider ones no printer takes.
 LEAST_WIDTH, MOST_WIDTH = 80.0, 400.0
 LIGHT_GREY = "0.90"
 MID_GREY = "0.45"
@@ -41,6 +44,7 @@ _width: ContextVar[float] = ContextVar("page width in mm", default=TWO_COLUMNS)
 # Below this number of angles each computed point is marked: a line alone would suggest a
 # resolution that is not there, and a single point would not show at all.
 FEW_POINTS = 10
+# Of these marks in points: twice a line's width and more, so that they are seen on it.
 POINT_SIZE = 3.0
 Look = dict[str, Any]
 """Properties of a line or a marker, as matplotlib names them."""
@@ -204,6 +208,11 @@ def series_line(number: int, points: FloatArray | None = None) -> Look:
 def line_handle(label: str, **properties: Any) -> Artist:
     """Legend entry with the properties of a ``Line2D``."""
     return Line2D([], [], label=label, **properties)
+
+
+def line_handles(looks: Mapping[str, Look]) -> list[Artist]:
+    """Legend entries of lines by their labels."""
+    return [line_handle(label, **look) for label, look in looks.items()]
 
 
 def series_handle(number: int, label: str, **properties: Any) -> Artist:
