@@ -24,7 +24,7 @@ from flexmech.plots import page_width, plot_coupler_curve, plot_linkage, plot_mo
 from flexmech.plots.animation import EnlargedMotion, Scene
 from flexmech.plots.linkage_sketch import LinkageSketch
 from flexmech.plots.linkage_symbols import Symbol
-from flexmech.report.arrays import Arrays
+from flexmech.report.embedding import Arrays
 from flexmech.report.moving_linkage import moving_linkage
 from flexmech.report.results import Results
 from tests.unit.figure_checks import check_layout, legend_texts
