@@ -33,7 +33,7 @@ from flexmech.plots.reading import (
     values_of,
 )
 from flexmech.plots.style import Look, line_handle, publication_style, series_style
-from flexmech.types import FloatArray, StepProgress
+from flexmech.types import FloatArray, StepProgress, silent
 
 # As many pictures as make a film of six seconds, which nobody waits for too long.
 MOST_FRAMES, FRAMES_A_SECOND = 120, 20
@@ -317,7 +317,7 @@ def write_animation(
     one = dataset.isel(engine=[-1]) if engine is None else chosen(dataset, engine=engine)
     motion = EnlargedMotion.of(one, enlargement)
     with publication_style():
-        write(target, _pictures(motion, progress or (lambda done, frames: None)))
+        write(target, _pictures(motion, progress or silent))
 
 
 def mp4_available() -> bool:

@@ -12,16 +12,9 @@ import pytest
 from typer.testing import CliRunner
 
 from flexmech import CampbellDiagram, ComputationError, InputError, ReferenceEngine, campbell
-from flexmech.analyses.campbell.crossings import (
-    HIGHEST,
-    LOWEST,
-    Edge,
-    critical_speeds,
-    edges_of,
-)
-from flexmech.analyses.campbell.fit import band_fit
-from flexmech.analyses.campbell.sampling import speed_grid
-from flexmech.cli import app
+from flexmech.analyses.campbell.crossings import HIGHEST, LOWEST, Edge, critical_speeds, edges_of
+from flexmech.analyses.campbell.sampling import band_fit, speed_grid
+from flexmech.cli.application import app
 from flexmech.cli.arguments import parse_orders
 from flexmech.mechanism import Mechanism
 from tests.unit.plot_data import campbell_dataset

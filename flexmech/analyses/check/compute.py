@@ -9,10 +9,10 @@ import numpy as np
 from flexmech.analyses.check.drawn import drawn_mechanism
 from flexmech.analyses.check.remarks import remarks
 from flexmech.analyses.check.result import ModelCheck
+from flexmech.analyses.datasets import provenance, with_units
 from flexmech.analyses.frequencies.discretisation import mesh_error
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.positions import natural_frequencies
-from flexmech.analyses.provenance import provenance, with_units
 from flexmech.analyses.requests import engine_of
 from flexmech.analyses.section_profile.properties import LINK_PROPERTIES, section_properties
 from flexmech.choices import MODES

@@ -10,10 +10,10 @@ import pandas as pd
 from flexmech import plots
 from flexmech.analyses.comparison import words
 from flexmech.analyses.comparison.dataset import CURVES
-from flexmech.analyses.loads_over_time import left_out_warnings
+from flexmech.analyses.datasets import DEGREES, table_over
+from flexmech.analyses.remarks import left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
-from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.errors import InputError, suggestion
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 
 from flexmech.analyses.coupler_path.any_link import link_named, path_of_link
 from flexmech.analyses.coupler_path.result import CouplerPaths
-from flexmech.analyses.environment import environment_lines, state_name
-from flexmech.analyses.provenance import origin
+from flexmech.analyses.datasets import origin
+from flexmech.analyses.remarks import environment_lines, state_name
 from flexmech.analyses.requests import environment_of, in_radians
 from flexmech.errors import InputError
 from flexmech.hygrothermal import (

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.datasets import provenance
 from flexmech.analyses.hammer.charts import chart_variables
 from flexmech.analyses.hammer.grid import grid_points, grid_variables
 from flexmech.analyses.hammer.measurement import Measurement
 from flexmech.analyses.hammer.plan import LEFT, RecordPlan
 from flexmech.analyses.hammer.request import HammerRequest
 from flexmech.analyses.hammer.uff import geometry_variables
-from flexmech.analyses.provenance import provenance
 from flexmech.linear_system import Engine
 from flexmech.types import ComplexArray, FloatArray
 

@@ -9,12 +9,12 @@ import pandas as pd
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.datasets import DEGREES, table_over
 from flexmech.analyses.hammer import words
 from flexmech.analyses.hammer.uff import uff_contents
-from flexmech.analyses.loads_over_time import left_out_warnings
+from flexmech.analyses.remarks import left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
-from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.errors import InputError
 from flexmech.files import given_path, moved_into
 from flexmech.measured_data import write_uff

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.summary import Table
-from flexmech.analyses.tables import DEGREES
 from flexmech.types import FloatArray
 
 HEADINGS = ("crank deg", "mode", "FE Hz", "Ex Hz", "diff %", "FE xi %", "Ex xi %", "diff %", "MAC")

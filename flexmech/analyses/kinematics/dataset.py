@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.datasets import origin, with_units
 from flexmech.analyses.kinematics.request import KinematicsRequest
-from flexmech.analyses.provenance import origin, with_units
 from flexmech.errors import InputError
 from flexmech.linkages import (
     FourBar,

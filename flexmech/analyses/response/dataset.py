@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.datasets import provenance, rigid_positions
 from flexmech.analyses.frequencies import Formulation, frequencies_at
-from flexmech.analyses.provenance import provenance
 from flexmech.analyses.response import measurements
 from flexmech.analyses.response.peaks import peaks_between
 from flexmech.analyses.response.predicted import oscillating, vibrating_engine
@@ -21,11 +21,10 @@ from flexmech.analyses.response.spectra import (
     spectrogram,
     window_duration,
 )
-from flexmech.analyses.stations import rigid_positions
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.mechanism import drawing
-from flexmech.time_domain import Trajectory
+from flexmech.time_domain.recorded_runs import Trajectory
 from flexmech.types import FloatArray
 
 # Spectra reach this far above the highest natural frequency asked for.

@@ -7,22 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.environment import environment_lines
 from flexmech.analyses.frequencies import natural_frequencies
-from flexmech.analyses.requests import engines_of
+from flexmech.analyses.remarks import environment_lines
+from flexmech.analyses.requests import engines_of, sampled_turn
 from flexmech.analyses.response.dataset import SPECTRUM_REACH
 from flexmech.analyses.response.predicted import oscillating, vibrating_engine
-from flexmech.analyses.response.request import (
-    MOST_SAMPLES,
-    NO_PERIODIC_START,
-    ResponseRequest,
-)
-from flexmech.analyses.turn import sampled_turn
+from flexmech.analyses.response.request import MOST_SAMPLES, NO_PERIODIC_START, ResponseRequest
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.numbers import check_instance
-from flexmech.time_domain import lowest_axial_frequency
+from flexmech.time_domain.equations_of_motion import lowest_axial_frequency
 from flexmech.types import FloatArray
 
 # Samples in a period of the highest frequency of the spectra; two would be the limit.

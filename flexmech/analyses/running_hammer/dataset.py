@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.provenance import provenance
+from flexmech.analyses.datasets import provenance
 from flexmech.analyses.running_hammer.measured import MeasuredResponse
 from flexmech.analyses.running_hammer.peaks import order_peaks
 from flexmech.analyses.running_hammer.prediction import Prediction
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.linear_system import Engine
-from flexmech.time_domain import step_lag, stretches_in_runs
+from flexmech.time_domain.equations_of_motion import stretches_in_runs
+from flexmech.time_domain.integrators import step_lag
 from flexmech.types import ComplexArray
 
 OVER_BOTH = ("order", "frequency")

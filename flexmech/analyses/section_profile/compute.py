@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from flexmech.analyses.environment import environment_lines
-from flexmech.analyses.provenance import origin, with_units
+from flexmech.analyses.datasets import origin, with_units
+from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import environment_of, link_of
 from flexmech.analyses.section_profile.expansions import DIRECTIONS
 from flexmech.analyses.section_profile.properties import COUPLINGS, section_properties

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from flexmech.analyses.datasets import table_over
 from flexmech.analyses.summary import Row, Table
-from flexmech.analyses.tables import table_over
 from flexmech.studies.composite_crank_rockers.claims import all_models
 from flexmech.studies.composite_crank_rockers.linkages import SECOND, position_angles
 from flexmech.studies.composite_crank_rockers.published import POSITIONS, published_case
