@@ -122,7 +122,20 @@ class Plot:
 
 
 def over_angle(name: str, axes: tuple[YAxis, ...], traces: Iterable[Trace], **of: Any) -> Plot:
-    """A plot over the crank angle, whose cursor follows it; further fields are those of a plot."""
+    """A plot over the crank angle, whose cursor follows it.
+
+    Further keywords are fields of the plot.
+
+    Parameters
+    ----------
+    name : str
+    axes : tuple of YAxis
+    traces : iterable of Trace
+
+    Returns
+    -------
+    Plot
+    """
     along: dict[str, Any] = {"x_title": "Crank angle (deg)", "cursor": "angle", "tick": 60.0}
     return Plot(name, axes=axes, traces=tuple(traces), **(along | of))
 
@@ -130,7 +143,22 @@ def over_angle(name: str, axes: tuple[YAxis, ...], traces: Iterable[Trace], **of
 def over_speed(
     name: str, unit: str, axes: tuple[YAxis, ...], traces: Iterable[Trace], text: str
 ) -> Plot:
-    """A plot over the crank speed in a unit, whose cursor follows the speed chosen."""
+    """A plot over the crank speed, whose cursor follows the speed chosen.
+
+    Parameters
+    ----------
+    name : str
+    unit : str
+        Of the crank speed.
+    axes : tuple of YAxis
+    traces : iterable of Trace
+    text : str
+        What is to be seen.
+
+    Returns
+    -------
+    Plot
+    """
     scale, title = from_si(1.0, unit), f"Crank speed ({unit})"
     shown = tuple(traces)
     return Plot(name, title, axes, shown, text, "speed", speed_scale=scale, height=440)
@@ -237,6 +265,8 @@ def shows(kind: type[Kind]) -> Callable[[Callable[[Kind, Results], Panel | None]
 def panel_of(name: str, said: Summary | None = None, variant: str = "", /, **parts: Any) -> Panel:
     """A panel with the words that ``panels.toml`` has for it.
 
+    Keywords are fields of the panel; others fill in the caption.
+
     Parameters
     ----------
     name : str
@@ -245,8 +275,6 @@ def panel_of(name: str, said: Summary | None = None, variant: str = "", /, **par
         Of the result: its lines, verdict, tables and warnings are the panel's.
     variant : str
         Which of several tables of words, where the panel has several.
-    **parts
-        Fields of the panel; the others fill in the caption.
 
     Returns
     -------
