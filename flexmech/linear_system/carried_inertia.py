@@ -89,7 +89,21 @@ class CarriedInertia:
     def of_body(
         self, number: int, body: RigidBody, displacement: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
-        """See :meth:`RigidBody.carried`, of a body on a link displaced by (B, n_link)."""
+        """Force on a body of a link and its derivative; see :meth:`RigidBody.carried`.
+
+        Parameters
+        ----------
+        number : int
+            Of the link.
+        body : RigidBody
+        displacement : ndarray, shape (B, n_link)
+            Of the link.
+
+        Returns
+        -------
+        ndarray, shape (B, 3)
+        ndarray, shape (B, 3, 3)
+        """
         moved = displacement @ body.rows.T
         return body.carried(self.speed[number], self.change[number], moved)
 
