@@ -37,7 +37,13 @@ from flexmech.time_domain.driven_shaft import DrivenShaft
 from flexmech.time_domain.equations import Equations
 from flexmech.time_domain.link_stress import LinkStress
 from flexmech.time_domain.linkage_stretch import LinkageStretch
-from flexmech.time_domain.reduced_links import DETAIL, prestressed_links, stretching_links
+from flexmech.time_domain.natural_coordinates import has_turning_lines
+from flexmech.time_domain.reduced_links import (
+    DETAIL,
+    ReducedLinks,
+    prestressed_links,
+    stretching_links,
+)
 from flexmech.time_domain.state import LinkState, VibrationState
 from flexmech.time_domain.stress_history import StressHistory
 from flexmech.types import FloatArray
@@ -72,8 +78,11 @@ class DrivenLinkage:
     ----------
     links : tuple of LinkModel
         Reduced.
-    bases : tuple of ndarray, shape (n_full, n)
-        From each reduced link's coordinates to the engine's.
+    unreduced : tuple of LinkModel
+        As the run has them: those of the engine, or in natural coordinates what turns far; see
+        :mod:`flexmech.time_domain.natural_coordinates`.
+    bases, own_bases : tuple of ndarray, shape (n_full, n)
+        From each reduced link's coordinates to the engine's, and to those of ``unreduced``.
     frames : LinkFrames
     connectors : DrivenConnectors
         Loads and springs.
@@ -97,35 +106,45 @@ class DrivenLinkage:
         self.engine = engine
         self.drive = drive
         self.prestress = prestress
-        reduced = (
-            stretching_links(engine, modes, detail)
-            if stretches
-            else prestressed_links(engine, drive, prestress, modes, detail)
-        )
-        self.links, self.bases = reduced.models, reduced.bases
-        self.frames = LinkFrames(engine.topology, self.links)
+        self.stretch: LinkageStretch | None = None
+        reduced: ReducedLinks
+        if stretches:
+            reduced = running = stretching_links(engine, modes, detail)
+            topology, own = running.topology, running.unreduced
+            self.unreduced = tuple(link.model for link in own)
+            self._from_engine = [link.from_engine for link in own]
+            self.bases = tuple(
+                link.to_engine @ basis for link, basis in zip(own, reduced.bases, strict=True)
+            )
+        else:
+            reduced = prestressed_links(engine, drive, prestress, modes, detail)
+            topology, self.unreduced, self.bases = engine.topology, engine.links, reduced.bases
+            self._from_engine = [np.eye(link.size) for link in engine.links]
+        self.links, self.own_bases = reduced.models, reduced.bases
+        self.frames = LinkFrames(topology, self.links)
+        if stretches:
+            stretched = zip(running.unreduced, reduced.bases, strict=True)
+            self.stretch = LinkageStretch(
+                self.frames, [link.stretch.projected(basis) for link, basis in stretched]
+            )
         self.connectors = DrivenConnectors(engine, self.frames, drive)
         self._condensed = np.zeros(self.frames.size, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.follows, strict=True):
             self._condensed[target[condensed]] = True
         self.shaft = DrivenShaft.of(engine, drive, self.frames, self.links, self.bases)
-        moving_bodies = bool(self.frames.rigid.size)
+        guided = stretches and has_turning_lines(topology)
         level: Prestress = prestress
         if stretches:
-            level = "axial" if moving_bodies else "none"
+            level = "axial" if guided else "none"
         self._stress = StressHistory(
             engine,
-            self.bases,
+            self.unreduced,
+            self.own_bases,
             drive,
             level,
             with_energy=with_energy,
-            rigid_links_only=stretches and moving_bodies,
+            rigid_links_only=guided,
         )
-        self.stretch: LinkageStretch | None = None
-        if stretches:
-            assert engine.stretches is not None
-            pairs = zip(engine.stretches, self.bases, strict=True)
-            self.stretch = LinkageStretch(self.frames, [s.projected(basis) for s, basis in pairs])
 
     @property
     def size(self) -> int:
@@ -150,8 +169,8 @@ class DrivenLinkage:
 
     def loads(self, motion: RigidMotion) -> list[FloatArray]:
         """Inertia forces of the rigid motion and weight on each reduced link, (m, n)."""
-        full = inertia_loads(self.engine.links, motion, self.engine.mechanism.gravity)
-        return [load @ basis for load, basis in zip(full, self.bases, strict=True)]
+        full = inertia_loads(self.unreduced, motion, self.engine.mechanism.gravity)
+        return [load @ basis for load, basis in zip(full, self.own_bases, strict=True)]
 
     def equations(
         self,
@@ -296,8 +315,9 @@ class DrivenLinkage:
             Velocity z'.
         """
         nearest = []
-        for number, (full, basis) in enumerate(zip(self.engine.links, self.bases, strict=True)):
+        for number, (full, basis) in enumerate(zip(self.unreduced, self.own_bases, strict=True)):
             both = np.stack([state.displacement[number], state.rate[number]], axis=1)
+            both = self._from_engine[number] @ both
             if not full.rigid:
                 weighted = basis.T @ full.mass
                 both = np.asarray(np.linalg.solve(weighted @ basis, weighted @ both), dtype=float)

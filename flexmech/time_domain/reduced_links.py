@@ -8,7 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.linear_system import ComponentModes, Engine, LinkModel, Prestress, component_modes
-from flexmech.linkages import CrankDrive
+from flexmech.linkages import CrankDrive, Topology
+from flexmech.time_domain.natural_coordinates import (
+    NaturalLink,
+    natural_links,
+    with_turning_bodies,
+)
 from flexmech.types import FloatArray
 
 # A start at speed shakes more than the lowest modes: component modes are kept up to this
@@ -108,7 +113,24 @@ def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
     return prestress == "equilibrium" and not engine.simulates and can_stretch(engine)
 
 
-def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
+@dataclass(frozen=True)
+class StretchingLinks(ReducedLinks):
+    """Links of a run in which they stretch; the bases lead to the unreduced ones of the run.
+
+    Parameters
+    ----------
+    models, bases, follows : tuple
+        See :class:`ReducedLinks`.
+    topology : Topology
+        In which moving rigid links are elastic ones.
+    unreduced : tuple of NaturalLink
+    """
+
+    topology: Topology
+    unreduced: tuple[NaturalLink, ...]
+
+
+def stretching_links(engine: Engine, modes: int, detail: float) -> StretchingLinks:
     """Links for a run in which they stretch: all axial modes move by themselves.
 
     Slopes stretch a link along its chord, whose direction a bow does not tilt.
@@ -122,14 +144,15 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
 
     Returns
     -------
-    ReducedLinks
+    StretchingLinks
     """
-    if not is_reduced(engine):
-        return ReducedLinks.all_of(engine)
-    reduced = ReducedLinks.of(
-        component_modes(
-            engine.topology,
-            engine.links,
+    topology, links = natural_links(engine)
+    models = tuple(link.model for link in links)
+    bases = tuple(np.eye(model.size) for model in models)
+    if is_reduced(engine):
+        reduction = component_modes(
+            topology,
+            models,
             modes,
             0.0,
             couples_axially=True,
@@ -137,9 +160,17 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
             axial_modes=round(STRETCHING_MODES * max(1.0, detail / DETAIL)),
             turning_sections=False,
         )
-    )
-    nothing = tuple(np.zeros(model.size, dtype=bool) for model in reduced.models)
-    return replace(reduced, follows=nothing)
+        reduced = ReducedLinks.of(reduction)
+        models, bases = reduced.models, reduced.bases
+    else:
+        engine.check_runs()
+    found = [
+        with_turning_bodies(engine, number, *link)
+        for number, link in enumerate(zip(links, models, bases, strict=True))
+    ]
+    unreduced, models, bases = zip(*found, strict=True)
+    follows = tuple(np.zeros(model.size, dtype=bool) for model in models)
+    return StretchingLinks(models, bases, follows, topology, unreduced)
 
 
 def prestressed_links(

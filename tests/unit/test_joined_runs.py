@@ -16,12 +16,20 @@ from tests.cross_engine.test_exudyn_joints import LINKAGES, strips
 
 @pytest.mark.parametrize("name", LINKAGES)
 def test_coordinates_of_a_state_are_those_that_made_it(name: str) -> None:
-    """Slides too, which no link has among its coordinates."""
+    """Slides too, which no link has among its coordinates.
+
+    A rigid link's coordinates show no stretch of its bar, so that those of a state are taken first.
+    """
     engine = ReferenceEngine(strips(name), 6, "euler")
     linkage = DrivenLinkage(engine, CrankDrive(20.0), "none", stretches=True)
     equations = linkage.equations(np.array([0.03]))
     random = np.random.default_rng(0)
     position, velocity = 1e-3 * random.normal(size=(2, 1, linkage.size))
+    if any(link.rigid for link in engine.links):
+        vibration = VibrationState(position, velocity, np.zeros_like(position))
+        shown = linkage.coordinates(linkage.link_state(equations, vibration), 0.03)
+        assert np.linalg.norm(shown[0]) > 0.5 * np.linalg.norm(position)
+        position, velocity = (part[None] for part in shown)
     vibration = VibrationState(position, velocity, np.zeros_like(position))
     state = linkage.link_state(equations, vibration)
     found = linkage.coordinates(state, 0.03)
