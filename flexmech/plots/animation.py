@@ -16,7 +16,7 @@ from flexmech.errors import InputError
 from flexmech.plots.animation_scene import DOTS_AN_INCH, FRAMES_A_SECOND, EnlargedMotion, Scene
 from flexmech.plots.choose import chosen
 from flexmech.plots.style import publication_style
-from flexmech.types import StepProgress
+from flexmech.types import StepProgress, silent
 
 Pictures = Iterator[NDArray[np.uint8]]
 
@@ -68,7 +68,7 @@ def write_animation(
     one = dataset.isel(engine=[-1]) if engine is None else chosen(dataset, engine=engine)
     motion = EnlargedMotion.of(one, enlargement)
     with publication_style():
-        write(target, _pictures(motion, progress or (lambda done, frames: None)))
+        write(target, _pictures(motion, progress or silent))
 
 
 def mp4_available() -> bool:

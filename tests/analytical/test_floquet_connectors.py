@@ -12,10 +12,23 @@ from numpy.typing import NDArray
 
 from flexmech import ExudynEngine, Mechanism, ReferenceEngine, RotatingArm, load_mechanism
 from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.dynamical_systems import floquet_modes
 from flexmech.linear_system import Engine, Prestress
-from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring
-from flexmech.time_domain import floquet_modes, moving_modes
-from tests.analytical.test_loads_and_springs import BENDING, LENGTH, SECTION, TIP, ArmInBearing
+from flexmech.linkages import (
+    GROUND,
+    JointSpring,
+    LinkPoint,
+    Load,
+    Spring,
+)
+from flexmech.time_domain import moving_modes
+from tests.analytical.test_loads_and_springs import (
+    BENDING,
+    LENGTH,
+    SECTION,
+    TIP,
+    ArmInBearing,
+)
 from tests.analytical.test_moving_modes import (
     farthest,
     integrated_monodromy,

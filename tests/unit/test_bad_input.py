@@ -297,11 +297,6 @@ def test_files_that_cannot_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         load_mechanism(file)
 
 
-def test_nesting_without_end_is_refused() -> None:
-    with pytest.raises(InputError, match=r"deep\.toml: "):
-        mechanism_from_toml(f"x = {'[' * 100000}", "deep.toml")
-
-
 def test_unknown_kind_of_template() -> None:
     with pytest.raises(InputError, match="'four_bar'; did you mean 'four-bar'"):
         template("four_bar")

@@ -15,9 +15,9 @@ from flexmech.analyses.comparison.parameters import (
     with_stiffness,
 )
 from flexmech.analyses.comparison.receptance_problem import points_of
+from flexmech.dynamical_systems import direct_receptance
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import point_rows
-from flexmech.time_domain import direct_receptance
 from tests.unit.comparison_data import (
     RATIO,
     SPEED,

@@ -48,6 +48,7 @@ ORDER = [
     "mesh",
     "modal_testing",
     "measured_data",
+    "dynamical_systems",
     "linear_system",
     "beams",
     "time_domain",

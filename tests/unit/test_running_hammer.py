@@ -21,8 +21,8 @@ from flexmech import (
     load_mechanism,
     running_hammer_test,
 )
+from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.linear_system import Engine
-from flexmech.time_domain import HalfSinePulse
 
 HIT, SEEN = LinkPoint("coupler", 0.5), LinkPoint("rocker", 0.5)
 REQUEST = RunningHammerRequest(20.0, HIT, SEEN, damping_ratio=0.1, bandwidth=60.0, orders=1)

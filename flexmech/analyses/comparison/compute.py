@@ -18,7 +18,7 @@ from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord, read_record
 from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress
+from flexmech.types import LabelledProgress, silent
 
 _COMPARED = {
     "time": compared_over_time,
@@ -79,7 +79,7 @@ def compare_with_record(
     check_instance(request, ComparisonRequest, "request", "give a flexmech.ComparisonRequest")
     taken = record if isinstance(record, MeasuredRecord) else read_record(record)
     _check_kind(taken, request)
-    report = partial(progress or _silent, "fit")
+    report = partial(progress or silent, "fit")
     with one_thread():
         dataset = _COMPARED[taken.abscissa](own, taken, request, report)
     attributes = dict(provenance([own]))
@@ -107,7 +107,3 @@ def _check_kind(record: MeasuredRecord, request: ComparisonRequest) -> None:
             "crank speed at which it was taken, not 0, or the frequency-response function of a "
             "test at a locked crank"
         )
-
-
-def _silent(label: str, done: int, total: int) -> None:
-    """Show no progress."""

@@ -15,9 +15,9 @@ from flexmech.analyses.comparison.parameters import GAIN, Fitted, with_damping_t
 from flexmech.analyses.comparison.start import USUAL_RATIO, named, parameters_from, start_values
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.choices import MOST_MODES
+from flexmech.dynamical_systems import direct_receptance
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine, LinkPoint, point_rows
-from flexmech.time_domain import direct_receptance
 from flexmech.types import FloatArray
 
 ComplexArray = NDArray[np.complex128]

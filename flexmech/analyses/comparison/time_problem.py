@@ -33,7 +33,7 @@ from flexmech.analyses.damping_ratios import lowest_frequency
 from flexmech.choices import MODES
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
-from flexmech.time_domain import ForcedModes, FreeAndForced, forced_modes
+from flexmech.time_domain.periodic_motion import ForcedModes, FreeAndForced, forced_modes
 from flexmech.types import FloatArray
 
 # Singular values of the free vibrations below this part of the greatest tell nothing.

@@ -15,7 +15,9 @@ from flexmech.choices import MODES, MOST_MODES, PRESTRESS_LEVELS, MapPrestress, 
 from flexmech.linear_system import Engine, LinearSystem, RotationTerms, StressedLinks, has_dampers
 from flexmech.linkages import CrankDrive
 from flexmech.numbers import check_choice, check_count
-from flexmech.time_domain import DrivenLinkage, simulated_orbit, simulator
+from flexmech.time_domain.equations_of_motion import DrivenLinkage
+from flexmech.time_domain.periodic_motion import simulated_orbit
+from flexmech.time_domain.recorded_runs import simulator
 from flexmech.types import FloatArray
 
 # The settled motion moves frequencies by a part of what speed does; a step of an eighth of a

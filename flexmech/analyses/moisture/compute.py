@@ -64,7 +64,7 @@ def moisture_uptake(
     ------
     InputError
         If a number is out of its range, there is no such link, or the links cannot take up
-        water; see :func:`flexmech.hygrothermal.link_diffusion`.
+        water; see :func:`flexmech.hygrothermal.link_moisture`.
 
     Examples
     --------

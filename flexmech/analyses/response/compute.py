@@ -15,7 +15,7 @@ from flexmech.hygrothermal import Environment
 from flexmech.linear_system import Engine
 from flexmech.numbers import check_flag
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress
+from flexmech.types import LabelledProgress, silent
 
 
 def response(
@@ -65,7 +65,7 @@ def response(
     ['engine', 'time', 'link']
     """
     check_flag(check_mesh, "check_mesh")
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
     chosen, lines = engines_in_state(engines, request, environment)
     with one_thread():
         plan = planned(chosen, request)

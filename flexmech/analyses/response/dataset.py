@@ -24,7 +24,7 @@ from flexmech.analyses.response.spectra import (
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.mechanism import drawing
-from flexmech.time_domain import Trajectory
+from flexmech.time_domain.recorded_runs import Trajectory
 from flexmech.types import FloatArray
 
 # Spectra reach this far above the highest natural frequency asked for.

@@ -16,8 +16,8 @@ from flexmech.hygrothermal import Environment
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.threads import one_thread
-from flexmech.time_domain import LinkState
-from flexmech.types import LabelledProgress
+from flexmech.time_domain.recorded_runs import LinkState
+from flexmech.types import LabelledProgress, silent
 
 System = TypeVar("System", covariant=True)
 
@@ -87,7 +87,7 @@ def exudyn_system(
         raise InputError(
             f"the {asked.name} engine has no Exudyn system; give flexmech.ExudynEngine(mechanism)"
         )
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
     [chosen], _ = engines_in_state([asked], request, environment)
     with one_thread():
         plan = planned([chosen], request)

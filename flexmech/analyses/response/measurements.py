@@ -9,7 +9,7 @@ import numpy as np
 from flexmech.linear_system import Engine
 from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.linkages.motion import direction, normal
-from flexmech.time_domain import Trajectory
+from flexmech.time_domain.recorded_runs import Trajectory
 from flexmech.types import FloatArray
 
 NO_DEFLECTION = 1e-12

@@ -17,7 +17,7 @@ from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
 from flexmech.numbers import check_instance
-from flexmech.time_domain import lowest_axial_frequency
+from flexmech.time_domain.equations_of_motion import lowest_axial_frequency
 from flexmech.types import FloatArray
 
 # Samples in a period of the highest frequency of the spectra; two would be the limit.

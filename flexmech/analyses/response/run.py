@@ -15,16 +15,14 @@ from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start, simulation_start
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
-from flexmech.time_domain import (
+from flexmech.time_domain.equations_of_motion import (
     DETAIL,
     DrivenLinkage,
-    Trajectory,
-    UnbalancedStepError,
     is_reduced,
-    linear_run,
-    simulator,
     stretches_in_runs,
 )
+from flexmech.time_domain.integrators import UnbalancedStepError, linear_run
+from flexmech.time_domain.recorded_runs import Trajectory, simulator
 from flexmech.types import FloatArray, LabelledProgress, StepProgress
 
 logger = logging.getLogger(__name__)

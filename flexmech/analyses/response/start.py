@@ -8,9 +8,12 @@ import numpy as np
 
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.second_order import linear_forces, without_second_order_stretch
+from flexmech.dynamical_systems import VibrationState
 from flexmech.linear_system import Engine, LinkFrames
 from flexmech.linkages import CrankDrive, Load, RigidMotion
-from flexmech.time_domain import DrivenLinkage, LinkState, VibrationState, periodic_state
+from flexmech.time_domain.equations_of_motion import DrivenLinkage
+from flexmech.time_domain.periodic_motion import periodic_state
+from flexmech.time_domain.recorded_runs import LinkState
 from flexmech.types import FloatArray
 
 # Time over which a quasi-static start differentiates its displacement, in turns.

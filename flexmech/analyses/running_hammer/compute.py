@@ -18,7 +18,7 @@ from flexmech.analyses.running_hammer.runs import runner
 from flexmech.linear_system import Engine
 from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress
+from flexmech.types import LabelledProgress, silent
 
 # Of the first natural frequency at rest: the bandwidth, if none is asked for.
 BANDWIDTH = 2.0
@@ -78,7 +78,7 @@ def running_hammer_test(
         "request",
         "write flexmech.RunningHammerRequest(20.0, impact, response, damping_ratio=0.005)",
     )
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
     with one_thread():
         chosen = engine_of(engine).fit_for(MODES)
         if chosen.simulates:

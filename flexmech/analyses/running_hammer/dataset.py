@@ -13,7 +13,8 @@ from flexmech.analyses.running_hammer.peaks import order_peaks
 from flexmech.analyses.running_hammer.prediction import Prediction
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.linear_system import Engine
-from flexmech.time_domain import step_lag, stretches_in_runs
+from flexmech.time_domain.equations_of_motion import stretches_in_runs
+from flexmech.time_domain.integrators import step_lag
 from flexmech.types import ComplexArray
 
 OVER_BOTH = ("order", "frequency")

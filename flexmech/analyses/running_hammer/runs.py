@@ -11,18 +11,13 @@ from flexmech.analyses.response.start import linear_start
 from flexmech.analyses.running_hammer.plan import RunPlan
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.stability.parallel import in_order
+from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
-from flexmech.time_domain import (
-    DrivenLinkage,
-    HalfSinePulse,
-    Impact,
-    LinkState,
-    StruckLinkage,
-    nonlinear_orbit,
-    simulator,
-    stretches_in_runs,
-)
+from flexmech.time_domain.equations_of_motion import DrivenLinkage, stretches_in_runs
+from flexmech.time_domain.integrators import StruckLinkage
+from flexmech.time_domain.periodic_motion import nonlinear_orbit
+from flexmech.time_domain.recorded_runs import Impact, LinkState, simulator
 from flexmech.types import FloatArray, StepProgress
 
 # Natural frequencies that the reduction of engines that do not simulate gets right at least.

@@ -14,8 +14,8 @@ import scipy.optimize
 from numpy.typing import NDArray
 
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
+from flexmech.dynamical_systems import SampledPeriodicSystem, floquet_modes, krein_signature
 from flexmech.errors import CRANK_SPEED, ComputationError
-from flexmech.time_domain import SampledPeriodicSystem, floquet_modes, krein_signature
 from flexmech.types import FloatArray, IntArray
 
 GROWS = 1e-7

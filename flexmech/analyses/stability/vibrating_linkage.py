@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import whole
-from flexmech.time_domain import FourierSeries, MovingModes, SampledPeriodicSystem
+from flexmech.time_domain.periodic_motion import MovingModes
 from flexmech.types import FloatArray
 
 MOST_STEPS = 1_000_000
@@ -28,7 +29,7 @@ class VibratingLinkage:
     crank_speed : float
         rad/s.
     scale : ndarray, shape (m,)
-        See :class:`flexmech.time_domain.MovingModes`.
+        See :class:`flexmech.time_domain.periodic_motion.MovingModes`.
     conservative, dissipative : FourierSeries
         Of the system's matrix (2 m, 2 m), and of what damping of links adds to it.
     attached : FourierSeries

@@ -15,9 +15,8 @@ from typing import Protocol
 
 import numpy as np
 
-from flexmech.linkages.planar.bodies import BodyMotion
+from flexmech.linkages.planar.bodies import BodyMotion, Refusal
 from flexmech.linkages.planar.constraints import dot
-from flexmech.linkages.planar.words import Refusal
 from flexmech.types import ComplexArray, FloatArray
 
 Known = Mapping[int, BodyMotion]

@@ -14,9 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError, InputError
-from flexmech.linkages.planar.bodies import Bodies, BodyMotion, Coincidence
+from flexmech.linkages.planar.bodies import (
+    Bodies,
+    BodyMotion,
+    Coincidence,
+    Refusal,
+    degrees,
+)
 from flexmech.linkages.planar.constraints import Constraints
-from flexmech.linkages.planar.words import Refusal, degrees
 from flexmech.types import FloatArray
 
 Known = Callable[[FloatArray], Mapping[int, BodyMotion]]

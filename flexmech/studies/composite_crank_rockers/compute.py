@@ -16,7 +16,7 @@ from flexmech.reference import ReferenceEngine
 from flexmech.studies.composite_crank_rockers import linkages, published
 from flexmech.studies.composite_crank_rockers.result import CompositeStudy
 from flexmech.studies.composite_crank_rockers.structure import laminate_factors
-from flexmech.types import LabelledProgress
+from flexmech.types import LabelledProgress, silent
 
 MakeEngine = Callable[[Mechanism, int, str], Engine]
 
@@ -71,8 +71,7 @@ def study_composites(
             frequency.loc[place] = natural_frequencies(engine, angles, modes=1)[:, 0]
             if plies != "table 2" and beams != linkages.PAPERS_MESH:
                 damping.loc[place] = strain_energy_damping(engine, angles, modes=1)[:, 0]
-        if progress is not None:
-            progress("linkages", done, len(every))
+        (progress or silent)("linkages", done, len(every))
     versions = {k: v for k, v in provenance([engine]).items() if k.endswith("_version")}
     return CompositeStudy(composite_dataset(frequency, damping).assign_attrs(versions))
 

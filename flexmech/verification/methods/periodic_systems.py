@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 import scipy.optimize
 
-from flexmech.time_domain import FloquetModes, StatedPeriodicSystem, floquet_modes
+from flexmech.dynamical_systems import FloquetModes, StatedPeriodicSystem, floquet_modes
 from flexmech.types import FloatArray
 
 Combination = Literal["sum", "difference"]

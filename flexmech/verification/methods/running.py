@@ -19,7 +19,10 @@ from flexmech.linkages import CrankDrive
 from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
-from flexmech.time_domain import DrivenLinkage, LinkState, Trajectory, linear_run, periodic_state
+from flexmech.time_domain.equations_of_motion import DrivenLinkage
+from flexmech.time_domain.integrators import linear_run
+from flexmech.time_domain.periodic_motion import periodic_state
+from flexmech.time_domain.recorded_runs import LinkState, Trajectory
 from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import engine_of_name, example
 

@@ -1,0 +1,211 @@
+"""Links of a driven linkage in component modes, and which of these follow statically."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linear_system import ComponentModes, Engine, LinkModel, Prestress, component_modes
+from flexmech.linkages import CrankDrive, Topology
+from flexmech.time_domain.equations_of_motion.natural_coordinates import (
+    NaturalLink,
+    natural_links,
+    with_turning_bodies,
+)
+from flexmech.types import FloatArray
+
+# A start at speed shakes more than the lowest modes: component modes are kept up to this
+# many times the frequency that the natural frequencies themselves would need.
+DETAIL = 8.0
+# Axial modes of a link that a bow couples to bending, at the usual detail. Of bell cranks and other
+# chains that bow by their neighbours' couples half of them leave errors of 1e-4.
+AXIAL_MODES = 12
+# Axial modes of a link that stretches by the square of its slopes. Its tension is a constant
+# and as many waves along the link, whose lowest are all that the lowest bending modes feel.
+STRETCHING_MODES = 3
+
+
+@dataclass(frozen=True)
+class ReducedLinks:
+    """Links in component modes, or in all their coordinates.
+
+    Parameters
+    ----------
+    models : tuple of LinkModel
+    bases : tuple of ndarray, shape (n_full, n)
+        From each reduced link's coordinates to the engine's.
+    follows : tuple of ndarray of bool, shape (n,)
+        Coordinates that follow the others statically.
+    """
+
+    models: tuple[LinkModel, ...]
+    bases: tuple[FloatArray, ...]
+    follows: tuple[NDArray[np.bool_], ...]
+
+    @classmethod
+    def all_of(cls, engine: Engine) -> ReducedLinks:
+        """The engine's links as they are; without mass in places they cannot run in time."""
+        engine.check_runs()
+        return cls(
+            engine.links,
+            tuple(np.eye(link.size) for link in engine.links),
+            tuple(np.zeros(link.size, dtype=bool) for link in engine.links),
+        )
+
+    @classmethod
+    def of(cls, reduction: ComponentModes) -> ReducedLinks:
+        """Links whose static shapes turn with the pins."""
+        return cls(
+            tuple(replace(model, reduced_ends=None) for model in reduction.models),
+            tuple(link.basis for link in reduction.links),
+            tuple(link.condensed for link in reduction.links),
+        )
+
+
+def is_reduced(engine: Engine) -> bool:
+    """Whether an engine's linear equations in time are reduced to component modes.
+
+    Those of links that are bent without load are not: modes of straight links do not show
+    the ends of a deep bow approach each other (2 % of the deflections of a coupler of
+    280 mm that is bowed by 8 mm, of which doubling the detail tells a tenth).
+    Nor are those that a free shaft turns as one body: see
+    :attr:`flexmech.linear_system.Engine.turns_as_one_body`.
+
+    Parameters
+    ----------
+    engine : Engine
+
+    Returns
+    -------
+    bool
+    """
+    if engine.shaft == "free" and engine.turns_as_one_body:
+        return False
+    return engine.component_modes and not engine.mechanism.is_free_strained
+
+
+def can_stretch(engine: Engine) -> bool:
+    """Whether an engine tells how its links stretch by the square of their slopes.
+
+    What turns with a free shaft must be stiffened by what pulls at it, which neither rigid links
+    nor a hub tell by a stretch.
+    """
+    topology = engine.mechanism.linkage.topology
+    stiff = any(link.rigid for link in topology.links) or any(c.hub for c in topology.clamps)
+    return engine.stretches is not None and not (stiff and engine.shaft == "free")
+
+
+def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
+    """Whether links stretch by the square of their slopes when an engine's own equations run.
+
+    Parameters
+    ----------
+    engine : Engine
+        One that simulates runs without them.
+    prestress : {"none", "axial", "equilibrium"}
+
+    Returns
+    -------
+    bool
+    """
+    return prestress == "equilibrium" and not engine.simulates and can_stretch(engine)
+
+
+@dataclass(frozen=True)
+class StretchingLinks(ReducedLinks):
+    """Links of a run in which they stretch; the bases lead to the unreduced ones of the run.
+
+    Parameters
+    ----------
+    models, bases, follows : tuple
+        See :class:`ReducedLinks`.
+    topology : Topology
+        In which moving rigid links are elastic ones.
+    unreduced : tuple of NaturalLink
+    """
+
+    topology: Topology
+    unreduced: tuple[NaturalLink, ...]
+
+
+def stretching_links(engine: Engine, modes: int, detail: float) -> StretchingLinks:
+    """Links for a run in which they stretch: all axial modes move by themselves.
+
+    Slopes stretch a link along its chord, whose direction a bow does not tilt.
+
+    Parameters
+    ----------
+    engine : Engine
+    modes : int
+    detail : float
+        As of :func:`prestressed_links`.
+
+    Returns
+    -------
+    StretchingLinks
+    """
+    topology, links = natural_links(engine)
+    models = tuple(link.model for link in links)
+    bases = tuple(np.eye(model.size) for model in models)
+    if is_reduced(engine):
+        reduction = component_modes(
+            topology,
+            models,
+            modes,
+            0.0,
+            couples_axially=True,
+            detail=detail,
+            axial_modes=round(STRETCHING_MODES * max(1.0, detail / DETAIL)),
+            turning_sections=False,
+        )
+        reduced = ReducedLinks.of(reduction)
+        models, bases = reduced.models, reduced.bases
+    else:
+        engine.check_runs()
+    found = [
+        with_turning_bodies(engine, number, *link)
+        for number, link in enumerate(zip(links, models, bases, strict=True))
+    ]
+    unreduced, models, bases = zip(*found, strict=True)
+    follows = tuple(np.zeros(model.size, dtype=bool) for model in models)
+    return StretchingLinks(models, bases, follows, topology, unreduced)
+
+
+def prestressed_links(
+    engine: Engine, drive: CrankDrive, prestress: Prestress, modes: int, detail: float
+) -> ReducedLinks:
+    """Links for linear equations at a level of prestress.
+
+    Parameters
+    ----------
+    engine : Engine
+    drive : CrankDrive
+    prestress : {"none", "axial", "equilibrium"}
+    modes : int
+        Number of natural frequencies that the reduction must get right.
+    detail : float
+        Multiplies the frequency up to which component modes are kept.
+
+    Returns
+    -------
+    ReducedLinks
+    """
+    if not is_reduced(engine):
+        return ReducedLinks.all_of(engine)
+    turn = drive.start_angle + np.linspace(0.0, 2 * np.pi, 73)
+    motion = engine.mechanism.linkage.motion(turn, drive.speed)
+    return ReducedLinks.of(
+        component_modes(
+            engine.topology,
+            engine.links,
+            modes,
+            float(np.abs(motion.angular_velocity).max()),
+            couples_axially=prestress == "equilibrium",
+            detail=detail,
+            axial_modes=max(
+                round(AXIAL_MODES * max(1.0, detail / DETAIL)), engine.axial_modes_of_bows
+            ),
+        )
+    )
