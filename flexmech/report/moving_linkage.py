@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from flexmech.analyses import MovingFrequencies, Response
-from flexmech.analyses.response.stored import needed
+from flexmech.analyses.response.dataset import needed
 from flexmech.errors import InputError
 from flexmech.linkages import CouplerCurve, FourBar, LinkEnd, Topology, standing
 from flexmech.mechanism import Mechanism, drawn_parts

@@ -14,7 +14,10 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import flexmech
-from flexmech.analyses.response.stored import ENERGIES, MOST_FRAMES
+from flexmech.analyses.response.dataset import (
+    ENERGIES,
+    MOST_FRAMES,
+)
 from flexmech.cli import app
 from flexmech.modelfile import mechanism_from_toml, template
 from flexmech.plots.animation_scene import MOST_FRAMES as MOST_PICTURES
