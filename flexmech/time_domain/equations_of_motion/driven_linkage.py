@@ -41,7 +41,6 @@ from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStre
 from flexmech.time_domain.equations_of_motion.natural_coordinates import has_turning_lines
 from flexmech.time_domain.equations_of_motion.reduced_links import (
     DETAIL,
-    ReducedLinks,
     prestressed_links,
     stretching_links,
 )
@@ -107,33 +106,23 @@ class DrivenLinkage:
         self.engine = engine
         self.drive = drive
         self.prestress = prestress
-        self.stretch: LinkageStretch | None = None
-        reduced: ReducedLinks
-        if stretches:
-            reduced = running = stretching_links(engine, modes, detail)
-            topology, own = running.topology, running.unreduced
-            self.unreduced = tuple(link.model for link in own)
-            self._from_engine = [link.from_engine for link in own]
-            self.bases = tuple(
-                link.to_engine @ basis for link, basis in zip(own, reduced.bases, strict=True)
-            )
-        else:
-            reduced = prestressed_links(engine, drive, prestress, modes, detail)
-            topology, self.unreduced, self.bases = engine.topology, engine.links, reduced.bases
-            self._from_engine = [np.eye(link.size) for link in engine.links]
+        reduced = (
+            stretching_links(engine, modes, detail)
+            if stretches
+            else prestressed_links(engine, drive, prestress, modes, detail)
+        )
         self.links, self.own_bases = reduced.models, reduced.bases
-        self.frames = LinkFrames(topology, self.links)
-        if stretches:
-            stretched = zip(running.unreduced, reduced.bases, strict=True)
-            self.stretch = LinkageStretch(
-                self.frames, [link.stretch.projected(basis) for link, basis in stretched]
-            )
+        self.unreduced = tuple(link.model for link in reduced.unreduced)
+        self._from_engine = [link.from_engine for link in reduced.unreduced]
+        self.bases = reduced.engine_bases
+        self.frames = LinkFrames(reduced.topology, self.links)
+        self.stretch = LinkageStretch(self.frames, reduced.stretches) if stretches else None
         self.connectors = DrivenConnectors(engine, self.frames, drive)
         self._condensed = np.zeros(self.frames.size, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.follows, strict=True):
             self._condensed[target[condensed]] = True
         self.shaft = DrivenShaft.of(engine, drive, self.frames, self.links, self.bases)
-        guided = stretches and has_turning_lines(topology)
+        guided = stretches and has_turning_lines(reduced.topology)
         level: Prestress = prestress
         if stretches:
             level = "axial" if guided else "none"

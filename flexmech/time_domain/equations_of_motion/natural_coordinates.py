@@ -58,10 +58,10 @@ class NaturalLink:
     from_engine: FloatArray
 
     @classmethod
-    def of(cls, model: LinkModel, stretch: LinkStretch) -> NaturalLink:
-        """A link in the engine's coordinates."""
+    def of(cls, model: LinkModel, stretch: LinkStretch | None = None) -> NaturalLink:
+        """A link in the engine's coordinates; it does not stretch by default."""
         unit = np.eye(model.size)
-        return cls(model, stretch, unit, unit)
+        return cls(model, stretch or LinkStretch.none(model.size), unit, unit)
 
 
 def has_turning_lines(topology: Topology) -> bool:

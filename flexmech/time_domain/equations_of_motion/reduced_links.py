@@ -33,13 +33,18 @@ class ReducedLinks:
 
     Parameters
     ----------
+    topology : Topology
+        Where links stretch, moving rigid ones are elastic bars in it.
+    unreduced : tuple of NaturalLink
     models : tuple of LinkModel
     bases : tuple of ndarray, shape (n_full, n)
-        From each reduced link's coordinates to the engine's.
+        From each reduced link's coordinates to those of the unreduced one.
     follows : tuple of ndarray of bool, shape (n,)
         Coordinates that follow the others statically.
     """
 
+    topology: Topology
+    unreduced: tuple[NaturalLink, ...]
     models: tuple[LinkModel, ...]
     bases: tuple[FloatArray, ...]
     follows: tuple[NDArray[np.bool_], ...]
@@ -49,19 +54,35 @@ class ReducedLinks:
         """The engine's links as they are; without mass in places they cannot run in time."""
         engine.check_runs()
         return cls(
+            engine.topology,
+            tuple(map(NaturalLink.of, engine.links)),
             engine.links,
             tuple(np.eye(link.size) for link in engine.links),
             tuple(np.zeros(link.size, dtype=bool) for link in engine.links),
         )
 
     @classmethod
-    def of(cls, reduction: ComponentModes) -> ReducedLinks:
-        """Links whose static shapes turn with the pins."""
+    def of(cls, engine: Engine, reduction: ComponentModes) -> ReducedLinks:
+        """Links of an engine whose static shapes turn with the pins."""
         return cls(
+            engine.topology,
+            tuple(map(NaturalLink.of, engine.links)),
             tuple(replace(model, reduced_ends=None) for model in reduction.models),
             tuple(link.basis for link in reduction.links),
             tuple(link.condensed for link in reduction.links),
         )
+
+    @property
+    def engine_bases(self) -> tuple[FloatArray, ...]:
+        """From each reduced link's coordinates to the engine's, (n_engine, n)."""
+        pairs = zip(self.unreduced, self.bases, strict=True)
+        return tuple(link.to_engine @ basis for link, basis in pairs)
+
+    @property
+    def stretches(self) -> list[LinkStretch]:
+        """Second-order stretch of each reduced link."""
+        pairs = zip(self.unreduced, self.bases, strict=True)
+        return [link.stretch.projected(basis) for link, basis in pairs]
 
 
 def is_reduced(engine: Engine) -> bool:
@@ -113,24 +134,7 @@ def stretches_in_runs(engine: Engine, prestress: Prestress) -> bool:
     return prestress == "equilibrium" and not engine.simulates and can_stretch(engine)
 
 
-@dataclass(frozen=True)
-class StretchingLinks(ReducedLinks):
-    """Links of a run in which they stretch; the bases lead to the unreduced ones of the run.
-
-    Parameters
-    ----------
-    models, bases, follows : tuple
-        See :class:`ReducedLinks`.
-    topology : Topology
-        In which moving rigid links are elastic ones.
-    unreduced : tuple of NaturalLink
-    """
-
-    topology: Topology
-    unreduced: tuple[NaturalLink, ...]
-
-
-def stretching_links(engine: Engine, modes: int, detail: float) -> StretchingLinks:
+def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
     """Links for a run in which they stretch: all axial modes move by themselves.
 
     Slopes stretch a link along its chord, whose direction a bow does not tilt.
@@ -144,7 +148,7 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> StretchingLin
 
     Returns
     -------
-    StretchingLinks
+    ReducedLinks
     """
     topology, links = natural_links(engine)
     models = tuple(link.model for link in links)
@@ -160,7 +164,7 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> StretchingLin
             axial_modes=round(STRETCHING_MODES * max(1.0, detail / DETAIL)),
             turning_sections=False,
         )
-        reduced = ReducedLinks.of(reduction)
+        reduced = ReducedLinks.of(engine, reduction)
         models, bases = reduced.models, reduced.bases
     else:
         engine.check_runs()
@@ -170,7 +174,7 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> StretchingLin
     ]
     unreduced, models, bases = zip(*found, strict=True)
     follows = tuple(np.zeros(model.size, dtype=bool) for model in models)
-    return StretchingLinks(models, bases, follows, topology, unreduced)
+    return ReducedLinks(topology, unreduced, models, bases, follows)
 
 
 def prestressed_links(
@@ -197,6 +201,7 @@ def prestressed_links(
     turn = drive.start_angle + np.linspace(0.0, 2 * np.pi, 73)
     motion = engine.mechanism.linkage.motion(turn, drive.speed)
     return ReducedLinks.of(
+        engine,
         component_modes(
             engine.topology,
             engine.links,
@@ -207,5 +212,5 @@ def prestressed_links(
             axial_modes=max(
                 round(AXIAL_MODES * max(1.0, detail / DETAIL)), engine.axial_modes_of_bows
             ),
-        )
+        ),
     )
