@@ -7,7 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.linear_system import ComponentModes, Engine, LinkModel, Prestress, component_modes
+from flexmech.linear_system import (
+    ComponentModes,
+    Engine,
+    LinkModel,
+    LinkStretch,
+    Prestress,
+    component_modes,
+)
 from flexmech.linkages import CrankDrive, Topology
 from flexmech.time_domain.equations_of_motion.natural_coordinates import (
     NaturalLink,
