@@ -31,7 +31,7 @@ from flexmech.linear_system.constant_turn import (
     turns_or_slides,
     unchanged,
 )
-from flexmech.linear_system.dead_moments import DeadMoments, body_turns
+from flexmech.linear_system.dead_moments import DeadMoments, body_turns, with_straight_inertia
 from flexmech.linear_system.engine import Engine
 from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.joint_couples import has_dampers
@@ -164,4 +164,5 @@ __all__ = [
     "unchanged",
     "whole",
     "with_rigid_links",
+    "with_straight_inertia",
 ]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from flexmech.linear_system.carried_inertia import CarriedInertia
 from flexmech.linear_system.chains import LinkMatrix, with_entries
 from flexmech.linear_system.link_model import LinkModel
+from flexmech.linear_system.rigid_body import RigidBody
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray, IntArray
@@ -205,6 +206,39 @@ def without_own_turning(
                 by_turn = carried.of_body(number, body, moved[number])[1][:, 2, 2]
                 turning = square * (body.second_moment - body.spin) - by_turn
             if turning.any():
-                row = np.array([int(body.rows[2].argmax())])
-                tangent[number] = with_entries(tangent[number], row, row, turning[:, None])
+                tangent[number] = _stiffened(tangent[number], body, turning)
     return replace(stressed, tangent=tangent)
+
+
+def with_straight_inertia(
+    links: Sequence[LinkModel], motion: RigidMotion, stressed: StressedLinks
+) -> StressedLinks:
+    """Stressed links whose tangents stand beside the centrifugal mass of straight ones.
+
+    Parameters
+    ----------
+    links : sequence of LinkModel
+        Unreduced.
+    motion : RigidMotion
+        Batch of shape (B,).
+    stressed : StressedLinks
+        As of :func:`without_own_turning`.
+
+    Returns
+    -------
+    StressedLinks
+    """
+    tangent = list(stressed.tangent)
+    for number, link in enumerate(links if stressed.displacement is not None else ()):
+        square = motion.angular_velocity[:, number] ** 2
+        for body in link.bodies:
+            if body.is_off_axis:
+                beside = body.second_moment - body.spin - body.on_axis
+                tangent[number] = _stiffened(tangent[number], body, -square * beside)
+    return replace(stressed, tangent=tangent)
+
+
+def _stiffened(tangent: LinkMatrix, body: RigidBody, turning: FloatArray) -> LinkMatrix:
+    """A tangent with more stiffness (B,) against the turn of a body of the unreduced link."""
+    row = np.array([int(body.rows[2].argmax())])
+    return with_entries(tangent, row, row, turning[:, None])

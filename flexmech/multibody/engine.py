@@ -32,6 +32,7 @@ from flexmech.linear_system import (
     TheoryComparison,
     acts_still,
     element_tensions,
+    inertia_loads,
     refuse_large_displacements,
     straight_forces,
     whole,
@@ -345,8 +346,13 @@ class ExudynEngine(Engine):
     ) -> StressedLinks:
         """Stiffness and internal forces in running states; see :meth:`Engine.running_links`."""
         tangent, damping = running_tangents(self.model, motion, displacement)
-        force = internal_forces(self.model, displacement)
-        return StressedLinks(tangent, list(displacement), force, damping)
+        force, links = internal_forces(self.model, displacement), self.held_links
+        # Bodies alone: what joints do to rigid links that turn is not told.
+        elastic = {n: tangent[n] for n, link in enumerate(links) if not link.rigid}
+        dead = self._dead(motion, inertia_loads(links, motion, self.mechanism.gravity))
+        stiffened = dead.stiffen(elastic, [q.T for q in displacement])
+        tangents = [stiffened.get(number, own) for number, own in enumerate(tangent)]
+        return StressedLinks(tangents, list(displacement), force, damping)
 
     def _axial(self, motion: RigidMotion) -> StressedLinks:
         """Straight links in tension."""

@@ -325,6 +325,7 @@ def _with_body(
             np.append(fields.centripetal, 1.0),
             np.append(fields.tangential, 0.0),
         ),
+        bodies=(),
     )
 
 

@@ -22,6 +22,7 @@ from flexmech.linear_system import (
     Prestress,
     StressedLinks,
     inertia_loads,
+    with_straight_inertia,
 )
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.equations_of_motion.link_stress import LinkStress, StressShapes
@@ -195,6 +196,8 @@ class StressHistory:
         for batch in self._engine.batches(len(angle)):
             motion = linkage.motion(*(v[batch] for v in motion_of))
             stressed = self._engine.stressed_links(motion, self._prestress)
+            # Runs in time have the inertia of straight links.
+            stressed = with_straight_inertia(self._engine.links, motion, stressed)
             if self._rigid_only:
                 pairs = zip(stressed.tangent, self._links, strict=True)
                 own = [tangent if link.rigid else link.stiffness for tangent, link in pairs]
