@@ -53,6 +53,11 @@ class FloquetExponents:
         return wrapped(self.exponent.imag * self.period)
 
     @property
+    def multiplier_modulus(self) -> float:
+        """Greatest of all."""
+        return float(np.exp(self.log_modulus.max()))
+
+    @property
     def growth_rate(self) -> float:
         """Greatest of all, 1/s."""
         return float(self.exponent.real.max())
