@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -258,9 +258,9 @@ def _extremes(
     extremes = extremes_between(
         systems,
         request.crank_angles,
-        crank_speed,
-        found["frequency"].values,
+        np.array([crank_speed]),
+        found["frequency"].values[None],
         known_error(found).values,
         full_turn=request.full_turn,
     )
-    return {field.name: ("mode", getattr(extremes, field.name)) for field in fields(extremes)}
+    return {name: ("mode", values[0]) for name, values in vars(extremes).items()}

@@ -10,7 +10,7 @@ for the bend of a curve where modes veer.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -72,44 +72,6 @@ def known_error(dataset: xr.Dataset) -> xr.DataArray:
 def extremes_between(
     systems: Systems,
     crank_angles: FloatArray,
-    crank_speed: float,
-    frequency: FloatArray,
-    error: FloatArray,
-    *,
-    full_turn: bool,
-) -> Extremes:
-    """Extremes over a range of crank angles, from their grid values.
-
-    Parameters
-    ----------
-    systems : Systems
-        As those of the grid.
-    crank_angles : ndarray, shape (A,)
-        Increasing, rad.
-    crank_speed : float
-        rad/s.
-    frequency : ndarray, shape (A, m)
-        At these angles, ascending, in Hz.
-    error : ndarray, shape (m,)
-        Relative error of the frequencies: extremes are refined until they change by a tenth of
-        it.
-    full_turn : bool
-        Whether the last angle leads back to the first.
-
-    Returns
-    -------
-    Extremes
-    """
-    speeds = np.array([crank_speed])
-    found = extremes_of_speeds(
-        systems, crank_angles, speeds, frequency[None], error, full_turn=full_turn
-    )
-    return Extremes(*(getattr(found, field.name)[0] for field in fields(found)))
-
-
-def extremes_of_speeds(
-    systems: Systems,
-    crank_angles: FloatArray,
     crank_speeds: FloatArray,
     frequency: FloatArray,
     error: FloatArray,
@@ -120,11 +82,19 @@ def extremes_of_speeds(
 
     Parameters
     ----------
-    systems, crank_angles, error, full_turn
-        As of :func:`extremes_between`.
+    systems : Systems
+        As those of the grid.
+    crank_angles : ndarray, shape (A,)
+        Increasing, rad.
     crank_speeds : ndarray, shape (S,)
         rad/s.
     frequency : ndarray, shape (S, A, m)
+        At these angles, ascending, in Hz.
+    error : ndarray, shape (m,)
+        Relative error of the frequencies: extremes are refined until they change by a tenth of
+        it.
+    full_turn : bool
+        Whether the last angle leads back to the first.
 
     Returns
     -------
