@@ -9,8 +9,8 @@ import pytest
 from flexmech.analyses.damping_ratios import with_damping_ratio
 from flexmech.analyses.stability import against, edges, speed_range
 from flexmech.analyses.stability.collisions import Meeting
-from flexmech.analyses.stability.following import usual_frequencies
 from flexmech.analyses.stability.growth import Sample, runs_of_growth, speeds_between
+from flexmech.analyses.stability.mode_tracking import usual_frequencies
 from flexmech.analyses.stability.naming import BandName, band_name, signatures_of
 from flexmech.analyses.stability.parallel import FEW, in_order
 from flexmech.analyses.stability.request import StabilityRequest

@@ -24,7 +24,7 @@ from flexmech.analyses.requests import without_end
 from flexmech.types import FloatArray, IntArray
 
 # The change of an extreme by the last round over the error that is reported of it.
-SETTLED = 0.1
+SHARE_OF_ERROR = 0.1
 # Round-off of a frequency: no extreme is refined further, however small its error is said to be.
 LEAST_ERROR = 1e-8
 MOST_ROUNDS = 12
@@ -114,7 +114,7 @@ def extremes_between(
     )
     brackets = _Brackets.on_grid(crank_angles, sign * frequency[row, :, mode].T, full_turn)
     sign, row, mode = (each[brackets.curve] for each in (sign, row, mode))
-    allowed = SETTLED * np.maximum(error, LEAST_ERROR)[mode] * np.abs(brackets.value[1])
+    allowed = SHARE_OF_ERROR * np.maximum(error, LEAST_ERROR)[mode] * np.abs(brackets.value[1])
     # A parabola over whole steps may be wrong: each is tried once, unless the curve is flat.
     gained = np.where(brackets.has_width & brackets.may_fall(), np.inf, 0.0)
 

@@ -14,8 +14,8 @@ from flexmech.analyses.stability.engine_map import LEAST_CLOSING_RATIO
 from flexmech.analyses.stability.engine_stability import (
     Band,
     EngineStability,
-    FollowedSpeed,
     NoEquilibrium,
+    TrackedSpeed,
 )
 from flexmech.analyses.stability.request import StabilityRequest
 
@@ -25,7 +25,7 @@ NOT_COMPUTED = "not computed"
 
 OVER_SPEEDS = ("engine", "crank_speed")
 OVER_MULTIPLIERS = (*OVER_SPEEDS, "multiplier")
-# What a followed speed says of all multipliers, and of each of them.
+# What a tracked speed says of all multipliers, and of each of them.
 OF_SPEEDS = {
     OVER_SPEEDS: (
         "growth_rate",
@@ -86,8 +86,8 @@ def dataset_of(maps: Sequence[EngineStability], request: StabilityRequest) -> xr
         for number, own in enumerate(maps)
         for each in own.speeds
     }
-    followed = {at: each for at, each in told.items() if isinstance(each, FollowedSpeed)}
-    shares = [each.harmonic_share for each in followed.values()]
+    tracked = {at: each for at, each in told.items() if isinstance(each, TrackedSpeed)}
+    shares = [each.harmonic_share for each in tracked.values()]
     harmonics = max((len(share) for share in shares), default=1)
     kept = max((share.shape[1] for share in shares), default=0)
     shape = len(maps), len(speeds), kept, harmonics
@@ -103,7 +103,7 @@ def dataset_of(maps: Sequence[EngineStability], request: StabilityRequest) -> xr
     }
 
     def add(name: str, over: tuple[str, ...]) -> None:
-        values = ((at, np.transpose(getattr(each, name))) for at, each in followed.items())
+        values = ((at, np.transpose(getattr(each, name))) for at, each in tracked.items())
         variables[name] = over, filled(shape[: len(over)], values)
 
     for over, names in OF_SPEEDS.items():
@@ -138,14 +138,14 @@ def dataset_of(maps: Sequence[EngineStability], request: StabilityRequest) -> xr
     )
 
 
-def state_of(speed: FollowedSpeed | NoEquilibrium) -> str:
+def state_of(speed: TrackedSpeed | NoEquilibrium) -> str:
     """What column ``unstable`` says of a speed."""
     if isinstance(speed, NoEquilibrium) or speed.buckled_angle is not None:
         return NO_EQUILIBRIUM
     return YES if speed.is_unstable else NO
 
 
-def _reason(speed: FollowedSpeed | NoEquilibrium) -> str:
+def _reason(speed: TrackedSpeed | NoEquilibrium) -> str:
     """Why there is no equilibrium; empty where there is one."""
     if isinstance(speed, NoEquilibrium):
         return speed.reason

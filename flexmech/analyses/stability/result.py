@@ -83,7 +83,7 @@ class StabilityMap(Result):
         return bool(data["interrupted"].any()) or bool(data.attrs.get("interrupted_against", 0))
 
     def growth(self) -> pd.DataFrame:
-        """Growth at every crank speed, with the band that holds it.
+        """Growth at every crank speed, with the band that contains it.
 
         Returns
         -------
@@ -227,7 +227,7 @@ class StabilityMap(Result):
 
 
 def _bands_at(data: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
-    """Kind and branches of the band that holds each speed, over (engine, crank_speed)."""
+    """Kind and branches of the band that contains each speed, over (engine, crank_speed)."""
     shape = data.sizes["engine"], data.sizes["crank_speed"]
     found = np.full((2, *shape), "", dtype=object)
     for place, name in enumerate(data["engine"].values):
