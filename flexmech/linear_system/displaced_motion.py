@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.linear_system.moving_matrix import MovingMatrix
+from flexmech.linkages.matrix_with_rates import MatrixWithRates as MovingMatrix
 from flexmech.linkages import RigidMotion, Topology
 from flexmech.types import FloatArray, IntArray
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.linear_system.moving_matrix import MovingMatrix
+from flexmech.linkages.matrix_with_rates import MatrixWithRates as MovingMatrix
 from flexmech.linear_system.rotation_terms import RotationTerms
 from flexmech.types import FloatArray, IntArray
 

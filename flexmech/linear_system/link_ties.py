@@ -19,7 +19,7 @@ from flexmech.linear_system.joint_points import (
 )
 from flexmech.linear_system.link_model import LinkModel
 from flexmech.linear_system.moving_frames import MovingFrames
-from flexmech.linear_system.moving_matrix import MovingMatrix
+from flexmech.linkages.matrix_with_rates import MatrixWithRates as MovingMatrix
 from flexmech.linear_system.posed_ties import CoordinateRows, PointRows, PosedRows, PosedTies
 from flexmech.linear_system.rigid_coordinates import RigidCoordinates
 from flexmech.linear_system.rigid_pose import RigidPose

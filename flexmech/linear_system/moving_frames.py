@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from flexmech.linear_system.joint_points import JointPoint
-from flexmech.linear_system.moving_matrix import MovingMatrix
+from flexmech.linkages.matrix_with_rates import MatrixWithRates as MovingMatrix
 from flexmech.linear_system.rigid_coordinates import RigidCoordinates
 from flexmech.linkages import RigidMotion
 from flexmech.types import IntArray

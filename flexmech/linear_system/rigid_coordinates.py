@@ -21,7 +21,7 @@ from flexmech.linear_system.displaced_motion import (
     slider_lever,
 )
 from flexmech.linear_system.joint_points import JointPoint, joint_points, turning_joints
-from flexmech.linear_system.moving_matrix import MovingMatrix
+from flexmech.linkages.matrix_with_rates import MatrixWithRates as MovingMatrix
 from flexmech.linear_system.position_errors import refuse_positions
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
 from flexmech.types import FloatArray, IntArray
