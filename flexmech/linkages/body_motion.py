@@ -12,6 +12,7 @@ from dataclasses import dataclass, fields
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.linkages.motion import RigidMotion
@@ -57,11 +58,18 @@ class BodyMotion:
         def with_ground(values: FloatArray) -> FloatArray:
             return np.concatenate([values, np.zeros((len(values), 1))], axis=1)
 
-        places = (motion.origin, motion.origin_velocity, motion.origin_acceleration)
-        place, place_1, place_2 = (with_ground(p[..., 0] + 1j * p[..., 1]) for p in places)
-        turn_1, turn_2 = map(with_ground, (motion.angular_velocity, motion.angular_acceleration))
-        turn = np.exp(1j * with_ground(motion.angle))
-        return cls(np.zeros(place.shape[1]), place, turn, place_1, place_2, turn_1, turn_2)
+        def place(vectors: FloatArray) -> ComplexArray:
+            return with_ground(vectors[..., 0]) + 1j * with_ground(vectors[..., 1])
+
+        return cls(
+            np.zeros(motion.angle.shape[1] + 1, dtype=complex),
+            place(motion.origin),
+            np.exp(1j * with_ground(motion.angle)),
+            place(motion.origin_velocity),
+            place(motion.origin_acceleration),
+            with_ground(motion.angular_velocity),
+            with_ground(motion.angular_acceleration),
+        )
 
     @classmethod
     def stacked(cls, bodies: Sequence[BodyMotion]) -> Self:
@@ -149,10 +157,10 @@ class BodyPoints:
         Coordinate of each slide.
     size : int
         Number of all coordinates.
-    rows : sequence of int, optional
+    rows : ndarray of int, shape (P,), optional
         First row of each point in a Jacobian, which gives it two, along x and y, by default one
         point after the other.
-    lines : sequence of bool, optional
+    lines : ndarray of bool, shape (P,), optional
         Which points have a single row, across a line.
 
     Attributes
@@ -167,15 +175,15 @@ class BodyPoints:
         columns: Mapping[int, int],
         slides: Sequence[int],
         size: int,
-        rows: Sequence[int] | None = None,
-        lines: Sequence[bool] | None = None,
+        rows: IntArray | None = None,
+        lines: NDArray[np.bool_] | None = None,
     ) -> None:
         count = len(points)
         self.body = np.array([point.body for point in points], dtype=np.intp)
         self.place = np.array([point.place for point in points], dtype=complex)
         self._shape = 2 * count, size
-        row = np.array(range(0, 2 * count, 2) if rows is None else rows, dtype=np.intp)
-        on_line = np.array(lines or [False] * count, dtype=bool)
+        row = 2 * np.arange(count) if rows is None else rows
+        on_line = np.zeros(count, dtype=bool) if lines is None else lines
         first = np.array([columns.get(point.body, -1) for point in points], dtype=np.intp)
         self._own = np.flatnonzero(first >= 0)
         two, one = (np.flatnonzero((first >= 0) & own) for own in (~on_line, on_line))
@@ -201,7 +209,9 @@ class BodyPoints:
         slid : ndarray of complex, shape (B, n_slides), optional
             Where the points that slide are in the axes of their guides.
         """
-        arm = bodies.turn[:, self.body] * (self.place - bodies.drawn[self.body])
+        arm: ComplexArray = bodies.turn[:, self.body] * (
+            self.place - np.asarray(bodies.drawn)[self.body]
+        )
         if slid is not None and len(self._sliding):
             turn = bodies.turn[:, self.body[self._sliding]]
             arm[:, self._sliding] = turn * slid[:, self._slide]
@@ -209,7 +219,7 @@ class BodyPoints:
 
     def places(self, bodies: BodyMotion, slid: ComplexArray | None = None) -> ComplexArray:
         """Places of the points in ground axes, (B, P); as :meth:`arms`."""
-        return bodies.place[:, self.body] + self.arms(bodies, slid)
+        return np.asarray(bodies.place[:, self.body] + self.arms(bodies, slid))
 
     def jacobian(self, bodies: BodyMotion, axes: ComplexArray, slid: ComplexArray) -> FloatArray:
         """Derivative of places by the coordinates of the bodies, and by the slides.
@@ -232,16 +242,14 @@ class BodyPoints:
         self.add_to(matrix, 1.0, axes[:, self.body], turn, arm)
         return np.ascontiguousarray(np.moveaxis(matrix, -1, 0))
 
-    def jacobian_with_rates(
-        self, bodies: BodyMotion, slid: Sequence[ComplexArray]
-    ) -> MatrixWithRates:
+    def jacobian_with_rates(self, bodies: BodyMotion, slid: ComplexArray) -> MatrixWithRates:
         """The Jacobian by coordinates in the bodies' own axes, and its rates as these turn.
 
         Parameters
         ----------
         bodies : BodyMotion
             Batch of shape (B, n).
-        slid : sequence of ndarray of complex, shape (B, n_slides)
+        slid : ndarray of complex, shape (3, B, n_slides)
             As of :meth:`arms`, and its first and second time derivative.
 
         Returns
@@ -254,7 +262,7 @@ class BodyPoints:
         return parts_of(matrix)
 
     def add_rates(
-        self, matrix: FloatArray, sign: float, bodies: BodyMotion, slid: Sequence[ComplexArray]
+        self, matrix: FloatArray, sign: float, bodies: BodyMotion, slid: ComplexArray
     ) -> None:
         """Add a sign times the parts of :meth:`jacobian_with_rates` to (rows, size, 4, B)."""
         speed, change = bodies.turn_1[:, self.body], bodies.turn_2[:, self.body]
@@ -297,7 +305,7 @@ class BodyPoints:
         matrix[rows + 1, columns] += block[two].imag
         if across is not None and len(one):
             unit = np.moveaxis(across, -1, 0)[self._moving_lines, None]
-            matrix[line_rows, line_columns] += dot(unit, block[one])
+            matrix[line_rows, line_columns] += np.real(np.conj(unit) * block[one])
         if len(self._sliding):
             slide_rows, slides = self._slide_places
             along = sign * (turn[self._sliding].T * self._along).T
@@ -325,10 +333,12 @@ class BodyPoints:
         """
         turning, guiding = np.zeros(bodies.place.shape), np.zeros(slid.shape)
         by_arm = dot(forces, self.arms(bodies, slid))
-        np.add.at(turning, (slice(None), self.body[self._own]), by_arm[:, self._own])
-        across = 1j * self._along * bodies.turn[:, self.body[self._sliding]]
-        by_line = dot(forces[:, self._sliding], across)
-        np.subtract.at(guiding, (slice(None), self._slide), by_line)
+        for point in self._own:
+            turning[:, self.body[point]] += by_arm[:, point]
+        for point, slide, along in zip(self._sliding, self._slide, self._along, strict=True):
+            if point in self._own:
+                across = 1j * along * bodies.turn[:, self.body[point]]
+                guiding[:, slide] -= dot(forces[:, point], across)
         return turning, guiding
 
 

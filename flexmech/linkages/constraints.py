@@ -84,9 +84,9 @@ class Constraints:
         *rows, self.count = np.cumsum([0, *(own.rows for own in conditions)]).tolist()
         numbered = list(zip(rows, conditions, strict=True))
         of_points = [(row, own) for row, own in numbered if not isinstance(own, EqualAngle)]
-        is_line = [isinstance(own, PointOnLine) for _, own in of_points]
+        is_line = np.array([isinstance(own, PointOnLine) for _, own in of_points], dtype=bool)
         self._row = np.array([row for row, _ in of_points], dtype=np.intp)
-        self._pairs, self._lines = np.flatnonzero(np.invert(is_line)), np.flatnonzero(is_line)
+        self._pairs, self._lines = np.flatnonzero(~is_line), np.flatnonzero(is_line)
         self._along = np.array([own.along for _, own in of_points if isinstance(own, PointOnLine)])
         first = 3 * len(unknown)
         self._columns = {body: 3 * n for n, body in enumerate(unknown)}
@@ -173,16 +173,14 @@ class Constraints:
         matrix += self._turning[..., None]
         return np.ascontiguousarray(np.moveaxis(matrix, -1, 0))
 
-    def jacobian_with_rates(
-        self, bodies: BodyMotion, slid: Sequence[ComplexArray]
-    ) -> MatrixWithRates:
+    def jacobian_with_rates(self, bodies: BodyMotion, slid: ComplexArray) -> MatrixWithRates:
         """The Jacobian by coordinates in the bodies' own axes, which turn.
 
         Parameters
         ----------
         bodies : BodyMotion
             Batch of shape (B, n).
-        slid : sequence of ndarray of complex, shape (B, n_slides)
+        slid : ndarray of complex, shape (3, B, n_slides)
             As of :meth:`gap`, and its first and second time derivative.
 
         Returns
@@ -225,7 +223,7 @@ class Constraints:
 
     def _across(self, bodies: BodyMotion) -> ComplexArray:
         """Unit vectors to the left of the lines, (B, n_lines)."""
-        return 1j * bodies.turn[:, self.second.body[self._lines]] * self._along
+        return np.asarray(1j * bodies.turn[:, self.second.body[self._lines]] * self._along)
 
     def _in_rows(self, vectors: ComplexArray, across: ComplexArray) -> FloatArray:
         """Rows (B, count) of vectors (B, C): along the axes, or across the lines (B, n_lines)."""

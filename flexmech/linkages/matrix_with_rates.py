@@ -75,7 +75,7 @@ class MatrixWithRates:
     @property
     def transposed(self) -> Self:
         """Rows and columns exchanged."""
-        return type(self)(*(np.swapaxes(part, 1, 2) for part in self._parts))
+        return type(self)(*(np.swapaxes(part, 1, 2) for part in self.parts))
 
     @property
     def twice(self) -> FloatArray:
@@ -84,11 +84,11 @@ class MatrixWithRates:
 
     def rows(self, which: IntArray) -> Self:
         """Some rows, by their numbers."""
-        return type(self)(*(part[:, which] for part in self._parts))
+        return type(self)(*(part[:, which] for part in self.parts))
 
     def columns(self, which: IntArray) -> Self:
         """Some columns, by their numbers."""
-        return type(self)(*(part[:, :, which] for part in self._parts))
+        return type(self)(*(part[:, :, which] for part in self.parts))
 
     def __matmul__(self, other: MatrixWithRates) -> MatrixWithRates:
         return MatrixWithRates(
@@ -102,11 +102,11 @@ class MatrixWithRates:
 
     def __sub__(self, other: MatrixWithRates) -> MatrixWithRates:
         return MatrixWithRates(
-            *(own - its for own, its in zip(self._parts, other._parts, strict=True))
+            *(own - its for own, its in zip(self.parts, other.parts, strict=True))
         )
 
     def __neg__(self) -> MatrixWithRates:
-        return MatrixWithRates(*(-part for part in self._parts))
+        return MatrixWithRates(*(-part for part in self.parts))
 
     def solve(self, right: MatrixWithRates) -> MatrixWithRates:
         """``X`` of ``self @ X = right``, by implicit differentiation.
@@ -131,9 +131,10 @@ class MatrixWithRates:
     @classmethod
     def stacked(cls, parts: list[MatrixWithRates]) -> MatrixWithRates:
         """Rows of several matrices below each other."""
-        every = zip(*(part._parts for part in parts), strict=True)
+        every = zip(*(part.parts for part in parts), strict=True)
         return cls(*(np.concatenate(one, axis=1) for one in every))
 
     @property
-    def _parts(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    def parts(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Value, rate, and the two parts of the second derivative."""
         return self.value, self.rate, self.centripetal, self.tangential

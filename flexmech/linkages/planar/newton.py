@@ -309,7 +309,7 @@ class NewtonGroup:
     def _at(self, bodies: BodyMotion, unknowns: FloatArray) -> BodyMotion:
         """Bodies with those of the group at rest in a posture."""
         own, x, y, phi = self.unknown, *np.moveaxis(unknowns.reshape(len(unknowns), -1, 3), -1, 0)
-        drawn, place, turn = bodies.drawn.copy(), bodies.place.copy(), bodies.turn.copy()
+        drawn, place, turn = map(np.copy, (bodies.drawn, bodies.place, bodies.turn))
         drawn[own] = self._drawn
         place[:, own] = self._drawn + self.size * (x + 1j * y)
         turn[:, own] = np.exp(1j * phi)
