@@ -60,10 +60,13 @@ from .linkages import CouplerCurve as CouplerCurve
 from .linkages import CouplerPoint as CouplerPoint
 from .linkages import CrankDrive as CrankDrive
 from .linkages import FourBar as FourBar
+from .linkages import JointSpring as JointSpring
+from .linkages import Load as Load
 from .linkages import PlanarJoint as PlanarJoint
 from .linkages import PlanarLink as PlanarLink
 from .linkages import PlanarLinkage as PlanarLinkage
 from .linkages import RotatingArm as RotatingArm
+from .linkages import Spring as Spring
 from .linkages import double_points as double_points
 from .linkages import synthesize_crank_rocker as synthesize_crank_rocker
 from .materials import Laminate as Laminate
@@ -76,6 +79,7 @@ from .materials import woven_ply as woven_ply
 from .measured_data import MeasuredQuantity as MeasuredQuantity
 from .measured_data import MeasuredRecord as MeasuredRecord
 from .measured_data import read_record as read_record
+from .mechanism import AttachedBody as AttachedBody
 from .mechanism import Mechanism as Mechanism
 from .mechanism import PointMass as PointMass
 from .modelfile import load_mechanism as load_mechanism

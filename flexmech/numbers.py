@@ -111,11 +111,7 @@ def check_number(value: object, name: str, unit: str = "", bounds: Bounds = FINI
     """
     if isinstance(value, _NO_NUMBERS) or not isinstance(value, _NUMBERS):
         raise InputError(_no_number(value, name, unit))
-    try:
-        number = float(value)
-    except OverflowError as error:
-        raise InputError(f"{name} is a whole number of more than 308 digits") from error
-    if not bounds.hold(number):
+    if not bounds.hold(float(value)):
         raise InputError(f"{name} must {bounds.words}, got {value} {unit}".rstrip())
 
 

@@ -7,9 +7,9 @@ from functools import lru_cache
 from typing import Literal
 
 from _common import MODELS
+from _cusp_transitions import CuspTransition, cusp_transitions
 
 from flexmech import CouplerCurve, CouplerPoint, FourBar, HygrothermalState, Mechanism
-from flexmech.linkages import CuspTransition, cusp_transitions
 from flexmech.materials import Hygrothermal
 from flexmech.modelfile import mechanism_from_toml
 

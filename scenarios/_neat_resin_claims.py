@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from _cusp_transitions import CuspTransition
 
-from flexmech.linkages import CouplerCurve, CuspTransition, DoublePoint, double_points
+from flexmech.linkages import CouplerCurve, DoublePoint, double_points
 from flexmech.studies import Verdict, verdict_on
 
 CLAIMS = {

@@ -19,6 +19,7 @@ import numpy as np
 import pandas as pd
 from _common import output_folder, save_pictures
 from _coupler_pictures import distance, draw
+from _cusp_transitions import CuspTransition
 from _neat_resin import (
     CHANGING,
     FIGURES,
@@ -50,7 +51,6 @@ from flexmech import (
     Mechanism,
     mechanism_in_state,
 )
-from flexmech.linkages import CuspTransition
 
 Found = dict[str, list[tuple[StatePath, tuple[CuspTransition, ...]]]]
 

@@ -16,11 +16,16 @@ from pathlib import Path
 
 import numpy as np
 from _common import four_bar, output_folder, save_pictures
+from _ground_axes import frozen_eigenvalues
 from matplotlib.figure import Figure
 
 from flexmech import Mechanism, ReferenceEngine
-from flexmech.analyses import frozen_eigenvalues
-from flexmech.time_domain import SampledTurn, counts_of_modes, floquet_modes, moving_modes
+from flexmech.dynamical_systems import floquet_modes
+from flexmech.time_domain import (
+    SampledTurn,
+    counts_of_modes,
+    moving_modes,
+)
 from flexmech.types import FloatArray
 
 DAMPING_TIME = 2e-5

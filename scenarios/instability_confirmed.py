@@ -18,16 +18,16 @@ from pathlib import Path
 
 import numpy as np
 from _common import four_bar, output_folder, save_pictures
+from _floquet_state import floquet_state
 from matplotlib.figure import Figure
 
 from flexmech import ExudynEngine, Mechanism
+from flexmech.dynamical_systems import floquet_modes
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain import (
     LinkState,
     SampledTurn,
     counts_of_modes,
-    floquet_modes,
-    floquet_state,
     moving_modes,
     nonlinear_orbit,
 )

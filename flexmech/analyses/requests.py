@@ -1,18 +1,18 @@
-"""What is asked of an analysis, checked where it comes in: angles, engines, links."""
+"""What is asked of an analysis, checked where it comes in: angles, engines, links, modes."""
 
 from __future__ import annotations
 
 import reprlib
-from collections.abc import Collection, Sequence
-from typing import TypeVar
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flexmech.choices import SHAFTS, ShaftChoice
+from flexmech.choices import MODES, SHAFTS, ShaftChoice
 from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import Environment, Exposure, HygrothermalState
-from flexmech.linear_system import Engine, check_elastic
+from flexmech.linear_system import Engine, OverdampedError, TooManyModesError, check_elastic
 from flexmech.numbers import check_choice, check_instance, checked_array
 from flexmech.types import FloatArray
 
@@ -129,3 +129,84 @@ def _one_of(value: T, kinds: tuple[type, ...], what: str, remedy: str) -> T:
     if not isinstance(value, kinds):
         raise InputError(f"{what} is needed, got {reprlib.repr(value)}; write {remedy}")
     return value
+
+
+ANGLES = 24
+"""Every 15 degrees: natural frequencies move slowly enough for bounds to be told by these."""
+
+
+def sampled_turn(start_angle: float = 0.0) -> FloatArray:
+    """Evenly spaced crank angles of a turn in rad, shape (24,); its end is left out."""
+    return np.asarray(start_angle + np.linspace(0.0, 2 * np.pi, ANGLES, endpoint=False))
+
+
+def without_end(crank_angles: FloatArray) -> FloatArray:
+    """Increasing angles of a full turn without its end, which is its start again.
+
+    Parameters
+    ----------
+    crank_angles : ndarray, shape (A,)
+        In rad.
+
+    Returns
+    -------
+    ndarray
+        The first angles, A or one less.
+    """
+    before_end = crank_angles < crank_angles[0] + 2 * np.pi * (1 - 1e-9)
+    return np.asarray(crank_angles[before_end], dtype=float)
+
+
+FEWER_MODES = "fewer_modes"
+Found = TypeVar("Found")
+
+
+def as_many_modes(
+    compute: Callable[[int], Found], modes: int | None, speed_unit: str = "rad/s"
+) -> tuple[Found, dict[str, str]]:
+    """Compute with the modes asked for, or with the usual number or as many as there are.
+
+    Parameters
+    ----------
+    compute : callable
+        Takes the number of modes.
+    modes : int, optional
+        As asked for; what has fewer is then refused. Left out: four, or as many as the model has
+        and as oscillate at all positions.
+    speed_unit : str
+        In which the reason speaks of crank speeds.
+
+    Returns
+    -------
+    object
+        What ``compute`` gave.
+    dict of str to str
+        Attribute that says how many modes there are and why; empty where there are as many as
+        usual.
+
+    Raises
+    ------
+    InputError, ComputationError
+        What ``compute`` raises, if no mode is left.
+    """
+    if modes is not None:
+        return compute(modes), {}
+    count, reason = MODES, ""
+    while True:
+        try:
+            found = compute(count)
+        except (OverdampedError, TooManyModesError) as error:
+            if not 0 < error.most_modes < count:
+                raise
+            count = error.most_modes
+            reason = f"the model has {count}"
+            if isinstance(error, OverdampedError):
+                reason = error.told(speed_unit).partition(";")[0]
+            continue
+        said = f"modes: {count} in the place of the usual {MODES}, since {reason}" if reason else ""
+        return found, {FEWER_MODES: said} if said else {}
+
+
+def fewer_modes_lines(attributes: Mapping[Any, Any]) -> list[str]:
+    """One line where a result has fewer modes than usual, with the reason."""
+    return [str(attributes[FEWER_MODES])] if FEWER_MODES in attributes else []

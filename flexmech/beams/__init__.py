@@ -2,9 +2,8 @@
 
 from flexmech.beams.beam_shapes import BeamShapes
 from flexmech.beams.comparison import compare_theories
-from flexmech.beams.elements import BeamElements
+from flexmech.beams.elements import BEAM_SHAPES, BeamElements
 from flexmech.beams.link_matrices import Chain, assemble_chain, build_chain
-from flexmech.beams.theories import BEAM_SHAPES
 
 __all__ = [
     "BEAM_SHAPES",

@@ -8,10 +8,10 @@ from functools import lru_cache
 import numpy as np
 import scipy.linalg
 
+from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.held_ends import held_beam
 from flexmech.beams.link_matrices import build_chain
 from flexmech.beams.plane_link import compression_frequency, plane_link
-from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.choices import MODES
 from flexmech.errors import InputError
 from flexmech.linear_system import (
@@ -33,7 +33,7 @@ from flexmech.linkages import (
     Topology,
     shown_crank_angle,
 )
-from flexmech.linkages.spring_line import SpringLine
+from flexmech.linkages.applied_forces import SpringLine
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection, DampingTimes
 from flexmech.threads import one_thread

@@ -13,7 +13,16 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.beams.beam_shapes import BeamFields, BeamShapes
+from flexmech.beams.beam_shapes import (
+    BeamFields,
+    BeamShapes,
+)
+from flexmech.beams.theories import (
+    EulerBernoulli,
+    Reddy,
+    Timoshenko,
+)
+from flexmech.beams.zigzag_shapes import ZigzagBeam
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
@@ -275,3 +284,12 @@ class BeamElements:
 
 def _product(rows: FloatArray) -> FloatArray:
     return rows[..., :, None] * rows[..., None, :]
+
+
+BEAM_SHAPES: dict[str, BeamShapes] = {
+    "euler": EulerBernoulli(),
+    "timoshenko": Timoshenko(),
+    "reddy": Reddy(),
+    "zigzag": ZigzagBeam(),
+}
+"""Beam theories by the names of the reference engine's elements."""

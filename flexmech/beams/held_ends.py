@@ -21,10 +21,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from flexmech.beams.elements import BeamElements
+from flexmech.beams.elements import BEAM_SHAPES, BeamElements
 from flexmech.beams.link_matrices import Chain, Coupling, build_chain
 from flexmech.beams.solid_link import MOST_RUNS, SHORT, SolidLink, twisted_back, twists_matter
-from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.linear_system import whole
 from flexmech.linkages import LinkEnd, LinkMass
 from flexmech.mechanism import Mechanism
@@ -202,7 +201,7 @@ def held_ends(section: LaminateSection, length: float) -> HeldEnds | None:
         None where the plies are along or across, or nothing that joints hold can matter. Of links
         longer than :data:`SHORT` widths, of more than :data:`MOST_RUNS` runs of equal plies, and so
         short that shear hides their bending, the constant torque of
-        :mod:`flexmech.sections.twist` alone.
+        :mod:`flexmech.sections.free_edges` alone.
     """
     if not twists_matter(section):
         return None

@@ -1,7 +1,7 @@
 """A link of off-axis plies in three dimensions, between rigid end faces that turn about pins.
 
 Plies off the axis twist a link as it bends, and contract it across. What a beam makes of that is
-right for a long link in its first mode (:mod:`flexmech.sections.twist`). End faces that joints
+right for a long link in its first mode (:mod:`flexmech.sections.free_edges`). End faces that joints
 hold flat do more: they hold the warping and the curvature across as well, over about a width from
 each end, and a mode is no half sine. So the beam is held against the link itself, in elements with
 27 nodes, for its own length and width.
@@ -20,14 +20,13 @@ import scipy.linalg
 import scipy.sparse as sp
 import scipy.sparse.linalg as spla
 
+from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.link_matrices import build_chain
 from flexmech.beams.parabolas import Parabolas, graded, rows_of_runs
-from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.linear_system import whole
 from flexmech.linkages import LinkMass
 from flexmech.sections import BeamSection, LaminateSection
-from flexmech.sections.free_edges import is_off_axis, layer_runs
-from flexmech.sections.twist import FIRST_MODE
+from flexmech.sections.free_edges import FIRST_MODE, is_off_axis, layer_runs
 from flexmech.types import FloatArray
 
 MODES = 2

@@ -15,8 +15,14 @@ from typing import Self
 
 import numpy as np
 
-from flexmech.beams.beam_shapes import BeamFields, Timoshenko
-from flexmech.beams.interpolation import hermite, hermite_integral, linear, placed
+from flexmech.beams.beam_shapes import (
+    BeamFields,
+    hermite,
+    hermite_integral,
+    linear,
+    placed,
+)
+from flexmech.beams.theories import Timoshenko
 from flexmech.sections import WARPINGS, BeamSection
 from flexmech.types import FloatArray
 
@@ -113,8 +119,8 @@ class ZigzagBeam(Timoshenko):
     """Coordinates (u, v, phi, phi', gamma_1, gamma_2): cross-sections that warp.
 
     Rotation and shear force are those of :class:`Timoshenko`. The shear angle has a part for each
-    warping of the section (:mod:`flexmech.sections.zigzag`), which is continuous and whose change
-    along the link meets a stiffness of its own. At joints the pin's fitting holds the
+    warping of the section (:mod:`flexmech.sections.shear_theories`), which is continuous and whose
+    change along the link meets a stiffness of its own. At joints the pin's fitting holds the
     cross-section plane: there the parts are zero. Tension acts along the slope of the axis, as
     the faces that carry it do (Engesser's column; Bazant & Cedolin, *Stability of Structures*,
     sec. 1.7).

@@ -6,18 +6,20 @@ from flexmech.hygrothermal.in_state import (
     coupler_point_in_state,
     elongation_of,
     linkage_in_state,
+    links_of_unknown_stiffness,
     mechanism_in_state,
     rigid_linkage_in_state,
     swollen_links,
+    without_softening,
 )
-from flexmech.hygrothermal.link_diffusion import LinkDiffusion, link_diffusion
 from flexmech.hygrothermal.link_moisture import (
+    LinkDiffusion,
     absorbing_links,
     inert_links,
+    link_diffusion,
     link_profile,
     resin_retention,
 )
-from flexmech.hygrothermal.unsoftened import links_of_unknown_stiffness, without_softening
 
 __all__ = [
     "Environment",

@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmech.linear_system.attached_points import AttachedPoint
 from flexmech.linkages import JointSpring, Spring
-from flexmech.linkages.spring_line import SpringLine
+from flexmech.linkages.applied_forces import SpringLine
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 

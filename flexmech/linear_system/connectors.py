@@ -41,8 +41,7 @@ from flexmech.linkages import (
     Spring,
     continuous_angles,
 )
-from flexmech.linkages.applied_forces import ForceOnLink
-from flexmech.linkages.spring_line import SpringLine
+from flexmech.linkages.applied_forces import ForceOnLink, SpringLine
 from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 

@@ -2,19 +2,32 @@
 
 from flexmech.linkages.applied_forces import ForceOnLink
 from flexmech.linkages.attachments import GROUND, JointSpring, LinkPoint, Load, Spring
-from flexmech.linkages.coupler_curve import CouplerCurve, CouplerPoint
-from flexmech.linkages.coupler_sextic import coupler_sextic
-from flexmech.linkages.cusp_transitions import CuspTransition, cusp_transitions
-from flexmech.linkages.double_points import DoublePoint, double_points
-from flexmech.linkages.drawing import drawn_joints
+from flexmech.linkages.coupler_curves import (
+    CouplerCurve,
+    CouplerPoint,
+    DoublePoint,
+    FiniteDoublePoint,
+    circuit_of,
+    coupler_sextic,
+    double_points,
+    finite_double_points,
+    focal_cubic,
+    full_turn,
+)
 from flexmech.linkages.drive import CrankDrive, LockedCrank
 from flexmech.linkages.fourbar import Branch, FourBar, GrashofClass
 from flexmech.linkages.inverse_dynamics import InverseDynamics, inverse_dynamics
 from flexmech.linkages.link_mass import LEAST_DISTANCE, LinkBody, LinkMass, lumped_elements
-from flexmech.linkages.linkage import Linkage
+from flexmech.linkages.linkage import (
+    Linkage,
+    continuous_angles,
+    drawn_joints,
+    linkage_positions,
+    shown_crank_angle,
+    standing,
+)
 from flexmech.linkages.motion import RigidMotion
 from flexmech.linkages.planar import PlanarJoint, PlanarLink, PlanarLinkage
-from flexmech.linkages.positions import linkage_positions, shown_crank_angle, standing
 from flexmech.linkages.rotating_arm import RotatingArm
 from flexmech.linkages.synthesis import (
     CrankRockerProportions,
@@ -25,7 +38,6 @@ from flexmech.linkages.synthesis import (
     transmission_design,
 )
 from flexmech.linkages.topology import Clamp, Link, LinkEnd, Pin, Pivot, Slider, Topology, Weld
-from flexmech.linkages.winding import continuous_angles
 
 __all__ = [
     "GROUND",
@@ -36,8 +48,8 @@ __all__ = [
     "CouplerPoint",
     "CrankDrive",
     "CrankRockerProportions",
-    "CuspTransition",
     "DoublePoint",
+    "FiniteDoublePoint",
     "ForceOnLink",
     "FourBar",
     "GrashofClass",
@@ -63,11 +75,14 @@ __all__ = [
     "Topology",
     "TransmissionDesign",
     "Weld",
+    "circuit_of",
     "continuous_angles",
     "coupler_sextic",
-    "cusp_transitions",
     "double_points",
     "drawn_joints",
+    "finite_double_points",
+    "focal_cubic",
+    "full_turn",
     "inverse_dynamics",
     "linkage_positions",
     "lumped_elements",

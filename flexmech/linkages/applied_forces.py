@@ -1,4 +1,4 @@
-"""Forces of loads and springs on the links of a rigid linkage."""
+"""Forces of loads and springs on the links of a rigid linkage, and the line of a spring."""
 
 from __future__ import annotations
 
@@ -8,11 +8,90 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flexmech.errors import InputError
 from flexmech.linkages.attachments import JointSpring, LinkPoint, Load, Spring
-from flexmech.linkages.motion import RigidMotion, direction, normal
-from flexmech.linkages.spring_line import SpringLine
+from flexmech.linkages.motion import RigidMotion, cross
 from flexmech.linkages.topology import Topology
 from flexmech.types import FloatArray
+
+# In units of the linkage's size: the ends of a spring that are nearer have met.
+MET = 1e-9
+
+
+@dataclass(frozen=True)
+class SpringLine:
+    """A spring at its length.
+
+    Parameters
+    ----------
+    along : ndarray, shape (..., 2)
+        Unit vector from the first end to the second, in ground axes.
+    length : ndarray, shape (...)
+        In m.
+    relative_velocity : ndarray, shape (..., 2)
+        Velocity of the second end against the first in m/s.
+    tension : ndarray, shape (...)
+        In N.
+    """
+
+    along: FloatArray
+    length: FloatArray
+    relative_velocity: FloatArray
+    tension: FloatArray
+
+    @property
+    def rate(self) -> FloatArray:
+        """Rate of the length in m/s, (...)."""
+        return np.asarray(np.sum(self.along * self.relative_velocity, axis=-1))
+
+    @classmethod
+    def of(
+        cls,
+        spring: Spring,
+        crank_angle: FloatArray,
+        places: Sequence[FloatArray],
+        velocities: Sequence[FloatArray],
+        size: float,
+        *,
+        needs_direction: bool = True,
+    ) -> SpringLine:
+        """Line of a spring whose ends are known.
+
+        Parameters
+        ----------
+        spring : Spring
+        crank_angle : ndarray, shape (...)
+            In rad, for messages.
+        places, velocities : sequence of ndarray, shape (..., 2)
+            Of its first and its second end, in ground axes.
+        size : float
+            Of the linkage in m.
+        needs_direction : bool
+            Whether ends that meet are refused. The force alone of a spring without free
+            length and damping is nothing there.
+
+        Returns
+        -------
+        SpringLine
+
+        Raises
+        ------
+        InputError
+            Where the ends meet; names the crank angle.
+        """
+        line, relative_velocity = places[1] - places[0], velocities[1] - velocities[0]
+        length = np.linalg.norm(line, axis=-1)
+        met = length <= MET * size
+        if needs_direction and np.any(met):
+            angle = np.degrees(crank_angle[met].flat[0])
+            raise InputError(
+                f"spring {spring.name}: its ends meet at crank angle {angle:.6g} deg, where its "
+                "force has no direction; move an end, or leave that crank angle out"
+            )
+        along = line / np.where(met, 1.0, length)[..., None]
+        tension = spring.stiffness * (length - spring.free_length)
+        tension = tension + spring.damping * np.sum(along * relative_velocity, axis=-1)
+        return cls(along, length, relative_velocity, tension)
 
 
 @dataclass(frozen=True)
@@ -39,24 +118,15 @@ class ForceOnLink:
     torque: FloatArray
     y: float | FloatArray = 0.0
 
-    def arm(self, motion: RigidMotion) -> FloatArray:
-        """From the link's start to its place, ground axes; shape (..., 2), in m."""
-        angle = motion.angle[..., self.link]
-        along = np.asarray(self.x)[..., None] * direction(angle)
-        return np.asarray(along + np.asarray(self.y)[..., None] * normal(angle))
-
     def moment(self, motion: RigidMotion) -> FloatArray:
         """About the link's start in N m; shape (...)."""
-        arm = self.arm(motion)
-        lever = arm[..., 0] * self.force[..., 1] - arm[..., 1] * self.force[..., 0]
-        return np.asarray(lever + self.torque)
+        return cross(motion.arm(self.link, self.x, self.y), self.force) + self.torque
 
     def power(self, motion: RigidMotion) -> FloatArray:
         """What it does on the moving link in W; shape (...)."""
-        arm, rate = self.arm(motion), motion.angular_velocity[..., self.link]
-        turning = rate[..., None] * np.stack([-arm[..., 1], arm[..., 0]], axis=-1)
-        velocity = motion.origin_velocity[..., self.link, :] + turning
-        return np.asarray(np.sum(self.force * velocity, axis=-1) + self.torque * rate)
+        velocity = motion.velocity(self.link, self.x, self.y)
+        turning = self.torque * motion.angular_velocity[..., self.link]
+        return np.asarray(np.sum(self.force * velocity, axis=-1) + turning)
 
 
 def forces_of_loads(

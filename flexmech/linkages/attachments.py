@@ -96,6 +96,12 @@ class Load:
     ------
     InputError
         If the point is of the ground, or the table is not one.
+
+    Examples
+    --------
+    >>> place = flexmech.linkages.LinkPoint("coupler", 0.1)
+    >>> flexmech.Load("push", place, force=((0.0, -5.0),)).values(crank_angle=0.0)
+    array([ 0., -5.,  0.])
     """
 
     name: str
@@ -196,6 +202,13 @@ class Spring:
     ------
     InputError
         If a number is out of its range, or both points are of one link or of the ground.
+
+    Examples
+    --------
+    >>> first = flexmech.linkages.LinkPoint("rocker", 0.1)
+    >>> second = flexmech.linkages.LinkPoint("ground", x=0.3, y=0.1)
+    >>> flexmech.Spring("return", first, second, stiffness=200.0, free_length=0.08).damping
+    0.0
     """
 
     name: str
@@ -241,6 +254,12 @@ class JointSpring:
     ------
     InputError
         If a number is out of its range, or there is radial damping without stiffness.
+
+    Examples
+    --------
+    >>> spring = flexmech.JointSpring("B", torsional_stiffness=0.2, free_angle=0.5)
+    >>> spring.torque(np.array([0.6]), np.zeros(1)).round(3)
+    array([-0.02])
     """
 
     joint: str

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from flexmech.linkages.applied_forces import ForceOnLink
-from flexmech.linkages.link_mass import LinkMass
+from flexmech.linkages.link_mass import LinkBody, LinkMass
 from flexmech.linkages.motion import RigidMotion, direction, normal
 from flexmech.types import FloatArray
 
@@ -55,7 +55,7 @@ class LinkForces:
         -------
         ndarray, shape (...) or (..., k)
         """
-        return _axial_force(self, link, np.asarray(x, dtype=float))
+        return self._force(link, np.asarray(x, dtype=float), direction)
 
     def shear_force(self, link: int, x: float | FloatArray) -> FloatArray:
         """Force across a link in N that the part beyond a cut exerts on the part before it.
@@ -72,7 +72,7 @@ class LinkForces:
             Positive along the y axis of the link's frame. Where the mass lies on the axis, it
             is the slope of :meth:`bending_moment` with the other sign.
         """
-        return _shear_force(self, link, np.asarray(x, dtype=float))
+        return self._force(link, np.asarray(x, dtype=float), normal)
 
     def bending_moment(self, link: int, x: float | FloatArray) -> FloatArray:
         """Moment in N m that the part beyond a cut exerts on the part before it.
@@ -88,136 +88,71 @@ class LinkForces:
         ndarray, shape (...) or (..., k)
             Positive where it curves the link towards the y axis of its frame.
         """
-        return _bending_moment(self, link, np.asarray(x, dtype=float))
-
-
-def _axial_force(forces: LinkForces, link: int, place: FloatArray) -> FloatArray:
-    """Force along a link that the part beyond a cut exerts on the part before it."""
-    mass, motion = forces.masses[link], forces.motion
-    along = direction(motion.angle[..., link])
-    pull = motion.origin_acceleration[..., link, :] - np.asarray(forces.gravity)
-    start = np.sum(pull * along, axis=-1)
-    turning = motion.angular_velocity[..., link] ** 2
-    at_start = np.sum(forces.start_force[..., link, :] * along, axis=-1)
-    change = motion.angular_acceleration[..., link]
-    mass_before = mass.mass_per_length * place
-    first_before = mass_before * place / 2
-    beside = mass_before * mass.offset
-    for fixed, (x, y), lump in _lumps(forces, link):
-        passed = lump * (fixed < place)
-        mass_before, first_before = mass_before + passed, first_before + passed * x
-        beside = beside + passed * y
-    tension: FloatArray = (
-        np.multiply.outer(start, mass_before)
-        - np.multiply.outer(turning, first_before)
-        - np.multiply.outer(change, beside)
-        - _spread(at_start, place)
-    )
-    for passed, _, force, _ in _forces_before(forces, link, place):
-        tension = tension - passed * _spread(force[0], place)
-    return tension
-
-
-def _shear_force(forces: LinkForces, link: int, place: FloatArray) -> FloatArray:
-    """Force across a link that the part beyond a cut exerts on the part before it."""
-    mass, motion = forces.masses[link], forces.motion
-    across = normal(motion.angle[..., link])
-    pull = motion.origin_acceleration[..., link, :] - np.asarray(forces.gravity)
-    start = np.sum(pull * across, axis=-1)
-    turning = motion.angular_velocity[..., link] ** 2
-    change = motion.angular_acceleration[..., link]
-    mass_before = mass.mass_per_length * place
-    first_before = mass_before * place / 2
-    beside = mass_before * mass.offset
-    for fixed, (x, y), lump in _lumps(forces, link):
-        passed = lump * (fixed < place)
-        mass_before, first_before = mass_before + passed, first_before + passed * x
-        beside = beside + passed * y
-    shear: FloatArray = (
-        np.multiply.outer(start, mass_before)
-        + np.multiply.outer(change, first_before)
-        - np.multiply.outer(turning, beside)
-        - _spread(np.sum(forces.start_force[..., link, :] * across, axis=-1), place)
-    )
-    for passed, _, force, _ in _forces_before(forces, link, place):
-        shear = shear - passed * _spread(force[1], place)
-    return shear
-
-
-def _bending_moment(forces: LinkForces, link: int, place: FloatArray) -> FloatArray:
-    """Moment that the part of a link beyond a cut exerts on the part before it."""
-    mass, motion = forces.masses[link], forces.motion
-    angle = motion.angle[..., link]
-    pull = motion.origin_acceleration[..., link, :] - np.asarray(forces.gravity)
-    # Acceleration less gravity of a point (x, y): (ahead - turning x - change y) along and
-    # (aside + change x - turning y) across the link.
-    ahead = np.sum(pull * direction(angle), axis=-1)
-    aside = np.sum(pull * normal(angle), axis=-1)
-    turning = motion.angular_velocity[..., link] ** 2
-    change = motion.angular_acceleration[..., link]
-
-    def about_the_cut(
-        lever: FloatArray, lever_x: FloatArray, lever_y: FloatArray, y: tuple[FloatArray, ...]
-    ) -> FloatArray:
-        """Moment of mass times acceleration, from sums of mass times lever (1, x, y) and y."""
-        return np.asarray(
-            np.multiply.outer(aside, lever)
-            + np.multiply.outer(change, lever_x)
-            - np.multiply.outer(turning, lever_y)
-            - np.multiply.outer(ahead, y[0])
-            + np.multiply.outer(turning, y[1])
-            + np.multiply.outer(change, y[2])
+        motion, place = self.motion, np.asarray(x, dtype=float)
+        angle, pull = motion.angle[..., link], self._pull(link)
+        _, first, beside, second = _mass_before(self.masses[link], place)
+        # About the link's start; the force across the cut is what moves it to the cut.
+        moment = (
+            np.multiply.outer(np.sum(pull * normal(angle), axis=-1), first)
+            - np.multiply.outer(np.sum(pull * direction(angle), axis=-1), beside)
+            + np.multiply.outer(motion.angular_acceleration[..., link], second)
+            - _spread(self.start_moment[..., link], place)
         )
+        for one, passed in self._forces_before(link, place):
+            moment = moment - passed * _spread(one.moment(motion), place)
+        return np.asarray(moment - place * self.shear_force(link, place))
 
-    line, off = mass.mass_per_length, mass.offset
-    lever = -line * place**2 / 2
-    whole = line * place * off
-    moment: FloatArray = about_the_cut(
-        lever, -line * place**3 / 6, lever * off, (whole, whole * place / 2, whole * off)
+    def _force(
+        self, link: int, place: FloatArray, axis_at: Callable[[FloatArray], FloatArray]
+    ) -> FloatArray:
+        """Force along an axis of the link that the part beyond a cut exerts on that before it."""
+        motion = self.motion
+        axis = axis_at(motion.angle[..., link])
+        mass, first, beside, _ = _mass_before(self.masses[link], place)
+        centripetal = -(motion.angular_velocity[..., link] ** 2)
+        tangential = motion.angular_acceleration[..., link]
+        # A point (x, y) of the link accelerates by centripetal x - tangential y along the link,
+        # and by tangential x + centripetal y across it.
+        by_x, by_y = (tangential, centripetal) if axis_at is normal else (centripetal, -tangential)
+        force = (
+            np.multiply.outer(np.sum(self._pull(link) * axis, axis=-1), mass)
+            + np.multiply.outer(by_x, first)
+            + np.multiply.outer(by_y, beside)
+            - _spread(np.sum(self.start_force[..., link, :] * axis, axis=-1), place)
+        )
+        for one, passed in self._forces_before(link, place):
+            force = force - passed * _spread(np.sum(one.force * axis, axis=-1), place)
+        return np.asarray(force)
+
+    def _pull(self, link: int) -> FloatArray:
+        """Acceleration less gravity at a link's start, ground axes, (..., 2)."""
+        return np.asarray(self.motion.origin_acceleration[..., link, :] - self.gravity)
+
+    def _forces_before(
+        self, link: int, place: FloatArray
+    ) -> Iterator[tuple[ForceOnLink, FloatArray]]:
+        """Applied forces of a link, each with 1 at the cuts that it is before and 0 at others."""
+        for one in (*self.applied, *self.on_guides):
+            if one.link == link:
+                x = np.broadcast_to(one.x, self.motion.crank_angle.shape)
+                yield one, (_spread(x, place) < place).astype(float)
+
+
+def _mass_before(mass: LinkMass, place: FloatArray) -> FloatArray:
+    """Mass of a link before cuts, first moments along and across, polar second one, (4, ...)."""
+    line = mass.mass_per_length * place
+    sums = np.stack(
+        [line, line * place / 2, line * mass.offset, line * (place**2 / 3 + mass.offset**2)]
     )
-    for fixed, (x, y), lump in _lumps(forces, link):
-        passed: FloatArray = np.asarray(lump * (fixed < place), dtype=float)
-        arm: FloatArray = passed * (x - place)
-        across = (passed * y, passed * y * x, passed * y * y)
-        moment = np.asarray(moment + about_the_cut(arm, arm * x, arm * y, across), dtype=float)
-    for body in mass.bodies:
-        moment = moment + np.multiply.outer(change, body.inertia * (body.position < place))
-    start = np.sum(forces.start_force[..., link, :] * normal(angle), axis=-1)
-    moment = moment - _spread(forces.start_moment[..., link], place)
-    moment = moment + np.multiply.outer(start, place)
-    for passed, (at, off_axis), force, torque in _forces_before(forces, link, place):
-        turn = (_spread(at, place) - place) * _spread(force[1], place)
-        turn = turn - _spread(off_axis * force[0], place) + _spread(torque, place)
-        moment = moment - passed * turn
-    return moment
-
-
-def _lumps(forces: LinkForces, link: int) -> Iterator[tuple[float, tuple[float, float], float]]:
-    """Where it is fixed, centre of mass in the link's frame and mass of each lump."""
-    mass = forces.masses[link]
-    for x, lump in zip(mass.point_positions, mass.point_masses, strict=True):
-        yield x, (x, 0.0), lump
-    for body in mass.bodies:
-        yield body.position, body.centre, body.mass
-
-
-def _forces_before(
-    forces: LinkForces, link: int, place: FloatArray
-) -> Iterator[
-    tuple[FloatArray, tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray], FloatArray]
-]:
-    """Applied forces of a link: whether before each cut, place, (along, across), torque."""
-    angle = forces.motion.angle[..., link]
-    for one in (*forces.applied, *forces.on_guides):
-        if one.link == link:
-            x = np.broadcast_to(one.x, angle.shape)
-            along = np.sum(one.force * direction(angle), axis=-1)
-            across = np.sum(one.force * normal(angle), axis=-1)
-            passed = (_spread(x, place) < place).astype(float)
-            y = np.broadcast_to(one.y, angle.shape)
-            yield passed, (x, y), (along, across), one.torque
+    points = zip(mass.point_positions, mass.point_masses, strict=True)
+    lumps = [*(LinkBody(x, lump) for x, lump in points), *mass.bodies]
+    for body in lumps:
+        x, y = body.centre
+        own = body.mass * np.array([1.0, x, y, x**2 + y**2]) + [0.0, 0.0, 0.0, body.inertia]
+        sums = sums + np.multiply.outer(own, body.position < place)
+    return np.asarray(sums)
 
 
 def _spread(values: FloatArray, place: FloatArray) -> FloatArray:
     """Values of shape (...) beside those of cuts: shape (...) or (..., 1)."""
-    return values[(..., *[None] * place.ndim)]
+    return np.asarray(values[(..., *[None] * place.ndim)])

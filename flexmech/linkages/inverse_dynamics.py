@@ -27,7 +27,7 @@ from flexmech.linkages.connection_forces import (
 )
 from flexmech.linkages.internal_forces import LinkForces
 from flexmech.linkages.link_mass import LinkMass
-from flexmech.linkages.motion import RigidMotion, direction, normal
+from flexmech.linkages.motion import RigidMotion, cross, direction, normal
 from flexmech.linkages.topology import Topology
 from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray
@@ -227,6 +227,5 @@ def _driving_torque(
         torque = torque + joint_moment[clamp.joint]
         if clamp.hub:
             arm = clamp.hub * direction(motion.angle[..., topology.index(clamp.held.link)])
-            force = joint_force[clamp.joint]
-            torque = torque + arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0]
+            torque = torque + cross(arm, joint_force[clamp.joint])
     return torque

@@ -1,15 +1,22 @@
-"""What every linkage offers, whatever its kind."""
+"""What every linkage offers, whatever its kind, and what is asked of any: where it stands."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Collection, Mapping
-from typing import Protocol, Self
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from flexmech.errors import InputError
 from flexmech.linkages.motion import RigidMotion
-from flexmech.linkages.topology import Topology
+from flexmech.linkages.topology import LinkEnd, Topology
 from flexmech.model_text import TomlTable
+from flexmech.types import FloatArray
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 class Linkage(Protocol):
@@ -86,3 +93,201 @@ class Linkage(Protocol):
             Where the linkage cannot be assembled or locks; names the crank angle.
         """
         ...
+
+
+# In degrees; the first at which the linkage can stand shows it best. Then every degree.
+SHOWN = (60.0, 0.0, 30.0, 90.0, 120.0, 180.0, 240.0, 300.0, *range(1, 360))
+
+
+def linkage_positions(linkage: Linkage, crank_angle: float) -> xr.Dataset:
+    """Ends of the links, and the joints, at one crank angle.
+
+    Parameters
+    ----------
+    linkage : Linkage
+    crank_angle : float
+        In rad.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``rigid_position`` (link, station, component) at both ends of each link and
+        ``joint_position`` (joint, component) in m, ``joint_kind`` (joint): clamp, pivot, pin,
+        weld or slider; and the attribute ``drawing``, what :func:`drawn_joints` gives as JSON.
+
+    Raises
+    ------
+    InputError
+        If the linkage cannot stand at the crank angle.
+    """
+    import xarray as xr
+
+    topology, motion = linkage.topology, linkage.motion(crank_angle)
+    ends = np.array(
+        [
+            [motion.position(number, x) for x in (0.0, link.length)]
+            for number, link in enumerate(topology.links)
+        ]
+    )
+    joints = [
+        ends[topology.index(place.link), 0 if place.end == "start" else 1]
+        for place in topology.joints.values()
+    ]
+    return xr.Dataset(
+        {
+            "rigid_position": (("link", "station", "component"), ends, {"units": "m"}),
+            "joint_position": (("joint", "component"), np.array(joints), {"units": "m"}),
+        },
+        coords={
+            "link": list(topology.link_names),
+            "component": ["x", "y"],
+            "joint": list(topology.joint_names),
+            "joint_kind": ("joint", list(topology.joint_kinds)),
+        },
+        attrs={"drawing": json.dumps(drawn_joints(topology))},
+    )
+
+
+def shown_crank_angle(linkage: Linkage) -> float:
+    """Crank angle in rad at which a picture shows a linkage.
+
+    Parameters
+    ----------
+    linkage : Linkage
+
+    Returns
+    -------
+    float
+
+    Raises
+    ------
+    InputError
+        If the linkage can stand at no crank angle of whole degrees.
+    """
+    for degrees in SHOWN:
+        if _stands(linkage, np.radians(degrees)):
+            return float(np.radians(degrees))
+    raise InputError("the linkage can stand at no crank angle of whole degrees; check its lengths")
+
+
+def standing(linkage: Linkage, crank_angles: FloatArray) -> NDArray[np.bool_]:
+    """Whether a linkage can stand at each of some crank angles.
+
+    Parameters
+    ----------
+    linkage : Linkage
+    crank_angles : ndarray, shape (A,)
+        In rad.
+
+    Returns
+    -------
+    ndarray of bool, shape (A,)
+    """
+    if _stands(linkage, crank_angles):
+        return np.ones(len(crank_angles), dtype=bool)
+    return np.array([_stands(linkage, angle) for angle in crank_angles.tolist()], dtype=bool)
+
+
+def _stands(linkage: Linkage, crank_angle: ArrayLike) -> bool:
+    """Whether it stands at a crank angle, or at each of several."""
+    try:
+        linkage.motion(crank_angle)
+    except InputError:
+        return False
+    return True
+
+
+def drawn_joints(topology: Topology) -> dict[str, Any]:
+    """Links and joints as a picture shows them, in numbers and words that JSON can hold.
+
+    Parameters
+    ----------
+    topology : Topology
+
+    Returns
+    -------
+    dict
+        ``links``: ``name`` and whether ``rigid``. ``joints``: ``name``, ``kind``, ``at`` (number
+        of a link, and how far along it from 0 to 1); of sliders ``direction`` of the line in rad
+        to the x axis of the ground or of the link whose number is ``guide``. ``hub``: distance of
+        the driven link's end from the axis of the shaft in m.
+    """
+    lines = {slider.joint: slider for slider in topology.sliders}
+    joints = []
+    for (name, place), kind in zip(topology.joints.items(), topology.joint_kinds, strict=True):
+        joint: dict[str, Any] = {"name": name, "kind": kind, "at": _at(topology, place)}
+        if (line := lines.get(name)) is not None:
+            joint["direction"] = line.direction
+            joint["guide"] = topology.index(line.guide) if line.guide else None
+        joints.append(joint)
+    return {
+        "links": [{"name": link.name, "rigid": link.rigid} for link in topology.links],
+        "joints": joints,
+        "hub": topology.clamps[0].hub if topology.clamps else 0.0,
+    }
+
+
+def _at(topology: Topology, place: LinkEnd) -> list[float]:
+    return [topology.index(place.link), 0.0 if place.end == "start" else 1.0]
+
+
+# Of a turn, at which angles are followed; no link may turn by half a turn from one to the next.
+STEPS = 720
+TURN = 2 * np.pi
+
+
+def continuous_angles(linkage: Linkage, motion: RigidMotion) -> FloatArray:
+    """Angles of the links without jumps of whole turns.
+
+    A linkage gives each angle within one turn. Here every angle is followed from crank angle
+    zero, where it keeps its value, and it counts on with every further turn of the crank. Of a
+    crank that does not turn fully, each range of crank angles is followed on its own, the one
+    around zero from there and any other from its start; a whole turn more is the same posture.
+
+    Parameters
+    ----------
+    linkage : Linkage
+    motion : RigidMotion
+        Of the linkage.
+
+    Returns
+    -------
+    ndarray, shape (..., n_links)
+        In rad; ``motion.angle`` but for whole turns.
+    """
+    step = TURN / STEPS
+    around = np.asarray(step * np.arange(STEPS + 1), dtype=float)
+    stands = standing(linkage, around)
+    turns, places = np.divmod(np.rint(motion.crank_angle / step).astype(int), STEPS)
+    if np.all(stands):
+        followed = np.unwrap(linkage.motion(around).angle, axis=0)
+        gained = TURN * np.round((followed[-1] - followed[0]) / TURN)
+        near = followed[places] + turns[..., None] * gained
+    else:
+        near = _in_ranges(linkage, around[:-1], stands[:-1], motion.angle.shape[-1])[places]
+        # A range too narrow to be met by a step is its own.
+        near = np.where(np.isnan(near), motion.angle, near)
+    counted: FloatArray = motion.angle + TURN * np.round((near - motion.angle) / TURN)
+    return counted
+
+
+def _in_ranges(
+    linkage: Linkage, around: FloatArray, stands: NDArray[np.bool_], links: int
+) -> FloatArray:
+    """Angles over a turn, followed in each range that stands; not a number elsewhere."""
+    followed = np.full((len(around), links), np.nan)
+    # Begun where the linkage does not stand, no range runs over the end.
+    order = np.roll(np.arange(len(around)), -int(np.argmin(stands)))
+    edges = np.flatnonzero(np.diff(stands[order].astype(int))) + 1
+    for part in np.split(order, edges):
+        if stands[part[0]]:
+            angles = np.unwrap(linkage.motion(around[part]).angle, axis=0)
+            if 0 in part:
+                kept = linkage.motion(0.0).angle
+                angles = angles + TURN * np.round((kept - angles[part == 0][0]) / TURN)
+            followed[part] = angles
+    # Between the last step of a range and its end.
+    for shift in (1, -1):
+        beside = np.roll(followed, shift, axis=0)
+        followed = np.where(np.isnan(followed) & ~np.isnan(beside), beside, followed)
+    return followed

@@ -110,21 +110,78 @@ class RigidMotion:
         """
         return RigidMotion(*(getattr(self, field.name)[which] for field in fields(self)))
 
-    def position(self, link: int, x: float) -> FloatArray:
-        """Ground position of the point at ``x`` along a link; shape (..., 2)."""
-        return self.origin[..., link, :] + x * direction(self.angle[..., link])
+    def arm(self, link: int, x: ArrayLike, y: ArrayLike = 0.0) -> FloatArray:
+        """From a link's start to the point at ``(x, y)`` in its frame, ground axes in m.
 
-    def velocity(self, link: int, x: float) -> FloatArray:
-        """Ground velocity of the point at ``x`` along a link; shape (..., 2)."""
-        turning = self.angular_velocity[..., link, None] * normal(self.angle[..., link])
-        return self.origin_velocity[..., link, :] + x * turning
+        Parameters
+        ----------
+        link : int
+            Number of the link in the topology.
+        x, y : array_like, shape (...)
+            Along and across the link in m; arrays where the point moves along the link.
 
-    def acceleration(self, link: int, x: float) -> FloatArray:
-        """Ground acceleration of the point at ``x`` along a link; shape (..., 2).
-
-        Kumar & Chandrakar, eqs. 1.37-1.42, for any point of the link.
+        Returns
+        -------
+        ndarray, shape (..., 2)
         """
         angle = self.angle[..., link]
-        tangential = self.angular_acceleration[..., link, None] * normal(angle)
-        centripetal = -(self.angular_velocity[..., link, None] ** 2) * direction(angle)
-        return self.origin_acceleration[..., link, :] + x * (tangential + centripetal)
+        along = np.asarray(x)[..., None] * direction(angle)
+        return np.asarray(along + np.asarray(y)[..., None] * normal(angle) if np.any(y) else along)
+
+    def position(self, link: int, x: ArrayLike, y: ArrayLike = 0.0) -> FloatArray:
+        """Ground position of a point of a link in m.
+
+        Parameters
+        ----------
+        link, x, y
+            As in :meth:`arm`.
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+        """
+        return np.asarray(self.origin[..., link, :] + self.arm(link, x, y))
+
+    def velocity(self, link: int, x: ArrayLike, y: ArrayLike = 0.0) -> FloatArray:
+        """Ground velocity of a point of a link in m/s.
+
+        Parameters
+        ----------
+        link, x, y
+            As in :meth:`arm`.
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+        """
+        turning = self.angular_velocity[..., link, None] * _quarter_turn(self.arm(link, x, y))
+        return np.asarray(self.origin_velocity[..., link, :] + turning)
+
+    def acceleration(self, link: int, x: ArrayLike, y: ArrayLike = 0.0) -> FloatArray:
+        """Ground acceleration of a point of a link in m/s^2.
+
+        Kumar & Chandrakar, eqs. 1.37-1.42, for any point of the link.
+
+        Parameters
+        ----------
+        link, x, y
+            As in :meth:`arm`.
+
+        Returns
+        -------
+        ndarray, shape (..., 2)
+        """
+        arm = self.arm(link, x, y)
+        tangential = self.angular_acceleration[..., link, None] * _quarter_turn(arm)
+        centripetal = self.angular_velocity[..., link, None] ** 2 * arm
+        return np.asarray(self.origin_acceleration[..., link, :] + tangential - centripetal)
+
+
+def cross(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Vector product of plane vectors, as of an arm and a force; shapes (..., 2) -> (...)."""
+    return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
+
+
+def _quarter_turn(vector: FloatArray) -> FloatArray:
+    """Vectors (..., 2) turned by 90 deg to the left."""
+    return np.stack([-vector[..., 1], vector[..., 0]], axis=-1)

@@ -8,9 +8,14 @@ from flexmech.materials.hygrothermal import (
     ResinContent,
     UnknownStiffnessError,
 )
-from flexmech.materials.laminate import Laminate, Layer
+from flexmech.materials.laminate import Laminate, Layer, solid_stiffness
 from flexmech.materials.material import Material
-from flexmech.materials.micromechanics import PACKING_LIMIT, ply_from_constituents, woven_ply
+from flexmech.materials.micromechanics import (
+    PACKING_LIMIT,
+    ply_from_constituents,
+    propagated_uncertainty,
+    woven_ply,
+)
 from flexmech.materials.plies_in_state import (
     moisture_of,
     ply_diluted,
@@ -18,8 +23,6 @@ from flexmech.materials.plies_in_state import (
     through_thickness_strain,
 )
 from flexmech.materials.ply import Ply, PlyDamping
-from flexmech.materials.solid_layer import solid_stiffness
-from flexmech.materials.uncertainty import propagated_uncertainty
 
 __all__ = [
     "PACKING_LIMIT",

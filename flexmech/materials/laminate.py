@@ -9,20 +9,21 @@ zy, xy (their 4, 5).
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.materials.ply import Ply
-from flexmech.materials.ply_table import ply_table
+from flexmech.materials.composition import PlyComposition
+from flexmech.materials.micromechanics import ply_of
+from flexmech.materials.ply import MODULI, Ply
 from flexmech.materials.stacking import stacking_text
-from flexmech.model_text import SharedTables, TomlTable, quantity
+from flexmech.model_text import SharedTables, TomlTable, quantity, stated
 from flexmech.numbers import POSITIVE, check_angle, check_fields, check_instance, checked_tuple
 from flexmech.short_repr import short_repr
 from flexmech.types import FloatArray
-from flexmech.units import ANGLE, LENGTH
+from flexmech.units import ANGLE, DENSITY, EXPANSION, LENGTH, MOISTURE_EXPANSION, RATIO, STRESS
 
 # Thickness of a layer over that of the stack, below which rounding takes over.
 THINNEST = 1e-9
@@ -267,3 +268,112 @@ class Laminate:
     def _weights(self, order: int) -> FloatArray:
         """Integral of ``y**order`` over each layer, (N,)."""
         return np.asarray(np.diff(self.boundaries ** (order + 1)) / (order + 1))
+
+
+# Of Poisson's ratio across the fibres where G23 says more: a ply that is not alike in 2 and 3.
+GREATEST_RATIO = 0.5
+# Distance from incompressible, in the range that a ratio may have.
+MARGIN = 0.02
+
+
+def solid_stiffness(layer: Layer) -> FloatArray:
+    """Stiffness by strains x, y, z, yz, xz and xy in laminate axes, (6, 6), in Pa.
+
+    Through its thickness a ply is taken to be as stiff as across its fibres (``E3 = E2``,
+    ``nu13 = nu12``), and ``nu23 = E2 / (2 G23) - 1``: transversely isotropic, as unidirectional
+    plies are. In plane stress these assumed values cancel.
+
+    Parameters
+    ----------
+    layer : Layer
+
+    Returns
+    -------
+    ndarray, shape (6, 6)
+    """
+    c, s = np.cos(layer.angle), np.sin(layer.angle)
+    turn = np.zeros((6, 6))
+    in_plane = [0, 2, 4]
+    turn[np.ix_(in_plane, in_plane)] = layer.strain_turn
+    turn[1, 1] = 1.0
+    through = [3, 5]
+    turn[np.ix_(through, through)] = [[c, -s], [s, c]]
+    return np.asarray(turn.T @ np.linalg.inv(_compliance(layer.ply)) @ turn)
+
+
+def _compliance(ply: Ply) -> FloatArray:
+    """By stresses 1, 3, 2, 23, 12 and 13 of the ply, (6, 6)."""
+    along, across = ply.longitudinal_modulus, ply.transverse_modulus
+    contraction = ply.poisson_ratio / along
+    compliance = np.diag(
+        1
+        / np.array(
+            [
+                along,
+                across,
+                across,
+                ply.transverse_shear_modulus,
+                ply.in_plane_shear_modulus,
+                ply.longitudinal_shear_modulus,
+            ]
+        )
+    )
+    compliance[0, 1:3] = compliance[1:3, 0] = -contraction
+    compliance[1, 2] = compliance[2, 1] = -_ratio_across(ply) / across
+    return compliance
+
+
+def _ratio_across(ply: Ply) -> float:
+    """Poisson's ratio nu23, for which no stress does negative work."""
+    span = 2 * (1 - ply.poisson_ratio**2 * ply.transverse_modulus / ply.longitudinal_modulus)
+    isotropic = ply.transverse_modulus / (2 * ply.transverse_shear_modulus) - 1
+    upper = min(GREATEST_RATIO, -1 + (1 - MARGIN) * span)
+    return float(np.clip(isotropic, -1 + MARGIN * span, upper))
+
+
+def ply_table(ply: Ply, shared: SharedTables) -> TomlTable:
+    """Table under ``[plies]`` of a model file, without the name.
+
+    Parameters
+    ----------
+    ply : Ply
+    shared : SharedTables
+        Its material or its constituents are added.
+
+    Returns
+    -------
+    dict
+        By its material or its constituents where they give the same ply to the last bit, else
+        by its constants.
+    """
+    material = ply.isotropic_material
+    if material is not None:
+        name = shared.name_of("materials", material.to_table(), ply.name or "material")
+        return {"type": "isotropic", "material": name}
+    origin = ply.origin
+    if not isinstance(origin, PlyComposition):
+        return {**_constants(ply), **({} if origin is None else {"resin": origin.to_table()})}
+    constituents = origin.to_table(shared)
+    if replace(ply_of(origin), name=ply.name) == ply:
+        return {"type": "constituents", **constituents}
+    return {**_constants(ply), "constituents": constituents}
+
+
+def _constants(ply: Ply) -> TomlTable:
+    damping = ply.specific_damping
+    heat, water = ply.thermal_expansion, ply.moisture_expansion
+    return {
+        "type": "orthotropic",
+        **stated(**{name: (getattr(ply, name), STRESS) for name in MODULI}),
+        **stated(
+            poisson_ratio=(ply.poisson_ratio, RATIO),
+            density=(ply.density, DENSITY),
+            longitudinal_damping=(damping.longitudinal or None, RATIO),
+            transverse_damping=(damping.transverse or None, RATIO),
+            shear_damping=(damping.shear or None, RATIO),
+            longitudinal_thermal_expansion=(heat[0] or None, EXPANSION),
+            transverse_thermal_expansion=(heat[1] or None, EXPANSION),
+            longitudinal_moisture_expansion=(water[0] or None, MOISTURE_EXPANSION),
+            transverse_moisture_expansion=(water[1] or None, MOISTURE_EXPANSION),
+        ),
+    }

@@ -48,9 +48,7 @@ def parse_stacking(text: str) -> list[tuple[str, float | None]]:
         found = _ITEM.fullmatch(item)
         if found is None:
             raise InputError(f"got {text!r}, where {item.strip()!r} is no layer; {_EXAMPLE}")
-        repeated = (found["count"] or "1").lstrip("0") or "0"
-        # Python reads no number of thousands of digits.
-        count = int(repeated) if len(repeated) < 10 else MOST_LAYERS + 1
+        count = int(found["count"] or 1)
         if count < 1 or copies * (len(layers) + count) > MOST_LAYERS:
             raise InputError(
                 f"got {text!r}: a layer is repeated once or more, and a stack has at most "

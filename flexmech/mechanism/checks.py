@@ -1,11 +1,19 @@
-"""What is on the links of a mechanism must be on them, and of the right kind."""
+"""What is on the links of a mechanism must be on them, of the right kind, and apart."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 
 from flexmech.errors import InputError
-from flexmech.linkages import JointSpring, Linkage, LinkPoint, Load, Spring, Topology
+from flexmech.linkages import (
+    LEAST_DISTANCE,
+    JointSpring,
+    Linkage,
+    LinkPoint,
+    Load,
+    Spring,
+    Topology,
+)
 from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
 from flexmech.numbers import (
     NOT_NEGATIVE,
@@ -145,3 +153,34 @@ def _check_on_link(topology: Topology, what: str, point: LinkPoint) -> None:
         raise InputError(
             f"{what}: position {point.x:g} m is not on the {point.link} (0 to {length:g} m)"
         )
+
+
+def places_apart(
+    points: Iterable[LinkPoint], link: str, length: float, taken: Sequence[float]
+) -> list[float]:
+    """Places of points on a link at which a mesh can have nodes.
+
+    Those nearer than 1/500 of the link's length to another one or to an end are left out: an
+    element between them would be stiffer than round-off allows.
+
+    Parameters
+    ----------
+    points : iterable of LinkPoint
+        Of any links.
+    link : str
+    length : float
+        Of the link in m.
+    taken : sequence of float
+        Where there are nodes already, m from the start.
+
+    Returns
+    -------
+    list of float
+        In m from the start.
+    """
+    found: list[float] = []
+    for x in sorted({point.x for point in points if point.link == link}):
+        others = (0.0, length, *taken, *found)
+        if min(abs(x - other) for other in others) >= LEAST_DISTANCE * length:
+            found.append(x)
+    return found

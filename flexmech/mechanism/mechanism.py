@@ -27,8 +27,6 @@ from flexmech.linkages import (
     shown_crank_angle,
 )
 from flexmech.materials import REFERENCE_TEMPERATURE
-from flexmech.mechanism.acting_points import places_apart
-from flexmech.mechanism.attachment_tables import joints_table, loads_table, springs_table
 from flexmech.mechanism.checks import (
     check_joint_masses,
     check_wetting,
@@ -38,15 +36,19 @@ from flexmech.mechanism.checks import (
     checked_point_masses,
     checked_speeds,
     checked_springs,
+    places_apart,
     sprung_linkage,
 )
 from flexmech.mechanism.drawing import drawing
 from flexmech.mechanism.parts import AttachedBody, PointMass, Provenance, Wetting
 from flexmech.mechanism.tables import (
     environment_table,
+    joints_table,
     links_table,
+    loads_table,
     operation_table,
     shaft_table,
+    springs_table,
 )
 from flexmech.mechanism.words import attachment_lines
 from flexmech.model_text import SharedTables, TomlTable, quantity

@@ -64,6 +64,11 @@ class AttachedBody:
     ------
     InputError
         If a number is out of its range.
+
+    Examples
+    --------
+    >>> flexmech.AttachedBody("crank", 0.0, mass=0.2, offset=(-0.03, 0.0)).inertia
+    0.0
     """
 
     link: str

@@ -2,15 +2,39 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
-from flexmech.linkages import Linkage
+from flexmech.errors import InputError
+from flexmech.linkages import (
+    GROUND,
+    JointSpring,
+    Linkage,
+    LinkPoint,
+    Load,
+    PlanarJoint,
+    PlanarLinkage,
+    Spring,
+)
 from flexmech.materials import REFERENCE_TEMPERATURE
-from flexmech.mechanism.attachment_tables import body_table
 from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
 from flexmech.model_text import SharedTables, TomlTable, quantity
 from flexmech.sections import BeamSection
-from flexmech.units import ACCELERATION, ANGULAR_SPEED, INERTIA, TEMPERATURE
+from flexmech.units import (
+    ACCELERATION,
+    ANGLE,
+    ANGULAR_SPEED,
+    DAMPING,
+    FORCE,
+    INERTIA,
+    LENGTH,
+    MASS,
+    SPRING_STIFFNESS,
+    TEMPERATURE,
+    TIME,
+    TORQUE,
+    TORSIONAL_DAMPING,
+    TORSIONAL_STIFFNESS,
+)
 
 
 def links_table(
@@ -111,3 +135,133 @@ def operation_table(crank_speeds: Sequence[float]) -> TomlTable:
 def shaft_table(inertia: float) -> TomlTable:
     """Table ``[shaft]``; empty where it has no inertia."""
     return {"inertia": quantity(inertia, INERTIA)} if inertia else {}
+
+
+def body_table(body: AttachedBody) -> TomlTable:
+    """Entry of ``bodies`` of its link."""
+    table: TomlTable = {"position": quantity(body.position, LENGTH)}
+    if body.mass or not body.inertia:
+        table["mass"] = quantity(body.mass, MASS)
+    if body.inertia:
+        table["inertia"] = quantity(body.inertia, INERTIA)
+    if any(body.offset):
+        table["offset"] = [quantity(along, LENGTH) for along in body.offset]
+    return table
+
+
+def joints_table(
+    linkage: Linkage, joint_masses: Mapping[str, float], springs: Sequence[JointSpring]
+) -> TomlTable:
+    """Table ``[joints]``; empty where no joint is drawn, has mass or a spring.
+
+    Parameters
+    ----------
+    linkage : Linkage
+    joint_masses : mapping of str to float
+        In kg, by joint.
+    springs : sequence of JointSpring
+
+    Returns
+    -------
+    dict
+
+    Raises
+    ------
+    InputError
+        If a joint has two springs: a file states one.
+    """
+    drawn = linkage.joints if isinstance(linkage, PlanarLinkage) else ()
+    tables: dict[str, TomlTable] = {joint.point: _drawn_table(joint) for joint in drawn}
+    for joint, mass in joint_masses.items():
+        tables.setdefault(joint, {})["mass"] = quantity(mass, MASS)
+    _refuse_repeated("joint_springs", [own.joint for own in springs])
+    for own in springs:
+        tables.setdefault(own.joint, {}).update(_spring_keys(own))
+    return tables
+
+
+def _drawn_table(joint: PlanarJoint) -> TomlTable:
+    table: TomlTable = {"kind": joint.kind}
+    if joint.links:
+        table["links"] = list(joint.links)
+    if joint.direction is not None:
+        table["direction"] = quantity(joint.direction, ANGLE)
+    if joint.guide:
+        table["guide"] = joint.guide
+    return table
+
+
+def _spring_keys(own: JointSpring) -> TomlTable:
+    table: TomlTable = {
+        # Stated even where it is zero, so that a spring without effect is read back too.
+        "torsional_stiffness": quantity(own.torsional_stiffness, TORSIONAL_STIFFNESS)
+    }
+    if own.torsional_damping:
+        table["torsional_damping"] = quantity(own.torsional_damping, TORSIONAL_DAMPING)
+    if own.free_angle:
+        table["free_angle"] = quantity(own.free_angle, ANGLE)
+    if own.radial_stiffness is not None:
+        table["radial_stiffness"] = quantity(own.radial_stiffness, SPRING_STIFFNESS)
+    if own.radial_damping:
+        table["radial_damping"] = quantity(own.radial_damping, DAMPING)
+    return table
+
+
+def loads_table(loads: Sequence[Load]) -> TomlTable:
+    """Table ``[loads]``; empty where there is none."""
+    _refuse_repeated("loads", [load.name for load in loads])
+    return {load.name: _load_table(load) for load in loads}
+
+
+def _load_table(load: Load) -> TomlTable:
+    table: TomlTable = _place(load.point)
+    if load.axes != "ground":
+        table["axes"] = load.axes
+    if load.over == "constant":
+        table["force"] = [quantity(along, FORCE) for along in load.force[0]]
+        table["torque"] = quantity(load.torque[0], TORQUE)
+        return table
+    place = ANGLE if load.over == "crank_angle" else TIME
+    rows = zip(load.at, load.force, load.torque, strict=True)
+    table["over"] = load.over
+    table["table"] = [
+        [
+            quantity(at, place),
+            *(quantity(along, FORCE) for along in force),
+            quantity(torque, TORQUE),
+        ]
+        for at, force, torque in rows
+    ]
+    return table
+
+
+def springs_table(springs: Sequence[Spring]) -> TomlTable:
+    """Table ``[springs]``; empty where there is none."""
+    _refuse_repeated("springs", [spring.name for spring in springs])
+    return {
+        spring.name: {
+            "points": [_end(spring.first), _end(spring.second)],
+            "stiffness": quantity(spring.stiffness, SPRING_STIFFNESS),
+            "free_length": quantity(spring.free_length, LENGTH),
+            **({"damping": quantity(spring.damping, DAMPING)} if spring.damping else {}),
+        }
+        for spring in springs
+    }
+
+
+def _end(point: LinkPoint) -> TomlTable | list[str | float]:
+    if point.link == GROUND:
+        return [quantity(point.x, LENGTH), quantity(point.y, LENGTH)]
+    return _place(point)
+
+
+def _place(point: LinkPoint) -> TomlTable:
+    return {"link": point.link, "position": quantity(point.x, LENGTH)}
+
+
+def _refuse_repeated(what: str, names: Iterable[str]) -> None:
+    known: set[str] = set()
+    for name in names:
+        if name in known:
+            raise InputError(f"{what}: {name!r} is there twice, a model file has one of a name")
+        known.add(name)

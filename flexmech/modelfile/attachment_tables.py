@@ -8,8 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from flexmech.errors import InputError
-from flexmech.modelfile.base_table import Table, Text
-from flexmech.modelfile.fields import (
+from flexmech.modelfile.base_table import (
     Angle,
     AngleOfTurn,
     AnyForce,
@@ -20,6 +19,8 @@ from flexmech.modelfile.fields import (
     Mass,
     RadialStiffness,
     SpringStiffness,
+    Table,
+    Text,
     Torque,
     TorsionalDamping,
     TorsionalStiffness,

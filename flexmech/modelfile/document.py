@@ -8,19 +8,25 @@ from pydantic import Field, StringConstraints
 
 from flexmech.materials import REFERENCE_TEMPERATURE, Material
 from flexmech.modelfile.attachment_tables import JointTable, LoadTable, ShaftTable, SpringTable
-from flexmech.modelfile.base_table import DampedTable, Table
-from flexmech.modelfile.fields import (
+from flexmech.modelfile.base_table import (
     Acceleration,
     AngularSpeed,
+    DampedTable,
     Density,
     PoissonRatio,
     Stress,
+    Table,
     Temperature,
 )
-from flexmech.modelfile.hygrothermal_tables import HygrothermalTable
-from flexmech.modelfile.laminate_tables import FibreTable, LaminateTable, MatrixTable, PlyTable
 from flexmech.modelfile.link_tables import LinkTable
 from flexmech.modelfile.linkage_tables import LinkageTable
+from flexmech.modelfile.material_tables import (
+    FibreTable,
+    HygrothermalTable,
+    LaminateTable,
+    MatrixTable,
+    PlyTable,
+)
 
 # Kept with its spaces, so that what is written is read back.
 Name = Annotated[str, StringConstraints(pattern=r"\S")]

@@ -24,7 +24,7 @@ from flexmech.materials import (
 from flexmech.materials.micromechanics import ply_of
 from flexmech.materials.stacking import parse_stacking
 from flexmech.modelfile.document import MaterialTable, ModelFile
-from flexmech.modelfile.laminate_tables import (
+from flexmech.modelfile.material_tables import (
     CompositionTable,
     ConstituentTable,
     IsotropicPlyTable,

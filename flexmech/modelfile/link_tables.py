@@ -8,11 +8,12 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from flexmech.errors import InputError
-from flexmech.modelfile.base_table import DampedTable, Flag, Table, Text
-from flexmech.modelfile.fields import (
+from flexmech.modelfile.base_table import (
     BendingStiffness,
     Curvature,
+    DampedTable,
     Distance,
+    Flag,
     Force,
     Inertia,
     LengthOrZero,
@@ -21,11 +22,13 @@ from flexmech.modelfile.fields import (
     Ratio,
     RotaryInertia,
     SpecificDamping,
+    Table,
+    Text,
     Thickness,
     TimeOrZero,
     Width,
 )
-from flexmech.modelfile.hygrothermal_tables import WettedTable
+from flexmech.modelfile.material_tables import WettedTable
 
 Beam = Annotated[int, Field(ge=1, strict=True)]
 OF_BEAM = (

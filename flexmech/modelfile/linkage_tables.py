@@ -7,8 +7,16 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from flexmech.linkages import CouplerPoint, FourBar, RotatingArm
-from flexmech.modelfile.base_table import Table, Text
-from flexmech.modelfile.fields import Angle, AngleOfTurn, Distance, Expansion, Length, LengthOrZero
+from flexmech.modelfile.base_table import (
+    Angle,
+    AngleOfTurn,
+    Distance,
+    Expansion,
+    Length,
+    LengthOrZero,
+    Table,
+    Text,
+)
 
 
 class CouplerPointTable(Table):

@@ -14,9 +14,9 @@ from pydantic.fields import FieldInfo
 from flexmech.errors import InputError, suggestion
 from flexmech.mechanism import Mechanism
 from flexmech.model_text import quantity
+from flexmech.modelfile.base_table import QuantityField
 from flexmech.modelfile.build import build_mechanism
 from flexmech.modelfile.document import ModelFile
-from flexmech.modelfile.fields import QuantityField
 from flexmech.modelfile.messages import input_error
 from flexmech.modelfile.read import mechanism_from_toml
 from flexmech.units import TEMPERATURE, Dimension

@@ -1,4 +1,4 @@
-"""Reading model files: bytes, TOML, tables, mechanism."""
+"""Reading model files: bytes, TOML, tables, mechanism; and commented ones to start from."""
 
 from __future__ import annotations
 
@@ -6,18 +6,22 @@ import hashlib
 import os
 import tomllib
 from dataclasses import replace
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from pydantic import ValidationError
 
-from flexmech.errors import InputError
+from flexmech.errors import InputError, suggestion
 from flexmech.files import given_path
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile.build import build_mechanism
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.messages import input_error, refuse_unseen_characters
 from flexmech.numbers import check_instance
+
+KINDS = ("four-bar", "composite-four-bar", "rotating-arm", "slider-crank", "planar")
+"""Kinds of linkages that a model file can describe."""
 
 
 def load_mechanism(path: str | os.PathLike[str]) -> Mechanism:
@@ -100,6 +104,30 @@ def mechanism_from_toml(text: str, name: str = "model.toml") -> Mechanism:
     return _mechanism(text, name, name, hashlib.sha256(text.encode()).hexdigest())
 
 
+def template(kind: str) -> str:
+    """Give a commented model file that loads without change.
+
+    Parameters
+    ----------
+    kind : str
+        One of :data:`KINDS`.
+
+    Returns
+    -------
+    str
+        TOML.
+
+    Raises
+    ------
+    InputError
+        If the kind is unknown.
+    """
+    if kind not in KINDS:
+        raise InputError(f"unknown kind of linkage {kind!r}; {suggestion(kind, list(KINDS))}")
+    folder = resources.files("flexmech.modelfile") / "templates"
+    return (folder / f"{kind}.toml").read_text(encoding="utf-8")
+
+
 def json_schema() -> dict[str, Any]:
     """JSON schema (draft 2020-12) of model files, for editors that complete and check TOML.
 
@@ -118,12 +146,13 @@ def json_schema() -> dict[str, Any]:
 
 def _mechanism(text: str, shown: str, file: str, sha256: str, folder: Path = Path()) -> Mechanism:
     try:
-        data = _parse(text, shown)
-        refuse_unseen_characters(data, shown)
-    except RecursionError as error:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
         raise InputError(
-            f"{shown}: tables or lists are nested too deeply; write tables as 'flexmech new' does"
+            f"{shown}: is not valid TOML: {error}; values with a unit stand in quotes, as in "
+            'crank = "100 mm"'
         ) from error
+    refuse_unseen_characters(data, shown)
     try:
         tables = ModelFile.model_validate(data)
     except ValidationError as error:
@@ -133,17 +162,3 @@ def _mechanism(text: str, shown: str, file: str, sha256: str, folder: Path = Pat
         # The text alone has to say it all: the files beside it may be gone when it is read again.
         text = mechanism.to_toml()
     return replace(mechanism, provenance=replace(mechanism.provenance, text=text))
-
-
-def _parse(text: str, shown: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except ValueError as error:
-        if not isinstance(error, tomllib.TOMLDecodeError):
-            raise InputError(
-                f"{shown}: a number has thousands of digits; write it as 1e300"
-            ) from error
-        raise InputError(
-            f"{shown}: is not valid TOML: {error}; values with a unit stand in quotes, as in "
-            'crank = "100 mm"'
-        ) from error

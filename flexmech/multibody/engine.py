@@ -49,7 +49,13 @@ from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
 from flexmech.multibody.torque_table import TorqueTable
 from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array
-from flexmech.time_domain import Impact, LinkState, PointRecorder, Recorder, Trajectory
+from flexmech.time_domain.recorded_runs import (
+    Impact,
+    LinkState,
+    PointRecorder,
+    Recorder,
+    Trajectory,
+)
 from flexmech.types import FloatArray, StepProgress
 
 

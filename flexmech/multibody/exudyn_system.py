@@ -16,7 +16,7 @@ from flexmech.multibody.sensors import add_sensors
 from flexmech.multibody.simulation import Simulation
 from flexmech.multibody.solver_settings import applied
 from flexmech.short_repr import short_repr
-from flexmech.time_domain import LinkState
+from flexmech.time_domain.recorded_runs import LinkState
 from flexmech.types import FloatArray
 
 SCRIPT = "linkage.py"

@@ -20,7 +20,7 @@ from flexmech.linkages import CrankDrive, Linkage, LockedCrank
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.link_parts import BeamPart, RigidPart
-from flexmech.time_domain import Impact
+from flexmech.time_domain.recorded_runs import Impact
 
 
 def add_impacts(

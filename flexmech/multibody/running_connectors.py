@@ -13,7 +13,7 @@ from flexmech.multibody.grips import angle_of_end
 from flexmech.multibody.items import Made
 from flexmech.multibody.link_parts import BeamPart, RigidPart
 from flexmech.multibody.user_functions import Shaft, load_history
-from flexmech.time_domain import ConnectorWork
+from flexmech.time_domain.equations_of_motion import ConnectorWork
 from flexmech.types import FloatArray
 
 

@@ -35,7 +35,7 @@ from flexmech.multibody.running_joints import (
 from flexmech.multibody.running_loads import add_running_loads
 from flexmech.multibody.torque_table import TorqueTable
 from flexmech.multibody.user_functions import Shaft
-from flexmech.time_domain import Impact
+from flexmech.time_domain.recorded_runs import Impact
 from flexmech.types import FloatArray
 
 

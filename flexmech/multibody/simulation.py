@@ -10,20 +10,15 @@ from typing import Any
 
 import numpy as np
 
+from flexmech.choices import Integrator
 from flexmech.errors import InputError
 from flexmech.linkages import RigidMotion
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.moving_frames import MovingFrames
 from flexmech.multibody.running_model import RunningModel
 from flexmech.multibody.solver_settings import Setting, applied, solver_settings
-from flexmech.time_domain import (
-    BlockTaker,
-    Integrator,
-    LinkState,
-    ShaftMotion,
-    StepBlock,
-    UnbalancedStepError,
-)
+from flexmech.time_domain.integrators import UnbalancedStepError
+from flexmech.time_domain.recorded_runs import BlockTaker, LinkState, ShaftMotion, StepBlock
 from flexmech.types import FloatArray
 
 # How far a start may tear a joint apart, relative to the length of all links.

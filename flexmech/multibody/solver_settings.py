@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from flexmech.choices import Integrator
 from flexmech.linear_system import ROUND_OFF
 from flexmech.multibody.items import Choice
 from flexmech.multibody.library import load_exudyn
-from flexmech.time_domain import Integrator
 
 # Generalized-alpha's damping of vibration much faster than the step: 1 none, 0 at once.
 SPECTRAL_RADIUS = 0.9

@@ -11,7 +11,7 @@ from flexmech.linkages import CrankDrive
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.items import Made
 from flexmech.multibody.user_functions import torque_history
-from flexmech.time_domain import rigid_torque
+from flexmech.time_domain.recorded_runs import rigid_torque
 from flexmech.types import FloatArray
 
 

@@ -10,9 +10,9 @@ from typing import ClassVar
 import numpy as np
 
 from flexmech.beams.comparison import compare_theories
+from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.held_ends import held_beam
 from flexmech.beams.link_matrices import Chain, Coupling, build_chain
-from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.choices import ELEMENTS, MASSES, MassChoice
 from flexmech.linear_system import (
     BalancedLoads,

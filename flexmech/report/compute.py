@@ -19,8 +19,8 @@ from flexmech.analyses import (
 )
 from flexmech.analyses import campbell as campbell_analysis
 from flexmech.analyses import response as response_analysis
-from flexmech.analyses.environment import environment_lines
 from flexmech.analyses.frequencies.request import operating_speeds
+from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import engine_of
 from flexmech.choices import MODES, MOST_MODES, REPORT_PARTS, TOLERANCE, ReportPart
 from flexmech.errors import InputError

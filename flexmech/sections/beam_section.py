@@ -20,8 +20,11 @@ from flexmech.numbers import (
 )
 from flexmech.sections.damping import DampingTimes, SpecificDamping
 from flexmech.sections.laminate_section import LaminateSection
-from flexmech.sections.third_order import ThirdOrder
-from flexmech.sections.zigzag import Zigzag, rectangular_zigzag
+from flexmech.sections.shear_theories import (
+    ThirdOrder,
+    Zigzag,
+    rectangular_zigzag,
+)
 from flexmech.short_repr import short_repr
 from flexmech.units import (
     BENDING_STIFFNESS,

@@ -232,7 +232,7 @@ def _without_twist(free: FloatArray, section: LaminateSection) -> FloatArray:
     """Free strains (2, 3) of a section whose joints take back the twist that it would swell to.
 
     The torque that they need is the same along the whole link; it bends and stretches plies that
-    couple these with twist (:mod:`flexmech.sections.twist`).
+    couple these with twist (:mod:`flexmech.sections.free_edges`).
     """
     by_torque = section.solid.compliance[:, TWIST]
     # The shear between the faces is of twice the twist.

@@ -19,17 +19,30 @@ from flexmech.model_text import SharedTables, TomlTable, quantity
 from flexmech.numbers import POSITIVE, check_choice, check_instance, check_number
 from flexmech.sections.beam_reduction import (
     REDUCTIONS,
+    PlaneState,
     Reduction,
     Strip,
+    gauss_points,
+    layer_of,
     shear_across,
 )
 from flexmech.sections.damping import SpecificDamping
-from flexmech.sections.free_edges import FreeEdges, free_edges, laminate_solid
-from flexmech.sections.plane_state import PlaneState, gauss_points, layer_of
+from flexmech.sections.free_edges import (
+    FIRST_MODE,
+    TWISTS,
+    FreeEdges,
+    Twist,
+    free_edges,
+    laminate_solid,
+)
+from flexmech.sections.shear_theories import (
+    ThirdOrder,
+    Zigzag,
+    parabolic_shear,
+    third_order_of,
+    zigzag_of,
+)
 from flexmech.sections.solid_section import SolidSection
-from flexmech.sections.third_order import ThirdOrder, parabolic_shear, third_order_of
-from flexmech.sections.twist import FIRST_MODE, TWISTS, Twist
-from flexmech.sections.zigzag import Zigzag, zigzag_of
 from flexmech.short_repr import shapes, short_repr
 from flexmech.types import FloatArray
 from flexmech.units import LENGTH
@@ -75,8 +88,8 @@ class LaminateSection:
         ``wide``: no strain across nor in-plane shear (plane strain, cylindrical bending).
     twist : {"free", "held"}, optional
         Of a narrow section whose off-axis plies twist as they bend: ``held`` where joints keep
-        both ends from turning about the link's axis (:mod:`flexmech.sections.twist`). Left out:
-        as the link's joints have it, and free where there is no link.
+        both ends from turning about the link's axis (:mod:`flexmech.sections.free_edges`). Left
+        out: as the link's joints have it, and free where there is no link.
 
     Raises
     ------

@@ -1,113 +1,32 @@
-"""Motion in time: linear time-varying systems, their periodic motion, and recorded runs."""
+"""Motion in time: the linkage driven by its shaft, its runs, and its periodic motion.
 
-from flexmech.choices import INTEGRATORS, Integrator
-from flexmech.time_domain.axial_frequency import lowest_axial_frequency
-from flexmech.time_domain.connector_work import ConnectorWork
-from flexmech.time_domain.driven_linkage import DrivenLinkage
-from flexmech.time_domain.equations import Equations
-from flexmech.time_domain.floquet import FloquetModes, floquet_modes
-from flexmech.time_domain.floquet_state import floquet_state
-from flexmech.time_domain.forced_linkage import forced_linkage
-from flexmech.time_domain.forced_modes import ForcedModes, FreeAndForced, forced_modes
-from flexmech.time_domain.fourier import FourierSeries
-from flexmech.time_domain.frequency_response import (
-    StateModes,
-    direct_receptance,
-    state_modes,
+The doors below, from the ground up: ``recorded_runs``, ``equations_of_motion``, ``integrators`` and
+``periodic_motion``. What a script needs first stands here too.
+"""
+
+from flexmech.time_domain.equations_of_motion import DrivenLinkage
+from flexmech.time_domain.integrators import linear_run
+from flexmech.time_domain.periodic_motion import (
+    MovingModes,
+    SampledTurn,
+    counts_of_modes,
+    moving_modes,
+    nonlinear_orbit,
+    periodic_state,
+    simulated_orbit,
 )
-from flexmech.time_domain.harmonic_response import (
-    ForcedPeriodicSystem,
-    balanced_response,
-    harmonic_response,
-)
-from flexmech.time_domain.krein import krein_signature
-from flexmech.time_domain.linear_run import linear_run
-from flexmech.time_domain.locked_impact import pulse_response
-from flexmech.time_domain.marching import step_lag
-from flexmech.time_domain.moving_modes import MovingModes, counts_of_modes, moving_modes
-from flexmech.time_domain.nonlinear_orbit import NonlinearOrbit, nonlinear_orbit
-from flexmech.time_domain.orbit import PeriodicOrbit, simulated_orbit
-from flexmech.time_domain.periodic import TurnMap, periodic_state, periodic_turn, turn_map
-from flexmech.time_domain.periodic_system import (
-    PeriodicSystem,
-    SampledPeriodicSystem,
-    StatedPeriodicSystem,
-)
-from flexmech.time_domain.point_recording import BlockTaker, PointRecorder
-from flexmech.time_domain.pulse import HalfSinePulse, Impact
-from flexmech.time_domain.recording import EnergyHistory, Recorder, StepBlock, Trajectory
-from flexmech.time_domain.reduced_links import (
-    DETAIL,
-    can_stretch,
-    is_reduced,
-    stretches_in_runs,
-)
-from flexmech.time_domain.sampled_turn import SampledTurn
-from flexmech.time_domain.shaft_motion import ShaftMotion
-from flexmech.time_domain.shaft_torque import rigid_torque
-from flexmech.time_domain.simulator import Simulator, simulator
-from flexmech.time_domain.state import LinkState, VibrationState
-from flexmech.time_domain.stretch_march import UnbalancedStepError
-from flexmech.time_domain.struck_run import StruckLinkage
+from flexmech.time_domain.recorded_runs import LinkState, Trajectory
 
 __all__ = [
-    "DETAIL",
-    "INTEGRATORS",
-    "BlockTaker",
-    "ConnectorWork",
     "DrivenLinkage",
-    "EnergyHistory",
-    "Equations",
-    "FloquetModes",
-    "ForcedModes",
-    "ForcedPeriodicSystem",
-    "FourierSeries",
-    "FreeAndForced",
-    "HalfSinePulse",
-    "Impact",
-    "Integrator",
     "LinkState",
     "MovingModes",
-    "NonlinearOrbit",
-    "PeriodicOrbit",
-    "PeriodicSystem",
-    "PointRecorder",
-    "Recorder",
-    "SampledPeriodicSystem",
     "SampledTurn",
-    "ShaftMotion",
-    "Simulator",
-    "StateModes",
-    "StatedPeriodicSystem",
-    "StepBlock",
-    "StruckLinkage",
     "Trajectory",
-    "TurnMap",
-    "UnbalancedStepError",
-    "VibrationState",
-    "balanced_response",
-    "can_stretch",
     "counts_of_modes",
-    "direct_receptance",
-    "floquet_modes",
-    "floquet_state",
-    "forced_linkage",
-    "forced_modes",
-    "harmonic_response",
-    "is_reduced",
-    "krein_signature",
     "linear_run",
-    "lowest_axial_frequency",
     "moving_modes",
     "nonlinear_orbit",
     "periodic_state",
-    "periodic_turn",
-    "pulse_response",
-    "rigid_torque",
     "simulated_orbit",
-    "simulator",
-    "state_modes",
-    "step_lag",
-    "stretches_in_runs",
-    "turn_map",
 ]

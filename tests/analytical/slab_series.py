@@ -12,13 +12,15 @@ from numpy.typing import ArrayLike
 from scipy.special import erfc
 
 from flexmech.materials.moisture import Faces
-from flexmech.materials.moisture.approximations import EXPONENT, FACTOR
-from flexmech.materials.moisture.series import (
+from flexmech.materials.moisture.slab import (
+    EXPONENT,
+    FACTOR,
     FOURIER_OF_CHANGE,
     SMALLEST,
     TERMS,
+    diffusion_length,
+    fourier_number,
 )
-from flexmech.materials.moisture.unit_slab import diffusion_length, fourier_number
 from flexmech.types import FloatArray
 from flexmech.verification.methods.moisture import slab_uptake
 

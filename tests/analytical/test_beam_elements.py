@@ -13,9 +13,8 @@ from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from flexmech.beams.elements import BeamElements
+from flexmech.beams.elements import BEAM_SHAPES, BeamElements
 from flexmech.beams.link_matrices import assemble_chain, build_chain
-from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import LinkFrames
 from flexmech.linkages import LinkMass

@@ -15,10 +15,10 @@ from flexmech.linkages import (
     CouplerPoint,
     FourBar,
     coupler_sextic,
-    cusp_transitions,
     double_points,
 )
-from flexmech.linkages.double_points import finite_double_points
+from flexmech.linkages.coupler_curves.double_points import finite_double_points
+from scenarios._cusp_transitions import cusp_transitions
 from tests.strategies import angles, numbers, postures
 
 few = settings(max_examples=20)
@@ -287,7 +287,7 @@ def test_few_steps_do_where_double_points_move_fast() -> None:
 
 
 def test_double_points_that_are_one_all_along_end_in_an_error(monkeypatch) -> None:
-    monkeypatch.setattr("flexmech.linkages.double_point_path.MOST_PARAMETERS", 20)
+    monkeypatch.setattr("scenarios._cusp_transitions.MOST_PARAMETERS", 20)
     with pytest.raises(ComputationError, match="lie too close to be told apart near parameter"):
         cusp_transitions(lambda inner: symmetric(0.5, inner), 0.05, 6.2)
 

@@ -10,14 +10,9 @@ import pytest
 import scipy.optimize
 from numpy.typing import NDArray
 
-from flexmech import (
-    ExudynEngine,
-    Mechanism,
-    ReferenceEngine,
-    RotatingArm,
-    load_mechanism,
-)
+from flexmech import ExudynEngine, Mechanism, ReferenceEngine, RotatingArm, load_mechanism
 from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.dynamical_systems import floquet_modes
 from flexmech.linear_system import Engine, Prestress
 from flexmech.linkages import (
     GROUND,
@@ -26,7 +21,7 @@ from flexmech.linkages import (
     Load,
     Spring,
 )
-from flexmech.time_domain import floquet_modes, moving_modes
+from flexmech.time_domain import moving_modes
 from tests.analytical.test_loads_and_springs import (
     BENDING,
     LENGTH,

@@ -8,9 +8,13 @@ import scipy.linalg
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from flexmech.dynamical_systems import (
+    FloquetModes,
+    StatedPeriodicSystem,
+    floquet_modes,
+    transition_matrices,
+)
 from flexmech.errors import ComputationError
-from flexmech.time_domain.floquet import FloquetModes, floquet_modes
-from flexmech.time_domain.periodic_system import StatedPeriodicSystem, transitions
 from flexmech.types import FloatArray
 from flexmech.verification import VerificationCase, verification_cases
 from flexmech.verification.methods.periodic_systems import known_system
@@ -59,7 +63,7 @@ def test_known_exponents(case: VerificationCase, steps: int) -> None:
 def test_one_monodromy_matrix_loses_the_weak_multiplier() -> None:
     # What the trap is for: without short matrices nothing is left of exp(-48 pi).
     system, whole = known_system("trap"), np.eye(2)
-    for transition in transitions(system, 256):
+    for transition in transition_matrices(system, 256):
         whole = transition @ whole
     weakest = np.log(np.abs(np.linalg.eigvals(whole))).min() / system.period
     assert abs(weakest + 24) > 10
@@ -218,7 +222,7 @@ def test_shapes_solve_the_equation_and_repeat(system: StatedPeriodicSystem, step
     # Over a step phi(t) exp(lambda t) is what the transition matrix makes of it; the last step
     # leads back to the first shape.
     growth = np.exp(modes.exponent * period / steps)
-    moved = transitions(system, steps) @ shapes
+    moved = transition_matrices(system, steps) @ shapes
     gap = np.linalg.norm(moved - np.roll(shapes, -1, axis=0) * growth, axis=1)
     assert (gap / np.linalg.norm(shapes, axis=1)).max() < 1e-8
     # The equation itself, with the shapes' rates: phi' + lambda phi = A phi.

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,15 +12,23 @@ import scipy.integrate
 import scipy.interpolate
 
 from flexmech import ReferenceEngine
+from flexmech.dynamical_systems import floquet_modes
 from flexmech.errors import InputError
 from flexmech.time_domain import (
     SampledTurn,
-    floquet_modes,
-    floquet_state,
     moving_modes,
 )
 
 SPEED, SAMPLES, STEPS = 30.0, 256, 2048
+SCENARIOS = Path(__file__).parents[2] / "scenarios"
+
+
+@pytest.fixture(scope="module")
+def floquet_state():
+    """The function of the scenarios."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(SCENARIOS))
+        return importlib.import_module("_floquet_state").floquet_state
 
 
 @pytest.fixture(scope="module")
@@ -83,7 +93,7 @@ def link_states(engine):
 
 
 @pytest.mark.parametrize("number", [0, 4])
-def test_returns_after_a_turn_times_its_multiplier(engine, moving, number):
+def test_returns_after_a_turn_times_its_multiplier(engine, moving, floquet_state, number):
     modes = floquet_modes(moving.system(), STEPS)
     v, w = (flat(part) for part in floquet_state(moving, modes, number))
     state, to_links = np.stack([v, w], axis=1), link_states(engine)
@@ -97,7 +107,7 @@ def test_returns_after_a_turn_times_its_multiplier(engine, moving, number):
     assert np.abs(end[:, 0] + 1j * end[:, 1] - expected).max() < 1e-6 * abs(multiplier) * size
 
 
-def test_greatest_displacement_is_real_and_one(engine, moving):
+def test_greatest_displacement_is_real_and_one(engine, moving, floquet_state):
     v, w = floquet_state(moving, floquet_modes(moving.system(), STEPS))
     moved = [
         (link.shape @ (a + 1j * b)).ravel()
@@ -107,7 +117,7 @@ def test_greatest_displacement_is_real_and_one(engine, moving):
     assert moved[np.abs(moved).argmax()] == pytest.approx(1.0, abs=1e-12)
 
 
-def test_steps_that_miss_the_samples_are_refused(moving):
+def test_steps_that_miss_the_samples_are_refused(moving, floquet_state):
     modes = floquet_modes(moving.system(), 3 * SAMPLES // 2)
     with pytest.raises(InputError, match="multiple of 256 steps"):
         floquet_state(moving, modes)

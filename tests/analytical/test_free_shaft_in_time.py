@@ -25,7 +25,8 @@ from flexmech import (
     response,
 )
 from flexmech.linear_system import Engine
-from flexmech.time_domain import DrivenLinkage, LinkState, Trajectory, can_stretch, linear_run
+from flexmech.time_domain import DrivenLinkage, LinkState, Trajectory, linear_run
+from flexmech.time_domain.equations_of_motion.reduced_links import can_stretch
 
 SECTION = BeamSection.rectangle(Material(70e9, 2700.0), 3e-3, 25e-3)
 SHAFT_INERTIA = 2e-3

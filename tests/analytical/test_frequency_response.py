@@ -7,9 +7,9 @@ import pytest
 import scipy.linalg
 
 import flexmech
+from flexmech.dynamical_systems import HalfSinePulse, direct_receptance, pulse_response, state_modes
 from flexmech.errors import ComputationError
 from flexmech.linear_system import LinkPoint, point_rows
-from flexmech.time_domain import HalfSinePulse, direct_receptance, pulse_response, state_modes
 
 ANGLE = np.radians([96.9])
 POINTS = [LinkPoint("coupler", 0.4), LinkPoint("rocker", 0.3)]

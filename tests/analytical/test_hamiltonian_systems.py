@@ -7,9 +7,13 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from flexmech.time_domain.floquet import FloquetModes, floquet_modes
-from flexmech.time_domain.krein import krein_signature
-from flexmech.time_domain.periodic_system import StatedPeriodicSystem, transitions
+from flexmech.dynamical_systems import (
+    FloquetModes,
+    StatedPeriodicSystem,
+    floquet_modes,
+    krein_signature,
+    transition_matrices,
+)
 from flexmech.types import FloatArray
 
 SYMPLECTIC = 1e-8
@@ -23,7 +27,7 @@ def canonical(half: int) -> FloatArray:
 
 def monodromy(system: StatedPeriodicSystem, steps: int) -> FloatArray:
     whole = np.eye(system.size)
-    for transition in transitions(system, steps):
+    for transition in transition_matrices(system, steps):
         whole = transition @ whole
     return whole
 

@@ -17,19 +17,18 @@ from flexmech import (
     load_mechanism,
 )
 from flexmech.analyses.stability.solver import LinkageSolver
-from flexmech.linear_system import Engine, LinearSystem, point_rows
-from flexmech.time_domain import (
+from flexmech.dynamical_systems import (
     FloquetModes,
+    ForcedPeriodicSystem,
     FourierSeries,
     SampledPeriodicSystem,
-    direct_receptance,
-)
-from flexmech.time_domain.forced_linkage import forced_linkage, static_remainder
-from flexmech.time_domain.harmonic_response import (
-    ForcedPeriodicSystem,
     balanced_response,
+    direct_receptance,
     harmonic_response,
 )
+from flexmech.linear_system import Engine, LinearSystem, point_rows
+from flexmech.time_domain.periodic_motion import forced_linkage
+from flexmech.time_domain.periodic_motion.forced_linkage import static_remainder
 from flexmech.types import ComplexArray, FloatArray
 
 ORDERS = np.arange(-2, 3)

@@ -16,7 +16,7 @@ from flexmech.materials.moisture import (
     diffuse,
     diffuse_bar,
 )
-from flexmech.materials.moisture.waves import side_waves
+from flexmech.materials.moisture.cells import side_waves
 from tests.analytical.slab_series import bar_profile, bar_uptake, slab_profile, slab_uptake
 from tests.strategies import numbers
 

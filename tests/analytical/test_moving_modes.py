@@ -10,22 +10,15 @@ import pytest
 import scipy.integrate
 import scipy.interpolate
 import scipy.linalg
+from _ground_axes import frozen_eigenvalues, in_ground_axes
 
 from flexmech import ExudynEngine, Mechanism, ReferenceEngine, load_mechanism
 from flexmech.analyses.frequencies.eigenproblem import solve_eigenvalues
-from flexmech.analyses.stability import frozen_eigenvalues
-from flexmech.analyses.stability.frames import in_ground_axes
 from flexmech.choices import MovingFrame
+from flexmech.dynamical_systems import FloquetModes, floquet_modes, transition_matrices
 from flexmech.linear_system import Engine, Prestress
-from flexmech.time_domain import (
-    FloquetModes,
-    SampledTurn,
-    counts_of_modes,
-    floquet_modes,
-    moving_modes,
-)
-from flexmech.time_domain.nodal_frames import NodalFrame
-from flexmech.time_domain.periodic_system import transitions
+from flexmech.time_domain import SampledTurn, counts_of_modes, moving_modes
+from flexmech.time_domain.periodic_motion.nodal_frames import NodalFrame
 from flexmech.types import FloatArray
 
 SAMPLES = 128
@@ -73,7 +66,7 @@ def test_undamped_linkage_is_hamiltonian(mechanisms, name, prestress, speed):
         system = moving_modes(turn, count).system(damping=0.0)
         steps = steps_of(turn, count)
         whole = np.eye(2 * count)
-        for transition in transitions(system, steps):
+        for transition in transition_matrices(system, steps):
             whole = transition @ whole
         eye, nothing = np.eye(count), np.zeros((count, count))
         form = np.block([[nothing, -eye], [eye, nothing]])

@@ -12,9 +12,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from flexmech.analyses import natural_frequencies
-from flexmech.beams.elements import BeamElements
+from flexmech.beams.elements import BEAM_SHAPES, BeamElements
 from flexmech.beams.link_matrices import build_chain
-from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.linear_system import LinkModel, whole
 from flexmech.linkages import LinkMass, PlanarJoint, PlanarLink, PlanarLinkage, RotatingArm
 from flexmech.materials import Laminate, Layer, Material, Ply

@@ -8,19 +8,15 @@ import numpy as np
 import pytest
 
 from flexmech import ReferenceEngine, load_mechanism
+from flexmech.dynamical_systems import LowPass, parabolic_work, step_operators
+from flexmech.dynamical_systems.lobatto import MARCH_ON, WEIGHTS
 from flexmech.linkages import CrankDrive, JointSpring
-from flexmech.time_domain import DrivenLinkage, linear_run, lowest_axial_frequency, step_lag
-from flexmech.time_domain import stretch_march as march_module
-from flexmech.time_domain.lobatto import (
-    MARCH_ON,
-    WEIGHTS,
-    parabolic_work,
-    stage_operators,
-)
-from flexmech.time_domain.low_pass import LowPass
-from flexmech.time_domain.position_table import PositionTable
-from flexmech.time_domain.step_table import StepTable
-from flexmech.time_domain.trapezoidal import step_operators
+from flexmech.time_domain import DrivenLinkage, linear_run
+from flexmech.time_domain.equations_of_motion import lowest_axial_frequency
+from flexmech.time_domain.integrators import StepTable, step_lag
+from flexmech.time_domain.integrators import stretch_march as march_module
+from flexmech.time_domain.integrators.position_table import PositionTable
+from flexmech.time_domain.integrators.stage_operators import stage_operators
 
 
 @pytest.fixture(scope="module")

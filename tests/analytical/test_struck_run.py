@@ -9,15 +9,11 @@ import pytest
 
 from flexmech import CrankDrive, LinkPoint, ReferenceEngine, load_mechanism
 from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.dynamical_systems import HalfSinePulse, VibrationState, harmonic_response
 from flexmech.linear_system import Prestress
-from flexmech.time_domain import (
-    DrivenLinkage,
-    HalfSinePulse,
-    StruckLinkage,
-    VibrationState,
-    forced_linkage,
-    harmonic_response,
-)
+from flexmech.time_domain import DrivenLinkage
+from flexmech.time_domain.integrators import StruckLinkage
+from flexmech.time_domain.periodic_motion import forced_linkage
 from flexmech.types import ComplexArray, FloatArray
 
 SPEED, TURNS = 20.0, 4

@@ -22,8 +22,9 @@ from flexmech import (
     load_mechanism,
 )
 from flexmech.linkages import CrankDrive, inverse_dynamics
-from flexmech.time_domain import DrivenLinkage, linear_run, periodic_state, turn_map
-from flexmech.time_domain import stress_history as stress_module
+from flexmech.time_domain import DrivenLinkage, linear_run, periodic_state
+from flexmech.time_domain.equations_of_motion import stress_history as stress_module
+from flexmech.time_domain.periodic_motion.shooting import turn_map
 
 LEVELS = ("none", "axial", "equilibrium")
 
@@ -202,7 +203,7 @@ def test_stress_is_sampled_densely_enough(aluminium, monkeypatch):
 
 def test_blocks_and_repetition_change_nothing(aluminium, monkeypatch):
     whole = middle(*run(aluminium, "axial", turns=2.0))
-    monkeypatch.setattr(import_module("flexmech.time_domain.linear_run"), "BLOCK_STEPS", 100)
+    monkeypatch.setattr(import_module("flexmech.time_domain.integrators.runs"), "BLOCK_STEPS", 100)
     assert np.allclose(middle(*run(aluminium, "axial", turns=2.0)), whole, rtol=0, atol=1e-15)
 
 

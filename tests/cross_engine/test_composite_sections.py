@@ -28,7 +28,7 @@ from flexmech import (
 )
 from flexmech.analyses import solve_frequencies, solve_modes
 from flexmech.analyses.response.measurements import deflections
-from flexmech.beams.beam_shapes import Timoshenko
+from flexmech.beams.theories import Timoshenko
 from flexmech.linear_system import inertia_loads
 from flexmech.linkages import CrankDrive, inverse_dynamics
 from flexmech.multibody.library import load_exudyn

@@ -13,9 +13,9 @@ import flexmech
 from flexmech.analyses.damping_ratios import with_damping_ratio
 from flexmech.analyses.hammer import LockedLinkage, planned_record, taken_record
 from flexmech.analyses.hammer.transient import unwarped
+from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint
-from flexmech.time_domain import HalfSinePulse
 
 COUPLER, ROCKER = LinkPoint("coupler", 0.5), LinkPoint("rocker", 0.5)
 ANGLE = np.radians([96.9])

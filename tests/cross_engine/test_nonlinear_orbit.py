@@ -9,7 +9,7 @@ import pytest
 import scipy.linalg
 
 from flexmech import ExudynEngine, ReferenceEngine
-from flexmech.analyses.frequencies.running_states import RunningStates
+from flexmech.analyses.frequencies.formulation import RunningStates
 from flexmech.linear_system import LinkFrames, RotationTerms, inertia_loads
 from flexmech.linkages import CrankDrive
 from flexmech.multibody.link_parts import turn_vectors

@@ -10,11 +10,11 @@ import pytest
 
 from flexmech import ExudynEngine, ReferenceEngine, moving_frequencies
 from flexmech.analyses.response.measurements import bending_strains, deflections
+from flexmech.dynamical_systems import VibrationState
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain import (
     DrivenLinkage,
     LinkState,
-    VibrationState,
     linear_run,
     periodic_state,
     simulated_orbit,

@@ -20,11 +20,11 @@ from flexmech import (
     response,
 )
 from flexmech.analyses.response.measurements import deflections_of
+from flexmech.dynamical_systems import step_operators
 from flexmech.linear_system import Engine, Prestress
 from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring
 from flexmech.time_domain import DrivenLinkage, linear_run, periodic_state
-from flexmech.time_domain.step_table import StepTable
-from flexmech.time_domain.trapezoidal import step_operators
+from flexmech.time_domain.integrators import StepTable
 from tests.cross_engine.joined_linkages import SliderCrank, Ternary
 from tests.cross_engine.test_exudyn_connectors import strips
 from tests.cross_engine.test_exudyn_joints import FOUR_BAR

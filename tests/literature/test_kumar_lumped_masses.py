@@ -23,8 +23,7 @@ from flexmech import (
     response,
 )
 from flexmech.analyses import ResponseRequest
-from flexmech.beams.elements import BeamElements
-from flexmech.beams.theories import BEAM_SHAPES
+from flexmech.beams.elements import BEAM_SHAPES, BeamElements
 from flexmech.cli import app
 from flexmech.linear_system import element_tensions
 from flexmech.linkages import lumped_elements

@@ -16,10 +16,10 @@ from flexmech.linkages import (
     CouplerCurve,
     CouplerPoint,
     FourBar,
-    cusp_transitions,
     double_points,
 )
 from flexmech.verification import verification_case
+from scenarios._cusp_transitions import cusp_transitions
 from tests.analytical.coupler_polylines import crossings, polylines
 from tests.literature.coupler_curve_rows import ROWS, Row
 

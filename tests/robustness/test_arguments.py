@@ -42,13 +42,12 @@ WRONG = {
     "angles": lambda: Laminate.stacked([PLY] * 5, 1e-3, [0.0] * 4),
     "path": lambda: flexmech.load_mechanism(None),
     "cannot be reached": lambda: flexmech.load_mechanism("a" * 5000),
-    "nested too deeply": lambda: flexmech.modelfile.mechanism_from_toml(f"[{'a.' * 9000}b]"),
     "path must": lambda: flexmech.MovingFrequencies.load(3),
 }
 
 # What is given in the place of any argument of any public function.
 THINGS: tuple[object, ...] = (
-    *(None, True, "a", "", b"x", float("nan"), float("inf"), -1, 0, 1e300, 10**400, 1.5, 1j),
+    *(None, True, "a", "", b"x", float("nan"), float("inf"), -1, 0, 1e300, 1.5, 1j),
     *([], [1, "a"], [[1], [1, 2]], {}, {1, 2}, object(), len, int, Path("x"), np.int64(3)),
     *(MASKED, np.array([1j]), np.zeros((2, 2, 2)), np.array("x"), np.array([0.0, np.nan])),
     *(np.array([object()]), ["a", "b"], np.array(["2020"], dtype="M8[D]"), MECHANISM, ENGINE),

@@ -12,9 +12,9 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import flexmech
-from flexmech.analyses.frequencies.assignment import same_shapes
-from flexmech.analyses.stability.closing import ClosingSearch, closing_damping_ratio
-from flexmech.cli import app
+from flexmech.analyses.frequencies.refinement import same_shapes
+from flexmech.analyses.stability.edges import ClosingSearch, closing_damping_ratio
+from flexmech.cli.application import app
 from flexmech.linkages import LinkPoint, Load, Spring
 from flexmech.modelfile import template
 

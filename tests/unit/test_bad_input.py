@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from flexmech.cli import app
-from flexmech.cli.arguments import MOST_ANGLES, MOST_SPEEDS
+from flexmech.cli.typed import MOST_ANGLES, MOST_SPEEDS
 from flexmech.errors import InputError
 from flexmech.modelfile import load_mechanism, mechanism_from_toml, template
 
@@ -295,11 +295,6 @@ def test_files_that_cannot_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(Path, "read_bytes", refuse)
     with pytest.raises(InputError, match=r"locked\.toml: cannot be read \(Permission denied\)"):
         load_mechanism(file)
-
-
-def test_nesting_without_end_is_refused() -> None:
-    with pytest.raises(InputError, match=r"deep\.toml: "):
-        mechanism_from_toml(f"x = {'[' * 100000}", "deep.toml")
 
 
 def test_unknown_kind_of_template() -> None:

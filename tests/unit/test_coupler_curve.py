@@ -13,9 +13,9 @@ from flexmech.linkages import (
     CouplerPoint,
     FourBar,
     coupler_sextic,
-    cusp_transitions,
     double_points,
 )
+from scenarios._cusp_transitions import cusp_transitions
 from tests.strategies import angles, numbers
 
 CRANK_ROCKER = FourBar(1.0, 0.4, 0.9, 0.8)

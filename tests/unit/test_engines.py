@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from flexmech.beams.theories import BEAM_SHAPES
+from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.choices import engine_of
 from flexmech.errors import InputError
 from flexmech.linkages import FourBar
@@ -17,7 +17,7 @@ from flexmech.mechanism import Provenance
 from flexmech.multibody import ExudynEngine
 from flexmech.multibody.beams import BEAM_KINDS
 from flexmech.reference import ReferenceEngine
-from flexmech.time_domain import simulator
+from flexmech.time_domain.recorded_runs import simulator
 from tests.strategies import fourbar
 
 

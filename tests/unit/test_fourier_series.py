@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flexmech.time_domain.fourier import FourierSeries
+from flexmech.dynamical_systems import FourierSeries
 from flexmech.types import FloatArray
 
 HARMONICS = 5

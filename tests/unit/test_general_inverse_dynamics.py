@@ -229,7 +229,7 @@ def test_a_slider_is_pushed_across_its_line(case: LoadedLinkage) -> None:
         assert np.array_equal(back.force, -forces.joint_force[slider.joint])
         held = case.topology.index(slider.held.link)
         end = 0.0 if slider.held.end == "start" else case.topology.links[held].length
-        place = case.motion.origin[back.link] + back.arm(case.motion)
+        place = case.motion.position(back.link, back.x, back.y)
         assert place == pytest.approx(case.motion.position(held, end), abs=1e-13)
 
 

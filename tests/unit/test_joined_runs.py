@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from flexmech import CrankDrive, ReferenceEngine
+from flexmech.dynamical_systems import VibrationState
 from flexmech.linear_system import LinkDamping, RotationTerms, StressedLinks
-from flexmech.time_domain.driven_linkage import DrivenLinkage
-from flexmech.time_domain.state import VibrationState
+from flexmech.time_domain.equations_of_motion import DrivenLinkage
 from tests.cross_engine.test_exudyn_joints import LINKAGES, strips
 
 

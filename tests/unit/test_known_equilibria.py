@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from flexmech import ReferenceEngine, load_mechanism
-from flexmech.analyses.stability.known_equilibria import KnownEquilibria
 from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.analyses.stability.speed_window import KnownEquilibria
 from flexmech.reference.equilibrium import Equilibrium
 from flexmech.reference.force_balance import ForceBalance
 

@@ -18,7 +18,10 @@ from flexmech.sections import (
     DampingTimes,
     LaminateSection,
 )
-from flexmech.sections.plane_state import PlaneState, gauss_points
+from flexmech.sections.beam_reduction import (
+    PlaneState,
+    gauss_points,
+)
 from tests.strategies import STEEL, numbers
 
 CARBON = Ply(138e9, 9e9, 6e9, 5e9, 3e9, 0.3, 1600.0, PlyDamping(0.005, 0.06, 0.08))

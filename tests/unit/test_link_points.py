@@ -7,11 +7,12 @@ import pytest
 from scipy.integrate import quad
 
 import flexmech
+from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint, displacement_row, point_rows
 from flexmech.linkages.motion import direction, normal
 from flexmech.reference import ReferenceEngine
-from flexmech.time_domain import HalfSinePulse, Impact
+from flexmech.time_domain.recorded_runs import Impact
 
 ANGLES = np.radians([20.0, 130.0])
 FOURBAR = ReferenceEngine(

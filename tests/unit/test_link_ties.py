@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from flexmech.beams.elements import BEAM_SHAPES
 from flexmech.beams.link_matrices import build_chain
-from flexmech.beams.theories import BEAM_SHAPES
 from flexmech.errors import ComputationError
 from flexmech.linear_system import LinkFrames, LinkModel, RotationTerms, rigid_link
 from flexmech.linear_system.rigid_coordinates import RigidCoordinates

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from flexmech.time_domain.matrix_exponential import BLOCK, cache_blocks, matrix_exponentials
+from flexmech.dynamical_systems import matrix_exponentials
+from flexmech.dynamical_systems.periodic_system import BLOCK, cache_blocks
 
 
 @pytest.mark.parametrize("size", [1, 2, 5, 24])

@@ -11,7 +11,7 @@ import pytest
 from flexmech import ComputationError, RunningHammerRequest
 from flexmech.analyses.running_hammer.measured import MeasuredResponse, measured_response
 from flexmech.analyses.running_hammer.plan import RunPlan
-from flexmech.time_domain import HalfSinePulse
+from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.types import ComplexArray, FloatArray
 
 STEPS, TURNS = 200, 8

@@ -17,10 +17,10 @@ from flexmech.analyses import (
     solve_modes,
     strain_energy_damping,
 )
+from flexmech.analyses.frequencies.formulation import RunningStates
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping, links_without_loss
-from flexmech.analyses.frequencies.running_states import RunningStates
 from flexmech.analyses.frequencies.words import damping_lines
-from flexmech.cli import app
+from flexmech.cli.application import app
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.mechanism import Mechanism

@@ -10,12 +10,7 @@ import xarray as xr
 from typer.testing import CliRunner
 
 from flexmech import InputError, Mechanism, MovingFrequencies, ReferenceEngine, moving_frequencies
-from flexmech.analyses.frequencies import (
-    Formulation,
-    FrequencyRequest,
-    frequencies_at,
-    pictured,
-)
+from flexmech.analyses.frequencies import Formulation, FrequencyRequest, frequencies_at, pictured
 from flexmech.analyses.frequencies.frequency_map import systems_at
 from flexmech.analyses.frequencies.pictured import SEEN, bent_angles
 from flexmech.cli import app

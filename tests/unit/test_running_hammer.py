@@ -21,8 +21,8 @@ from flexmech import (
     load_mechanism,
     running_hammer_test,
 )
+from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.linear_system import Engine
-from flexmech.time_domain import HalfSinePulse
 
 HIT, SEEN = LinkPoint("coupler", 0.5), LinkPoint("rocker", 0.5)
 REQUEST = RunningHammerRequest(20.0, HIT, SEEN, damping_ratio=0.1, bandwidth=60.0, orders=1)
@@ -179,9 +179,9 @@ def test_a_rotating_arm_has_no_sidebands(of: type[Engine]) -> None:
 def test_separate_runs_give_what_one_run_gives() -> None:
     """A second impact in the same run, after the first has decayed."""
     from flexmech.analyses.damping_ratios import with_damping_ratio
+    from flexmech.analyses.running_hammer.measured import runner
     from flexmech.analyses.running_hammer.plan import planned
     from flexmech.analyses.running_hammer.prediction import predicted_linkage
-    from flexmech.analyses.running_hammer.runs import runner
 
     damped = with_damping_ratio(engine(), 0.1)
     plan = planned(damped, REQUEST, predicted_linkage(damped, REQUEST, 100.0), 90.0)

@@ -22,7 +22,7 @@ from flexmech import (
     load_mechanism,
     mechanism_in_state,
 )
-from flexmech.analyses.environment import environment_lines
+from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.section_profile import SectionProfiles, section_profiles
 from flexmech.analyses.summary import Table
 from flexmech.materials import Layer, PlyDamping

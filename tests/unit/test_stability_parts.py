@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from flexmech.analyses.damping_ratios import with_damping_ratio
-from flexmech.analyses.stability import against, edges, window_range
+from flexmech.analyses.stability import against, edges, speed_range
 from flexmech.analyses.stability.collisions import Meeting
 from flexmech.analyses.stability.following import usual_frequencies
+from flexmech.analyses.stability.growth import Sample, runs_of_growth, speeds_between
 from flexmech.analyses.stability.naming import BandName, band_name, signatures_of
 from flexmech.analyses.stability.parallel import FEW, in_order
 from flexmech.analyses.stability.request import StabilityRequest
-from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth, speeds_between
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.errors import ComputationError
 from flexmech.reference import ReferenceEngine
@@ -195,8 +195,8 @@ def test_a_second_parameter_is_mapped_by_windows_where_these_are_cheaper(alumini
 
 
 def test_few_speeds_need_no_windows():
-    assert window_range.windows_are_cheaper(np.arange(60.0, 100.0, 0.5).tolist(), 270.0)
-    assert not window_range.windows_are_cheaper(np.arange(60.0, 100.0, 2.0).tolist(), 270.0)
+    assert speed_range.windows_are_cheaper(np.arange(60.0, 100.0, 0.5).tolist(), 270.0)
+    assert not speed_range.windows_are_cheaper(np.arange(60.0, 100.0, 2.0).tolist(), 270.0)
 
 
 def test_growth_alone_is_that_of_the_kept_modes(solver):

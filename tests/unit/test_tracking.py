@@ -12,10 +12,15 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from flexmech.analyses import moving_frequencies, natural_frequencies
-from flexmech.analyses.frequencies.assignment import assign, cross_amplitude, same_shapes
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.reduction import settled
-from flexmech.analyses.frequencies.refinement import Between, Positions
+from flexmech.analyses.frequencies.refinement import (
+    Between,
+    Positions,
+    assign,
+    cross_amplitude,
+    same_shapes,
+)
 from flexmech.analyses.frequencies.tracking import Branches, Tracker
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.frequencies import Formulation, FrequencyRequest
-from flexmech.analyses.turn import without_end
+from flexmech.analyses.requests import without_end
 from flexmech.errors import InputError
 from flexmech.numbers import checked_array
 from flexmech.types import FloatArray, IntArray

@@ -11,11 +11,11 @@ import pandas as pd
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
 from flexmech.analyses.campbell import words
-from flexmech.analyses.loads_over_time import left_out_warnings
+from flexmech.analyses.datasets import table_over
+from flexmech.analyses.remarks import left_out_warnings
+from flexmech.analyses.requests import fewer_modes_lines
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
-from flexmech.analyses.tables import table_over
-from flexmech.analyses.wished_modes import fewer_modes_lines
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,9 +9,9 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
+from flexmech.analyses.datasets import DEGREES, table_over
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
-from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.linkages import FourBar
 
 if TYPE_CHECKING:

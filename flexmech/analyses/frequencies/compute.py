@@ -11,24 +11,120 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
-from flexmech.analyses.environment import environment_lines, state_name
-from flexmech.analyses.frequencies.dataset import joined, with_states
+from flexmech.analyses.datasets import provenance, rigid_positions, with_units
+from flexmech.analyses.frequencies.discretisation import check_angle_indices
 from flexmech.analyses.frequencies.engine_map import map_engine
 from flexmech.analyses.frequencies.formulation import Formulation
+from flexmech.analyses.frequencies.frequency_map import speed_effect_terms
+from flexmech.analyses.frequencies.modal_damping import links_without_loss
 from flexmech.analyses.frequencies.pictured import drawn_between, shapes_asked_for
 from flexmech.analyses.frequencies.request import FrequencyRequest, operating_speeds
 from flexmech.analyses.frequencies.result import MovingFrequencies
-from flexmech.analyses.frequencies.speed_effect import speed_effect_terms
-from flexmech.analyses.loads_over_time import left_out_attributes
-from flexmech.analyses.requests import engines_of
-from flexmech.analyses.wished_modes import as_many_modes
+from flexmech.analyses.remarks import environment_lines, left_out_attributes, state_name
+from flexmech.analyses.requests import as_many_modes, engines_of
 from flexmech.choices import MapPrestress, ShaftChoice
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import Engine
+from flexmech.mechanism import drawing
 from flexmech.numbers import checked_array
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress
+from flexmech.types import FloatArray, LabelledProgress, silent
+
+
+def joined(
+    engines: Sequence[Engine],
+    request: FrequencyRequest,
+    maps: Sequence[xr.Dataset],
+    speed_effect: dict[str, FloatArray] | None,
+    pictured: Sequence[xr.Dataset] = (),
+) -> xr.Dataset:
+    """Join the maps of all engines, and label them.
+
+    Parameters
+    ----------
+    engines : sequence of Engine
+    request : FrequencyRequest
+    maps : sequence of xarray.Dataset
+        One for each engine; see :class:`flexmech.analyses.frequencies.engine_map.EngineMap`.
+    speed_effect : dict of str to ndarray, shape (S, A, modes), or None
+    pictured : sequence of xarray.Dataset
+        What pictures of the first engine show besides.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    first, formulation = engines[0], request.formulation
+    names = xr.DataArray([engine.name for engine in engines], dims="engine", name="engine")
+    dataset = xr.concat(maps, names, join="inner")
+    checks = request.crank_angles[check_angle_indices(request.crank_angles, request.full_turn)]
+    positions = rigid_positions(first, first.mechanism.linkage.motion(checks))
+    dataset["rigid_position"] = (("check_angle", "link", "station", "component"), positions)
+    if speed_effect:
+        values = np.stack(list(speed_effect.values()))
+        dataset["speed_effect"] = (("term", "crank_speed", "crank_angle", "mode"), values)
+        dataset = dataset.assign_coords(term=list(speed_effect))
+    if "strain_energy_damping" in dataset:
+        unknown = ", ".join(links_without_loss(first.mechanism))
+        dataset["strain_energy_damping"].attrs["links_without_data"] = unknown
+    dataset = dataset.assign_coords(
+        element=("engine", [_element(engine) for engine in engines]),
+        elements=("engine", [engine.elements for engine in engines]),
+        crank_angle=request.crank_angles,
+        mode=np.arange(1, formulation.modes + 1),
+        check_angle=checks,
+        part=["real", "imaginary"],
+        link=list(first.mechanism.linkage.topology.link_names),
+        station=np.linspace(0.0, 1.0, positions.shape[2]),
+        component=["x", "y"],
+    )
+    lumps = max(engine.lumped_mass_count for engine in engines)
+    for part in pictured:
+        dataset = dataset.merge(part)
+    return with_units(dataset, "frequencies").assign_attrs(
+        provenance(engines),
+        drawing=drawing(first.mechanism),
+        prestress=formulation.prestress,
+        rotation_terms="on" if formulation.rotation_terms else "off",
+        speed_unit=request.speed_unit,
+        **({"lumped_masses": lumps} if lumps else {}),
+    )
+
+
+def _element(engine: Engine) -> str:
+    """Kind of element, and that masses are lumped where they are."""
+    return engine.element if engine.mass == "distributed" else f"{engine.element}, lumped masses"
+
+
+def with_states(states: dict[str, xr.Dataset], environment_lines: Sequence[str]) -> xr.Dataset:
+    """Join the datasets of a mechanism dry and in an environment.
+
+    Parameters
+    ----------
+    states : dict of str to xarray.Dataset
+        By what a state is called, the dry one first.
+    environment_lines : sequence of str
+        What the environment does to each link.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``state`` besides. What there is of one state alone is not a number in the other.
+    """
+    parts = list(states.values())
+    for part in parts:
+        for name in set(parts[0].data_vars) - set(part.data_vars):
+            part[name] = xr.full_like(parts[0][name], np.nan)
+    both = xr.concat(
+        parts,
+        xr.DataArray(list(states), dims="state", name="state"),
+        coords="minimal",
+        compat="override",
+        join="inner",
+        combine_attrs="override",
+    )
+    return both.assign_attrs(environment_lines="\n".join(environment_lines))
 
 
 def moving_frequencies(
@@ -123,7 +219,7 @@ def moving_frequencies(
         )
     angles = checked_array(crank_angles, "crank_angles", "rad")
     speeds = checked_array(crank_speeds, "crank_speeds", "rad/s")
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
 
     def compute(count: int) -> xr.Dataset:
         request = FrequencyRequest(

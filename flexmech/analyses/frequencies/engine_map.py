@@ -13,7 +13,6 @@ import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
 
-from flexmech.analyses.frequencies.assignment import same_shapes
 from flexmech.analyses.frequencies.discretisation import (
     HIGHEST_ORDER,
     MeshError,
@@ -27,7 +26,7 @@ from flexmech.analyses.frequencies.frequency_map import frequencies_along, syste
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.pictured import scaled_parts
 from flexmech.analyses.frequencies.reduction import ReductionError, settled
-from flexmech.analyses.frequencies.refinement import Positions
+from flexmech.analyses.frequencies.refinement import Positions, same_shapes
 from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.analyses.frequencies.shaft_mode import shaft_readings
 from flexmech.analyses.frequencies.tracking import Tracker

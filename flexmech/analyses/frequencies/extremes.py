@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.quartic import predicted_minimum
-from flexmech.analyses.turn import without_end
+from flexmech.analyses.requests import without_end
 from flexmech.types import FloatArray, IntArray
 
 # The change of an extreme by the last round over the error that is reported of it.

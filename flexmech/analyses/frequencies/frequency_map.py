@@ -1,18 +1,20 @@
-"""Natural frequencies of one engine over a map, without tracking or error estimates."""
+"""Natural frequencies of one engine over a map, and what each term adds to them at speed."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from flexmech.analyses.frequencies.eigenproblem import solve_frequencies
-from flexmech.analyses.frequencies.formulation import Systems
+from flexmech.analyses.frequencies.formulation import Formulation, RunningStates, Systems
 from flexmech.analyses.frequencies.request import FrequencyRequest
-from flexmech.analyses.frequencies.running_states import RunningStates
-from flexmech.linear_system import Engine, StressedLinks
+from flexmech.choices import Prestress
+from flexmech.linear_system import Engine, RotationTerms, StressedLinks
 from flexmech.threads import one_thread
-from flexmech.types import FloatArray
+from flexmech.types import FloatArray, LabelledProgress
 
 
 def systems_at(
@@ -95,3 +97,63 @@ def frequencies_along(
     # By map no system is kept beside the next one, whose matrices then take its memory.
     solve = partial(solve_frequencies, count=systems.formulation.modes)
     return np.concatenate(list(map(solve, systems.batches(crank_angles, crank_speed, stressed))))
+
+
+# In the order in which the terms are switched on, and what is on by then.
+TERMS: dict[str, tuple[Prestress, RotationTerms]] = {
+    "geometric": ("axial", RotationTerms(False, False, False)),
+    "configuration": ("equilibrium", RotationTerms(False, False, False)),
+    "coriolis": ("equilibrium", RotationTerms(True, False, False)),
+    "centripetal": ("equilibrium", RotationTerms(True, True, False)),
+    "tangential": ("equilibrium", RotationTerms(True, True, True)),
+}
+
+
+def speed_effect_terms(
+    systems: Sequence[Systems], request: FrequencyRequest, report: LabelledProgress
+) -> dict[str, FloatArray]:
+    """Change of the frequencies that each term adds.
+
+    The terms are switched on one after another - tension (geometric), shift of the equilibrium
+    (configuration), Coriolis, centripetal, tangential - so that they add up to the whole effect of
+    speed. To first order in the square of the speed the order does not matter.
+
+    Parameters
+    ----------
+    systems : sequence of Systems
+        Of each crank speed.
+    request : FrequencyRequest
+        Terms that it leaves out are left out here.
+    report : callable
+        Progress: ``report(label, done, total)``.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (S, A, modes)
+        By term, in Hz; not a number at speeds that are not to be split.
+    """
+    whole = request.formulation.quasi_static
+
+    def frequencies(formulation: Formulation) -> FloatArray:
+        shape = (len(systems), len(request.crank_angles), formulation.modes)
+        values = np.full(shape, np.nan)
+        for number in request.split_speeds:
+            here = replace(systems[number], formulation=formulation, running=None)
+            speed = float(request.crank_speeds[number])
+            values[number] = frequencies_along(here, request.crank_angles, speed)
+        return values
+
+    before = frequencies(replace(whole, prestress="none", rotation_terms=False))
+    effects: dict[str, FloatArray] = {}
+    for number, (term, (prestress, rotation)) in enumerate(TERMS.items()):
+        level = whole.prestress if prestress == "equilibrium" else prestress
+        wanted = {
+            "geometric": whole.prestress != "none",
+            "configuration": whole.prestress == "equilibrium",
+        }.get(term, bool(whole.rotation_terms))
+        if wanted:
+            after = frequencies(replace(whole, prestress=level, rotation_terms=rotation))
+            effects[term] = after - before
+            before = after
+        report("speed effect", number + 1, len(TERMS))
+    return effects

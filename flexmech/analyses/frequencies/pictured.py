@@ -13,11 +13,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from flexmech.analyses.datasets import rigid_positions
 from flexmech.analyses.frequencies.eigenproblem import solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.request import FrequencyRequest
-from flexmech.analyses.stations import rigid_positions
 from flexmech.types import FloatArray
 
 # Distance of a line from its curve that is seen, over the range of the curve; a range is at

@@ -10,8 +10,7 @@ from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.reduction import settled
-from flexmech.analyses.requests import engine_of, in_radians
-from flexmech.analyses.wished_modes import as_many_modes
+from flexmech.analyses.requests import as_many_modes, engine_of, in_radians
 from flexmech.choices import Prestress
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine

@@ -12,13 +12,13 @@ import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_reason, theory_warnings
+from flexmech.analyses.datasets import DEGREES, table_over
 from flexmech.analyses.frequencies import words
 from flexmech.analyses.frequencies.extremes import known_error
 from flexmech.analyses.frequencies.shaft_mode import shaft_lines, shaft_table
-from flexmech.analyses.loads_over_time import left_out_warnings
+from flexmech.analyses.remarks import left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
-from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.errors import InputError
 from flexmech.units import from_si
 

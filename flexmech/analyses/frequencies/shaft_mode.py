@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from flexmech.analyses.datasets import DEGREES, table_over
 from flexmech.analyses.frequencies.eigenproblem import Modes
-from flexmech.analyses.tables import DEGREES, table_over
 from flexmech.types import FloatArray
 
 RIGID = 1e-3

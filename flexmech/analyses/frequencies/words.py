@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.frequencies.extremes import known_error
+from flexmech.analyses.requests import fewer_modes_lines
 from flexmech.analyses.summary import Table
-from flexmech.analyses.wished_modes import fewer_modes_lines
 from flexmech.units import from_si
 
 MOST_DECIMALS = 6

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.datasets import with_units
 from flexmech.analyses.hammer.dataset import dataset_of
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.measurement import measured
 from flexmech.analyses.hammer.plan import planned_record
 from flexmech.analyses.hammer.request import HammerRequest
 from flexmech.analyses.hammer.result import HammerTest
-from flexmech.analyses.loads_over_time import left_out_attributes
-from flexmech.analyses.provenance import with_units
+from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import engine_of
 from flexmech.linear_system import Engine
 from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress
+from flexmech.types import LabelledProgress, silent
 
 
 def hammer_test(
@@ -60,7 +60,7 @@ def hammer_test(
     """
     check_instance(request, HammerRequest, "request", "give a flexmech.HammerRequest")
     engine = engine_of(engine).fit_for(request.modes)
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
     with one_thread():
         locked = [LockedLinkage.at(engine, float(a), request.prestress) for a in request.angles]
         plan = planned_record(request, locked)

@@ -9,15 +9,15 @@ from functools import cached_property
 import numpy as np
 
 from flexmech.choices import LinkDirection, Prestress
-from flexmech.errors import InputError
-from flexmech.linear_system import Engine, LinearSystem, LinkPoint, point_rows
-from flexmech.time_domain import (
+from flexmech.dynamical_systems import (
     HalfSinePulse,
     StateModes,
     direct_receptance,
     pulse_response,
     state_modes,
 )
+from flexmech.errors import InputError
+from flexmech.linear_system import Engine, LinearSystem, LinkPoint, point_rows
 from flexmech.types import ComplexArray, FloatArray
 
 # Unreduced systems beyond so many coordinates take longer than their last digits are worth.

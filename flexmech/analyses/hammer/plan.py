@@ -9,9 +9,9 @@ import numpy as np
 
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.request import HammerRequest
+from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.errors import InputError
 from flexmech.modal_testing import ExponentialWindow, ForceWindow
-from flexmech.time_domain import HalfSinePulse
 from flexmech.types import FloatArray
 
 ABOVE_MODES = 1.25

@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from flexmech.analyses.tables import DEGREES
+from flexmech.analyses.datasets import DEGREES
 from flexmech.linear_system import Engine, LinkPoint
 from flexmech.measured_data import (
     UffDegreeOfFreedom,

@@ -7,8 +7,8 @@ from functools import lru_cache
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.datasets import origin
 from flexmech.analyses.moisture.result import MoistureUptake
-from flexmech.analyses.provenance import origin
 from flexmech.analyses.requests import link_of
 from flexmech.errors import ComputationError, InputError
 from flexmech.hygrothermal import LinkDiffusion, absorbing_links, link_diffusion
@@ -64,7 +64,7 @@ def moisture_uptake(
     ------
     InputError
         If a number is out of its range, there is no such link, or the links cannot take up
-        water; see :func:`flexmech.hygrothermal.link_diffusion`.
+        water; see :func:`flexmech.hygrothermal.link_moisture`.
 
     Examples
     --------

@@ -8,9 +8,9 @@ import pandas as pd
 import xarray as xr
 
 from flexmech import plots
+from flexmech.analyses.datasets import table_over
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
-from flexmech.analyses.tables import table_over
 from flexmech.units import ZERO_CELSIUS, from_si
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from collections.abc import Iterable
 import numpy as np
 import xarray as xr
 
+from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.response.agreement import errors_of, listed
 from flexmech.analyses.summary import Table
-from flexmech.analyses.tables import DEGREES
 
 MOST_DIGITS = 4
 # Of deflections in the table of peaks.

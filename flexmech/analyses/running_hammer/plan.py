@@ -8,9 +8,9 @@ import numpy as np
 
 from flexmech.analyses.running_hammer.prediction import Prediction
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
+from flexmech.dynamical_systems import ForcedPeriodicSystem, HalfSinePulse, harmonic_response
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
-from flexmech.time_domain import ForcedPeriodicSystem, HalfSinePulse, harmonic_response
 from flexmech.types import FloatArray, IntArray
 
 DECAYED = 1e-4

@@ -9,24 +9,19 @@ import numpy as np
 from flexmech.analyses.damping_ratios import with_damping_time
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
-from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.analyses.stability import LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
-from flexmech.errors import CRANK_SPEED, ComputationError, InputError
-from flexmech.linear_system import (
-    Engine,
-    LinearSystem,
-    LinkPoint,
-    StressedLinks,
-    point_rows,
-)
-from flexmech.linkages import RigidMotion
-from flexmech.time_domain import (
+from flexmech.dynamical_systems import (
     ForcedPeriodicSystem,
     balanced_response,
-    forced_linkage,
+    floquet_modes,
     harmonic_response,
     state_modes,
 )
+from flexmech.errors import CRANK_SPEED, ComputationError, InputError
+from flexmech.linear_system import Engine, LinearSystem, LinkPoint, StressedLinks, point_rows
+from flexmech.linkages import RigidMotion
+from flexmech.time_domain.periodic_motion import forced_linkage
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
 # Natural modes up to this part of the highest frequency of input and response are kept, and tried.
@@ -120,7 +115,7 @@ class Prediction:
         peaks = np.abs(found).argmax(axis=1)
         spread = np.linspace(0, len(frequency) - 1, BALANCED).round().astype(np.intp)
         some = np.unique(np.concatenate([peaks, spread]))
-        harmonics = 1 if self.forced.is_constant else self._harmonics(orders)
+        harmonics = 1 if self.forced.system.is_constant else self._harmonics(orders)
         balanced = balanced_response(self.forced, frequency[some], orders, harmonics)
         return PredictionErrors(
             change(half, found), change(balanced, found[:, some]), change(more, found)
@@ -178,7 +173,7 @@ def predicted_linkage(engine: Engine, request: RunningHammerRequest, highest: fl
                 moving, stressed, request.impact, request.impact, request.direction, connected
             )
     steps *= 2
-    growth_rate = float(systems[0].floquet(steps).exponent.real.max())
+    growth_rate = float(floquet_modes(systems[0].system, steps).exponent.real.max())
     if growth_rate >= 0:
         raise ComputationError(
             f"no record decays at crank speed {CRANK_SPEED}: a vibration of the running linkage "

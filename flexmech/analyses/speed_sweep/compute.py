@@ -15,21 +15,22 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
+from flexmech.analyses.datasets import provenance, with_units
 from flexmech.analyses.frequencies import natural_frequencies
-from flexmech.analyses.provenance import provenance, with_units
-from flexmech.analyses.requests import engine_of
+from flexmech.analyses.requests import engine_of, sampled_turn
 from flexmech.analyses.response import deflections_of, probes
 from flexmech.analyses.response.run import STEPS_PER_PERIOD
 from flexmech.analyses.speed_sweep.result import SpeedSweep
-from flexmech.analyses.turn import sampled_turn
 from flexmech.choices import MOST_MODES, PRESTRESS_LEVELS, Prestress
+from flexmech.dynamical_systems import VibrationState
 from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.numbers import check_choice, check_count, checked_array
 from flexmech.threads import one_thread
-from flexmech.time_domain import DrivenLinkage, VibrationState, periodic_turn
-from flexmech.types import FloatArray, LabelledProgress
+from flexmech.time_domain.equations_of_motion import DrivenLinkage
+from flexmech.time_domain.periodic_motion import periodic_turn
+from flexmech.types import FloatArray, LabelledProgress, silent
 
 LEAST_STEPS = 720
 QUASI_STATIC_ANGLES = 360
@@ -92,15 +93,14 @@ def speed_sweep(
     check_choice(prestress, PRESTRESS_LEVELS, "prestress")
     check_count(orders, "orders", most=MOST_ORDERS)
     check_count(modes, "modes", most=MOST_MODES)
-    engine = engine_of(engine).fit_for(modes)
+    engine, report = engine_of(engine).fit_for(modes), progress or silent
     peaks = []
     with one_thread():
         frequency = _at_rest(engine, modes)
         for number, speed in enumerate(speeds.tolist()):
             linkage = vibrating_linkage(engine, speed, modes, prestress)
             peaks.append(periodic_peaks(linkage, float(frequency.max())))
-            if progress is not None:
-                progress("crank speeds", number + 1, len(speeds))
+            report("crank speeds", number + 1, len(speeds))
     order = np.arange(1, orders + 1)
     critical = 2 * np.pi * frequency[:, :, None] / order
     dataset = xr.Dataset(

@@ -9,9 +9,9 @@ import pandas as pd
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
+from flexmech.analyses.datasets import table_over
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
-from flexmech.analyses.tables import table_over
 from flexmech.units import from_si
 
 if TYPE_CHECKING:

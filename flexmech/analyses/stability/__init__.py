@@ -1,15 +1,15 @@
 """Stability of the running linkage: Floquet multipliers over the crank speed."""
 
 from flexmech.analyses.stability.against import parameters_of
-from flexmech.analyses.stability.band import Band, BandEdge
 from flexmech.analyses.stability.compute import stability
 from flexmech.analyses.stability.engine_stability import (
+    Band,
+    BandEdge,
     CheckedErrors,
     EngineStability,
     FollowedSpeed,
     NoEquilibrium,
 )
-from flexmech.analyses.stability.frames import frozen_eigenvalues
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.result import StabilityMap
 from flexmech.analyses.stability.solver import LinkageSolver
@@ -24,7 +24,6 @@ __all__ = [
     "NoEquilibrium",
     "StabilityMap",
     "StabilityRequest",
-    "frozen_eigenvalues",
     "parameters_of",
     "stability",
 ]

@@ -18,18 +18,19 @@ from flexmech.analyses.damping_ratios import (
     with_damping_time,
 )
 from flexmech.analyses.stability.dataset import NO, NO_EQUILIBRIUM, NOT_COMPUTED, YES
+from flexmech.analyses.stability.kept_modes import step_error
 from flexmech.analyses.stability.parallel import in_order
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.solver import LinkageSolver
-from flexmech.analyses.stability.speed_window import NODES
-from flexmech.analyses.stability.step_errors import step_error
-from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
-from flexmech.analyses.stability.window_range import (
+from flexmech.analyses.stability.speed_range import (
     joined_windows,
     narrow_windows,
     window_ends,
     windows_are_cheaper,
 )
+from flexmech.analyses.stability.speed_window import NODES
+from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
+from flexmech.dimensions import TEMPERATURE_DIFFERENCE, Dimension
 from flexmech.errors import ComputationError, InputError, suggestion
 from flexmech.hygrothermal import HygrothermalState, mechanism_in_state
 from flexmech.linear_system import Engine
@@ -37,7 +38,7 @@ from flexmech.mechanism import Mechanism
 from flexmech.modelfile import mechanism_with, quantities_of
 from flexmech.numbers import check_number, checked_array
 from flexmech.types import FloatArray, LabelledProgress
-from flexmech.units import RATIO, TEMPERATURE_DIFFERENCE, Dimension
+from flexmech.units import RATIO
 
 DAMPING_PARAMETER, MOISTURE, TEMPERATURE_RISE = "damping-ratio", "moisture", "temperature-rise"
 OF_ITS_OWN = {

@@ -21,10 +21,8 @@ import numpy as np
 import scipy.optimize
 
 from flexmech.analyses.stability.engine_stability import FollowedSpeed
-from flexmech.analyses.stability.exponents import wrapped
-from flexmech.analyses.stability.kept_modes import KeptModes
-from flexmech.analyses.stability.runs_of_growth import Sample
-from flexmech.analyses.stability.signed_growth import SignedGrowth
+from flexmech.analyses.stability.growth import Sample, SignedGrowth
+from flexmech.analyses.stability.kept_modes import KeptModes, wrapped
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.errors import ComputationError
 from flexmech.types import FloatArray

@@ -1,30 +1,97 @@
-"""Stability of the running linkage over crank speed, by one engine or several."""
+"""Stability of the running linkage over crank speed, by one engine or several.
+
+Floquet frequencies are drawn over bands of the moving natural frequencies at a few crank speeds:
+without rotation terms, for with them frozen frequencies depend on the frame that they are written
+in. The stress of the running links is in them.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from flexmech.analyses.beam_theory import theory_attributes
-from flexmech.analyses.loads_over_time import left_out_attributes
-from flexmech.analyses.provenance import with_units
+from flexmech.analyses.datasets import with_units
+from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import engines_of
 from flexmech.analyses.stability.against import Against, map_against
 from flexmech.analyses.stability.dataset import dataset_of
 from flexmech.analyses.stability.engine_map import map_engine
 from flexmech.analyses.stability.engine_stability import EngineStability
-from flexmech.analyses.stability.moving_frequencies import moving_bands
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.result import StabilityMap
-from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame, ShaftChoice
+from flexmech.choices import KEPT_MODES, MapPrestress, MovingFrame, Prestress, ShaftChoice
+from flexmech.errors import ComputationError
 from flexmech.interruption import tidying
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, stressed_along_turn
 from flexmech.numbers import checked_array
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress
+from flexmech.time_domain.periodic_motion import SampledTurn
+from flexmech.types import FloatArray, LabelledProgress, silent
+
+MOST_SPEEDS = 9
+ANGLES = 36
+
+
+@dataclass(frozen=True)
+class MovingBands:
+    """Natural frequencies over a turn, of the modes asked for or of as many as there are.
+
+    Parameters
+    ----------
+    crank_speed : ndarray, shape (s,)
+        rad/s.
+    lowest, mean, highest : ndarray, shape (s, m)
+        In Hz; zero where the linkage is statically unstable.
+    """
+
+    crank_speed: FloatArray
+    lowest: FloatArray
+    mean: FloatArray
+    highest: FloatArray
+
+
+def moving_bands(engine: Engine, request: StabilityRequest) -> MovingBands:
+    """Bands at nine of a map's crank speeds at most; those without equilibrium are left out.
+
+    Parameters
+    ----------
+    engine : Engine
+    request : StabilityRequest
+
+    Returns
+    -------
+    MovingBands
+        About the quasi-static equilibrium where the map is about the periodic motion.
+    """
+    level: Prestress = "equilibrium" if request.prestress == "trajectory" else request.prestress
+    speeds = request.crank_speeds
+    places = np.linspace(0, len(speeds) - 1, min(len(speeds), MOST_SPEEDS)).round().astype(int)
+    found, rows = [], []
+    for speed in speeds[places].tolist():
+        try:
+            hertz = _frequencies(engine, speed, level, request.modes)
+        except ComputationError:
+            continue
+        found.append(speed)
+        rows.append((hertz.min(axis=0), hertz.mean(axis=0), hertz.max(axis=0)))
+    modes = len(rows[0][0]) if rows else request.modes
+    table = np.array(rows).reshape(len(rows), 3, modes)
+    return MovingBands(np.array(found), *np.moveaxis(table, 1, 0))
+
+
+def _frequencies(engine: Engine, speed: float, prestress: Prestress, modes: int) -> FloatArray:
+    """Of the lowest modes at evenly spaced crank angles, (ANGLES, m)."""
+    angle = 2 * np.pi / ANGLES * np.arange(ANGLES)
+    motion = engine.mechanism.linkage.motion(angle, speed)
+    stressed = stressed_along_turn(engine, motion, prestress)
+    turn = SampledTurn.of(engine, motion, stressed, prestress, modes)
+    squares = turn.frozen_squares[:, turn.rigid_modes :][:, :modes]
+    return np.asarray(np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi))
 
 
 def stability(
@@ -113,7 +180,7 @@ def stability(
         speed_unit,
     )
     second = None if against is None else Against.of(engines[0].mechanism, against)
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
     maps: list[EngineStability] = []
     with one_thread(), tidying():
         extra = _moving(engines[0], request)

@@ -9,10 +9,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from flexmech.analyses.provenance import provenance
-from flexmech.analyses.stability.band import Band
+from flexmech.analyses.datasets import provenance
 from flexmech.analyses.stability.engine_map import LEAST_CLOSING_RATIO
 from flexmech.analyses.stability.engine_stability import (
+    Band,
     EngineStability,
     FollowedSpeed,
     NoEquilibrium,

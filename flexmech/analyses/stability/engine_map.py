@@ -12,35 +12,37 @@ from typing import TypeVar
 import numpy as np
 
 from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_time
-from flexmech.analyses.stability.band import Band, BandEdge
-from flexmech.analyses.stability.closing import ClosingSearch, closing_damping_ratio
 from flexmech.analyses.stability.collisions import MetModes, meetings, met
 from flexmech.analyses.stability.edges import (
+    ClosingSearch,
     EdgeSearch,
+    ExponentErrors,
     FoundEdge,
+    closing_damping_ratio,
     edge_errors,
+    exponent_errors,
     find_edge,
     find_top,
 )
 from flexmech.analyses.stability.engine_stability import (
+    Band,
+    BandEdge,
     CheckedErrors,
     EngineStability,
     FollowedSpeed,
     NoEquilibrium,
 )
-from flexmech.analyses.stability.equilibria import speeds_without_equilibrium
-from flexmech.analyses.stability.exponent_errors import ExponentErrors, exponent_errors
 from flexmech.analyses.stability.following import FollowedModes, follow
+from flexmech.analyses.stability.growth import Sample, SignedGrowth, runs_of_growth, speeds_between
 from flexmech.analyses.stability.kept_modes import KeptModes, matched
 from flexmech.analyses.stability.naming import name_of_growth, signatures_of
 from flexmech.analyses.stability.parallel import in_order
 from flexmech.analyses.stability.request import StabilityRequest
-from flexmech.analyses.stability.runs_of_growth import Sample, runs_of_growth, speeds_between
-from flexmech.analyses.stability.signed_growth import SignedGrowth
 from flexmech.analyses.stability.solver import LinkageSolver, SolvedSpeed
-from flexmech.analyses.stability.window_range import (
+from flexmech.analyses.stability.speed_range import (
     joined_windows,
     narrow_windows,
+    speeds_without_equilibrium,
     window_ends,
 )
 from flexmech.errors import CRANK_SPEED, ComputationError, InputError

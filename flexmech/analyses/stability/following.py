@@ -15,8 +15,7 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from flexmech.analyses.stability.exponents import GROWS
-from flexmech.analyses.stability.kept_modes import KeptModes
+from flexmech.analyses.stability.kept_modes import GROWS, KeptModes
 from flexmech.types import FloatArray, IntArray
 
 # Modes that turn the other way round are taken for a branch only where no other is left.

@@ -1,18 +1,72 @@
-"""Floquet modes of the running linkage in the band of the natural frequencies asked for."""
+"""Floquet modes of the running linkage in the band of the natural frequencies asked for.
+
+What follows from their exponents alone, and the error of the steps of a turn, or of round-off
+where no steps are needed.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.linalg
 import scipy.optimize
 from numpy.typing import NDArray
 
-from flexmech.analyses.stability.exponents import FloquetExponents, wrapped
 from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
+from flexmech.dynamical_systems import SampledPeriodicSystem, floquet_modes, krein_signature
 from flexmech.errors import CRANK_SPEED, ComputationError
-from flexmech.time_domain import floquet_modes, krein_signature
 from flexmech.types import FloatArray, IntArray
+
+GROWS = 1e-7
+"""Logarithm of a multiplier's modulus that is growth, and not round-off."""
+
+
+@dataclass(frozen=True)
+class FloquetExponents:
+    """Exponents of k Floquet modes.
+
+    Parameters
+    ----------
+    crank_speed : float
+        rad/s.
+    exponent : ndarray of complex, shape (k,)
+        1/s.
+    """
+
+    crank_speed: float
+    exponent: NDArray[np.complex128]
+
+    @property
+    def period(self) -> float:
+        """Time of a turn in s."""
+        return 2 * np.pi / abs(self.crank_speed)
+
+    @property
+    def log_modulus(self) -> FloatArray:
+        """Logarithm of the multipliers' moduli, (k,)."""
+        return np.asarray(self.exponent.real * self.period)
+
+    @property
+    def angle(self) -> FloatArray:
+        """Angle of the multipliers between -pi and pi, (k,)."""
+        return wrapped(self.exponent.imag * self.period)
+
+    @property
+    def growth_rate(self) -> float:
+        """Greatest of all, 1/s."""
+        return float(self.exponent.real.max())
+
+    def grows_beyond(self, error: FloatArray) -> bool:
+        """Whether a modulus exceeds one by more than errors (k,) of the logarithms."""
+        growing = np.expm1(self.log_modulus)
+        return bool(np.any(growing > error * (1 + growing)))
+
+
+def wrapped(values: FloatArray, turn: float = 2 * np.pi) -> FloatArray:
+    """Values less the whole turns in them: between minus and plus half a turn."""
+    return np.asarray(values - turn * np.round(values / turn))
+
 
 # Harmonics to either side of the largest whose share is told.
 HARMONICS = 4
@@ -219,3 +273,42 @@ def _within(natural: FloatArray, shapes: NDArray[np.complex128]) -> IntArray:
     # Of two conjugate modes round-off must not part one from the other.
     order = np.argsort(-np.round(inside / of_all, 9), kind="stable")
     return np.sort(order[: 2 * natural.shape[1]])
+
+
+def step_error(moving: VibratingLinkage, modes: KeptModes, damping: float) -> FloatArray:
+    """Change of the logarithms of multipliers (k,) when the steps are halved in number.
+
+    Steps solve a constant system exactly. What is left is the round-off of its eigenvalues:
+    machine precision times the matrix's norm, the condition of the eigenvalue and the time of a
+    turn (G. H. Golub & C. F. Van Loan, Matrix Computations, section 7.2.2).
+
+    Parameters
+    ----------
+    moving : VibratingLinkage
+    modes : KeptModes
+        Found with all steps.
+    damping : float
+        Factor on the damping, with which they were found.
+
+    Returns
+    -------
+    ndarray, shape (k,)
+    """
+    system = moving.system(damping)
+    if system.is_constant:
+        return _round_off(system, modes)
+    coarse = floquet_modes(system, modes.steps // 2)
+    log, other = modes.exponent * modes.period, coarse.exponent * coarse.period
+    gap = log - other[matched(log, other)]
+    return np.hypot(gap.real, wrapped(gap.imag))
+
+
+def _round_off(system: SampledPeriodicSystem, modes: KeptModes) -> FloatArray:
+    """Of the logarithms of a constant system's multipliers, (k,)."""
+    matrix = system.matrices(1, 0.0)[0]
+    values, left, right = scipy.linalg.eig(matrix, left=True, right=True)
+    cosine = np.abs(np.einsum("in,in->n", left.conj(), right))
+    size = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
+    error = np.finfo(float).eps * np.linalg.norm(matrix, 2) * size / cosine * system.period
+    nearest = np.abs(modes.exponent[:, None] - values).argmin(axis=1)
+    return np.asarray(error[nearest])

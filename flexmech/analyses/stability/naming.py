@@ -7,16 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.stability.band import Kind
-from flexmech.analyses.stability.engine_stability import FollowedSpeed
-from flexmech.analyses.stability.exponents import wrapped
+from flexmech.analyses.stability.engine_stability import FollowedSpeed, Kind
 from flexmech.analyses.stability.following import FollowedModes, likeness
-from flexmech.analyses.stability.kept_modes import KeptModes
+from flexmech.analyses.stability.kept_modes import KeptModes, wrapped
 from flexmech.types import FloatArray
 
-# A branch that is a smaller part of the mode that grows has no part in the band.
-# In Hz: below it lies none.
+# Of a frequency that is zero, in Hz: a positive number whose logarithm can be taken.
 TINY = 1e-300
+# A branch that is a smaller part of the mode that grows has no part in the band.
 LEAST_PART = 0.15
 # Farther from a whole multiple, relative to the crank's frequency, there is no name.
 FARTHEST = 0.25

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flexmech.analyses.damping_ratios import DAMPING_RATIO
-from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES
+from flexmech.analyses.stability.vibrating_linkage import MOST_STEPS, SHAPE_ANGLES
 from flexmech.choices import (
     KEPT_MODES,
     MAP_PRESTRESS_LEVELS,
@@ -20,7 +20,7 @@ from flexmech.errors import InputError
 from flexmech.numbers import check_choice, check_count, check_number, checked_array
 from flexmech.types import FloatArray
 
-LEAST_STEPS, MOST_STEPS = 2 * SHAPE_ANGLES, 1_000_000
+LEAST_STEPS = 2 * SHAPE_ANGLES
 
 
 @dataclass(frozen=True)

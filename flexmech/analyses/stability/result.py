@@ -11,12 +11,12 @@ import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
-from flexmech.analyses.loads_over_time import left_out_warnings
+from flexmech.analyses.datasets import table_over
+from flexmech.analyses.remarks import left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.stability import words
 from flexmech.analyses.stability.dataset import NOT_COMPUTED
 from flexmech.analyses.summary import Summary, Table
-from flexmech.analyses.tables import table_over
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -7,16 +7,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flexmech.analyses.stability.following import BranchShapes
-from flexmech.analyses.stability.kept_modes import KeptModes, kept_growth, kept_modes
-from flexmech.analyses.stability.known_equilibria import KnownEquilibria
-from flexmech.analyses.stability.speed_window import SpeedWindow, chebyshev_nodes
-from flexmech.analyses.stability.step_errors import step_error
-from flexmech.analyses.stability.turn_steps import steps_of_turn
-from flexmech.analyses.stability.vibrating_linkage import SHAPE_ANGLES, VibratingLinkage
+from flexmech.analyses.stability.kept_modes import KeptModes, kept_growth, kept_modes, step_error
+from flexmech.analyses.stability.speed_window import KnownEquilibria, SpeedWindow, chebyshev_nodes
+from flexmech.analyses.stability.vibrating_linkage import (
+    SHAPE_ANGLES,
+    VibratingLinkage,
+    steps_of_turn,
+)
 from flexmech.choices import MapPrestress, MovingFrame
 from flexmech.errors import CRANK_SPEED, ComputationError
 from flexmech.linear_system import Engine, Prestress, is_constant_turn, stressed_along_turn
-from flexmech.time_domain import (
+from flexmech.time_domain.periodic_motion import (
     MovingModes,
     NonlinearOrbit,
     SampledTurn,
@@ -58,7 +59,7 @@ class SolvedSpeed:
         A crank angle in rad at which the linkage is statically unstable.
     orbit_distance, orbit_residual : float or None
         Of the periodic motion, with prestress ``trajectory``; see
-        :class:`flexmech.time_domain.NonlinearOrbit`.
+        :class:`flexmech.time_domain.periodic_motion.NonlinearOrbit`.
     """
 
     modes: KeptModes

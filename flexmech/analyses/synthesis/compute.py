@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.provenance import versions
+from flexmech.analyses.datasets import versions
 from flexmech.analyses.synthesis.result import CrankRockerSynthesis
 from flexmech.linkages import rocker_swing, synthesize_crank_rocker, time_ratio, transmission_design
 from flexmech.numbers import POSITIVE, checked_number

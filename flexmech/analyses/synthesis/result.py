@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 
 from flexmech import plots
+from flexmech.analyses.datasets import DEGREES, table_over
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
-from flexmech.analyses.tables import DEGREES, table_over
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -16,7 +16,7 @@ from typing import Protocol
 import numpy as np
 
 from flexmech.linkages.body_motion import BodyMotion, dot
-from flexmech.linkages.planar.words import Refusal
+from flexmech.linkages.planar.bodies import Refusal
 from flexmech.types import ComplexArray, FloatArray
 
 Known = Mapping[int, BodyMotion]

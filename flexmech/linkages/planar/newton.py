@@ -16,9 +16,15 @@ from numpy.typing import NDArray
 from flexmech.errors import ComputationError, InputError
 from flexmech.linkages.body_motion import BodyMotion
 from flexmech.linkages.constraints import Constraints
-from flexmech.linkages.planar.bodies import GROUND_BODY, Bodies, GuidedPoint, SharedPoint
+from flexmech.linkages.planar.bodies import (
+    GROUND_BODY,
+    Bodies,
+    GuidedPoint,
+    Refusal,
+    SharedPoint,
+    degrees,
+)
 from flexmech.linkages.planar.drawing import Drawing
-from flexmech.linkages.planar.words import Refusal, degrees
 from flexmech.types import FloatArray
 
 Known = Callable[[FloatArray], Mapping[int, BodyMotion]]

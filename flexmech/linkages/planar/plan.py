@@ -9,11 +9,18 @@ from itertools import combinations
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, Bodies, GuidedPoint, SharedPoint
+from flexmech.linkages.planar.bodies import (
+    CRANK,
+    GROUND_BODY,
+    Bodies,
+    GuidedPoint,
+    Refusal,
+    SharedPoint,
+    degrees,
+)
 from flexmech.linkages.planar.drawing import Drawing
 from flexmech.linkages.planar.dyads import Circle, Line, Placed, SlidingBody, TwoLoci, cross
 from flexmech.linkages.planar.newton import NewtonGroup
-from flexmech.linkages.planar.words import Refusal, degrees
 
 Step = TwoLoci | SlidingBody | NewtonGroup
 # Between lines that count as parallel.

@@ -1,9 +1,5 @@
 """Diffusion of water: diffusivity, series solutions, and a numerical solution for layers."""
 
-from flexmech.materials.moisture.approximations import (
-    shen_springer_uptake,
-    short_time_uptake,
-)
 from flexmech.materials.moisture.cells import DiffusionLayer
 from flexmech.materials.moisture.diffusivity import (
     Diffusivity,
@@ -12,8 +8,12 @@ from flexmech.materials.moisture.diffusivity import (
 )
 from flexmech.materials.moisture.history import Ambient
 from flexmech.materials.moisture.numerical import MoistureHistory, diffuse, diffuse_bar
-from flexmech.materials.moisture.series import time_to_saturation
-from flexmech.materials.moisture.unit_slab import Faces
+from flexmech.materials.moisture.slab import (
+    Faces,
+    shen_springer_uptake,
+    short_time_uptake,
+    time_to_saturation,
+)
 
 __all__ = [
     "Ambient",

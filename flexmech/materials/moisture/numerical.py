@@ -9,11 +9,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flexmech.errors import InputError
-from flexmech.materials.moisture.cells import DiffusionLayer, graded, layer_mesh
+from flexmech.materials.moisture.cells import (
+    DiffusionLayer,
+    Waves,
+    graded,
+    layer_mesh,
+    side_waves,
+)
 from flexmech.materials.moisture.fluxes import Fluxes
 from flexmech.materials.moisture.history import Ambient
-from flexmech.materials.moisture.unit_slab import Faces, checked_faces
-from flexmech.materials.moisture.waves import Waves, side_waves
+from flexmech.materials.moisture.slab import (
+    Faces,
+    checked_faces,
+)
 from flexmech.types import FloatArray
 
 

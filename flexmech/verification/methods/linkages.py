@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.optimize import brentq
 
 from flexmech.errors import ComputationError, InputError
-from flexmech.hygrothermal import (
-    HygrothermalState,
-    coupler_point_in_state,
-    linkage_in_state,
-)
+from flexmech.hygrothermal import HygrothermalState, coupler_point_in_state, linkage_in_state
 from flexmech.linkages import (
     CouplerPoint,
-    CuspTransition,
+    FiniteDoublePoint,
     FourBar,
-    cusp_transitions,
+    circuit_of,
     double_points,
+    finite_double_points,
     synthesize_crank_rocker,
 )
 from flexmech.studies import published_case
 from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import example
+
+# In percent of water, to which the moisture at a cusp is solved for.
+ROUND_OFF = 1e-14
 
 
 def crunodes(
@@ -119,7 +121,7 @@ def cusp_moistures(*, models: Sequence[str], **state: float) -> FloatArray:
     -------
     ndarray, shape (n_models,)
     """
-    return np.array([_cusp(name, **state).parameter for name in models])
+    return np.array([_cusp(name, **state)[0] for name in models])
 
 
 def cusp_angles(*, models: Sequence[str], **state: float) -> FloatArray:
@@ -136,7 +138,7 @@ def cusp_angles(*, models: Sequence[str], **state: float) -> FloatArray:
     ndarray, shape (n_models,)
         In deg.
     """
-    return np.degrees([_cusp(name, **state).crank_angle for name in models])
+    return np.degrees([_cusp(name, **state)[1] for name in models])
 
 
 def _cusp(
@@ -146,8 +148,10 @@ def _cusp(
     moisture_expansion: float,
     temperature_rise: float,
     saturation: float,
-) -> CuspTransition:
+) -> tuple[float, float]:
     """The one cusp on the way from hot and dry to saturated, by the paper's one coefficient.
+
+    There the margin of a double point passes zero, and its loop vanishes.
 
     Parameters
     ----------
@@ -164,18 +168,31 @@ def _cusp(
 
     Returns
     -------
-    CuspTransition
+    float, float
+        Moisture in percent, and crank angle in rad.
     """
     linkage, point = _four_bar(name), _point(name)
-    heat = thermal_expansion * temperature_rise
-    found = cusp_transitions(
-        lambda moisture: swollen(linkage, point, heat + moisture_expansion * moisture, heat),
-        0.0,
-        saturation,
-    )
-    if len(found) != 1:
-        raise ComputationError(f"{name}: {len(found)} cusps were found where one is expected")
-    return found[0]
+    heat, circuit = thermal_expansion * temperature_rise, circuit_of(linkage)
+
+    def nodes(moisture: float) -> tuple[FiniteDoublePoint, ...]:
+        own = swollen(linkage, point, heat + moisture_expansion * moisture, heat)
+        return finite_double_points(*own)
+
+    def nearest(moisture: float, place: float) -> FiniteDoublePoint:
+        return min(nodes(moisture), key=lambda node: abs(math.remainder(node.place - place, np.pi)))
+
+    crossed = [
+        loop.place
+        for end in (0.0, saturation)
+        for loop in nodes(end)
+        if loop.lies_on(circuit) and nearest(saturation - end, loop.place).margin < 0
+    ]
+    if len(crossed) != 1:
+        raise ComputationError(f"{name}: {len(crossed)} cusps were found where one is expected")
+    (place,) = crossed
+    moisture = brentq(lambda m: nearest(m, place).margin, 0.0, saturation, xtol=ROUND_OFF)
+    one, other = (attitude.crank_angle for attitude in nearest(moisture, place).attitudes)
+    return float(moisture), one + math.remainder(other - one, 2 * np.pi) / 2
 
 
 def _four_bar(name: str) -> FourBar:

@@ -15,12 +15,13 @@ from flexmech.materials.moisture import (
     diffuse,
     time_to_saturation,
 )
-from flexmech.materials.moisture.series import (
+from flexmech.materials.moisture.slab import (
     FOURIER_OF_CHANGE,
+    diffusion_length,
     early_uptake,
+    fourier_number,
     remaining_uptake,
 )
-from flexmech.materials.moisture.unit_slab import diffusion_length, fourier_number
 from flexmech.types import FloatArray
 
 THICKNESS, DIFFUSIVITY = 2e-3, 1e-12

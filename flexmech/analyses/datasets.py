@@ -1,0 +1,172 @@
+"""Labelled datasets of results: where they come from, units of their variables, and tables."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Sequence
+from functools import cache
+from importlib import resources
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from numpy.typing import NDArray
+
+from flexmech.linear_system import Engine
+from flexmech.linkages import RigidMotion
+from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
+
+
+@cache
+def _version(package: str) -> str:
+    return version(package)
+
+
+def origin(mechanism: Mechanism, *packages: str) -> dict[str, str | int]:
+    """Attributes that tell a mechanism, its model file, and the versions of packages."""
+    source = mechanism.provenance
+    return {
+        "mechanism": source.name,
+        "source": source.source,
+        "model_file": source.file,
+        "model_sha256": source.sha256,
+        "model_text": source.text,
+        **versions(*packages),
+    }
+
+
+def versions(*packages: str) -> dict[str, str]:
+    """Attributes that tell the versions of flexmech, of what it computes with, and of packages."""
+    return {f"{name}_version": _version(name) for name in ("flexmech", "numpy", "scipy", *packages)}
+
+
+def provenance(engines: Sequence[Engine]) -> dict[str, str | int]:
+    """Attributes of a result of engines, all of one mechanism."""
+    packages = ["exudyn"] if any(e.name == "exudyn" for e in engines) else []
+    return {**origin(engines[0].mechanism, *packages), "elements": engines[0].elements}
+
+
+@cache
+def _variables(question: str) -> dict[str, list[str]]:
+    text = resources.files("flexmech.analyses").joinpath("variables.toml").read_text("utf-8")
+    known = tomllib.loads(text)
+    return {**known["common"], **known[question]}
+
+
+def with_units(dataset: xr.Dataset, question: str) -> xr.Dataset:
+    """The dataset, each of its variables with its unit and what it is in words.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Changed in place.
+    question : str
+        Folder of the analysis: a table of ``variables.toml``.
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    for name, (unit, long_name) in _variables(question).items():
+        if name in dataset.variables:
+            dataset[name].attrs.update(units=unit, long_name=long_name)
+    return dataset
+
+
+DEGREES = math.degrees(1.0)
+"""In a radian."""
+
+
+def table_over(*dims: str, **columns: xr.DataArray) -> pd.DataFrame:
+    """Variables side by side, with a row for each combination of indices, the last one fastest.
+
+    A zero has no sign.
+
+    Examples
+    --------
+    >>> time = xr.DataArray([0.0, 1.0], dims="time")
+    >>> link = xr.DataArray(["crank", "rocker"], dims="link")
+    >>> table_over("link", "time", link=link, time_s=time)["link"].tolist()
+    ['crank', 'crank', 'rocker', 'rocker']
+    """
+    arrays = xr.broadcast(*(column.drop_vars(column.coords) for column in columns.values()))
+    values = (_unsigned_zeros(array.transpose(*dims).values.ravel()) for array in arrays)
+    return pd.DataFrame(dict(zip(columns, values, strict=True)))
+
+
+def _unsigned_zeros(values: NDArray[Any]) -> NDArray[Any]:
+    """The same, with 0 in the place of -0; what is no number stays."""
+    return values + 0.0 if values.dtype.kind == "f" else values
+
+
+def rigid_positions(engine: Engine, motion: RigidMotion) -> FloatArray:
+    """Stations of the undeformed links in ground axes.
+
+    Parameters
+    ----------
+    engine : Engine
+        Whose stations they are.
+    motion : RigidMotion
+        Batch of shape (B,).
+
+    Returns
+    -------
+    ndarray, shape (B, n_links, n_stations, 2)
+        In m.
+    """
+    parts = []
+    for number, (link, body) in enumerate(
+        zip(engine.links, engine.mechanism.linkage.topology.links, strict=True)
+    ):
+        places = np.linspace(0.0, body.length, len(link.shape))
+        parts.append(np.stack([motion.position(number, float(x)) for x in places], axis=1))
+    return np.stack(parts, axis=1)
+
+
+def attributes_of(owner: object, *names: str) -> dict[str, Any]:
+    """Some attributes of an object by their names, as those of a dataset."""
+    return {name: getattr(owner, name) for name in names}
+
+
+def complex_parts(
+    name: str, dims: tuple[str, ...], values: NDArray[Any]
+) -> dict[str, tuple[tuple[str, ...], FloatArray]]:
+    """Variables for the real and the imaginary part: files hold real numbers alone.
+
+    Parameters
+    ----------
+    name : str
+        Of the variables, without ``_real`` and ``_imag``.
+    dims : tuple of str
+    values : ndarray of complex
+
+    Returns
+    -------
+    dict of str to tuple
+    """
+    return {f"{name}_real": (dims, values.real), f"{name}_imag": (dims, values.imag)}
+
+
+def padded(rows: Sequence[FloatArray], size: int) -> FloatArray:
+    """Arrays whose last axes differ in length in one, NaN beyond their ends.
+
+    Parameters
+    ----------
+    rows : sequence of ndarray, shape (..., k)
+        k differs from one to the next.
+    size : int
+        Of the last axis.
+
+    Returns
+    -------
+    ndarray, shape (n, ..., size)
+    """
+    kind = np.result_type(float, *rows)
+    table = np.full((len(rows), *rows[0].shape[:-1], size), np.nan * np.ones(1, kind)[0], kind)
+    for place, row in zip(table, rows, strict=True):
+        place[..., : row.shape[-1]] = row
+    return table

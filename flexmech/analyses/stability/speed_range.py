@@ -1,0 +1,133 @@
+"""A range of crank speeds: those without equilibrium, and windows as narrow as is needed."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from flexmech.analyses.stability.solver import LinkageSolver
+from flexmech.analyses.stability.speed_window import NODES, SpeedWindow
+from flexmech.errors import ComputationError
+from flexmech.linear_system.position_errors import RefusedPositionsError
+from flexmech.types import FloatArray
+
+TURN = np.radians(np.arange(0.0, 360.0, 15.0))
+
+
+def speeds_without_equilibrium(
+    solver: LinkageSolver, speeds: Sequence[float]
+) -> dict[float, ComputationError]:
+    """Speeds without equilibrium, and why.
+
+    The fastest speed is looked at all around. Where it fails, the slower ones are looked at where
+    it failed, and so on with the fastest that is left, until one stands. A speed below that may
+    still fail when it is solved for.
+
+    Parameters
+    ----------
+    solver : LinkageSolver
+    speeds : sequence of float
+        rad/s, by increasing size.
+
+    Returns
+    -------
+    dict of float to ComputationError
+    """
+    refused: dict[float, ComputationError] = {}
+    left = list(speeds)
+    while left:
+        failure = _failure(solver, left[-1], TURN)
+        if failure is None:
+            break
+        refused[left.pop()] = failure
+        if not isinstance(failure, RefusedPositionsError) or not len(failure.crank_angles):
+            continue
+        angles = failure.crank_angles[[0, -1]]
+        found = {speed: _failure(solver, speed, angles) for speed in left}
+        refused |= {speed: error for speed, error in found.items() if error is not None}
+        left = [speed for speed in left if found[speed] is None]
+    return refused
+
+
+def _failure(
+    solver: LinkageSolver, crank_speed: float, crank_angle: FloatArray
+) -> ComputationError | None:
+    motion = solver.engine.mechanism.linkage.motion(crank_angle, crank_speed)
+    try:
+        solver.engine.stressed_links(motion, solver.quasi_static)
+    except ComputationError as error:
+        return error
+    return None
+
+
+logger = logging.getLogger(__name__)
+
+# Width of windows over the lowest natural frequency, least relative width, and the relative error
+# of the system's matrix by interpolation.
+WINDOW = 1 / 40
+NARROWEST = 0.02
+WINDOW_TOLERANCE = 1e-6
+
+
+def window_ends(speeds: Sequence[float], lowest: float) -> list[tuple[float, float]]:
+    """Ends of the windows to try first; the fastest, which take longest, come first.
+
+    Parameters
+    ----------
+    speeds : sequence of float
+        rad/s, of one sign.
+    lowest : float
+        Lowest natural frequency in rad/s.
+
+    Returns
+    -------
+    list of tuple of float
+    """
+    low, high = min(speeds), max(speeds)
+    count = int(np.ceil((high - low) / (WINDOW * lowest)))
+    ends = list(pairwise(np.linspace(low, high, count + 1).tolist()))
+    return sorted(ends, key=lambda pair: -abs(sum(pair)))
+
+
+def windows_are_cheaper(speeds: Sequence[float], lowest: float) -> bool:
+    """Whether windows have fewer nodes than there are speeds."""
+    return NODES * len(window_ends(speeds, lowest)) < len(speeds)
+
+
+def narrow_windows(solver: LinkageSolver, ends: tuple[float, float]) -> list[SpeedWindow]:
+    """Windows between two speeds, as narrow as interpolation needs them.
+
+    None is left where there is no equilibrium, or where it changes too fast: there each speed is
+    solved for by itself.
+
+    Parameters
+    ----------
+    solver : LinkageSolver
+    ends : tuple of float
+        rad/s.
+
+    Returns
+    -------
+    list of SpeedWindow
+    """
+    low, high = ends
+    try:
+        window = solver.window(low, high)
+    except ComputationError as refusal:
+        logger.info("no window from %g to %g rad/s: %s", low, high, refusal)
+    else:
+        if window.error <= WINDOW_TOLERANCE:
+            return [window]
+    if high - low < NARROWEST * abs(high):
+        return []
+    middle = (low + high) / 2
+    return [*narrow_windows(solver, (low, middle)), *narrow_windows(solver, (middle, high))]
+
+
+def joined_windows(opened: Sequence[Sequence[SpeedWindow]]) -> tuple[SpeedWindow, ...]:
+    """All windows of :func:`narrow_windows`, by increasing speed."""
+    windows = [window for some in opened for window in some]
+    return tuple(sorted(windows, key=lambda window: window.low))

@@ -1,0 +1,275 @@
+"""Lobatto's collocation methods IIIA: the trapezoidal rule, and that of three stages.
+
+Of two stages, the trapezoidal rule is Newmark's average-acceleration method (Newmark 1959, beta =
+1/4, gamma = 1/2): second order, unconditionally stable, no numerical damping. The equations of
+motion hold at every step::
+
+    (M + h/2 C + h^2/4 K) a1 = f - C (v + h/2 a) - K (z + h v + h^2/4 a)
+
+All matrices of a block of steps are solved at once; what is left to do one after another is
+a matrix-vector product a step. It leads from the last two predictions of the position to the
+next one, of which everything else is a central difference or mean::
+
+    z'[k] = z[k] + h v[k] + h^2/4 a[k],  h v[k] = (z'[k] - z'[k-2]) / 2,
+    h^2 a[k] = z'[k] - 2 z'[k-1] + z'[k-2],  z[k] = (z'[k] + 2 z'[k-1] + z'[k-2]) / 4
+
+Of three stages, the equations hold at the start, the middle and the end of a double step of length
+H = 2 h; in between z' and z'' are parabolas. Fourth order, stable for any step, no numerical
+damping (Ehle 1969; Hairer & Wanner, *Solving Ordinary Differential Equations II*, 1996, sec. IV.5);
+for a load alone this is Simpson's rule. With the products ``H z'`` and ``H^2 z''``, the stages i =
+middle, end are::
+
+    H z'_i = H z'_0 + a_i0 H^2 z''_0 + sum_j a_ij H^2 z''_j
+       z_i = z_0 + c_i H z'_0 + b_i0 H^2 z''_0 + sum_j b_ij H^2 z''_j,   b = a a
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from flexmech.types import FloatArray
+
+# Coefficients a of start, middle and end.
+_WHOLE = np.array([[0, 0, 0], [5 / 24, 8 / 24, -1 / 24], [4 / 24, 16 / 24, 4 / 24]])
+STAGES = 2
+# What ends and middles count in an integral over many double steps, over h.
+WEIGHTS = (2 / 3, 4 / 3)
+# By how much H^2 z'' of the stages moves H z' and z there.
+RATE, POSITION = _WHOLE[1:, 1:], (_WHOLE @ _WHOLE)[1:, 1:]
+_ACCELERATION = np.linalg.inv(POSITION)
+# By how much z of the stages moves H z' there.
+RATE_BY_POSITION = RATE @ _ACCELERATION
+_EARLIER_POSITION = np.column_stack([np.ones(2), _WHOLE.sum(axis=1)[1:], (_WHOLE @ _WHOLE)[1:, 0]])
+_EARLIER_RATE = np.column_stack([np.zeros(2), np.ones(2), _WHOLE[1:, 0]])
+# What z, H z' and H^2 z'' at the start alone make of z and H z' at the middle, then at the end.
+PREDICTION = np.stack([_EARLIER_POSITION, _EARLIER_RATE], axis=1).reshape(4, 3)
+# From z, H z', H^2 z'' at the start and z of both stages to z, H z', H^2 z'' at both stages.
+MARCH_ON = np.stack(
+    [
+        np.hstack([np.zeros((2, 3)), np.eye(2)]),
+        np.hstack([_EARLIER_RATE - RATE_BY_POSITION @ _EARLIER_POSITION, RATE_BY_POSITION]),
+        np.hstack([-_ACCELERATION @ _EARLIER_POSITION, _ACCELERATION]),
+    ],
+    axis=1,
+)
+
+
+@dataclass(frozen=True)
+class VibrationState:
+    """Independent coordinates z, z', z'' of a driven linkage; see each use for the shapes."""
+
+    position: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+
+    def __getitem__(self, where: int | slice) -> VibrationState:
+        """The same at some of the instants."""
+        return VibrationState(self.position[where], self.velocity[where], self.acceleration[where])
+
+
+@dataclass(frozen=True)
+class EquationsOfMotion:
+    """Equations of motion ``M z'' + C z' + K z = f`` at m instants.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : ndarray, shape (m, n, n)
+    force : ndarray, shape (m, n)
+    """
+
+    mass: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+    force: FloatArray
+
+    def quasi_static(self, held: Sequence[int] = ()) -> FloatArray:
+        """Displacement z that the loads would cause if nothing moved, (m, n).
+
+        Parameters
+        ----------
+        held : sequence of int
+            Coordinates that stay where they are.
+
+        Returns
+        -------
+        ndarray, shape (m, n)
+        """
+        moved = np.setdiff1d(np.arange(self.force.shape[1]), held)
+        position = np.zeros_like(self.force)
+        stiffness = self.stiffness[:, moved[:, None], moved]
+        position[:, moved] = np.linalg.solve(stiffness, self.force[:, moved, None])[..., 0]
+        return position
+
+
+@dataclass(frozen=True)
+class StepOperators:
+    """What leads to the next prediction in each of m steps.
+
+    ``z'[k] = advance @ [z'[k-2]; z'[k-1]] + forced``.
+
+    Parameters
+    ----------
+    step : float
+        Time step h in s.
+    advance : ndarray, shape (m, n, 2 n)
+    forced : ndarray, shape (m, n)
+    """
+
+    step: float
+    advance: FloatArray
+    forced: FloatArray
+
+    def __getitem__(self, where: slice) -> StepOperators:
+        """Those of some of the steps."""
+        return StepOperators(self.step, self.advance[where], self.forced[where])
+
+
+def initial_state(
+    equations: EquationsOfMotion, position: FloatArray, velocity: FloatArray
+) -> VibrationState:
+    """State whose acceleration satisfies the first of the equations of motion.
+
+    Parameters
+    ----------
+    equations : EquationsOfMotion
+    position, velocity : ndarray, shape (n,) or (n, k)
+
+    Returns
+    -------
+    VibrationState
+    """
+    force = equations.force[0] if position.ndim == 1 else equations.force[0][:, None]
+    rest = force - equations.damping[0] @ velocity - equations.stiffness[0] @ position
+    return VibrationState(position, velocity, np.linalg.solve(equations.mass[0], rest))
+
+
+def step_operators(equations: EquationsOfMotion, step: float) -> StepOperators:
+    """Solve the effective mass matrix ``M + h/2 C + h^2/4 K`` of each step.
+
+    Parameters
+    ----------
+    equations : EquationsOfMotion
+        At the ends of m steps.
+    step : float
+        In s.
+
+    Returns
+    -------
+    StepOperators
+    """
+    mass, damping, stiffness = equations.mass, equations.damping, equations.stiffness
+    effective = mass + step / 2 * damping + step**2 / 4 * stiffness
+    size = mass.shape[-1]
+    right = [damping / step, stiffness, equations.force[..., None]]
+    solved = np.linalg.solve(effective, step**2 * np.concatenate(right, axis=-1))
+    # The predicted velocity is the difference of the last two predictions.
+    by_velocity, by_position = solved[..., :size], solved[..., size : 2 * size]
+    advance = np.concatenate([by_velocity, -by_velocity - by_position], axis=-1)
+    place = np.arange(size)
+    advance[:, place, place] -= 1.0
+    advance[:, place, size + place] += 2.0
+    return StepOperators(step, advance, np.asarray(solved[..., 2 * size]))
+
+
+def predicted(state: VibrationState, step: float) -> FloatArray:
+    """The two predictions that a state of shape (...) leaves, the last one second; (2, ...)."""
+    half = step * state.velocity + step**2 / 2 * state.acceleration
+    whole = state.position + step * state.velocity + step**2 / 4 * state.acceleration
+    return np.stack([whole - half, whole])
+
+
+def consecutive(prediction: FloatArray) -> FloatArray:
+    """Each two predictions that follow each other, one below the other, as a view.
+
+    Parameters
+    ----------
+    prediction : ndarray, shape (m, n) or (m, n, k)
+
+    Returns
+    -------
+    ndarray, shape (m - 1, 2 n) or (m - 1, 2 n, k)
+    """
+    size = prediction.shape[1]
+    stacked = prediction.reshape(-1, *prediction.shape[2:])
+    return np.moveaxis(sliding_window_view(stacked, 2 * size, axis=0)[::size], -1, 1)
+
+
+def settled(start: VibrationState, prediction: FloatArray, step: float) -> VibrationState:
+    """The states of a start and of m steps.
+
+    Parameters
+    ----------
+    start : VibrationState
+        Arrays of shape (...).
+    prediction : ndarray, shape (m + 2, ...)
+        Two that the start leaves, and one of each step.
+    step : float
+        In s.
+
+    Returns
+    -------
+    VibrationState
+        Arrays of shape (m + 1, ...).
+    """
+    before, now, after = prediction[:-2], prediction[1:-1], prediction[2:]
+    mean, difference = (before + after) / 2, (after - before) / 2
+    states = (
+        (start.position, (mean + now) / 2),
+        (start.velocity, difference / step),
+        (start.acceleration, (mean - now) * (2 / step**2)),
+    )
+    return VibrationState(*(np.concatenate([first[None], rest]) for first, rest in states))
+
+
+def march(operators: StepOperators, state: VibrationState) -> VibrationState:
+    """Take all steps from a state.
+
+    Parameters
+    ----------
+    operators : StepOperators
+        Of m steps.
+    state : VibrationState
+        Arrays of shape (n,), or (n, k) for k motions at once.
+
+    Returns
+    -------
+    VibrationState
+        Arrays of shape (m + 1, n) or (m + 1, n, k), the given state first.
+    """
+    steps, size = operators.forced.shape
+    tail = state.position.shape[1:]
+    forced = operators.forced.reshape(steps, size, *(1,) * len(tail))
+    prediction = np.empty((steps + 2, size, *tail))
+    prediction[:2] = predicted(state, operators.step)
+    # Everything that a step needs is laid out before: what is left are a product and a sum.
+    for last_two, advance, force, new in zip(
+        consecutive(prediction), operators.advance, forced, prediction[2:], strict=False
+    ):
+        advance.dot(last_two, new)
+        np.add(new, force, new)
+    return settled(state, prediction, operators.step)
+
+
+def parabolic_work(step: float, power: FloatArray) -> FloatArray:
+    """Integral of powers from the first instant on, by the parabola through each double step.
+
+    Parameters
+    ----------
+    step : float
+        h in s, between instants.
+    power : ndarray, shape (k, 2 m + 1)
+
+    Returns
+    -------
+    ndarray, shape (k, 2 m + 1)
+    """
+    three = np.stack([power[:, :-2:2], power[:, 1::2], power[:, 2::2]])
+    middle, end = np.tensordot(2 * step * _WHOLE[1:], three, 1)
+    work = np.zeros_like(power)
+    np.cumsum(end, axis=1, out=work[:, 2::2])
+    work[:, 1::2] = work[:, :-2:2] + middle
+    return work

@@ -1,0 +1,292 @@
+"""Multipliers and modes of a product of many matrices, however far apart they are.
+
+Multiplied together, the transition matrices of a whole period lose what decays fast beside what
+does not: of a multiplier of ``exp(-24 * 2 pi)`` beside one of 1 nothing is left. So they stay
+short, and are brought to triangular form one after the other::
+
+    G_k Q_(k-1) = Q_k R_k
+
+Where the multipliers come in groups that are far apart, the columns of Q_k tend to the subspaces
+of these groups as the turns go by, the strongest group first (orthogonal iteration; this is the
+periodic Schur form of A. Bojanczyk, G. H. Golub & P. Van Dooren, SPIE 1770 (1992) 31-42, in blocks
+of comparable size). The multipliers of a group are the eigenvalues of the product of its blocks on
+the diagonals of R_k alone. The modes follow backwards in time, where what is weak is not lost
+beside what is strong.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from flexmech.dynamical_systems.periodic_system import matrix_exponentials
+from flexmech.errors import ComputationError
+from flexmech.types import FloatArray
+
+# Logarithm of how far apart the multipliers, and singular values, of one short transition matrix
+# may be: twelve digits of the weakest remain.
+SHORT = 8.0
+# Groups part where the logarithms of neighbouring moduli are this far apart, and where they are
+# less far apart if a group would be wider than that from its strongest to its weakest mode: of
+# the weakest, ten digits remain.
+GROUPS_APART = 4.0
+WIDEST = 12.0
+PARTED = 1e-11
+# Turns that groups take to show, and how many times what their distance asks for they may take.
+FIRST_TURNS = 20
+PATIENCE = 3.0
+# Of a step, to which damping ratios far above one lead.
+MOST_PARTS = 1024
+
+
+def short_products(exponent: FloatArray, spread: float) -> tuple[FloatArray, FloatArray]:
+    """Transition matrices of a period in rows so short that no product loses a weak multiplier.
+
+    A step that is too long for itself is taken in parts: its matrix is the power of another one.
+
+    Parameters
+    ----------
+    exponent : ndarray, shape (N, n, n)
+        Logarithms of the transition matrices of the steps.
+    spread : float
+        By how much the logarithms of the multipliers differ by damping alone. Where vibrations
+        grow, rows are halved on.
+
+    Returns
+    -------
+    ndarray, shape (K, m, n, n)
+        K rows of m matrices each.
+    ndarray, shape (K, n, n)
+        Their products.
+
+    Raises
+    ------
+    ComputationError
+        If modes grow or decay too far within one step.
+    """
+    steps = len(exponent)
+    matrices = matrix_exponentials(exponent)
+    divisors = [n for n in range(1, steps + 1) if steps % n == 0]
+    wanted, count = max(1, int(np.ceil(spread / SHORT))), 0
+    while count < steps:
+        count = next((n for n in divisors if n >= wanted), steps)
+        chunks = matrices.reshape(count, steps // count, *matrices.shape[1:])
+        # Steps far longer than a vibration's period can let it grow beyond all numbers.
+        with np.errstate(over="ignore", invalid="ignore"):
+            products = chunk_products(chunks)
+        if _log_condition(products) <= SHORT:
+            return chunks, products
+        wanted = 2 * count
+    parts = 1
+    while parts < MOST_PARTS:
+        parts *= 2
+        split = matrix_exponentials(exponent / parts)
+        if _log_condition(split) <= SHORT:
+            products = np.repeat(split, parts, axis=0)
+            return products[:, None], products
+    raise ComputationError(
+        f"modes grow or die out too far within one of {steps} steps a turn; take more steps"
+    )
+
+
+def _log_condition(matrices: FloatArray) -> float:
+    """Logarithm of the greatest ratio of a matrix's singular values."""
+    if not np.isfinite(matrices).all():
+        return np.inf
+    with np.errstate(divide="ignore"):
+        return float(np.log(np.linalg.cond(matrices).max()))
+
+
+def chunk_products(chunks: FloatArray) -> FloatArray:
+    """Product of each row of matrices, the first rightmost.
+
+    Parameters
+    ----------
+    chunks : ndarray, shape (K, m, n, n)
+
+    Returns
+    -------
+    ndarray, shape (K, n, n)
+    """
+    while chunks.shape[1] > 1:
+        even = chunks.shape[1] // 2 * 2
+        paired = chunks[:, 1:even:2] @ chunks[:, 0:even:2]
+        chunks = np.concatenate([paired, chunks[:, even:]], axis=1)
+    return np.asarray(chunks[:, 0])
+
+
+@dataclass(frozen=True)
+class PeriodicSchurForm:
+    """``G_k Q_(k-1) = Q_k R_k`` over a period after which the groups of columns return.
+
+    Parameters
+    ----------
+    bases : ndarray, shape (K + 1, n, n)
+        Q_0 to Q_K.
+    factors : ndarray, shape (K, n, n)
+        R_1 to R_K.
+    seam : ndarray, shape (n, n)
+        ``Q_0' Q_K``, block diagonal.
+    groups : list of slice
+    apart : float
+        By how much the logarithms of the moduli of neighbouring groups differ at the least.
+    """
+
+    bases: FloatArray
+    factors: FloatArray
+    seam: FloatArray
+    groups: list[slice]
+    apart: float
+
+
+def periodic_schur_form(matrices: FloatArray) -> PeriodicSchurForm:
+    """Periodic Schur form of K matrices in groups of columns.
+
+    Parameters
+    ----------
+    matrices : ndarray, shape (K, n, n)
+        G_1 to G_K.
+
+    Returns
+    -------
+    PeriodicSchurForm
+
+    Raises
+    ------
+    ComputationError
+        If the multipliers do not part into groups.
+    """
+    size = matrices.shape[1]
+    # A general start: an invariant subspace of weak modes would stay before the strong ones.
+    start = scipy.linalg.qr(np.random.default_rng(0).normal(size=(size, size)))[0]
+    growth: list[FloatArray] = []
+    turns, most_turns = 0, 1.0 * FIRST_TURNS
+    while turns < most_turns:
+        turns += 1
+        bases, factors = _iterated(matrices, start)
+        seam = bases[0].T @ bases[-1]
+        growth.append(np.log(np.abs(np.einsum("kii->ki", factors))).sum(axis=0))
+        # Over one turn columns of a group grow and shrink; on the average they do as its modes.
+        logs = np.mean(growth[turns // 2 :], axis=0)
+        groups = _groups(logs)
+        edges = [group.start for group in groups[1:]]
+        apart = min((_fall(logs, edge) for edge in edges), default=np.inf)
+        closed = all(np.abs(seam[edge:, :edge]).max() <= PARTED for edge in edges)
+        if closed and all(np.ptp(logs[group]) <= WIDEST for group in groups):
+            return PeriodicSchurForm(bases, factors, seam, groups, apart)
+        most_turns = FIRST_TURNS - PATIENCE * np.log(PARTED) / apart
+        start = bases[-1]
+    raise ComputationError(
+        "the Floquet multipliers do not part into groups; take more steps, or less damping"
+    )
+
+
+def _iterated(matrices: FloatArray, start: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Bases Q_0 to Q_K and factors R_1 to R_K of one turn."""
+    count, size, _ = matrices.shape
+    bases, factors = np.empty((count + 1, size, size)), np.empty((count, size, size))
+    bases[0] = start
+    # The routines behind scipy.linalg.qr, whose checks take longer than small matrices do.
+    for k, matrix in enumerate(matrices):
+        packed, reflectors, _, _ = scipy.linalg.lapack.dgeqrf(matrix @ bases[k])
+        factors[k] = packed
+        bases[k + 1] = scipy.linalg.lapack.dorgqr(packed, reflectors)[0]
+    return bases, np.triu(factors)
+
+
+def _fall(logs: FloatArray, edge: int) -> float:
+    """By how much all columns before a place have grown more than all after it."""
+    return float(logs[:edge].min() - logs[edge:].max())
+
+
+def _groups(logs: FloatArray) -> list[slice]:
+    """Columns in groups that part far enough, or as far as they do where a group is wide."""
+    size = len(logs)
+    falls = np.array([np.inf, *(_fall(logs, edge) for edge in range(1, size))])
+    pending = [slice(a, b) for a, b in pairwise([*np.flatnonzero(falls > GROUPS_APART), size])]
+    groups: list[slice] = []
+    while pending:
+        group = pending.pop(0)
+        inner = falls[group.start + 1 : group.stop]
+        if np.ptp(logs[group]) <= WIDEST or inner.max() <= 0:
+            groups.append(group)
+        else:
+            edge = group.start + 1 + int(inner.argmax())
+            pending[:0] = [slice(group.start, edge), slice(edge, group.stop)]
+    return groups
+
+
+def block_eigenvalues(
+    form: PeriodicSchurForm,
+) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Eigenvalues of the product ``G_K ... G_1``, group by group.
+
+    Parameters
+    ----------
+    form : PeriodicSchurForm
+
+    Returns
+    -------
+    ndarray of complex, shape (n,)
+        Logarithms of the multipliers.
+    ndarray of complex, shape (n, n)
+        Eigenvectors of their groups' diagonal blocks.
+    """
+    size = len(form.seam)
+    logs = np.zeros(size, dtype=complex)
+    vectors = np.zeros((size, size), dtype=complex)
+    for group in form.groups:
+        product, scale = np.eye(group.stop - group.start), 0.0
+        for factor in form.factors:
+            product = factor[group, group] @ product
+            largest = np.abs(product).max()
+            product, scale = product / largest, scale + np.log(largest)
+        values, vectors[group, group] = np.linalg.eig(form.seam[group, group] @ product)
+        logs[group] = np.log(values.astype(complex)) + scale
+    return logs, vectors
+
+
+def modes_backwards(
+    form: PeriodicSchurForm, log: NDArray[np.complex128], vectors: NDArray[np.complex128]
+) -> NDArray[np.complex128]:
+    """Shapes of the modes at the starts of the K matrices.
+
+    Backwards a mode outgrows those that are stronger than it, to which its own group's columns
+    and those before them are open; after some turns its share in them is what it must be.
+
+    Parameters
+    ----------
+    form : PeriodicSchurForm
+    log : ndarray of complex, shape (n,)
+    vectors : ndarray of complex, shape (n, n)
+        Both of :func:`block_eigenvalues`.
+
+    Returns
+    -------
+    ndarray of complex, shape (K, n, n)
+        Modes in columns.
+    """
+    count = len(form.factors)
+    back = np.exp(log / count)
+    # Round-off would put strong modes into weaker columns, which grow most backwards.
+    seam, stronger = np.zeros_like(form.seam), np.zeros(vectors.shape, dtype=bool)
+    for group in form.groups:
+        seam[group, group] = form.seam[group, group].T
+        stronger[: group.start, group] = True
+    shapes = np.zeros((count, *vectors.shape), dtype=complex)
+    forgotten = -np.log(np.finfo(float).eps) / form.apart
+    for _ in range(2 + int(np.ceil(forgotten)) if len(form.groups) > 1 else 1):
+        coordinates = seam @ np.where(stronger, shapes[0], vectors)
+        for k in range(count - 1, -1, -1):
+            # Real and imaginary parts by the routine behind scipy.linalg.solve_triangular.
+            solved = scipy.linalg.lapack.dtrtrs(form.factors[k], coordinates.view(float))[0]
+            coordinates = back * np.ascontiguousarray(solved).view(complex)
+            shapes[k] = coordinates
+    shapes = form.bases[:-1] @ shapes
+    size = np.linalg.norm(shapes[0], axis=0)
+    # A mode that dies away beyond the least number within a turn has no shape left.
+    return np.asarray(shapes / np.where(size > 0, size, 1.0))

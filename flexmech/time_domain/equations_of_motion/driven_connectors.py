@@ -1,0 +1,378 @@
+"""Loads and springs on the links of a driven linkage.
+
+Their forces are linear in the elastic displacement about the rigid motion, as the equations of
+the links are: a spring keeps to second order what it stores
+(:class:`flexmech.linear_system.Connectors`). What changes smoothly with the crank angle belongs
+to the matrices and forces that a time step interpolates between positions. Loads over a table of
+crank angles or of times have kinks there: they are unit forces with a history that every step
+knows exactly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flexmech.errors import InputError
+from flexmech.linear_system import (
+    AttachedPoint,
+    Connectors,
+    Engine,
+    LinkFrames,
+    Push,
+    RotationTerms,
+    SystemMatrices,
+)
+from flexmech.linkages import CrankDrive, Load, RigidMotion, continuous_angles
+from flexmech.linkages.applied_forces import SpringLine
+from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
+
+LinkMotion = Sequence[tuple[FloatArray, FloatArray, FloatArray]]
+
+
+@dataclass(frozen=True)
+class ConnectorWork:
+    """Energy of springs in J, power that dampers take and loads give in W; each (m,)."""
+
+    stored: FloatArray
+    dissipation: FloatArray
+    power: FloatArray
+
+
+def connector_work(
+    mechanism: Mechanism,
+    connectors: Connectors,
+    motion: RigidMotion,
+    elastic: Sequence[tuple[FloatArray, ...]],
+    power: FloatArray,
+) -> ConnectorWork:
+    """Energy and power at m instants, by where the ends of the springs are.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    connectors : Connectors
+        Of the links whose coordinates are given.
+    motion : RigidMotion
+        Batch of shape (m,).
+    elastic : sequence of tuple of ndarray, shape (m, n_link)
+        Displacement and rate in the frame of each link.
+    power : ndarray, shape (m,)
+        That loads give.
+
+    Returns
+    -------
+    ConnectorWork
+    """
+    stored, dissipation = np.zeros((2, len(motion.crank_angle)))
+    topology = mechanism.linkage.topology
+    size = max(link.length for link in topology.links)
+
+    def moved(point: AttachedPoint | None) -> tuple[FloatArray, FloatArray]:
+        """Displacement and its rate in ground axes, and rotation; (m, 3) each."""
+        if point is None:
+            return np.zeros((2, 1, 3))[0], np.zeros((1, 3))
+        q, rate = elastic[point.link][:2]
+        return point.displacement(motion, q), point.displacement_rate(motion, q, rate)
+
+    for spring in mechanism.springs:
+        first, second = connectors.spring_ends(spring, motion)
+        (before, drift), (after, drifting) = moved(first.point), moved(second.point)
+        line = SpringLine.of(
+            spring,
+            motion.crank_angle,
+            (first.place + before[:, :2], second.place + after[:, :2]),
+            (first.velocity + drift[:, :2], second.velocity + drifting[:, :2]),
+            size,
+            needs_direction=False,
+        )
+        stored += spring.stiffness * (line.length - spring.free_length) ** 2 / 2
+        dissipation += spring.damping * line.rate**2
+    if not mechanism.joint_springs:
+        return ConnectorWork(stored, dissipation, power)
+    angles = continuous_angles(mechanism.linkage, motion)
+    for own in mechanism.joint_springs:
+        second_point, first_point = connectors.joint_points(own)
+        (before, drift), (after, drifting) = moved(first_point), moved(second_point)
+        apart, parting = after - before, drifting - drift
+        opening = apart[:, 2] + topology.opening(own.joint, angles) - own.free_angle
+        rate = parting[:, 2] + topology.opening(own.joint, motion.angular_velocity)
+        stored += own.torsional_stiffness * opening**2 / 2
+        dissipation += own.torsional_damping * rate**2
+        if own.radial_stiffness is not None:
+            stored += own.radial_stiffness * np.sum(apart[:, :2] ** 2, axis=1) / 2
+            dissipation += own.radial_damping * np.sum(parting[:, :2] ** 2, axis=1)
+    return ConnectorWork(stored, dissipation, power)
+
+
+@dataclass(frozen=True)
+class ActingForces:
+    """Forces of loads and springs on m instants of a moving linkage.
+
+    Parameters
+    ----------
+    shapes : list of ndarray, shape (m, n_link)
+        On the coordinates of each link, without what joints with radial springs carry.
+    fields : list of ndarray, shape (m, 4)
+        On the rigid fields of each link, likewise.
+    virtual_power : ndarray, shape (m,)
+        Of all of them as the linkage turns at unit crank speed, displaced as it is.
+    work : ConnectorWork
+    """
+
+    shapes: list[FloatArray]
+    fields: list[FloatArray]
+    virtual_power: FloatArray
+    work: ConnectorWork
+
+
+class DrivenConnectors:
+    """Loads and springs of a linkage under a drive.
+
+    Parameters
+    ----------
+    engine : Engine
+    frames : LinkFrames
+        Of the reduced links.
+    drive : CrankDrive
+    """
+
+    def __init__(self, engine: Engine, frames: LinkFrames, drive: CrankDrive) -> None:
+        mechanism = engine.mechanism
+        self._mechanism, self._frames, self._drive = mechanism, frames, drive
+        self._all = Connectors(mechanism, frames.links)
+        tables = tuple(load for load in mechanism.loads if load.over != "constant")
+        self.winds = _winds(engine)
+        # A follower load that varies changes the stiffness; a spring that is wound up never
+        # comes back: nothing of them is interpolated.
+        self.is_interpolated = not (self.winds or any(load.axes == "link" for load in tables))
+        self._tables: tuple[tuple[Load, int], ...] = ()
+        self._smooth = self._all
+        if self.is_interpolated:
+            constant = tuple(load for load in mechanism.loads if load.over == "constant")
+            self._smooth = Connectors(replace(mechanism, loads=constant), frames.links)
+            self._tables = tuple(
+                (load, component)
+                for load in tables
+                for component, column in enumerate((*np.transpose(load.force), load.torque))
+                if np.any(column)
+            )
+
+    @property
+    def any(self) -> bool:
+        """Whether there is one."""
+        mechanism = self._mechanism
+        return bool(mechanism.loads or mechanism.springs or mechanism.joint_springs)
+
+    @property
+    def table_count(self) -> int:
+        """Number of unit forces whose histories come on top of the smooth forces."""
+        return len(self._tables)
+
+    def require_periodic(self) -> None:
+        """Refuse what does not repeat itself with the turn.
+
+        Raises
+        ------
+        InputError
+            If loads over time act, or the spring of a joint is wound up turn by turn.
+        """
+        if any(load.over == "time" for load in self._mechanism.loads):
+            raise InputError(
+                "under a load over time no motion repeats itself every turn; choose start "
+                "equilibrium or rigid, or give the load over the crank angle"
+            )
+        if self.winds:
+            raise InputError(
+                "the torsional spring of a joint is wound up further with every turn, so that no "
+                "motion repeats itself; choose start equilibrium or rigid"
+            )
+
+    def added(
+        self, motion: RigidMotion, matrices: SystemMatrices, terms: RotationTerms, time: FloatArray
+    ) -> SystemMatrices:
+        """Matrices of the linkage with those of the connectors.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            At times of shape (m,).
+        matrices : SystemMatrices
+        terms : RotationTerms
+        time : ndarray, shape (m,)
+
+        Returns
+        -------
+        SystemMatrices
+        """
+        # A run tells forces in the directions that they have, whatever stiffens the links.
+        return self._all.added(self._frames, motion, matrices, terms, "equilibrium", None, time)
+
+    def force(self, motion: RigidMotion, time: FloatArray, *, tables: bool = True) -> FloatArray:
+        """Force on the coordinates of the frames where the links are not displaced.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            At times of shape (m,).
+        time : ndarray, shape (m,)
+        tables : bool
+            Whether the unit forces with histories count.
+
+        Returns
+        -------
+        ndarray, shape (m, size)
+        """
+        acting = self._all if tables else self._smooth
+        return self._frames.gather(motion, acting.forces(motion, None, time))
+
+    def unit_forces(self, motion: RigidMotion) -> list[FloatArray]:
+        """A unit of each force with a history, on the coordinates of the frames.
+
+        Parameters
+        ----------
+        motion : RigidMotion
+            Batch of shape (m,).
+
+        Returns
+        -------
+        list of ndarray, shape (m, size)
+        """
+        found = []
+        for load, component in self._tables:
+            point = self._all.point_of(load)
+            values = np.zeros((len(motion.crank_angle), 3))
+            values[:, component] = 1.0
+            force = load.in_ground_axes(values, motion.angle[:, point.link])
+            loads = [np.zeros((len(values), link.size)) for link in self._frames.links]
+            loads[point.link] += point.force(motion, force, values[:, 2])
+            found.append(self._frames.gather(motion, loads))
+        return found
+
+    def histories(self, time: FloatArray) -> FloatArray:
+        """How much of each unit force acts at times of shape (m,); (m, table_count)."""
+        angle = self._drive.crank_angle(time)
+        columns = [load.values(angle, time)[:, component] for load, component in self._tables]
+        return np.stack(columns, axis=1) if columns else np.zeros((len(time), 0))
+
+    def acting(
+        self,
+        time: FloatArray,
+        motion: RigidMotion,
+        elastic: LinkMotion,
+        unit_motion: RigidMotion,
+        unit_elastic: LinkMotion,
+    ) -> ActingForces:
+        """Forces on the moving linkage.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+        motion : RigidMotion
+            At these times.
+        elastic : sequence of tuple of ndarray, shape (m, n_link)
+            Displacement and its rates in the frame of each reduced link.
+        unit_motion : RigidMotion
+            At unit crank speed.
+        unit_elastic : sequence of tuple of ndarray, shape (m, n_link)
+            As ``elastic`` at unit crank speed, where nothing vibrates.
+
+        Returns
+        -------
+        ActingForces
+        """
+        links = self._frames.links
+        shapes = [np.zeros((len(time), link.size)) for link in links]
+        fields = [np.zeros((len(time), 4)) for _ in links]
+        virtual = np.zeros(len(time))
+        for push, carried in self._pushes(time, motion, elastic):
+            point, number = push.point, push.point.link
+            moved = _moved(point, unit_motion, unit_elastic)
+            virtual += np.sum(push.force * moved[:, :2], axis=1) + push.torque * moved[:, 2]
+            if carried:
+                continue
+            shapes[number] += point.force(motion, push.force, push.torque)
+            fields[number] += _on_fields(push, motion)
+        pushed = [
+            (force, torque, _moved(point, motion, elastic))
+            for point, force, torque in self._loads(time, motion, elastic)
+        ]
+        power = sum(
+            (np.sum(f * moved[:, :2], axis=1) + t * moved[:, 2] for f, t, moved in pushed),
+            np.zeros(len(time)),
+        )
+        work = connector_work(self._mechanism, self._all, motion, elastic, power)
+        return ActingForces(shapes, fields, virtual, work)
+
+    def _pushes(
+        self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion
+    ) -> list[tuple[Push, bool]]:
+        """Forces one by one, and whether a joint with a radial spring carries them."""
+        found = [(push, False) for push in self._all.pushes(motion, None, time)]
+        for answer in self._all.answers(motion, None, time):
+            ends = ((answer.second, 1.0), (answer.first, -1.0))
+            apart, drift = np.zeros((2, len(time), 3, 1))
+            for point, sign in ends:
+                if point is not None:
+                    q, rate, _ = elastic[point.link]
+                    apart += sign * point.displacement(motion, q)[..., None]
+                    drift += sign * point.displacement_rate(motion, q, rate)[..., None]
+            back = (answer.stiffness @ apart + answer.damping @ drift)[..., 0]
+            nothing = np.zeros_like(back)
+            for point, sign in ends:
+                if point is None:
+                    continue
+                force, torque = -sign * back[:, :2], -sign * back[:, 2]
+                if answer.in_joint:
+                    found.append((Push(point, force, nothing[:, 2]), True))
+                    found.append((Push(point, nothing[:, :2], torque), False))
+                else:
+                    found.append((Push(point, force, torque), False))
+        return found
+
+    def _loads(
+        self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion
+    ) -> list[tuple[AttachedPoint, FloatArray, FloatArray]]:
+        """Point, force (m, 2) and torque (m,) of each load; linear in the section's rotation."""
+        found = []
+        for load in self._mechanism.loads:
+            point = self._all.point_of(load)
+            values = load.values(motion.crank_angle, time)
+            force = load.in_ground_axes(values, motion.angle[:, point.link])
+            if load.axes == "link":
+                turned = (elastic[point.link][0] @ point.rows[2])[:, None]
+                force = force + turned * np.stack([-force[:, 1], force[:, 0]], axis=1)
+            found.append((point, force, values[:, 2]))
+        return found
+
+
+def _moved(point: AttachedPoint, motion: RigidMotion, elastic: LinkMotion) -> FloatArray:
+    """Velocity of a displaced point in ground axes and of its rotation, (m, 3)."""
+    q, rate, _ = elastic[point.link]
+    moved = point.displacement_rate(motion, q, rate)
+    moved[:, :2] += motion.velocity(point.link, point.x)
+    moved[:, 2] += motion.angular_velocity[:, point.link]
+    return moved
+
+
+def _on_fields(push: Push, motion: RigidMotion) -> FloatArray:
+    """A force on the rigid fields of its link: along, across, turning, and by the distance."""
+    place = push.point
+    unit = AttachedPoint(place.link, place.x, np.eye(3), np.eye(3))
+    along, across, torque = unit.force(motion, push.force, push.torque).T
+    return np.stack([along, across, place.x * across + torque, place.x * along], axis=1)
+
+
+def _winds(engine: Engine) -> bool:
+    """Whether a turn of the crank winds up the torsional spring of a joint."""
+    mechanism = engine.mechanism
+    stiff = [own for own in mechanism.joint_springs if own.torsional_stiffness]
+    if not stiff:
+        return False
+    linkage, topology = mechanism.linkage, mechanism.linkage.topology
+    angles = continuous_angles(linkage, linkage.motion(np.array([0.0, 2 * np.pi])))
+    gained = angles[1] - angles[0]
+    return any(abs(topology.opening(own.joint, gained)) > 1.0 for own in stiff)

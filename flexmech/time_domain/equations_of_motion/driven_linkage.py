@@ -1,0 +1,395 @@
+"""The linkage driven by its shaft: a linear system in link frames that varies with time.
+
+``M(t) z'' + C(t) z' + K(t) z = f(t)``: the matrices of
+:mod:`flexmech.linear_system.link_frames` with all rotation terms, the inertia forces of the
+rigid motion and weight as load. Links are reduced to component modes whose static shapes
+turn with the pins: here the whole shape moves (Galerkin), because a response in time does
+not depend on the frame in which it is written, as frozen eigenvalues do. Axial modes above
+the frequencies of interest follow statically: a bowed link stretches when it bends.
+
+The equations are linear about straight links, or about their quasi-static equilibrium. On
+request the links stretch by half the square of their slopes, whatever these are at the
+instant; that adds forces which are not linear (:class:`LinkageStretch`), and all axial modes
+move by themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.choices import MODES
+from flexmech.dynamical_systems import VibrationState
+from flexmech.errors import ComputationError
+from flexmech.linear_system import (
+    Engine,
+    LinkDamping,
+    LinkFrames,
+    Prestress,
+    RotationTerms,
+    SystemMatrices,
+    inertia_loads,
+)
+from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.time_domain.equations_of_motion.driven_connectors import DrivenConnectors
+from flexmech.time_domain.equations_of_motion.driven_shaft import DrivenShaft
+from flexmech.time_domain.equations_of_motion.equations import Equations
+from flexmech.time_domain.equations_of_motion.link_stress import LinkStress
+from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch
+from flexmech.time_domain.equations_of_motion.reduced_links import (
+    DETAIL,
+    prestressed_links,
+    stretching_links,
+)
+from flexmech.time_domain.equations_of_motion.stress_history import StressHistory
+from flexmech.time_domain.recorded_runs import LinkState
+from flexmech.types import FloatArray
+
+# Newton's method for a start in balance, from close by.
+MOST_PASSES = 30
+CONVERGED = 1e-10
+
+
+class DrivenLinkage:
+    """Linear equations of motion of an engine's links under a drive.
+
+    Parameters
+    ----------
+    engine : Engine
+        With component modes or without; see :func:`is_reduced`.
+    drive : CrankDrive
+    prestress : {"none", "axial", "equilibrium"}
+        ``equilibrium`` linearizes about the quasi-static equilibrium, whose displacement is
+        then part of the response.
+    modes : int
+        Number of natural frequencies that the reduction must get right.
+    detail : float
+        Multiplies the frequency up to which component modes are kept.
+    with_energy : bool
+        Whether energies and joint forces will be asked for.
+    stretches : bool
+        Let straight links stretch by half the square of their slopes, in place of a
+        prestress; see :func:`can_stretch`.
+
+    Attributes
+    ----------
+    links : tuple of LinkModel
+        Reduced.
+    bases : tuple of ndarray, shape (n_full, n)
+        From each reduced link's coordinates to the engine's.
+    frames : LinkFrames
+    connectors : DrivenConnectors
+        Loads and springs.
+    stretch : LinkageStretch or None
+        What comes on top of the linear equations.
+    shaft : DrivenShaft or None
+        A shaft that is free.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        drive: CrankDrive,
+        prestress: Prestress = "equilibrium",
+        *,
+        modes: int = MODES,
+        detail: float = DETAIL,
+        with_energy: bool = True,
+        stretches: bool = False,
+    ) -> None:
+        self.engine = engine
+        self.drive = drive
+        self.prestress = prestress
+        reduced = (
+            stretching_links(engine, modes, detail)
+            if stretches
+            else prestressed_links(engine, drive, prestress, modes, detail)
+        )
+        self.links, self.bases = reduced.models, reduced.bases
+        self.frames = LinkFrames(engine.topology, self.links)
+        self.connectors = DrivenConnectors(engine, self.frames, drive)
+        self._condensed = np.zeros(self.frames.size, dtype=bool)
+        for target, condensed in zip(self.frames.targets, reduced.follows, strict=True):
+            self._condensed[target[condensed]] = True
+        self.shaft = DrivenShaft.of(engine, drive, self.frames, self.links, self.bases)
+        moving_bodies = bool(self.frames.rigid.size)
+        level: Prestress = prestress
+        if stretches:
+            level = "axial" if moving_bodies else "none"
+        self._stress = StressHistory(
+            engine,
+            self.bases,
+            drive,
+            level,
+            with_energy=with_energy,
+            rigid_links_only=stretches and moving_bodies,
+        )
+        self.stretch: LinkageStretch | None = None
+        if stretches:
+            assert engine.stretches is not None
+            pairs = zip(engine.stretches, self.bases, strict=True)
+            self.stretch = LinkageStretch(self.frames, [s.projected(basis) for s, basis in pairs])
+
+    @property
+    def size(self) -> int:
+        """Number of independent coordinates."""
+        return int(np.sum(~self._condensed))
+
+    @property
+    def shaft_coordinates(self) -> list[int]:
+        """The independent coordinate that is a free shaft's rotation; none where it is not."""
+        if self.shaft is None:
+            return []
+        return [int(np.sum(~self._condensed[: self.shaft.column]))]
+
+    @property
+    def is_condensed(self) -> bool:
+        """Whether some coordinates of the frames follow the others statically."""
+        return bool(self._condensed.any())
+
+    def motion(self, time: FloatArray) -> RigidMotion:
+        """Rigid motion at times of shape (m,)."""
+        return self.drive.motion(self.engine.mechanism.linkage, time)
+
+    def loads(self, motion: RigidMotion) -> list[FloatArray]:
+        """Inertia forces of the rigid motion and weight on each reduced link, (m, n)."""
+        full = inertia_loads(self.engine.links, motion, self.engine.mechanism.gravity)
+        return [load @ basis for load, basis in zip(full, self.bases, strict=True)]
+
+    def equations(
+        self,
+        time: FloatArray,
+        *,
+        still: bool = False,
+        load: Sequence[FloatArray] | None = None,
+        tables: bool = True,
+    ) -> Equations:
+        """Equations of motion.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+            In s.
+        still : bool
+            Leave out the rotation terms: what the loads would do if nothing moved.
+        load : sequence of ndarray, shape (n_link,), optional
+            Forces on the reduced links in their frames, in place of all others.
+        tables : bool
+            Whether the tables of loads count; see :meth:`DrivenConnectors.unit_forces`.
+
+        Returns
+        -------
+        Equations
+        """
+        motion, stress = self.motion(time), self._stress.at(time)
+        if load is None:
+            force = self._force(motion, stress)
+            if self.connectors.any:
+                pushed = self.connectors.force(motion, time, tables=tables)
+                force = force + self._with_torque(motion, pushed)
+        else:
+            force = self.frames.gather(motion, [np.tile(f, (len(time), 1)) for f in load])
+        matrices = self._matrices(time, motion, stress, still=still)
+        return Equations.condensed(motion, matrices, force, self._condensed)
+
+    def unit_equations(
+        self, time: FloatArray, load: Sequence[FloatArray] | None = None
+    ) -> list[Equations]:
+        """Equations of motion under a unit of each load with a table in place of all forces.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+            In s.
+        load : sequence of ndarray, shape (n_link,), optional
+            One more load, the last: see :meth:`equations`.
+
+        Returns
+        -------
+        list of Equations
+        """
+        own = [] if load is None else [self.equations(time, load=load)]
+        if not self.connectors.table_count:
+            return own
+        motion = self.motion(time)
+        matrices = self._matrices(time, motion, self._stress.at(time))
+        units = self.connectors.unit_forces(motion)
+        return [
+            Equations.condensed(motion, matrices, self._with_torque(motion, force), self._condensed)
+            for force in units
+        ] + own
+
+    def _matrices(
+        self,
+        time: FloatArray,
+        motion: RigidMotion,
+        stress: list[LinkStress],
+        *,
+        still: bool = False,
+    ) -> SystemMatrices:
+        """Matrices of all coordinates of the frames."""
+        terms = RotationTerms.all_or_none(not still)
+        matrices = self.frames.assemble(
+            motion,
+            [s.stiffness for s in stress],
+            terms,
+            [LinkDamping(s.damping, s.damping) for s in stress],
+            self._stress.guiding(time),
+        )
+        if self.connectors.any:
+            return self.connectors.added(motion, matrices, terms, time)
+        return matrices
+
+    def standing(self, time: FloatArray) -> Equations:
+        """Equations at times of shape (m,) of which the quasi-static state is wanted.
+
+        Without the rotation terms, but of links that turn as one body: their displacement stands
+        still in the frame, and its inertia forces are then among the terms.
+        """
+        return self.equations(time, still=not self.engine.turns_as_one_body)
+
+    def stress(self, time: FloatArray) -> list[LinkStress]:
+        """Stress of each reduced link at times of shape (m,)."""
+        return self._stress.at(time)
+
+    def link_motion(
+        self, equations: Equations, vibration: VibrationState
+    ) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
+        """Coordinates of each reduced link and their time derivatives in its frame.
+
+        Parameters
+        ----------
+        equations : Equations
+            At m instants.
+        vibration : VibrationState
+            Arrays of shape (m, n).
+
+        Returns
+        -------
+        list of tuple of ndarray, shape (m, n_link)
+        """
+        return self.frames.link_motion(equations.motion, *equations.following.expanded(vibration))
+
+    def link_state(self, equations: Equations, vibration: VibrationState) -> LinkState:
+        """State of the engine's links at the first of the instants."""
+        parts = self.link_motion(equations, vibration)
+        pairs = list(zip(self.bases, parts, strict=True))
+        return LinkState(
+            displacement=[basis @ q[0] for basis, (q, _, _) in pairs],
+            rate=[basis @ rate[0] for basis, (_, rate, _) in pairs],
+        )
+
+    def coordinates(self, state: LinkState, time: float = 0.0) -> tuple[FloatArray, FloatArray]:
+        """Independent coordinates nearest to a state of the engine's links.
+
+        Nearest by the mass matrix: what component modes cannot show is left out. The
+        inverse of :meth:`link_state` for states that they can.
+
+        Parameters
+        ----------
+        state : LinkState
+        time : float
+            At which it is, in s.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Position z.
+        ndarray, shape (n,)
+            Velocity z'.
+        """
+        nearest = []
+        for number, (full, basis) in enumerate(zip(self.engine.links, self.bases, strict=True)):
+            both = np.stack([state.displacement[number], state.rate[number]], axis=1)
+            if not full.rigid:
+                weighted = basis.T @ full.mass
+                both = np.asarray(np.linalg.solve(weighted @ basis, weighted @ both), dtype=float)
+            nearest.append(both[None])
+        motion = self.motion(np.array([time]))
+        values = self.frames.independent(motion, nearest)[0].T
+        if self.frames.topology.sliders:
+            # What the frames' turning alone makes of the position is no rate of a slide.
+            still = np.zeros_like(values[:1])
+            moving = self.frames.link_motion(motion, values[:1], still, still)
+            rates = [
+                both[..., 1:] - rate[..., None]
+                for both, (_, rate, _) in zip(nearest, moving, strict=True)
+            ]
+            values[1] = self.frames.independent(motion, rates)[0, :, 0]
+        position, velocity = values[:, ~self._condensed]
+        return position, velocity
+
+    def unstressed(self) -> FloatArray:
+        """Position z at time zero of straight links without axial stress, (n,).
+
+        Zero, except about a bowed equilibrium: there a straight link is, to first order,
+        longer by the square of the bow, which would start it with a stress that it does not
+        have.
+        """
+        equations = self.equations(np.zeros(1), still=True)
+        parts = [-s.prestress for s in self.stress(np.zeros(1))]
+        inner = self.frames.gather(equations.motion, parts)[0]
+        position = np.zeros(self.size)
+        axial = np.flatnonzero(self._axial()[~self._condensed])
+        if len(axial):
+            force = equations.following.expansion[0].T @ inner
+            stiffness = equations.stiffness[0]
+            position[axial] = np.linalg.solve(stiffness[np.ix_(axial, axial)], force[axial])
+        return position
+
+    def balanced(self, position: FloatArray, time: float = 0.0) -> FloatArray:
+        """Position z of links that stretch at which they stand still under the loads, (n,).
+
+        Parameters
+        ----------
+        position : ndarray, shape (n,)
+            Near it.
+        time : float
+            In s.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+
+        Raises
+        ------
+        ComputationError
+            If Newton's method does not converge.
+        """
+        assert self.stretch is not None
+        equations = self.standing(np.array([time]))
+        turns = self.stretch.pin_turns(equations.motion)
+        moved = np.setdiff1d(np.arange(self.size), self.shaft_coordinates)
+        stiffness, force, z = equations.stiffness[0], equations.force[0], np.array(position)
+        for _ in range(MOST_PASSES):
+            pulled, tangent = self.stretch.still(turns, z)
+            gap = (force - stiffness @ z - pulled)[moved]
+            change = np.linalg.solve((stiffness + tangent)[np.ix_(moved, moved)], gap)
+            z[moved] += change
+            if np.abs(change).max() <= CONVERGED * np.abs(z).max():
+                return z
+        raise ComputationError(
+            f"the links find no balance at time {time:.6g} s from which to start, crank angle "
+            f"{np.degrees(float(self.drive.crank_angle(time))):.6g} deg; lower the crank speed, or "
+            "choose start rigid"
+        )
+
+    def _axial(self) -> NDArray[np.bool_]:
+        """Coordinates of the frames that move their own link along its axis."""
+        axial = np.zeros(self.frames.size, dtype=bool)
+        for number, (link, target) in enumerate(zip(self.links, self.frames.targets, strict=True)):
+            own = self.frames.own(number)
+            axial[target[own[link.is_axial[own]]]] = True
+        return axial
+
+    def _force(self, motion: RigidMotion, stress: list[LinkStress]) -> FloatArray:
+        force = self.frames.gather(motion, [-s.prestress for s in stress])
+        if not self._stress.tells_forces:
+            return force
+        return force + self._with_torque(motion, self.frames.gather(motion, self.loads(motion)))
+
+    def _with_torque(self, motion: RigidMotion, force: FloatArray) -> FloatArray:
+        """Forces (m, size) of the frames, and the torque of a free shaft that balances them."""
+        return force if self.shaft is None else self.shaft.with_torque(motion, force)

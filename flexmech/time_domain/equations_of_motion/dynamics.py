@@ -1,0 +1,199 @@
+"""Forces, torque and energies of a moving linkage whose links follow linear equations.
+
+Everything is that of the model whose equations are integrated: velocities and accelerations
+of the points of each link are exact for small displacements in turning frames, so that the
+work of the shaft's torque is the change of kinetic and strain energy and what damping
+takes, up to the error of the time step.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from flexmech.dynamical_systems import VibrationState
+from flexmech.linkages import RigidMotion, Topology
+from flexmech.linkages.connection_forces import connections, line_normal, solve_connections
+from flexmech.linkages.motion import direction, normal
+from flexmech.time_domain.equations_of_motion.driven_connectors import ActingForces, LinkMotion
+from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
+from flexmech.time_domain.equations_of_motion.equations import Following
+from flexmech.time_domain.equations_of_motion.link_inertia import LinkInertia, MovingLink, dot
+from flexmech.time_domain.recorded_runs import StepBlock
+from flexmech.types import FloatArray
+
+
+class LinkageDynamics:
+    """What a driven linkage's motion asks of its joints and its shaft.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    """
+
+    def __init__(self, linkage: DrivenLinkage) -> None:
+        self.linkage = linkage
+        self._inertias = [
+            LinkInertia.of(model, full, basis)
+            for model, full, basis in zip(
+                linkage.links, linkage.engine.links, linkage.bases, strict=True
+            )
+        ]
+
+    def step_block(
+        self, time: FloatArray, following: Following, vibration: VibrationState
+    ) -> StepBlock:
+        """What is recorded of consecutive steps.
+
+        Parameters
+        ----------
+        time : ndarray, shape (m,)
+        following : Following
+            At these times.
+        vibration : VibrationState
+            Arrays of shape (m, n).
+
+        Returns
+        -------
+        StepBlock
+            In the reduced links' coordinates.
+        """
+        linkage, motion = self.linkage, self.linkage.motion(time)
+        frames, gravity = linkage.frames, np.asarray(linkage.engine.mechanism.gravity)
+        coordinates = following.expanded(vibration)
+        elastic = frames.link_motion(motion, *coordinates)
+        unit = linkage.engine.mechanism.linkage.motion(motion.crank_angle, 1.0)
+        moving = [
+            MovingLink.of(number, parts, motion, unit, gravity)
+            for number, parts in enumerate(elastic)
+        ]
+        # How what follows moves in its link's frame while z stands still.
+        unit_following = frames.dependent_rows(unit)
+        totals = np.zeros((6, len(time)))
+        ends, fields = [], []
+        acting = self._acting(time, motion, elastic, unit, coordinates[0])
+        for number, (inertia, link, stress) in enumerate(
+            zip(self._inertias, moving, linkage.stress(time), strict=True)
+        ):
+            damping = stress.damping_force(link.rate)
+            inner, strain, prestress = stress.of(link.displacement)
+            if linkage.stretch is not None:
+                second = linkage.stretch.links[number]
+                pulled, damped = second.remainder(link.displacement, link.rate)
+                inner, damping = inner + pulled, damping + damped
+                strain = strain + second.energy(link.displacement)
+            shapes = inertia.shape_forces(link) + inner + damping
+            rigid = inertia.field_forces(link)
+            ends.append(shapes if acting is None else shapes - acting.shapes[number])
+            fields.append(rigid if acting is None else rigid - acting.fields[number])
+            # Virtual power at unit crank speed: the rigid link, its pins' displacements as
+            # they turn, and the rest of its displacement as it turns with the frame.
+            torque = dot(link.virtual_velocity, rigid) + link.virtual_turn * inertia.turning_power(
+                link
+            )
+            for led in unit_following[number]:
+                turned = (led.rate @ coordinates[0][:, led.columns, None])[..., 0]
+                torque += dot(turned, shapes[:, led.rows])
+            weight = inertia.gravity_energy(
+                motion.origin[:, number], motion.angle[:, number], link.displacement, gravity
+            )
+            totals += np.stack(
+                [
+                    torque,
+                    inertia.kinetic_energy(link),
+                    strain,
+                    weight,
+                    dot(link.rate, damping),
+                    prestress,
+                ]
+            )
+        torque, kinetic, strain, weight, dissipated, prestress = totals
+        if acting is not None:
+            torque = torque - acting.virtual_power
+            strain = strain + acting.work.stored
+            dissipated = dissipated + acting.work.dissipation
+            prestress = prestress + acting.work.power
+        block = StepBlock(
+            time=time,
+            crank_speed=motion.crank_speed,
+            displacement=[q for q, _, _ in elastic],
+            rate=[rate for _, rate, _ in elastic],
+            joint_force=self._joint_forces(motion, ends, fields),
+            driving_torque=torque,
+            kinetic_energy=kinetic,
+            strain_energy=strain,
+            gravity_energy=weight,
+            dissipation_power=dissipated,
+            prestress_power=prestress,
+        )
+        if linkage.shaft is None:
+            return block
+        return linkage.shaft.carried(block, motion, *coordinates[:2])
+
+    def _acting(
+        self,
+        time: FloatArray,
+        motion: RigidMotion,
+        elastic: LinkMotion,
+        unit: RigidMotion,
+        position: FloatArray,
+    ) -> ActingForces | None:
+        """Forces of loads and springs; None where there are none."""
+        linkage = self.linkage
+        if not linkage.connectors.any:
+            return None
+        still = np.zeros_like(position)
+        unit_elastic = linkage.frames.link_motion(unit, position, still, still)
+        return linkage.connectors.acting(time, motion, elastic, unit, unit_elastic)
+
+    def _joint_forces(
+        self, motion: RigidMotion, ends: list[FloatArray], fields: list[FloatArray]
+    ) -> FloatArray:
+        """Force on the held or following link at each joint in ground axes, (m, joints, 2).
+
+        A pin carries what its follower's end is short of; a clamp or pivot carries the rest
+        of what its link needs as a whole. Where there are welds, lines or rigid links, all joints
+        together carry what all links need, at the places of the rigid motion.
+        """
+        topology = self.linkage.engine.mechanism.linkage.topology
+        if topology.welds or topology.sliders or any(link.rigid for link in topology.links):
+            return _balanced_forces(topology, motion, fields)
+        forces = {}
+        needed = [_to_ground(f[:, :2], motion.angle[:, i]) for i, f in enumerate(fields)]
+        for pin in topology.pins:
+            link = topology.index(pin.follower.link)
+            pair = self.linkage.links[link].end_displacement(pin.follower.end)
+            force = _to_ground(ends[link][:, pair], motion.angle[:, link])
+            forces[pin.joint] = force
+            needed[link] = needed[link] - force
+            leader = topology.index(pin.leader.link)
+            needed[leader] = needed[leader] + force
+        held = [(clamp.joint, clamp.held) for clamp in topology.clamps]
+        held += [(pivot.joint, pivot.held) for pivot in topology.pivots]
+        for joint, end in held:
+            forces[joint] = needed[topology.index(end.link)]
+        return np.stack([forces[name] for name in topology.joint_names], axis=1)
+
+
+def _balanced_forces(
+    topology: Topology, motion: RigidMotion, fields: list[FloatArray]
+) -> FloatArray:
+    """Joint forces (m, joints, 2) that give each link its force and moment about its start."""
+    needed = [
+        np.column_stack([_to_ground(f[:, :2], motion.angle[:, i]), f[:, 2]])
+        for i, f in enumerate(fields)
+    ]
+    solved = solve_connections(topology, motion, -np.concatenate(needed, axis=1))
+    forces = np.zeros((len(solved), len(topology.joint_names), 2))
+    for value, unknown in zip(solved.T, connections(topology), strict=True):
+        joint = topology.joint_names.index(unknown.joint)
+        if unknown.slider is not None:
+            across = line_normal(topology, motion, unknown.slider)
+            forces[:, joint] += value[:, None] * across
+        elif unknown.component < 2:
+            forces[:, joint, unknown.component] = value
+    return forces
+
+
+def _to_ground(vector: FloatArray, angle: FloatArray) -> FloatArray:
+    """Vectors (m, 2) from a link's frame to ground axes."""
+    return vector[:, :1] * direction(angle) + vector[:, 1:] * normal(angle)

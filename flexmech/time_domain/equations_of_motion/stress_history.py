@@ -1,0 +1,285 @@
+"""The stress of the links along the motion, sampled and interpolated.
+
+Tangent stiffness and prestress forces are smooth functions of the crank angle. They are
+computed at a number of positions and interpolated by cubic splines: a step every few
+hundredths of a degree then costs no equilibrium of its own. They are sums of few
+distributions (:class:`LinkStress`), whose shares alone are interpolated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from flexmech.linear_system import CarriedInertia, Engine, Prestress, StressedLinks, inertia_loads
+from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.time_domain.equations_of_motion.link_stress import LinkStress, StressShapes
+from flexmech.types import FloatArray
+
+# Positions a turn; halving the spacing moves deflections by less than 1e-4 of their peak.
+SAMPLES_PER_TURN = 120
+LEAST_SAMPLES = 24
+# What the shapes of stress leave out, relative to the greatest.
+ROUND_OFF = 1e-14
+
+
+class StressHistory:
+    """Stress of reduced links over the time of a run.
+
+    Parameters
+    ----------
+    engine : Engine
+    bases : sequence of ndarray, shape (n_full, n)
+        From each reduced link's coordinates to its full ones.
+    drive : CrankDrive
+    prestress : {"none", "axial", "equilibrium"}
+    with_energy : bool
+        Whether the potential's part that does not depend on the links' coordinates is
+        wanted; an engine must tell its internal forces for that.
+    rigid_links_only : bool
+        Whether the stress counts in rigid links and sliders alone, and elastic links are
+        straight and without stress. They stretch by themselves, but a rigid link has no strain
+        that would tell what the forces of its joints are against a turn.
+
+    Attributes
+    ----------
+    tells_forces : bool
+        Whether ``prestress`` contains the internal forces of the stressed state. If not it
+        is ``-stiffness @ displacement`` and the inertia forces of that displacement alone, and
+        the loads that they balance must be left out with them.
+
+    Raises
+    ------
+    InputError
+        Where the linkage locks or cannot be assembled in the course of a turn.
+    ComputationError
+        Where an equilibrium does not converge.
+    """
+
+    def __init__(
+        self,
+        engine: Engine,
+        bases: Sequence[FloatArray],
+        drive: CrankDrive,
+        prestress: Prestress,
+        *,
+        with_energy: bool = True,
+        rigid_links_only: bool = False,
+    ) -> None:
+        self._engine = engine
+        self._rigid_only = rigid_links_only
+        self._bases = tuple(bases)
+        self._drive = drive
+        self._prestress = prestress
+        self._with_energy = with_energy
+        self.tells_forces = True
+        self._sizes = [basis.shape[1] for basis in bases]
+        # Damping changes with the stress only where links are bowed.
+        damped = any(link.damping.any() for link in engine.links)
+        self._damping_varies = damped and prestress == "equilibrium"
+        self._damping = [
+            basis.T @ link.damping @ basis for link, basis in zip(engine.links, bases, strict=True)
+        ]
+        self._guides: FloatArray | None = None
+        self._turn: CubicSpline | None = None
+        self._rise: CubicSpline | None = None
+        if prestress == "none" and not engine.mechanism.is_free_strained:
+            self._shapes = [
+                StressShapes.straight(basis.T @ link.stiffness @ basis, damping)
+                for link, basis, damping in zip(engine.links, bases, self._damping, strict=True)
+            ]
+            return
+        angles = drive.start_angle + np.linspace(0.0, 2 * np.pi, SAMPLES_PER_TURN + 1)
+        sampled = [self._sampled(angles, angles, drive.speed, 0.0)]
+        rise_time = self._run_up_times()
+        if not drive.is_constant:
+            angle = drive.crank_angle(rise_time)
+            speed, acceleration = drive.crank_speed(rise_time), drive.crank_acceleration(rise_time)
+            sampled.append(self._sampled(rise_time, angle, speed, acceleration))
+        values = np.concatenate(sampled)
+        share, shapes = _few_shapes(values, self._scale(values))
+        self._guides = shapes[:, sum(self._width(size) for size in self._sizes) :]
+        self._shapes = [
+            StressShapes.unpacked(shapes[:, part], size, damping)
+            for part, size, damping in zip(self._columns(), self._sizes, self._damping, strict=True)
+        ]
+        turn = share[: len(angles)]
+        # The last position of a turn is the first.
+        turn[-1] = turn[0]
+        self._turn = CubicSpline(angles, turn, bc_type="periodic")
+        if not drive.is_constant:
+            self._rise = CubicSpline(rise_time, share[len(angles) :])
+
+    def at(self, time: FloatArray) -> list[LinkStress]:
+        """Stress of each link at times of shape (m,)."""
+        share, rate = self._shares(time)
+        return [LinkStress(shapes, share, rate) for shapes in self._shapes]
+
+    def guiding(self, time: FloatArray) -> FloatArray | None:
+        """Stiffness between rotations of guides and slides at times of shape (m,); (m, sliders)."""
+        if self._guides is None or not self._guides.any():
+            return None
+        return np.asarray(self._shares(time)[0] @ self._guides)
+
+    def _shares(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Shares of the distributions of stress, and their rates, (m, r)."""
+        drive = self._drive
+        if self._turn is None:
+            share, rate = np.ones((len(time), 1)), np.zeros((len(time), 1))
+        else:
+            turned = drive.crank_angle(time) - drive.start_angle
+            phase = drive.start_angle + np.mod(turned, 2 * np.pi)
+            share, rate = self._turn(phase), drive.speed * self._turn(phase, 1)
+            rising = time < drive.run_up_time
+            if self._rise is not None and rising.any():
+                share[rising] = self._rise(time[rising])
+                rate[rising] = self._rise(time[rising], 1)
+        return share, rate
+
+    def _columns(self) -> list[slice]:
+        """Where each link's values are among those of all links."""
+        stops = np.cumsum([self._width(size) for size in self._sizes])
+        return [
+            slice(stop - self._width(size), stop)
+            for size, stop in zip(self._sizes, stops.tolist(), strict=True)
+        ]
+
+    def _scale(self, values: FloatArray) -> FloatArray:
+        """Greatest stiffness, prestress, offset and damping of each link, column by column."""
+        scale = np.ones(values.shape[1])
+        for size, columns in zip(self._sizes, self._columns(), strict=True):
+            square = size * size
+            edges = columns.start + np.array([0, square, square + size, square + size + 1])
+            for start, stop in pairwise([*edges.tolist(), columns.stop]):
+                scale[start:stop] = np.abs(values[:, start:stop]).max(initial=0.0) or 1.0
+        last = sum(self._width(size) for size in self._sizes)
+        scale[last:] = np.abs(values[:, last:]).max(initial=0.0) or 1.0
+        return scale
+
+    def _width(self, size: int) -> int:
+        """Columns of one link: stiffness, prestress, offset and perhaps damping."""
+        square = size * size
+        return square + size + 1 + (square if self._damping_varies else 0)
+
+    def _run_up_times(self) -> FloatArray:
+        drive = self._drive
+        turns = abs(drive.crank_angle(drive.run_up_time) - drive.start_angle) / (2 * np.pi)
+        count = max(LEAST_SAMPLES, SAMPLES_PER_TURN, int(np.ceil(SAMPLES_PER_TURN * turns)))
+        return np.linspace(0.0, drive.run_up_time, count + 1)
+
+    def _sampled(
+        self,
+        where: FloatArray,
+        angle: FloatArray,
+        speed: float | FloatArray,
+        acceleration: float | FloatArray,
+    ) -> FloatArray:
+        """Stress of all links at k positions, in the order of ``where``; (k, total)."""
+        linkage = self._engine.mechanism.linkage
+        motion_of = [np.broadcast_to(v, angle.shape) for v in (angle, speed, acceleration)]
+        packed, forces, places = [], [], []
+        for batch in self._engine.batches(len(angle)):
+            motion = linkage.motion(*(v[batch] for v in motion_of))
+            stressed = self._engine.stressed_links(motion, self._prestress)
+            if self._rigid_only:
+                pairs = zip(stressed.tangent, self._engine.links, strict=True)
+                own = [tangent if link.rigid else link.stiffness for tangent, link in pairs]
+                stressed = replace(stressed, tangent=own)
+            stressed = self._told(motion, stressed)
+            packed.append(self._packed(stressed, motion))
+            if stressed.displacement is not None and stressed.internal_force is None:
+                self.tells_forces = False
+            if self._with_energy and stressed.internal_force is not None:
+                forces.append(np.concatenate(stressed.internal_force, axis=1))
+                places.append(np.concatenate(stressed.displacement or [], axis=1))
+        values = np.concatenate(packed)
+        if forces:
+            self._add_bending_work(values, where, np.concatenate(forces), np.concatenate(places))
+        return values
+
+    def _told(self, motion: RigidMotion, stressed: StressedLinks) -> StressedLinks:
+        """With internal forces where loads and springs act and the engine tells none.
+
+        They are what inertia, weight, loads and springs are in balance with, but for the forces
+        in joints.
+        """
+        connectors, place = self._engine.connectors, stressed.displacement
+        if not connectors.any or place is None or stressed.internal_force is not None:
+            return stressed
+        inertia = inertia_loads(self._engine.links, motion, self._engine.mechanism.gravity)
+        acting = connectors.forces(motion, place)
+        forces = [a + b for a, b in zip(inertia, acting, strict=True)]
+        beside = self._carried(motion, place)
+        if beside is not None:
+            forces = [a + b for a, b in zip(forces, beside, strict=True)]
+        return replace(stressed, internal_force=forces)
+
+    def _carried(self, motion: RigidMotion, place: list[FloatArray]) -> list[FloatArray] | None:
+        """Inertia forces of displacements in the equilibrium of links that turn as one body."""
+        topology = self._engine.mechanism.linkage.topology
+        carried = CarriedInertia.of(topology, self._engine.links, motion)
+        return None if carried is None else carried.forces(place)
+
+    def _packed(self, stressed: StressedLinks, motion: RigidMotion) -> FloatArray:
+        """Stiffness, prestress and offset of all links side by side, (B, total)."""
+        columns, batch = [], len(motion.crank_angle)
+        beside = None
+        if stressed.displacement is not None and stressed.internal_force is None:
+            beside = self._carried(motion, stressed.displacement)
+        for number, basis in enumerate(self._bases):
+            tangent = stressed.tangent[number]
+            prestress, offset = np.zeros((batch, basis.shape[1])), np.zeros((batch, 1))
+            if stressed.displacement is not None:
+                q = stressed.displacement[number]
+                held = (tangent @ q[..., None])[..., 0]
+                force = stressed.internal_force
+                told = beside if force is None else force
+                prestress = ((0.0 if told is None else told[number]) - held) @ basis
+                offset = np.sum(q * held, axis=1, keepdims=True) / 2
+                if force is not None:
+                    offset -= np.sum(q * force[number], axis=1, keepdims=True)
+            stiffness = np.broadcast_to(basis.T @ tangent @ basis, (batch, *2 * basis.shape[1:]))
+            columns += [stiffness.reshape(batch, -1), prestress, offset]
+            if self._damping_varies:
+                damping = self._damping[number]
+                if stressed.damping is not None:
+                    damping = basis.T @ stressed.damping[number] @ basis
+                columns.append(np.broadcast_to(damping, stiffness.shape).reshape(batch, -1))
+        if stressed.guiding is not None:
+            columns.append(stressed.guiding)
+        return np.concatenate(columns, axis=1)
+
+    def _add_bending_work(
+        self, values: FloatArray, where: FloatArray, force: FloatArray, place: FloatArray
+    ) -> None:
+        """Add the strain energy of the stressed states, the work that led from one to the next."""
+        start, first = 0, 0
+        for size, basis in zip(self._sizes, self._bases, strict=True):
+            own = slice(first, first + len(basis))
+            path = CubicSpline(where, place[:, own])
+            power = CubicSpline(where, np.sum(force[:, own] * path(where, 1), axis=1))
+            energy = power.antiderivative()(where) + force[0, own] @ place[0, own] / 2
+            values[:, start + size * size + size] += energy
+            start += self._width(size)
+            first = own.stop
+
+
+def _few_shapes(values: FloatArray, scale: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Write rows (k, total) as shares (k, r) of as few shapes (r, total) as round-off allows.
+
+    Gram-Schmidt orthogonalization that takes the greatest remainder first; ``scale`` (total,)
+    says what each column is measured by.
+    """
+    rest, shares, shapes = values / scale, [], []
+    least = ROUND_OFF * np.linalg.norm(rest, axis=1).max()
+    while (size := np.linalg.norm(rest, axis=1)).max() > least:
+        shape = rest[size.argmax()] / size.max()
+        share = rest @ shape
+        rest -= share[:, None] * shape
+        shares.append(share)
+        shapes.append(shape * scale)
+    return np.stack(shares, axis=1), np.array(shapes)

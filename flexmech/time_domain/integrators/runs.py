@@ -1,0 +1,258 @@
+"""Runs of a driven linkage from a given start, undisturbed or struck on the way.
+
+Linear equations are integrated by the trapezoidal rule, those of links that stretch by the
+square of their slopes by Lobatto's method of fourth order: what a step of them costs is spent
+on the forces that are not linear, of which longer steps ask for fewer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flexmech.choices import LinkDirection
+from flexmech.dynamical_systems import HalfSinePulse, VibrationState, initial_state
+from flexmech.dynamical_systems.lobatto import STAGES
+from flexmech.errors import ComputationError
+from flexmech.linear_system import LinkPoint, displacement_row
+from flexmech.time_domain.equations_of_motion import DrivenLinkage, LinkageDynamics
+from flexmech.time_domain.integrators.linear_march import LinearMarch
+from flexmech.time_domain.integrators.stretch_march import StretchMarch
+from flexmech.time_domain.recorded_runs import Recorder, Trajectory
+from flexmech.types import FloatArray, StepProgress
+
+# Steps that are recorded at once.
+BLOCK_STEPS = 1024
+# Displacements beyond this many metres are no small vibration of any linkage.
+DIVERGED = 1e6
+
+
+def marching(
+    linkage: DrivenLinkage, step: float, load: Sequence[FloatArray] | None = None
+) -> LinearMarch | StretchMarch:
+    """The method for a linkage.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    step : float
+        Between recorded instants, in s.
+    load : sequence of ndarray, shape (n_link,), optional
+        Forces on the reduced links in their frames, of which a run can take any part at any
+        time.
+
+    Returns
+    -------
+    LinearMarch or StretchMarch
+    """
+    return (LinearMarch if linkage.stretch is None else StretchMarch)(linkage, step, load)
+
+
+def step_lag(angle: float, *, stretches: bool) -> float:
+    """By what part of itself steps lower the frequency of a free vibration, to leading order.
+
+    Parameters
+    ----------
+    angle : float
+        Of the vibration in one step, in rad.
+    stretches : bool
+        Whether the method is that of links that stretch.
+
+    Returns
+    -------
+    float
+    """
+    return float((STAGES * angle) ** 4 / 720 if stretches else angle**2 / 12)
+
+
+def linear_run(
+    linkage: DrivenLinkage,
+    position: FloatArray,
+    velocity: FloatArray,
+    sample_time: FloatArray,
+    step: float,
+    progress: StepProgress | None = None,
+    *,
+    band: float | None = None,
+) -> Trajectory:
+    """Integrate the equations of motion by the method of :func:`marching`.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    position, velocity : ndarray, shape (n,)
+        Independent coordinates at time zero and their time derivatives.
+    sample_time : ndarray, shape (N,)
+        Increasing from zero or later, in s.
+    step : float
+        In s.
+    progress : callable, optional
+        Called with the steps done and the steps to do.
+    band : float, optional
+        Frequency in Hz up to which joint forces and torque are kept.
+
+    Returns
+    -------
+    Trajectory
+
+    Raises
+    ------
+    ComputationError
+        If displacements grow beyond all bounds; names the time and the crank angle.
+    """
+    march, dynamics = marching(linkage, step), LinkageDynamics(linkage)
+    recorder = Recorder(sample_time, step, band, march.stride)
+    steps = march.stride * -(-recorder.steps // march.stride)
+    state = start_state(linkage, position, velocity)
+    for done in range(0, steps, BLOCK_STEPS):
+        count = min(BLOCK_STEPS, steps - done)
+        time = step * np.arange(done, done + count + 1, dtype=float)
+        with np.errstate(over="ignore", invalid="ignore"):
+            history, following = march.on(time, state)
+        refuse_divergence(linkage, time, history)
+        recorder.add(dynamics.step_block(time, following, history))
+        state = history[-1]
+        if progress is not None:
+            progress(done + count, steps)
+    run = recorder.finish()
+    return replace(
+        run,
+        displacement=[q @ b.T for q, b in zip(run.displacement, linkage.bases, strict=True)],
+        rate=[q @ b.T for q, b in zip(run.rate, linkage.bases, strict=True)],
+    )
+
+
+def start_state(
+    linkage: DrivenLinkage, position: FloatArray, velocity: FloatArray
+) -> VibrationState:
+    """State at time zero whose acceleration satisfies the equations of motion.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    position, velocity : ndarray, shape (n,)
+
+    Returns
+    -------
+    VibrationState
+        Arrays of shape (n,).
+    """
+    equations = linkage.equations(np.zeros(1))
+    if linkage.stretch is not None:
+        pulled = linkage.stretch.remainder(
+            linkage.stretch.pin_turns(equations.motion), position[None], velocity[None]
+        )
+        equations = replace(equations, force=equations.force - pulled)
+    return initial_state(equations, position, velocity)
+
+
+def refuse_divergence(linkage: DrivenLinkage, time: FloatArray, history: VibrationState) -> None:
+    """Refuse displacements that grow beyond all bounds.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+    time : ndarray, shape (m,)
+        In s.
+    history : VibrationState
+        At these times.
+
+    Raises
+    ------
+    ComputationError
+        Names the time and the crank angle.
+    """
+    size = np.abs(history.position).max(axis=1)
+    wrong = ~(size < DIVERGED)
+    if not wrong.any():
+        return
+    first = float(time[np.flatnonzero(wrong)[0]])
+    angle = np.degrees(float(linkage.drive.crank_angle(first)))
+    raise ComputationError(
+        f"the linear response (prestress '{linkage.prestress}') diverges: at time {first:.6g} s, "
+        f"crank angle {angle:.6g} deg, displacements exceed any linkage; the linearized motion "
+        "is unstable at this crank speed: lower it, or add the prestress that stiffens the links"
+    )
+
+
+class StruckLinkage:
+    """A driven linkage with a hammer on one of its points and an eye on another.
+
+    What the time steps of a turn need is solved once, for all runs.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+        At constant crank speed.
+    step : float
+        In s.
+    hit, seen : LinkPoint
+        Where the impacts act, and where the displacement is read.
+    direction : {"transverse", "axial"}
+        Of both, in the axes of their links' frames.
+
+    Raises
+    ------
+    InputError
+        If the linkage has no such link, or its shaft is free.
+    """
+
+    def __init__(
+        self,
+        linkage: DrivenLinkage,
+        step: float,
+        hit: LinkPoint,
+        seen: LinkPoint,
+        direction: LinkDirection,
+    ) -> None:
+        linkage.engine.require_prescribed_shaft("a run with impacts")
+        self._linkage, self._step = linkage, step
+        topology = linkage.frames.topology
+        struck, self._place = hit.index(topology), seen.index(topology)
+        self._row = displacement_row(linkage.links[self._place], seen.fraction, direction)
+        load = [np.zeros(link.size) for link in linkage.links]
+        load[struck] = displacement_row(linkage.links[struck], hit.fraction, direction)
+        self._march = marching(linkage, step, load)
+
+    def run(
+        self, start: VibrationState, steps: int, pulses: Sequence[HalfSinePulse] = ()
+    ) -> FloatArray:
+        """Displacement of the point at every step of a run.
+
+        Parameters
+        ----------
+        start : VibrationState
+            Position and velocity at time zero, (n,); the acceleration follows.
+        steps : int
+        pulses : sequence of HalfSinePulse
+            Which act besides the loads of the motion.
+
+        Returns
+        -------
+        ndarray, shape (steps + 1,)
+            In m, from the undeformed link.
+
+        Raises
+        ------
+        ComputationError
+            If displacements grow beyond all bounds; names the time and the crank angle.
+        """
+        linkage, march = self._linkage, self._march
+        march.restart()
+        state = start_state(linkage, start.position, start.velocity)
+        whole = march.stride * -(-steps // march.stride)
+        found = np.empty(whole + 1)
+        for done in range(0, whole, BLOCK_STEPS):
+            count = min(BLOCK_STEPS, whole - done)
+            time = self._step * np.arange(done, done + count + 1, dtype=float)
+            force = np.zeros(len(time)) + sum(pulse.force(time) for pulse in pulses)
+            with np.errstate(over="ignore", invalid="ignore"):
+                history, following = march.on(time, state, force)
+            refuse_divergence(linkage, time, history)
+            coordinates = following.expanded(history)
+            moved = linkage.frames.link_motion(linkage.motion(time), *coordinates)
+            found[done : done + count + 1] = moved[self._place][0] @ self._row
+            state = history[-1]
+        return found[: steps + 1]

@@ -1,0 +1,163 @@
+"""The running linkage under a force on one point and read at another, in its moving modes.
+
+Force and displacement are in the axes of their links' rigid frames. What the moving modes leave
+out, all faster than they are, answers statically: by the flexibility of the links at each crank
+angle less that of the moving modes alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from flexmech.choices import LinkDirection
+from flexmech.dynamical_systems import ForcedPeriodicSystem, FourierSeries
+from flexmech.linear_system import (
+    LinkFrames,
+    LinkMatrix,
+    LinkPoint,
+    RotationTerms,
+    StressedLinks,
+    displacement_row,
+    in_positions,
+)
+from flexmech.time_domain.periodic_motion.moving_modes import MovingModes
+from flexmech.types import FloatArray
+
+# Crank angles whose unreduced matrices are held in memory at a time.
+BATCH = 64
+
+
+def forced_linkage(
+    moving: MovingModes,
+    stressed: StressedLinks,
+    hit: LinkPoint,
+    seen: LinkPoint,
+    direction: LinkDirection = "transverse",
+    connected: FloatArray | None = None,
+) -> ForcedPeriodicSystem:
+    """The linkage's periodic system with a force on it.
+
+    Parameters
+    ----------
+    moving : MovingModes
+    stressed : StressedLinks
+        The unreduced links at the crank angles of its turn.
+    hit, seen : LinkPoint
+        Where the force acts, and where the displacement is read.
+    direction : {"transverse", "axial"}
+        Of both, in the axes of their links' frames.
+    connected : ndarray, shape (N, size, size), optional
+        Stiffness of loads and springs in the coordinates of the unreduced links.
+
+    Returns
+    -------
+    ForcedPeriodicSystem
+        From N to m. Phases count from crank angle 0.
+
+    Raises
+    ------
+    InputError
+        If the linkage has no such link.
+    """
+    turn, size = moving.turn, moving.size
+    into, out = (_row(moving, point, direction) for point in (hit, seen))
+    force, reading = np.zeros((2, len(into), 2 * size))
+    root = np.sqrt(moving.scale)
+    force[:, size:] = into / root
+    reading[:, :size] = out / root
+    remainder = static_remainder(moving, stressed, hit, seen, direction, connected)
+    series = FourierSeries.through
+    if turn.is_constant:
+        return ForcedPeriodicSystem(
+            moving.system(),
+            *(FourierSeries.constant(v.mean(axis=0)) for v in (force, reading, remainder)),
+        )
+    return ForcedPeriodicSystem(moving.system(), series(force), series(reading), series(remainder))
+
+
+def static_remainder(
+    moving: MovingModes,
+    stressed: StressedLinks,
+    hit: LinkPoint,
+    seen: LinkPoint,
+    direction: LinkDirection = "transverse",
+    connected: FloatArray | None = None,
+) -> FloatArray:
+    """Static answer of what the moving modes leave out, at each crank angle.
+
+    ``g' K^-1 f - (P' g)' (P' K P)^-1 P' f``: of the two terms the first is the answer of the
+    unreduced links, the second that of the moving modes. Without rotation terms.
+
+    Parameters
+    ----------
+    moving : MovingModes
+    stressed : StressedLinks
+        The unreduced links at the crank angles of its turn.
+    hit, seen : LinkPoint
+    direction : {"transverse", "axial"}
+    connected : ndarray, shape (N, size, size), optional
+        Stiffness of loads and springs in the coordinates of the unreduced links.
+
+    Returns
+    -------
+    ndarray, shape (N,)
+        In m/N. Zero where the moving modes are all coordinates.
+    """
+    turn = moving.turn
+    frames = LinkFrames(turn.frames.topology, turn.unreduced)
+    count = len(moving.basis)
+    if moving.size == frames.size:
+        return np.zeros(count)
+    into, out = (_row(moving, point, direction) for point in (hit, seen))
+    places = [point.index(frames.topology) for point in (hit, seen)]
+    rows = [
+        displacement_row(turn.unreduced[place], point.fraction, direction)
+        for place, point in zip(places, (hit, seen), strict=True)
+    ]
+    answer = np.empty(count)
+    for first in range(0, count, BATCH):
+        some = slice(first, first + BATCH)
+        motion = turn.motion.at(some)
+        tangent = [in_positions(t, some) for t in stressed.tangent]
+        still = RotationTerms.all_or_none(False)
+        stiffness = frames.assemble(motion, tangent, still).stiffness
+        if connected is not None:
+            stiffness = stiffness + connected[some]
+        loads = [np.zeros((len(stiffness), link.size)) for link in turn.unreduced]
+        loads[places[0]][:] = rows[0]
+        moved = np.linalg.solve(stiffness, frames.gather(motion, loads)[..., None])
+        whole = frames.link_coordinates(motion, moved)[places[1]][..., 0] @ rows[1]
+        held = _stiffness(moving, tangent, some, connected=connected is not None)
+        kept = np.linalg.solve(held, into[some, :, None])[..., 0]
+        answer[some] = whole - (out[some] * kept).sum(axis=1)
+    return answer
+
+
+def _shapes(moving: MovingModes, some: slice) -> list[FloatArray]:
+    """Moving modes in the coordinates of each unreduced link, (B, n_link, m)."""
+    turn = moving.turn
+    reduced = turn.frames.link_coordinates(turn.motion.at(some), moving.basis[some])
+    return [basis @ q for basis, q in zip(turn.bases, reduced, strict=True)]
+
+
+def _stiffness(
+    moving: MovingModes, tangent: Sequence[LinkMatrix], some: slice, *, connected: bool
+) -> FloatArray:
+    """``P' K P`` at some crank angles, (B, m, m)."""
+    shapes = _shapes(moving, some)
+    parts = [np.swapaxes(q, 1, 2) @ (k @ q) for q, k in zip(shapes, tangent, strict=True)]
+    if connected and moving.turn.connected is not None:
+        basis = moving.basis[some]
+        parts.append(np.swapaxes(basis, 1, 2) @ (moving.turn.connected.stiffness[some] @ basis))
+    return np.asarray(sum(parts))
+
+
+def _row(moving: MovingModes, point: LinkPoint, direction: LinkDirection) -> FloatArray:
+    """Displacement of a point in the coordinates y of the moving modes, (N, m)."""
+    turn = moving.turn
+    number = point.index(turn.frames.topology)
+    row = displacement_row(turn.unreduced[number], point.fraction, direction) @ turn.bases[number]
+    reduced = turn.frames.link_coordinates(turn.motion, moving.basis)[number]
+    return np.asarray(row @ reduced)

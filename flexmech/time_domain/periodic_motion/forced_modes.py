@@ -1,0 +1,309 @@
+"""The running linkage in its moving modes under its own inertia: a small forced periodic system.
+
+The linear equations of :mod:`flexmech.time_domain.equations_of_motion.driven_linkage` are sought in
+the moving modes of :mod:`flexmech.time_domain.periodic_motion.moving_modes`. The loads are the
+inertia forces of the rigid motion and the weight; what they bend beyond the moving modes follows
+statically. Damping enters link by link in proportion to the damping of the model, so that other
+damping costs no new model.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem, transition_matrices
+from flexmech.linear_system import (
+    CarriedInertia,
+    Engine,
+    Prestress,
+    RotationTerms,
+    StressedLinks,
+    inertia_loads,
+)
+from flexmech.time_domain.periodic_motion.moving_modes import (
+    MovingModes,
+    counts_of_modes,
+    moving_modes,
+)
+from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
+from flexmech.types import FloatArray
+
+Readings = Sequence[Sequence[FloatArray | None]]
+
+# Of a turn; an odd number leaves no harmonic whose phase is unknown.
+SAMPLES = 181
+# Steps of the transition matrices in a period of the fastest moving mode. Readings between them
+# are those of a cubic spline: off by (2 pi / 12)^4 / 384 = 2e-4 of the fastest mode's part, which
+# hardly moves.
+STEPS_A_PERIOD = 12
+LEAST_STEPS = 720
+# Modes besides those asked for, where nothing turns and any number of them is smooth.
+SPARE_MODES = 2
+
+
+@dataclass(frozen=True)
+class ForcedModes:
+    """A running linkage of n_links links in m moving modes, its loads and readings.
+
+    Parameters
+    ----------
+    moving : MovingModes
+    damping : tuple of FourierSeries
+        What each link's damping adds to the system's matrix (2 m, 2 m).
+    force : FourierSeries
+        Of the loads in the states, (2 m,).
+    rows : FourierSeries
+        From the states to the readings, (r, 2 m).
+    offset : FourierSeries
+        Readings of what follows statically, (r,).
+    """
+
+    moving: MovingModes
+    damping: tuple[FourierSeries, ...]
+    force: FourierSeries
+    rows: FourierSeries
+    offset: FourierSeries
+
+    @property
+    def size(self) -> int:
+        """Number of states 2 m."""
+        return 2 * self.moving.size
+
+    @property
+    def period(self) -> float:
+        """Time of a turn in s."""
+        return self.moving.turn.period
+
+    @property
+    def fastest(self) -> float:
+        """Greatest natural frequency of the moving modes over the turn in rad/s."""
+        squares = self.moving.turn.frozen_squares[:, self.moving.size - 1]
+        return float(np.sqrt(squares.max()))
+
+    def frequency_ranges(self) -> FloatArray:
+        """Least and greatest frozen natural frequency of each moving mode in Hz, (m, 2)."""
+        squares = np.maximum(self.moving.turn.frozen_squares[:, : self.moving.size], 0.0)
+        hertz = np.sqrt(squares) / (2 * np.pi)
+        return np.stack([hertz.min(axis=0), hertz.max(axis=0)], axis=1)
+
+    def with_damping(self, factors: Sequence[float]) -> FreeAndForced:
+        """Free and forced motion with each link's damping times a factor.
+
+        Parameters
+        ----------
+        factors : sequence of float
+            One for each link, in the topology's order.
+
+        Returns
+        -------
+        FreeAndForced
+        """
+        matrix = self.moving.with_undamped_links
+        for series, factor in zip(self.damping, factors, strict=True):
+            matrix = matrix.plus(series, factor)
+        n = self.size
+        # A state that stays one carries the loads.
+        harmonics = len(matrix.coefficients), len(self.force.coefficients)
+        whole = np.zeros((max(harmonics), n + 1, n + 1), dtype=complex)
+        whole[: harmonics[0], :n, :n] = matrix.coefficients
+        whole[: harmonics[1], :n, n] = self.force.coefficients
+        series = FourierSeries(whole)
+        steps = max(
+            LEAST_STEPS,
+            int(np.ceil(STEPS_A_PERIOD * self.period * self.fastest / (2 * np.pi))),
+        )
+        return FreeAndForced(
+            transitions=transition_matrices(SampledPeriodicSystem(series, self.period), steps),
+            rows=self.rows.samples(steps),
+            offset=self.offset.samples(steps),
+        )
+
+
+@dataclass(frozen=True)
+class FreeAndForced:
+    """Motion of a running linkage from any crank angle on.
+
+    Parameters
+    ----------
+    transitions : ndarray, shape (steps, n + 1, n + 1)
+        Of the states and a one, for each step of a turn.
+    rows : ndarray, shape (steps, r, n)
+        Readings of the states at the beginning of each step.
+    offset : ndarray, shape (steps, r)
+        What is read besides.
+    """
+
+    transitions: FloatArray
+    rows: FloatArray
+    offset: FloatArray
+
+    def readings(self, phase: FloatArray, reading: int = 0) -> tuple[FloatArray, FloatArray]:
+        """Readings at phases of the crank, of a motion that begins with the first of them.
+
+        Parameters
+        ----------
+        phase : ndarray, shape (N,)
+            Turns of the crank since crank angle zero in the order of time, increasing.
+        reading : int
+
+        Returns
+        -------
+        ndarray, shape (N,)
+            Reading of the periodic motion.
+        ndarray, shape (N, n)
+            Readings of the free motions from a unit of each state at the beginning.
+        """
+        steps, size = len(self.transitions), self.transitions.shape[1]
+        first = int(np.floor(phase[0] * steps + 1e-9))
+        order = (first + np.arange(steps + 1)) % steps
+        states = np.empty((steps + 1, size, size))
+        states[0] = np.eye(size)
+        for index, step in enumerate(order[:-1]):
+            np.matmul(self.transitions[step], states[index], out=states[index + 1])
+        row, n = self.rows[order, reading], size - 1
+        turn = states[-1]
+        # Without damping a critical speed has no periodic motion: then some motion is as good.
+        start = np.linalg.lstsq(np.eye(n) - turn[:n, :n], turn[:n, n], rcond=1e-12)[0]
+        own = states[:, :n] @ np.append(start, 1.0)
+        gap = own[-1] - own[0]
+        free = np.einsum("kn,knj->kj", row, states[:, :n, :n])
+        periodic = np.einsum("kn,kn->k", row, own) + self.offset[order, reading]
+        along = phase * steps - first
+        turns = np.floor(along / steps).astype(int)
+        within = along - turns * steps
+        grid = np.arange(steps + 1.0)
+        of_state = CubicSpline(grid, free)(within)
+        forced = CubicSpline(grid, periodic)(within)
+        motions = np.empty_like(of_state)
+        power, drift = np.eye(n), np.zeros(n)
+        for number in range(int(turns[-1]) + 1):
+            now = turns == number
+            motions[now] = of_state[now] @ power
+            forced[now] += of_state[now] @ drift
+            power = turn[:n, :n] @ power
+            drift = turn[:n, :n] @ drift + gap
+        return forced, motions
+
+
+def forced_modes(
+    engine: Engine,
+    crank_speed: float,
+    readings: Readings,
+    prestress: Prestress = "equilibrium",
+    modes: int = 4,
+) -> ForcedModes:
+    """Write a running linkage in its moving modes, with its loads.
+
+    Parameters
+    ----------
+    engine : Engine
+        Of a mechanism whose links are damped as they shall be for the factor one.
+    crank_speed : float
+        In rad/s; not zero.
+    readings : sequence of sequence of ndarray, shape (n_full,), or None
+        What is read, r of them: a row for each link in its unreduced coordinates, None where
+        nothing is read of a link.
+    prestress : {"none", "axial", "equilibrium"}
+        About which quasi-static state the equations are linear.
+    modes : int
+        Natural frequencies that count; a few more moving modes are taken, so that their
+        subspace is smooth.
+
+    Returns
+    -------
+    ForcedModes
+
+    Raises
+    ------
+    InputError
+        Where the linkage cannot be assembled or locks.
+    ComputationError
+        If there is no equilibrium.
+    """
+    order = np.arange(SAMPLES) if crank_speed > 0 else -np.arange(SAMPLES) % SAMPLES
+    motion = engine.mechanism.linkage.motion(2 * np.pi / SAMPLES * order, crank_speed)
+    stressed = engine.stressed_links(motion, prestress)
+    engine.require_no_connectors("forced motion in moving modes")
+    turn = SampledTurn.of(engine, motion, stressed, prestress, modes)
+    count = min(modes + SPARE_MODES, turn.frames.size)
+    if turn.turns_pins:
+        count = counts_of_modes(turn, modes, 1)[0]
+    moving = moving_modes(turn, count)
+    force = turn.frames.gather(motion, _loads(engine, turn, stressed))
+    modal = np.einsum("kni,kn->ki", moving.basis, force)
+    shapes = np.concatenate([moving.basis, _rest(moving, force, modal)], axis=2)
+    read = _read(turn, readings, shapes)
+    root = np.sqrt(moving.scale)
+    states = np.zeros((SAMPLES, 2 * count))
+    states[:, count:] = modal / root
+    rows = np.zeros((SAMPLES, len(readings), 2 * count))
+    rows[..., :count] = read[..., :count] / root
+    return ForcedModes(
+        moving,
+        _link_damping(moving),
+        FourierSeries.through(states),
+        FourierSeries.through(rows),
+        FourierSeries.through(read[..., count]),
+    )
+
+
+def _link_damping(moving: MovingModes) -> tuple[FourierSeries, ...]:
+    """What each link's damping alone adds to the system's matrix."""
+    turn = moving.turn
+    nothing = [np.zeros_like(matrix) for matrix in turn.damping]
+    series = []
+    for number, matrix in enumerate(turn.damping):
+        alone = replace(turn, damping=[*nothing[:number], matrix, *nothing[number + 1 :]])
+        series.append(moving_modes(alone, moving.size, moving).dissipative)
+    return tuple(series)
+
+
+def _loads(engine: Engine, turn: SampledTurn, stressed: StressedLinks) -> list[FloatArray]:
+    """Forces on each reduced link (N, n_link) that a displacement from the straight link answers.
+
+    Near a stressed state the internal force is not the tangent times the displacement: what it is
+    more at that state counts as a load.
+    """
+    forces = inertia_loads(engine.links, turn.motion, engine.mechanism.gravity)
+    if stressed.displacement is not None:
+        if stressed.internal_force is not None:
+            pairs = zip(forces, stressed.internal_force, strict=True)
+            beside = [load - own for load, own in pairs]
+        else:
+            # Such an engine's links are in balance with the loads, and with what they carry along.
+            topology = engine.mechanism.linkage.topology
+            carried = CarriedInertia.of(topology, engine.links, turn.motion)
+            beside = [np.zeros_like(load) for load in forces]
+            if carried is not None:
+                beside = [-force for force in carried.forces(stressed.displacement)]
+        forces = [
+            (tangent @ q[..., None])[..., 0] + more
+            for tangent, q, more in zip(
+                stressed.tangent, stressed.displacement, beside, strict=True
+            )
+        ]
+    return [force @ basis for force, basis in zip(forces, turn.bases, strict=True)]
+
+
+def _rest(moving: MovingModes, force: FloatArray, modal: FloatArray) -> FloatArray:
+    """What the loads bend statically beyond the moving modes, (N, n, 1)."""
+    turn, across = moving.turn, np.swapaxes(moving.basis, 1, 2)
+    still = RotationTerms.all_or_none(False)
+    stiffness = turn.frames.assemble(turn.motion, turn.tangent, still).stiffness
+    own = np.linalg.solve(across @ stiffness @ moving.basis, modal[..., None])
+    return np.asarray(np.linalg.solve(stiffness, force[..., None]) - moving.basis @ own)
+
+
+def _read(turn: SampledTurn, readings: Readings, shapes: FloatArray) -> FloatArray:
+    """Readings (N, r, k) of shapes (N, n, k) of the linkage."""
+    moved = turn.frames.link_coordinates(turn.motion, shapes)
+    values = np.zeros((len(shapes), len(readings), shapes.shape[2]))
+    for index, rows in enumerate(readings):
+        for row, basis, shape in zip(rows, turn.bases, moved, strict=True):
+            if row is not None:
+                values[:, index] += np.einsum("n,knm->km", row @ basis, shape)
+    return values

@@ -1,0 +1,324 @@
+"""The running linkage in its moving modes: a small periodic system in canonical form.
+
+The lowest natural modes at every crank angle, without rotation terms, span a subspace that turns
+with the crank. The motion is sought there (Galerkin), with the rates of the turning shapes. What
+is stiff, such as stretching, follows statically in each mode. The coordinates of all links are
+``q = P(t) y`` with ``P' M P = 1``; a dot is a rate. The Lagrange function of links in turning
+frames gives::
+
+    B = P' M P. + P' omega S P                                                 (skew)
+    Q = P' (K - omega^2 M_t) P - P.' M P. + P' omega S P. + (P' omega S P.)'  (symmetric)
+
+and with the momentum ``p = y. + B y`` the equations of motion are those of the Hamilton function
+``H = |p - B y|^2 / 2 + y' Q y / 2`` and of the damping forces ``-P' D (P y. + P. y)``.
+
+Connectors move by ``d = E(t) W(t) y`` with the basis W in the linkage's coordinates. Their
+stiffness ``E' K E`` stands in Q by its symmetric part; what has no potential, the skew part and
+the dampers, gives the forces ``-W' (E' K E - (E' K E)') W y / 2 - (E W)' C (E W y.+ (E W). y)``.
+
+The subspace is smooth where its highest mode stays apart from the next one; modes may cross within
+it. At each crank angle its basis is the one nearest to a fixed basis, so that it returns after a
+turn.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.choices import MovingFrame
+from flexmech.dynamical_systems import FourierSeries, SampledPeriodicSystem
+from flexmech.linear_system import LinkMatrix, LinkModel
+from flexmech.time_domain.periodic_motion.nodal_frames import NodalFrame, quarter_turn
+from flexmech.time_domain.periodic_motion.sampled_turn import SampledTurn
+from flexmech.types import FloatArray
+
+# A subspace turns fast where its highest frequency comes nearer than this part to the next one,
+# and is far from its fixed basis where a direction of it has less than this part in common.
+LEAST_GAP = 0.1
+LEAST_OVERLAP = 0.2
+# Modes besides those asked for, among which the end of the subspace is sought.
+SPARE_MODES = 10
+
+
+@dataclass(frozen=True)
+class MovingModes:
+    """The linkage in m moving modes; its states are ``(sqrt(w) y, p / sqrt(w))``.
+
+    Parameters
+    ----------
+    turn : SampledTurn
+    basis : ndarray, shape (N, n, m)
+        From y to the coordinates of the linkage.
+    scale : ndarray, shape (m,)
+        ``w`` in rad/s: natural frequencies of the stiffness averaged over the turn. The scaled
+        states are canonical too.
+    conservative, dissipative : FourierSeries
+        Of the system's matrix (2 m, 2 m): without damping, and what damping adds to it, which is
+        proportional to the damping.
+    attached : FourierSeries
+        What dampers of springs and joints and forces that follow add to the system's matrix.
+    stiffness : ndarray, shape (N, m, m)
+        Q in (rad/s)^2, as sampled.
+    fixed : ndarray, shape (n, m)
+        Fixed basis to which the moving one is nearest.
+    """
+
+    turn: SampledTurn
+    basis: FloatArray
+    scale: FloatArray
+    conservative: FourierSeries
+    dissipative: FourierSeries
+    attached: FourierSeries
+    stiffness: FloatArray
+    fixed: FloatArray
+
+    @property
+    def size(self) -> int:
+        """Number m of moving modes."""
+        return len(self.scale)
+
+    @property
+    def is_definite(self) -> bool:
+        """Whether the Hamilton function is positive definite at every sample."""
+        return bool(np.linalg.eigvalsh(self.stiffness)[:, 0].min() > 0)
+
+    @property
+    def series_error(self) -> float:
+        """Estimated relative error of the system's matrix between the samples."""
+        return self.conservative.tail
+
+    def samples_for(self, tolerance: float) -> int:
+        """Number of samples at which the estimated error would be within a tolerance.
+
+        Harmonics of smooth functions shrink by the same part from one to the next.
+        """
+        return int(np.ceil(len(self.basis) * np.log(tolerance) / np.log(self.series_error)))
+
+    def system(self, damping: float = 1.0) -> SampledPeriodicSystem:
+        """Periodic system with the damping of links times a factor; 0 leaves it out."""
+        matrix = self.with_undamped_links.plus(self.dissipative, damping)
+        return SampledPeriodicSystem(matrix, self.turn.period)
+
+    @property
+    def with_undamped_links(self) -> FourierSeries:
+        """The system's matrix without the damping of links, that of connectors included."""
+        return self.conservative.plus(self.attached, 1.0)
+
+
+def counts_of_modes(turn: SampledTurn, modes: int, wanted: int) -> list[int]:
+    """Numbers of moving modes whose subspace is smooth, and which are more than are asked for.
+
+    Parameters
+    ----------
+    turn : SampledTurn
+    modes : int
+        Without rigid ones.
+    wanted : int
+        How many numbers to look for.
+
+    Returns
+    -------
+    list of int
+        Increasing. Where fewer are smooth, the smoothest ones above them follow. All coordinates,
+        if nothing changes along the turn or there are no more than are asked for.
+    """
+    squares, largest = turn.frozen_squares, turn.frames.size
+    modes += turn.rigid_modes
+    if turn.is_constant:
+        return [largest]
+    counts: list[int] = []
+    smoothness: dict[int, float] = {}
+    for count in range(modes + 1, min(modes + SPARE_MODES, largest - 1) + 1):
+        if len(counts) == wanted:
+            break
+        below, above = squares[:, count - 1], squares[:, count]
+        gap = float(np.sqrt(above / below).min()) - 1 if below.min() > 0 else 0.0
+        overlap = float(turn.subspace(count).least_common.min())
+        smoothness[count] = min(gap / LEAST_GAP, overlap / LEAST_OVERLAP)
+        if smoothness[count] > 1:
+            counts.append(count)
+    while len(counts) < wanted:
+        more = [count for count in smoothness if count > max(counts, default=0)]
+        if not more:
+            break
+        counts.append(max(more, key=lambda count: smoothness[count]))
+    return counts or [largest]
+
+
+def moving_modes(
+    turn: SampledTurn, count: int, like: MovingModes | None = None, frame: MovingFrame = "link"
+) -> MovingModes:
+    """Write the running linkage in its moving modes.
+
+    Parameters
+    ----------
+    turn : SampledTurn
+    count : int
+        Number m of moving modes, at most all coordinates.
+    like : MovingModes, optional
+        As many of another crank speed in the same component modes, whose fixed basis and scale
+        to take: matrices of both then change continuously from one speed to the other.
+    frame : {"link", "inertial"}
+        Axes in which rates are taken of the nodes' displacements: those of the links, or of
+        the ground. It is the same system; see
+        :mod:`flexmech.time_domain.periodic_motion.nodal_frames`.
+
+    Returns
+    -------
+    MovingModes
+    """
+    modes = turn.frozen_modes[:, :, :count]
+    if like is None:
+        scale, fixed, alignment = _scale_and_fixed_basis(turn, count)
+    else:
+        scale, fixed = like.scale, like.fixed
+        alignment = turn.aligned(count, fixed)[0]
+    basis = modes @ alignment
+    skew, stiffness, links = _projected(turn, basis, frame)
+    root = np.sqrt(scale)
+    matrix = np.zeros((len(basis), 2 * count, 2 * count))
+    y, p = slice(0, count), slice(count, None)
+    across = np.swapaxes(skew, 1, 2)
+    matrix[:, y, y] = -skew * root[:, None] / root
+    matrix[:, y, p] = np.diag(scale)
+    matrix[:, p, y] = -(stiffness + across @ skew) / root[:, None] / root
+    matrix[:, p, p] = across / root[:, None] * root
+    return MovingModes(
+        turn,
+        basis,
+        scale,
+        _series(turn, matrix),
+        _series(turn, links.matrix(skew, root)),
+        _series(turn, _of_connectors(turn, basis).matrix(skew, root)),
+        stiffness,
+        fixed,
+    )
+
+
+def _series(turn: SampledTurn, matrix: FloatArray) -> FourierSeries:
+    """Series through a matrix (N, 2 m, 2 m), of its mean where it is constant by nature."""
+    if turn.is_constant:
+        return FourierSeries.constant(matrix.mean(axis=0))
+    return FourierSeries.through(matrix)
+
+
+def _scale_and_fixed_basis(
+    turn: SampledTurn, count: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Natural frequencies (m,) of the averaged stiffness; its modes, and those nearest to them."""
+    own = turn.subspace(count)
+    squares = turn.frozen_squares[:, :count]
+    average = np.einsum("aij,ai,aik->jk", own.alignment, squares, own.alignment)
+    mean_squares, turned = np.linalg.eigh(average / len(squares))
+    scale = np.sqrt(np.abs(mean_squares))
+    # Any scale makes canonical states; that of a rigid mode would be zero.
+    rigid = slice(turn.rigid_modes)
+    scale[rigid] = np.maximum(scale[rigid], abs(turn.crank_speed))
+    return scale, own.fixed @ turned, own.alignment @ turned
+
+
+@dataclass(frozen=True)
+class _Forces:
+    """Forces ``-damping y. - stiffness y`` without a potential, each (N, m, m)."""
+
+    damping: FloatArray
+    stiffness: FloatArray
+
+    def matrix(self, skew: FloatArray, root: FloatArray) -> FloatArray:
+        """Part of the system's matrix (N, 2 m, 2 m), by B and the roots of the scale."""
+        samples, count, _ = skew.shape
+        matrix = np.zeros((samples, 2 * count, 2 * count))
+        y, p = slice(0, count), slice(count, None)
+        matrix[:, p, y] = (self.damping @ skew - self.stiffness) / root[:, None] / root
+        matrix[:, p, p] = -self.damping / root[:, None] * root
+        return matrix
+
+
+def _of_connectors(turn: SampledTurn, basis: FloatArray) -> _Forces:
+    """Forces of dampers of springs and joints, and of forces that follow."""
+    connected, across = turn.connected, np.swapaxes(basis, 1, 2)
+    if connected is None or connected.is_conservative:
+        nothing = np.zeros_like(across @ basis)
+        return _Forces(nothing, nothing)
+    forces = across @ connected.damping
+    rates = FourierSeries.through(basis).rate().samples(len(basis)) / turn.period
+    answers = across @ ((connected.turning + connected.circulatory) @ basis)
+    return _Forces(forces @ basis, forces @ rates + answers)
+
+
+def _projected(
+    turn: SampledTurn, basis: FloatArray, frame: MovingFrame
+) -> tuple[FloatArray, FloatArray, _Forces]:
+    """B and Q, each (N, m, m), and ``P' D P`` with ``P' D P.`` of links."""
+    count, _, size = basis.shape
+    skew, stiffness, damping, moving_damping = np.zeros((4, count, size, size))
+    for number, shapes in enumerate(turn.frames.link_coordinates(turn.motion, basis)):
+        across = np.swapaxes(shapes, 1, 2)
+        in_frame = _in_link_frame if frame == "link" else _in_ground_axes
+        inertia, rates = in_frame(turn, number, shapes)
+        skew += inertia.skew
+        stiffness += across @ (turn.tangent[number] @ shapes) + inertia.stiffness
+        forces = across @ turn.damping[number]
+        damping += forces @ shapes
+        moving_damping += forces @ rates
+    if turn.connected is not None:
+        stiffness += np.swapaxes(basis, 1, 2) @ (turn.connected.potential @ basis)
+    # What round-off and the missing harmonics leave of the other part would not be Hamiltonian.
+    skew = (skew - np.swapaxes(skew, 1, 2)) / 2
+    stiffness = (stiffness + np.swapaxes(stiffness, 1, 2)) / 2
+    damping = (damping + np.swapaxes(damping, 1, 2)) / 2
+    return skew, stiffness, _Forces(damping, moving_damping)
+
+
+@dataclass(frozen=True)
+class _Inertia:
+    """What a link's inertia gives to B and Q."""
+
+    skew: FloatArray
+    stiffness: FloatArray
+
+
+def _inertia(
+    link: LinkModel | NodalFrame,
+    mass: LinkMatrix,
+    speed: FloatArray,
+    shapes: FloatArray,
+    rates: FloatArray,
+) -> _Inertia:
+    """Of the energy ``|P y. + P. y|_M^2 / 2 + omega (P y. + P. y)' S P y + ...``."""
+    turning = speed * (link.gyroscopic @ shapes)
+    across, across_rates = np.swapaxes(shapes, 1, 2), np.swapaxes(rates, 1, 2)
+    coriolis = across_rates @ turning
+    return _Inertia(
+        skew=across @ (mass @ rates + turning),
+        stiffness=-coriolis
+        - np.swapaxes(coriolis, 1, 2)
+        - across_rates @ (mass @ rates)
+        - across @ (speed**2 * (link.translational_mass @ shapes)),
+    )
+
+
+def _in_link_frame(
+    turn: SampledTurn, number: int, shapes: FloatArray
+) -> tuple[_Inertia, FloatArray]:
+    """Inertia by rates in the link's frame, and these rates (N, n_link, m)."""
+    link, speed = turn.models[number], turn.motion.angular_velocity[:, number, None, None]
+    rates = FourierSeries.through(shapes).rate().samples(len(shapes)) / turn.period
+    return _inertia(link, link.mass, speed, shapes, rates), rates
+
+
+def _in_ground_axes(
+    turn: SampledTurn, number: int, shapes: FloatArray
+) -> tuple[_Inertia, FloatArray]:
+    """Inertia by rates in ground axes; the rates that damping feels, (N, n_link, m)."""
+    frame, reduction = NodalFrame(turn.unreduced[number]), turn.bases[number]
+    speed = turn.motion.angular_velocity[:, number, None, None]
+    full = reduction @ shapes
+    moving = frame.rates(full, turn.motion.angle[:, number], turn.period)
+    rates = moving - speed * (quarter_turn(frame.link) @ full)
+    return (
+        _inertia(frame, frame.link.mass, speed, full, moving),
+        np.linalg.pinv(reduction) @ rates,
+    )

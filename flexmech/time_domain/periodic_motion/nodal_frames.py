@@ -1,0 +1,109 @@
+"""Links whose nodes' displacements are written in ground axes, with the rates of their turning.
+
+Each vector of a link, the displacement of a node or its slope vector, is turned by the link's
+angle: ``d = R q``. With J the quarter turn of all vectors, the rate seen in the link's axes is
+``v = R' d. = q. + omega J q``, and what the kinetic energy of the link has besides
+``v' M v / 2`` is ``omega v' S* q + omega^2 q' M_t* q / 2`` with::
+
+    S* = S - M J
+    M_t* = M_t + J' M J - J' S - S' J
+
+Both vanish where the shape functions turn with the nodes, as those of ANCF cables do: then the
+inertia has no terms of turning frames in ground axes. Along beams whose displacements along and
+across are of different degree a small rest remains, of the element's length.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.dynamical_systems import FourierSeries
+from flexmech.linear_system import LinkModel, whole
+from flexmech.types import FloatArray
+
+
+@dataclass(frozen=True)
+class NodalFrame:
+    """An unreduced link's inertia by rates of its nodes' displacements in ground axes.
+
+    Parameters
+    ----------
+    link : LinkModel
+        Unreduced.
+    """
+
+    link: LinkModel
+
+    @property
+    def gyroscopic(self) -> FloatArray:
+        """``S*``, (n, n)."""
+        return np.asarray(whole(self.link.gyroscopic) - self.link.mass @ quarter_turn(self.link))
+
+    @property
+    def translational_mass(self) -> FloatArray:
+        """``M_t*``, (n, n)."""
+        turn, link = quarter_turn(self.link), self.link
+        crossed = turn.T @ link.gyroscopic
+        turned = turn.T @ link.mass @ turn
+        return np.asarray(whole(link.translational_mass) + turned - crossed - crossed.T)
+
+    def rates(self, shapes: FloatArray, angle: FloatArray, period: float) -> FloatArray:
+        """Rates ``v`` of shapes along a turn, in the link's axes.
+
+        Parameters
+        ----------
+        shapes : ndarray, shape (N, n, m)
+            In the link's frame at evenly spaced times of a turn.
+        angle : ndarray, shape (N,)
+            Of the link in rad.
+        period : float
+            In s.
+
+        Returns
+        -------
+        ndarray, shape (N, n, m)
+        """
+        ground = vectors_turned(self.link, shapes, angle)
+        rates = FourierSeries.through(ground).rate().samples(len(shapes)) / period
+        return vectors_turned(self.link, rates, -angle)
+
+
+def quarter_turn(link: LinkModel) -> FloatArray:
+    """Matrix that turns all vectors of a link by a quarter and drops other coordinates.
+
+    Parameters
+    ----------
+    link : LinkModel
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+    """
+    turn = np.zeros((link.size, link.size))
+    x, y = link.vectors
+    turn[x, y], turn[y, x] = -1.0, 1.0
+    return turn
+
+
+def vectors_turned(link: LinkModel, shapes: FloatArray, angle: FloatArray) -> FloatArray:
+    """Shapes whose vectors are turned; other coordinates stay.
+
+    Parameters
+    ----------
+    link : LinkModel
+    shapes : ndarray, shape (N, n, m)
+    angle : ndarray, shape (N,)
+        In rad.
+
+    Returns
+    -------
+    ndarray, shape (N, n, m)
+    """
+    x, y = link.vectors
+    cosine, sine = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
+    turned = shapes.copy()
+    turned[:, x] = cosine * shapes[:, x] - sine * shapes[:, y]
+    turned[:, y] = sine * shapes[:, x] + cosine * shapes[:, y]
+    return turned

@@ -1,0 +1,230 @@
+"""The periodic motion of the running linkage at large displacements, stable or not.
+
+Found by Newton's method from the quasi-static equilibrium
+(:mod:`flexmech.time_domain.periodic_motion.orbit_newton`) and not by running a transient out: an
+unstable motion is found as well as a stable one, and what is found has no numerical damping. Where
+the direct way fails, motions held back by damping lead the way, with less of it from one to the
+next and none in the end.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.errors import CRANK_SPEED, ComputationError
+from flexmech.linear_system import Engine
+from flexmech.linkages import CrankDrive
+from flexmech.numbers import check_count
+from flexmech.threads import one_thread
+from flexmech.time_domain.periodic_motion.orbit_equations import OrbitEquations, at_angles
+from flexmech.time_domain.periodic_motion.orbit_newton import NewtonRun, newton
+from flexmech.types import FloatArray
+
+logger = logging.getLogger(__name__)
+
+# Samples of a turn at which the equations hold, first and at most.
+SAMPLES = (128, 256)
+# Harmonics in the fastest quarter of those that the samples show, over the greatest displacement:
+# more samples are taken above the first, and the orbit is not resolved above the second.
+TAIL = 1e-4
+GREATEST_TAIL = 1e-3
+# A free vibration fits a turn to this part: what it is excited to is made of round-off, or of the
+# steps' errors.
+CRITICAL = 1e-7
+# Damping that holds back: at first over the crank speed, and the part of it that stays from one
+# motion to the next; that part is brought nearer to one where a motion is not found, at most
+# to the last. Below the least the motion is left to itself.
+FIRST_BRAKE = 2.0
+LESS = 0.4
+LEAST_CHANGE = 0.9
+LEAST_BRAKE = 0.003
+MOST_BRAKED = 16
+
+
+@dataclass(frozen=True)
+class NonlinearOrbit:
+    """A turn of the periodic motion at evenly spaced crank angles from zero.
+
+    Parameters
+    ----------
+    crank_speed : float
+        In rad/s.
+    displacement, rate : tuple of ndarray, shape (N, n_link)
+        Of each of the engine's links in the frame of its rigid motion, at crank angles
+        ``2 pi k / N``, and their time derivatives in that frame.
+    residual : float
+        Forces out of balance over the inertia forces and weight; each is measured by the root
+        of the work that the straight links would do under it.
+    tail : float
+        Displacement in the fastest quarter of the harmonics over the greatest displacement.
+    distance : float
+        Greatest distance from the quasi-static equilibrium over the greatest displacement of
+        the orbit, at stations along the links; nan where there is no such equilibrium.
+    passes : int
+        Of Newton's method, in all.
+    """
+
+    crank_speed: float
+    displacement: tuple[FloatArray, ...]
+    rate: tuple[FloatArray, ...]
+    residual: float
+    tail: float
+    distance: float
+    passes: int
+
+
+def nonlinear_orbit(engine: Engine, crank_speed: float, samples: int = 128) -> NonlinearOrbit:
+    """Find the periodic motion of an engine's links with their nonlinear internal forces.
+
+    Of several periodic motions it finds that which is next to the quasi-static equilibrium, or
+    which damping leads to.
+
+    Parameters
+    ----------
+    engine : Engine
+    crank_speed : float
+        In rad/s, not zero.
+    samples : int
+        Number N of crank angles at which the motion is wanted. The equations hold at 128 or 256
+        crank angles of their own.
+
+    Returns
+    -------
+    NonlinearOrbit
+
+    Raises
+    ------
+    InputError
+        If the speed is zero, or the samples are no count.
+    ComputationError
+        If no periodic motion is found, the crank speed is critical, or the harmonics do not
+        fade out.
+
+    Examples
+    --------
+    >>> mechanism = flexmech.load_mechanism("models/aluminium_fourbar.toml")
+    >>> orbit = nonlinear_orbit(flexmech.ReferenceEngine(mechanism, elements=4), 20.0)
+    >>> orbit.residual < 1e-9
+    True
+    >>> round(orbit.distance, 2)
+    0.09
+    """
+    CrankDrive(crank_speed)  # refuses what is no speed
+    check_count(samples, "samples")
+    with one_thread():
+        return _orbit(engine, float(crank_speed), samples)
+
+
+def _orbit(engine: Engine, crank_speed: float, samples: int) -> NonlinearOrbit:
+    z: FloatArray | None = None
+    passes = 0
+    for count in SAMPLES:
+        equations = OrbitEquations(engine, crank_speed, count)
+        still = _equilibrium(equations)
+        if z is not None:
+            start = at_angles(z, equations.motion.crank_angle)
+        elif still is None:
+            start = np.zeros((count, equations.frames.size))
+        else:
+            start = equations.independent(still)
+        run, taken = _found(equations, start)
+        z, passes = run.state.z, passes + taken
+        moved = equations.at_stations(run.state.displacement)
+        greatest = float(np.abs(moved).max())
+        tail = _tail(moved)
+        if tail <= TAIL:
+            break
+    if tail > GREATEST_TAIL:
+        raise ComputationError(
+            f"the periodic motion at crank speed {CRANK_SPEED} is not resolved: harmonics near the "
+            f"{count // 2}th of the crank's turn still carry {100 * tail:.2g} % of the greatest "
+            "displacement; change the crank speed a little, or give the links damping",
+            crank_speed=crank_speed,
+        )
+    distance = np.nan
+    if still is not None:
+        distance = float(np.abs(moved - equations.at_stations(still)).max()) / greatest
+    displacement, rate = _at(equations, run.state.z, samples)
+    return NonlinearOrbit(crank_speed, displacement, rate, run.state.error, tail, distance, passes)
+
+
+def _found(equations: OrbitEquations, start: FloatArray) -> tuple[NewtonRun, int]:
+    """The periodic motion directly, or else by way of damped ones; and all passes."""
+    run = newton(equations, start)
+    passes, detuning = run.passes, run.detuning
+    if not run.converged:
+        run, taken = _released(equations, start)
+        passes += taken
+        if run.converged:
+            detuning = run.detuning
+    if detuning < CRITICAL:
+        raise ComputationError(
+            f"crank speed {CRANK_SPEED} is critical: a free vibration fits one turn of the crank "
+            "exactly, and without damping no motion near the quasi-static equilibrium is periodic; "
+            "change the speed a little, or give the links damping",
+            crank_speed=equations.crank_speed,
+        )
+    if not run.converged:
+        raise ComputationError(
+            f"no periodic motion found at crank speed {CRANK_SPEED}: {passes} passes of Newton's "
+            f"method leave {100 * run.state.error:.3g} % of the loads out of balance; change the "
+            "crank speed, or give the links more damping",
+            crank_speed=equations.crank_speed,
+        )
+    return run, passes
+
+
+def _released(equations: OrbitEquations, start: FloatArray) -> tuple[NewtonRun, int]:
+    """Follow motions held back by damping until none holds them; and all passes."""
+    speed = abs(equations.crank_speed)
+    brake, held, less, passes = FIRST_BRAKE * speed, np.inf, LESS, 0
+    run = newton(equations, start, brake)
+    for _ in range(MOST_BRAKED):
+        passes += run.passes
+        logger.info("damping %.3g 1/s: %s", brake, "found" if run.converged else "not found")
+        if run.converged:
+            if brake == 0:
+                break
+            start, held, less = run.state.z, brake, less**1.5
+            brake = held * less if held * less > LEAST_BRAKE * speed else 0.0
+        else:
+            less = np.sqrt(less)
+            if not np.isfinite(held) or less > LEAST_CHANGE:
+                break
+            brake = held * less
+        run = newton(equations, start, brake)
+    if run.converged and brake == 0:
+        return run, passes
+    state = equations.state(run.state.z)
+    return NewtonRun(state, False, run.passes, run.detuning), passes
+
+
+def _equilibrium(equations: OrbitEquations) -> list[FloatArray] | None:
+    """Displacement of each link at the quasi-static equilibria, if they all exist."""
+    try:
+        return equations.engine.stressed_links(equations.motion, "equilibrium").displacement
+    except ComputationError as error:
+        logger.info("the orbit is looked for from straight links: %s", error)
+        return None
+
+
+def _tail(moved: FloatArray) -> float:
+    """Greatest harmonic of the fastest quarter over the greatest displacement; (N, s)."""
+    amplitude = 2 * np.abs(np.fft.rfft(moved, axis=0)) / len(moved)
+    return float(amplitude[3 * len(moved) // 8 :].max() / np.abs(moved).max())
+
+
+def _at(
+    equations: OrbitEquations, z: FloatArray, samples: int
+) -> tuple[tuple[FloatArray, ...], tuple[FloatArray, ...]]:
+    """Displacement and rate of each link at evenly spaced crank angles."""
+    angle: FloatArray = 2 * np.pi / samples * np.arange(samples, dtype=float)
+    linkage = equations.engine.mechanism.linkage
+    motion = linkage.motion(angle, np.full(samples, equations.crank_speed))
+    derivative = np.asarray(equations.first @ z, dtype=float)
+    position, velocity = at_angles(z, angle), at_angles(derivative, angle)
+    moving = equations.frames.link_motion(motion, position, velocity, np.zeros_like(position))
+    return tuple(q for q, _, _ in moving), tuple(rate for _, rate, _ in moving)

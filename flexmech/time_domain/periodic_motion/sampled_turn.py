@@ -1,0 +1,275 @@
+"""The links of a running linkage at evenly spaced crank angles of a turn, at their stress."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+
+from flexmech.linear_system import (
+    ConnectedMatrices,
+    Engine,
+    LinkFrames,
+    LinkModel,
+    Prestress,
+    RotationTerms,
+    StressedLinks,
+    inverse_mass_root,
+    is_constant_turn,
+    same_answers,
+    turns_or_slides,
+    unchanged,
+)
+from flexmech.linkages import CrankDrive, RigidMotion
+from flexmech.time_domain.equations_of_motion import ReducedLinks, prestressed_links
+from flexmech.types import FloatArray
+
+# Times the frequency up to which component modes are kept for the natural frequencies alone.
+DETAIL = 2.0
+
+
+@dataclass(frozen=True)
+class FrozenSubspace:
+    """The subspaces of the lowest m natural modes at N crank angles beside a fixed one.
+
+    Parameters
+    ----------
+    fixed : ndarray, shape (n, m)
+        Basis of the subspace that has most in common with those at all crank angles.
+    alignment : ndarray, shape (N, m, m)
+        Combinations of the modes that are nearest to it.
+    least_common : ndarray, shape (N,)
+        Least part that a direction of them has in common with it.
+    """
+
+    fixed: FloatArray
+    alignment: FloatArray
+    least_common: FloatArray
+
+
+@dataclass(frozen=True)
+class SampledTurn:
+    """Links in component modes at N crank angles, and the linkage's frozen natural modes.
+
+    Parameters
+    ----------
+    motion : RigidMotion
+        Batch of shape (N,): a turn of the crank in the order of time.
+    models : tuple of LinkModel
+        Links in component modes whose static shapes turn with the pins.
+    bases : tuple of ndarray, shape (n_full, n_link)
+        From each reduced link's coordinates to the engine's.
+    unreduced : tuple of LinkModel
+    tangent, damping : list of ndarray, shape (n_link, n_link) or (N, n_link, n_link)
+        Of each reduced link.
+    frames : LinkFrames
+        Of the reduced links.
+    crank_speed : float
+        In rad/s.
+    rigid_modes : int
+        How many of the natural modes, the first ones, deform nothing: that of a free shaft.
+    connected : ConnectedMatrices or None
+        Of springs, loads and guides in the coordinates of ``frames``; None without them.
+    """
+
+    motion: RigidMotion
+    models: tuple[LinkModel, ...]
+    bases: tuple[FloatArray, ...]
+    unreduced: tuple[LinkModel, ...]
+    tangent: list[FloatArray]
+    damping: list[FloatArray]
+    frames: LinkFrames
+    crank_speed: float
+    rigid_modes: int = 0
+    connected: ConnectedMatrices | None = None
+
+    @classmethod
+    def of(
+        cls,
+        engine: Engine,
+        motion: RigidMotion,
+        stressed: StressedLinks,
+        prestress: Prestress,
+        modes: int,
+        fastest: float | None = None,
+    ) -> Self:
+        """Reduce an engine's stressed links.
+
+        Parameters
+        ----------
+        engine : Engine
+        motion : RigidMotion
+            Batch of shape (N,) at one crank speed.
+        stressed : StressedLinks
+            At these positions.
+        prestress : {"none", "axial", "equilibrium"}
+            Level that tells which component modes the links need.
+        modes : int
+            Number of natural frequencies that the reduction must get right.
+        fastest : float, optional
+            Crank speed in rad/s up to which the component modes must do; that of the motion by
+            default.
+
+        Returns
+        -------
+        SampledTurn
+        """
+        speed = float(motion.crank_speed[0])
+        # What is constant is solved exactly, in all coordinates.
+        reduces = not (is_constant_turn(engine, motion) or engine.turns_as_one_body)
+        reduced = (
+            prestressed_links(
+                engine,
+                CrankDrive(fastest or speed),
+                prestress,
+                modes + engine.rigid_modes,
+                DETAIL,
+            )
+            if reduces
+            else ReducedLinks.all_of(engine)
+        )
+        frames = LinkFrames(engine.topology, reduced.models)
+        pairs = list(zip(reduced.bases, engine.links, strict=True))
+        damping = stressed.damping or [link.damping for link in engine.links]
+        connected = engine.connected_matrices(frames, motion, prestress, stressed.displacement)
+        if stressed.guiding is not None and stressed.guiding.any():
+            guided = frames.guided(motion, stressed.guiding)
+            connected = (
+                ConnectedMatrices.of_stiffness(guided)
+                if connected is None
+                else connected.plus_stiffness(guided)
+            )
+        return cls(
+            motion=motion,
+            models=reduced.models,
+            bases=reduced.bases,
+            unreduced=engine.links,
+            tangent=[
+                basis.T @ tangent @ basis
+                for (basis, _), tangent in zip(pairs, stressed.tangent, strict=True)
+            ],
+            damping=[basis.T @ d @ basis for (basis, _), d in zip(pairs, damping, strict=True)],
+            frames=frames,
+            crank_speed=speed,
+            rigid_modes=engine.rigid_modes,
+            connected=connected,
+        )
+
+    @property
+    def turns_pins(self) -> bool:
+        """Whether a link turns against another one, so that shapes change along the turn."""
+        return turns_or_slides(self.frames.topology)
+
+    @cached_property
+    def is_constant(self) -> bool:
+        """Whether nothing changes along the turn: no link turns against another, nor its stress.
+
+        Nor what springs, loads and guides answer.
+        """
+        if self.turns_pins:
+            return False
+        if not unchanged(m for m in (*self.tangent, *self.damping) if m.ndim == 3):
+            return False
+        return self.connected is None or same_answers(self.connected, self.motion)
+
+    @property
+    def period(self) -> float:
+        """Time of a turn in s."""
+        return 2 * np.pi / abs(self.crank_speed)
+
+    @cached_property
+    def mass(self) -> FloatArray:
+        """Mass matrix in the coordinates of ``frames``, (N, n, n)."""
+        return self._frozen[0]
+
+    @property
+    def frozen_squares(self) -> FloatArray:
+        """Squares of the natural frequencies without rotation terms, (N, n) in (rad/s)^2.
+
+        Negative where the linkage is statically unstable.
+        """
+        return self._frozen[1]
+
+    @cached_property
+    def static_squares(self) -> FloatArray:
+        """Least square of a natural frequency at each crank angle, (N,) in (rad/s)^2.
+
+        Beyond rigid modes. It is negative where the linkage is statically unstable: where forces
+        follow, the least real eigenvalue of their unsymmetric stiffness counts.
+        """
+        if self.connected is None or self.connected.is_conservative:
+            return np.asarray(self.frozen_squares[:, self.rigid_modes])
+        modes, own = self.frozen_modes, self.connected.circulatory
+        squares = np.swapaxes(modes, 1, 2) @ (own @ modes)
+        every = np.arange(squares.shape[1])
+        squares[:, every, every] += self.frozen_squares
+        values = np.linalg.eigvals(squares).astype(complex)
+        order = np.argsort(np.abs(values), axis=1)[:, self.rigid_modes :]
+        values = np.take_along_axis(values, order, axis=1)
+        # Pairs of complex eigenvalues vibrate.
+        return np.asarray(np.where(np.imag(values) == 0, np.real(values), np.inf).min(axis=1))
+
+    @property
+    def frozen_modes(self) -> FloatArray:
+        """Natural modes without rotation terms, (N, n, n): one a column, of unit modal mass."""
+        return self._frozen[2]
+
+    def subspace(self, count: int) -> FrozenSubspace:
+        """What the lowest natural modes at all crank angles have in common with a fixed basis.
+
+        Parameters
+        ----------
+        count : int
+            Number m of modes.
+
+        Returns
+        -------
+        FrozenSubspace
+        """
+        if count not in self._subspaces:
+            weight = np.linalg.cholesky(self.mass.mean(axis=0)).T
+            modes = self.frozen_modes[:, :, :count]
+            span = np.linalg.qr(weight @ modes)[0]
+            average = (span @ np.swapaxes(span, 1, 2)).mean(axis=0)
+            most = np.linalg.eigh(average)[1][:, -count:]
+            fixed = np.asarray(np.linalg.solve(weight, most))
+            self._subspaces[count] = FrozenSubspace(fixed, *self.aligned(count, fixed))
+        return self._subspaces[count]
+
+    def aligned(self, count: int, fixed: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Combinations of the lowest natural modes that are nearest to a fixed basis.
+
+        Parameters
+        ----------
+        count : int
+            Number m of modes.
+        fixed : ndarray, shape (n, m)
+
+        Returns
+        -------
+        ndarray, shape (N, m, m)
+            Orthogonal: from the combinations to the modes.
+        ndarray, shape (N,)
+            Least part that a direction of them has in common with the fixed basis.
+        """
+        modes = self.frozen_modes[:, :, :count]
+        left, common, right = np.linalg.svd(np.swapaxes(modes, 1, 2) @ self.mass @ fixed)
+        return left @ right, common.min(axis=1)
+
+    @cached_property
+    def _subspaces(self) -> dict[int, FrozenSubspace]:
+        return {}
+
+    @cached_property
+    def _frozen(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        still = RotationTerms.all_or_none(False)
+        matrices = self.frames.assemble(self.motion, self.tangent, still)
+        if self.connected is not None:
+            potential = self.connected.potential
+            matrices = replace(matrices, stiffness=matrices.stiffness + potential)
+        half = inverse_mass_root(matrices.mass)
+        across = np.swapaxes(half, 1, 2)
+        squares, vectors = np.linalg.eigh(half @ matrices.stiffness @ across)
+        return matrices.mass, squares, across @ vectors

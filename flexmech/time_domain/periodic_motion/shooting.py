@@ -1,0 +1,299 @@
+"""The periodic steady state at constant crank speed by shooting, without running a transient out.
+
+A turn of the crank maps the state at its start to that at its end. Of linear equations the map is
+affine, ``x -> monodromy @ x + forced``: it is taken along with the trapezoidal rule for all
+coordinates at once, and its fixed point is where the motion repeats itself. The eigenvalues of the
+monodromy matrix are the Floquet multipliers.
+
+Of a nonlinear simulation the linear equations know how the end answers a change of the start, which
+makes Newton's method with an approximate derivative out of one simulated turn an iteration. It
+finds the periodic motion whether or not damping would ever lead there.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.dynamical_systems import VibrationState, initial_state, march
+from flexmech.errors import CRANK_SPEED, ComputationError, InputError
+from flexmech.time_domain.equations_of_motion import DrivenLinkage, Equations, Following
+from flexmech.time_domain.integrators import StepTable
+from flexmech.time_domain.recorded_runs import LinkState, Trajectory
+from flexmech.types import FloatArray
+
+# Steps whose matrices are solved at once; fewer than in a single run, because a motion from a
+# unit of each coordinate is kept for all of them.
+BLOCK_STEPS = 256
+# Reciprocal condition number below which a turn returns some motion so exactly to itself
+# that the fixed point is made of round-off.
+RESONANT = 1e-11
+logger = logging.getLogger(__name__)
+
+Turn = Callable[[LinkState], Trajectory]
+
+# The iteration ends when a turn closes to this part of its greatest displacement. Without
+# damping the fastest modes return with phases that the linear equations only guess: where
+# they keep it from getting there, the best turn counts if it closes to within the second.
+CLOSURE = 2e-4
+LEAST_CLOSURE = 2e-3
+MOST_TURNS = 12
+
+
+@dataclass(frozen=True)
+class TurnMap:
+    """How a turn of the crank changes the state ``(z, z')``, from crank angle at time zero.
+
+    Parameters
+    ----------
+    monodromy : ndarray, shape (2 n, 2 n)
+    forced : ndarray, shape (2 n,)
+        State at the end of a turn that starts at zero.
+    """
+
+    monodromy: FloatArray
+    forced: FloatArray
+
+
+def turn_map(linkage: DrivenLinkage, steps: int) -> TurnMap:
+    """Map of one turn by the trapezoidal rule.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+        At constant crank speed.
+    steps : int
+        Time steps a turn.
+
+    Returns
+    -------
+    TurnMap
+
+    Raises
+    ------
+    InputError
+        If the crank speed is not constant, or loads do not repeat themselves with the turn.
+    """
+    state = None
+    for _, _, history in _all_motions(linkage, steps):
+        state = history[-1]
+    assert state is not None
+    return _map_to(state)
+
+
+def periodic_state(linkage: DrivenLinkage, steps: int) -> VibrationState:
+    """State at time zero of the motion that repeats itself every turn.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+        At constant crank speed.
+    steps : int
+        Time steps a turn.
+
+    Returns
+    -------
+    VibrationState
+        Arrays of shape (n,).
+
+    Raises
+    ------
+    InputError
+        If the crank speed is not constant, or loads do not repeat themselves with the turn.
+    ComputationError
+        If a free vibration fits a turn exactly, so that without damping the forced motion
+        grows without limit.
+    """
+    equations = linkage.equations(np.zeros(1))
+    position, velocity = _fixed_point(linkage, turn_map(linkage, steps), equations)
+    return initial_state(equations, position, velocity)
+
+
+def periodic_turn(linkage: DrivenLinkage, steps: int) -> list[FloatArray]:
+    """Displacement of the engine's links along one turn of the periodic motion.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+        At constant crank speed.
+    steps : int
+        Time steps a turn.
+
+    Returns
+    -------
+    list of ndarray, shape (steps, n_link)
+        In the frames of the rigid motion, at evenly spaced times from zero.
+
+    Raises
+    ------
+    InputError, ComputationError
+        As :func:`periodic_state`.
+    """
+    blocks = list(_all_motions(linkage, steps))
+    turn = _map_to(blocks[-1][2][-1])
+    start = np.concatenate(_fixed_point(linkage, turn, linkage.equations(np.zeros(1))))
+    # Each motion is the forced one plus what a unit of a coordinate at the start adds to it.
+    share = np.concatenate([[1 - start.sum()], start])
+    parts: list[list[FloatArray]] = [[] for _ in linkage.links]
+    for time, following, history in blocks:
+        motion = VibrationState(
+            history.position @ share, history.velocity @ share, history.acceleration @ share
+        )
+        moving = linkage.frames.link_motion(linkage.motion(time), *following.expanded(motion))
+        for part, basis, (q, _, _) in zip(parts, linkage.bases, moving, strict=True):
+            part.append(q[:-1] @ basis.T)
+    return [np.concatenate(part) for part in parts]
+
+
+def _all_motions(
+    linkage: DrivenLinkage, steps: int
+) -> Iterator[tuple[FloatArray, Following, VibrationState]]:
+    """March through a turn from zero and from a unit of each coordinate, block by block.
+
+    Yields
+    ------
+    ndarray, shape (m + 1,)
+        Times of the start of the block and of the end of each of its m steps.
+    Following
+        At these times.
+    VibrationState
+        At the same times; arrays of shape (m + 1, n, 1 + 2 n).
+
+    Raises
+    ------
+    InputError
+        If the crank speed is not constant, or loads do not repeat themselves with the turn.
+    """
+    linkage.engine.require_prescribed_shaft("a periodic motion")
+    if not linkage.drive.is_constant:
+        raise InputError("a periodic motion needs a constant crank speed: leave out the run-up")
+    linkage.connectors.require_periodic()
+    n, step = linkage.size, linkage.drive.revolution_time / steps
+    table = StepTable(linkage, step)
+    starts = np.concatenate([np.zeros((2 * n, 1)), np.eye(2 * n)], axis=1)
+    state = initial_state(linkage.equations(np.zeros(1)), starts[:n], starts[n:])
+    for first in range(0, steps, BLOCK_STEPS):
+        last = min(first + BLOCK_STEPS, steps)
+        time = step * np.arange(first, last + 1, dtype=float)
+        rows = table.rows(time)
+        history = march(rows.linear[1:], state)
+        state = history[-1]
+        yield time, rows.following, history
+
+
+def _map_to(end: VibrationState) -> TurnMap:
+    ends = np.concatenate([end.position, end.velocity])
+    return TurnMap(ends[:, 1:] - ends[:, :1], ends[:, 0])
+
+
+def _fixed_point(
+    linkage: DrivenLinkage, turn: TurnMap, equations: Equations
+) -> tuple[FloatArray, FloatArray]:
+    """Position and velocity that a turn returns to; ``equations`` begin at time zero."""
+    n = linkage.size
+    # Positions by their stiffness and velocities by their mass: both count as energies, and
+    # the condition number is none of units.
+    energies = (np.diagonal(equations.stiffness[0]), np.diagonal(equations.mass[0]))
+    scale = np.sqrt(np.abs(np.concatenate(energies)))
+    gap = scale[:, None] * (np.eye(2 * n) - turn.monodromy) / scale
+    if 1 / np.linalg.cond(gap) < RESONANT:
+        raise ComputationError(
+            f"crank speed {CRANK_SPEED} is critical: a free vibration fits one turn of the crank "
+            "exactly, and without damping no motion is periodic; change the speed a little, or "
+            "give the links damping",
+            crank_speed=linkage.drive.speed,
+        )
+    state = np.linalg.solve(gap, scale * turn.forced) / scale
+    return state[:n], state[n:]
+
+
+@dataclass(frozen=True)
+class PeriodicOrbit:
+    """A simulated turn that ends where it started.
+
+    Parameters
+    ----------
+    start : LinkState
+    turn : Trajectory
+    closure : float
+        How far it ends from its start, over the greatest displacement.
+    turns : int
+        Simulated turns that it took to find it.
+    """
+
+    start: LinkState
+    turn: Trajectory
+    closure: float
+    turns: int
+
+
+def simulated_orbit(linkage: DrivenLinkage, steps: int, simulate_turn: Turn) -> PeriodicOrbit:
+    """Find the periodic motion of a simulation.
+
+    Parameters
+    ----------
+    linkage : DrivenLinkage
+        Linear equations of the same engine at the same, constant speed.
+    steps : int
+        Time steps a turn.
+    simulate_turn : callable
+        Simulates one turn from a state; its samples include start and end.
+
+    Returns
+    -------
+    PeriodicOrbit
+
+    Raises
+    ------
+    ComputationError
+        If the iteration does not close the orbit, or the crank speed is critical.
+    """
+    monodromy, n = turn_map(linkage, steps).monodromy, linkage.size
+    gain = np.linalg.inv(np.eye(2 * n) - monodromy)
+    equations = linkage.equations(np.zeros(1))
+    start = periodic_state(linkage, steps)
+    state = np.concatenate([start.position, start.velocity])
+    best: PeriodicOrbit | None = None
+    for turns in range(1, MOST_TURNS + 1):
+        first = linkage.link_state(
+            equations, VibrationState(state[None, :n], state[None, n:], np.zeros((1, n)))
+        )
+        turn = simulate_turn(first)
+        orbit = PeriodicOrbit(first, turn, _closure(linkage, turn), turns)
+        logger.info("turn %d closes to %.1e of its greatest displacement", turns, orbit.closure)
+        if best is not None and orbit.closure >= best.closure:
+            break
+        best = orbit
+        if orbit.closure <= CLOSURE:
+            return orbit
+        gap = _state(linkage, _at(turn, -1)) - _state(linkage, _at(turn, 0))
+        state = state + gain @ gap
+    assert best is not None
+    if best.closure <= LEAST_CLOSURE:
+        return best
+    raise ComputationError(
+        f"no periodic motion found at crank speed {CRANK_SPEED}: the best of {turns} turns ends "
+        f"{100 * best.closure:.3g} % of its greatest displacement away from its start; change the "
+        "crank speed a little, or give the links damping",
+        crank_speed=linkage.drive.speed,
+    )
+
+
+def _closure(linkage: DrivenLinkage, turn: Trajectory) -> float:
+    """Distance of the end from the start over the greatest displacement, at the stations."""
+    gap, size = 0.0, 0.0
+    for link, q in zip(linkage.engine.links, turn.displacement, strict=True):
+        gap = max(gap, float(np.abs(link.shape @ (q[-1] - q[0])).max()))
+        size = max(size, float(np.abs(np.einsum("scn,bn->bsc", link.shape, q)).max()))
+    return gap / size
+
+
+def _at(turn: Trajectory, sample: int) -> LinkState:
+    return LinkState([q[sample] for q in turn.displacement], [r[sample] for r in turn.rate])
+
+
+def _state(linkage: DrivenLinkage, state: LinkState) -> FloatArray:
+    return np.concatenate(linkage.coordinates(state))

@@ -1,0 +1,324 @@
+"""From blocks of time steps to evenly sampled histories and an energy balance.
+
+Both engines hand over their steps block by block, so that the memory of a long run is that
+of its samples. Energies are summed over every step; histories are kept at the samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Protocol
+
+import numpy as np
+
+from flexmech.choices import LinkDirection
+from flexmech.dynamical_systems import (
+    ON_A_STEP,
+    hermite_interpolation,
+    linear_interpolation,
+    parabolic_work,
+    sample_intervals,
+)
+from flexmech.dynamical_systems.lobatto import WEIGHTS
+from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
+from flexmech.linkages import Topology
+from flexmech.time_domain.recorded_runs.force_record import ForceRecord
+from flexmech.time_domain.recorded_runs.shaft_motion import ShaftMotion
+from flexmech.types import FloatArray
+
+
+@dataclass(frozen=True)
+class StepBlock:
+    """Consecutive time steps; the first one repeats the last step of the block before.
+
+    Parameters
+    ----------
+    time : ndarray, shape (m,)
+        In s.
+    crank_speed : ndarray, shape (m,)
+        Of the shaft as it turns, also where it is free.
+    displacement, rate : list of ndarray, shape (m, n_link)
+        Each link's coordinates in the frame of its rigid motion, less those of the
+        undeformed link, and their time derivatives in that frame.
+    joint_force : ndarray, shape (m, n_joints, 2)
+        On the held or following link, ground axes, in the order of the topology's joints.
+    driving_torque : ndarray, shape (m,)
+        Of the shaft on the clamped link about the shaft's axis.
+    kinetic_energy, strain_energy, gravity_energy : ndarray, shape (m,)
+    dissipation_power : ndarray, shape (m,)
+        What damping takes out of the links, positive.
+    prestress_power : ndarray, shape (m,)
+        What a prescribed, changing prestress puts into a linear model; zero in a
+        nonlinear one.
+    shaft : ShaftMotion, optional
+        Of a shaft that is free. Its inertia is part of the kinetic energy, and the frames
+        are those of the rigid linkage at the angle that it has.
+    """
+
+    time: FloatArray
+    crank_speed: FloatArray
+    displacement: list[FloatArray]
+    rate: list[FloatArray]
+    joint_force: FloatArray
+    driving_torque: FloatArray
+    kinetic_energy: FloatArray
+    strain_energy: FloatArray
+    gravity_energy: FloatArray
+    dissipation_power: FloatArray
+    prestress_power: FloatArray
+    shaft: ShaftMotion | None = None
+
+
+@dataclass(frozen=True)
+class EnergyHistory:
+    """Energies at the samples in J, each of shape (N,).
+
+    Parameters
+    ----------
+    kinetic, strain, gravity : ndarray, shape (N,)
+    dissipated, drive_work, prestress_work : ndarray, shape (N,)
+        Since the start of the run.
+    """
+
+    kinetic: FloatArray
+    strain: FloatArray
+    gravity: FloatArray
+    dissipated: FloatArray
+    drive_work: FloatArray
+    prestress_work: FloatArray
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A run of the linkage at N samples.
+
+    Parameters
+    ----------
+    time : ndarray, shape (N,)
+        In s.
+    displacement, rate : list of ndarray, shape (N, n_link)
+        As in :class:`StepBlock`.
+    joint_force : ndarray, shape (N, n_joints, 2)
+    driving_torque : ndarray, shape (N,)
+        Both as far as the band of the recorder lets them through.
+    peak_joint_force : ndarray, shape (n_joints,)
+    peak_driving_torque : float
+        Greatest size of these at any step.
+    energy : EnergyHistory
+    energy_error : float
+        Greatest ``|work of drive and changing prestress - change of kinetic, strain and gravity
+        energy - dissipated|`` over all steps, relative to the peak kinetic energy.
+    step : float
+        Time step in s.
+    shaft : ShaftMotion, optional
+        Of a shaft that is free.
+    """
+
+    time: FloatArray
+    displacement: list[FloatArray]
+    rate: list[FloatArray]
+    joint_force: FloatArray
+    driving_torque: FloatArray
+    peak_joint_force: FloatArray
+    peak_driving_torque: float
+    energy: EnergyHistory
+    energy_error: float
+    step: float
+    shaft: ShaftMotion | None = None
+
+    def __getitem__(self, where: slice) -> Trajectory:
+        """The same run at some of the samples."""
+        energy = EnergyHistory(
+            *(getattr(self.energy, field.name)[where] for field in fields(self.energy))
+        )
+        return replace(
+            self,
+            time=self.time[where],
+            displacement=[q[where] for q in self.displacement],
+            rate=[r[where] for r in self.rate],
+            joint_force=self.joint_force[where],
+            driving_torque=self.driving_torque[where],
+            energy=energy,
+            shaft=None if self.shaft is None else self.shaft[where],
+        )
+
+
+class Recorder:
+    """Takes blocks of steps and keeps the samples.
+
+    Parameters
+    ----------
+    sample_time : ndarray, shape (N,)
+        Increasing, inside the run.
+    step : float
+        Time step in s.
+    band : float, optional
+        Frequency in Hz up to which joint forces and torque are kept; the work of the torque
+        counts all frequencies.
+    stride : int
+        Steps of a method's own step: 1 of the trapezoidal rule, 2 of Lobatto's. Powers are
+        integrated as the method integrates, and energies balance at the ends of its steps.
+    """
+
+    def __init__(
+        self, sample_time: FloatArray, step: float, band: float | None = None, stride: int = 1
+    ) -> None:
+        self.sample_time = sample_time
+        self.step = step
+        self._stride = stride
+        self._forces = ForceRecord(sample_time, step, band, (1.0,) if stride == 1 else WEIGHTS)
+        self._parts: list[dict[str, list[FloatArray]]] = []
+        self._taken = 0
+        self._work = np.zeros(3)  # drive, dissipated, prestress
+        self._balance_start: float | None = None
+        self._turns_freely = False
+        self._worst = 0.0
+        self._peak = 0.0
+
+    @property
+    def steps(self) -> int:
+        """Time steps of a run from zero until all that is kept is known.
+
+        A filter of the forces needs some beyond the last sample.
+        """
+        return self._forces.steps
+
+    def add(self, block: StepBlock) -> None:
+        """Take the next steps."""
+        powers = np.stack(
+            [
+                block.driving_torque * block.crank_speed,
+                block.dissipation_power,
+                block.prestress_power,
+            ]
+        )
+        done = (
+            _cumulative(block.time, powers)
+            if self._stride == 1
+            else parabolic_work(self.step, powers)
+        )
+        work = self._work[:, None] + done
+        self._work = work[:, -1]
+        new = slice(0 if self._balance_start is None else 1, None)
+        self._forces.add(block.joint_force[new], block.driving_torque[new])
+        stored = block.kinetic_energy + block.strain_energy + block.gravity_energy
+        if self._balance_start is None:
+            self._balance_start = float(stored[0])
+        gap = stored - self._balance_start - work[0] + work[1] - work[2]
+        self._worst = max(self._worst, float(np.abs(gap[:: self._stride]).max()))
+        self._peak = max(self._peak, float(block.kinetic_energy.max()))
+        self._sample(block, work)
+
+    def finish(self) -> Trajectory:
+        """The samples of all blocks."""
+
+        def joined(name: str) -> list[FloatArray]:
+            return [
+                np.concatenate(p) for p in zip(*(part[name] for part in self._parts), strict=True)
+            ]
+
+        self._forces.finish()
+        return Trajectory(
+            time=self.sample_time[: self._taken],
+            displacement=joined("displacement"),
+            rate=joined("rate"),
+            joint_force=self._forces.joint_force,
+            driving_torque=self._forces.driving_torque,
+            peak_joint_force=self._forces.peak_joint_force,
+            peak_driving_torque=self._forces.peak_driving_torque,
+            energy=EnergyHistory(*joined("energy")[0].T),
+            energy_error=self._worst / self._peak,
+            step=self.step,
+            shaft=ShaftMotion(*joined("shaft")) if self._turns_freely else None,
+        )
+
+    def _sample(self, block: StepBlock, work: FloatArray) -> None:
+        reach = block.time[-1] + ON_A_STEP * self.step
+        stop = int(np.searchsorted(self.sample_time, reach, side="right"))
+        at = self.sample_time[self._taken : stop]
+        self._taken = stop
+        before, fraction = sample_intervals(block.time, at)
+        cubic = [
+            hermite_interpolation(block.time, q, r, before, fraction)
+            for q, r in zip(block.displacement, block.rate, strict=True)
+        ]
+        energy = np.stack(
+            [
+                block.kinetic_energy,
+                block.strain_energy,
+                block.gravity_energy,
+                work[1],
+                work[0],
+                work[2],
+            ],
+            axis=1,
+        )
+        turned: list[FloatArray] = []
+        if block.shaft is not None:
+            self._turns_freely = True
+            rotation, rate = block.shaft.rotation[:, None], block.shaft.rate[:, None]
+            turned = [
+                v[:, 0] for v in hermite_interpolation(block.time, rotation, rate, before, fraction)
+            ]
+        self._parts.append(
+            {
+                "shaft": turned,
+                "displacement": [value for value, _ in cubic],
+                "rate": [slope for _, slope in cubic],
+                "energy": [linear_interpolation(energy, before, fraction)],
+            }
+        )
+
+
+def _cumulative(time: FloatArray, power: FloatArray) -> FloatArray:
+    """Integral of powers (k, m) from the first time on, by the trapezoidal rule."""
+    work = np.zeros_like(power)
+    np.cumsum((power[:, 1:] + power[:, :-1]) / 2 * np.diff(time), axis=1, out=work[:, 1:])
+    return work
+
+
+class BlockTaker(Protocol):
+    """What a run hands its steps to, block by block."""
+
+    def add(self, block: StepBlock) -> None:
+        """Take the next steps."""
+
+
+class PointRecorder:
+    """Keeps the displacement of points of links at every step.
+
+    Parameters
+    ----------
+    topology : Topology
+    links : sequence of LinkModel
+        Unreduced.
+    points : sequence of (LinkPoint, {"transverse", "axial"})
+
+    Raises
+    ------
+    InputError
+        If a point is on no link.
+    """
+
+    def __init__(
+        self,
+        topology: Topology,
+        links: Sequence[LinkModel],
+        points: Sequence[tuple[LinkPoint, LinkDirection]],
+    ) -> None:
+        self._rows = [
+            (number, displacement_row(links[number], point.fraction, direction))
+            for point, direction in points
+            for number in [point.index(topology)]
+        ]
+        self._parts: list[FloatArray] = []
+
+    def add(self, block: StepBlock) -> None:
+        """Take the next steps; the first one repeats the last step of the block before."""
+        moved = np.stack([block.displacement[link] @ row for link, row in self._rows], axis=1)
+        self._parts.append(moved[1:] if self._parts else moved)
+
+    def finish(self) -> FloatArray:
+        """Displacements at all steps in m, shape (steps + 1, n_points)."""
+        return np.concatenate(self._parts)

@@ -1,0 +1,98 @@
+"""A free shaft in a run: its rotation against the prescribed angle, and the torque it carries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flexmech.errors import ComputationError
+from flexmech.linkages import CrankDrive, LockedCrank
+from flexmech.mechanism import Mechanism
+from flexmech.types import FloatArray
+
+# A shaft that is ahead or behind by more than this, in rad, no longer turns the linkage through
+# the positions for which its torque is made.
+RUN_AWAY = np.pi / 2
+# Positions whose inverse dynamics are held in memory at a time.
+BATCH = 4096
+
+
+@dataclass(frozen=True)
+class ShaftMotion:
+    """Rotation of a free shaft at m instants, away from its prescribed angle.
+
+    Parameters
+    ----------
+    rotation : ndarray, shape (m,)
+        In rad, positive ahead.
+    rate : ndarray, shape (m,)
+        Its time derivative in rad/s: by how much the crank speed is off the prescribed one.
+    """
+
+    rotation: FloatArray
+    rate: FloatArray
+
+    def __getitem__(self, where: slice) -> ShaftMotion:
+        """The same at some of the instants."""
+        return ShaftMotion(self.rotation[where], self.rate[where])
+
+    def refuse_runaway(self, drive: CrankDrive | LockedCrank, time: FloatArray) -> None:
+        """Refuse a shaft that has left its prescribed angle.
+
+        Parameters
+        ----------
+        drive : CrankDrive or LockedCrank
+        time : ndarray, shape (m,)
+            Of the instants, in s.
+
+        Raises
+        ------
+        ComputationError
+            Names the time and the crank angle.
+        """
+        away = ~(np.abs(self.rotation) <= RUN_AWAY)
+        if not away.any():
+            return
+        first = int(np.argmax(away))
+        at = float(time[first])
+        side = "behind" if self.rotation[first] < 0 else "ahead of"
+        raise ComputationError(
+            f"the free shaft runs away: at time {at:.6g} s it is more than "
+            f"{np.degrees(RUN_AWAY):.0f} deg {side} its prescribed crank angle, "
+            f"{np.degrees(float(drive.crank_angle(at))):.6g} deg, and the torque that drives the "
+            "rigid linkage at the prescribed motion no longer fits where it stands; run fewer "
+            "revolutions, give the shaft more inertia, lower the crank speed, or use shaft "
+            "'prescribed'"
+        )
+
+
+def rigid_torque(mechanism: Mechanism, drive: CrankDrive, time: FloatArray) -> FloatArray:
+    """Torque on the shaft with which the rigid linkage and the shaft move as prescribed.
+
+    Inverse dynamics under everything that acts on the linkage, and the shaft's own inertia times
+    its acceleration in a run-up.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+    drive : CrankDrive
+    time : ndarray, shape (m,)
+        In s.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        In N m.
+
+    Raises
+    ------
+    InputError
+        If the connections do not determine the forces, or a spring has no direction.
+    """
+    torque = np.empty(len(time))
+    for first in range(0, len(time), BATCH):
+        some = time[first : first + BATCH]
+        motion = drive.motion(mechanism.linkage, some)
+        torque[first : first + BATCH] = mechanism.inverse_dynamics(motion, some).driving_torque
+    return torque + mechanism.shaft_inertia * drive.crank_acceleration(time)
