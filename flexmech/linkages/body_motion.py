@@ -264,7 +264,17 @@ class BodyPoints:
     def add_rates(
         self, matrix: FloatArray, sign: float, bodies: BodyMotion, slid: ComplexArray
     ) -> None:
-        """Add a sign times the parts of :meth:`jacobian_with_rates` to (rows, size, 4, B)."""
+        """Add a sign times the parts of :meth:`jacobian_with_rates` to a matrix.
+
+        Parameters
+        ----------
+        matrix : ndarray, shape (rows, size, 4, B)
+        sign : float
+        bodies : BodyMotion
+            Batch of shape (B, n).
+        slid : ndarray of complex, shape (3, B, n_slides)
+            As of :meth:`jacobian_with_rates`.
+        """
         speed, change = bodies.turn_1[:, self.body], bodies.turn_2[:, self.body]
         factors = np.stack([np.ones_like(speed), 1j * speed, -(speed**2), 1j * change])
         turn = factors * bodies.turn[:, self.body]
