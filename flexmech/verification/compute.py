@@ -12,8 +12,7 @@ from flexmech.analyses.datasets import versions
 from flexmech.errors import InputError
 from flexmech.threads import one_thread
 from flexmech.types import FloatArray, LabelledProgress, silent
-from flexmech.verification.case import Outcome, VerificationCase
-from flexmech.verification.cases import verification_cases
+from flexmech.verification.cases import Outcome, VerificationCase, verification_cases
 from flexmech.verification.result import Verification
 
 

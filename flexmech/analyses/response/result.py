@@ -22,8 +22,8 @@ from flexmech.analyses.response.agreement import (
     standing_for_all,
     within_errors,
 )
+from flexmech.analyses.response.dataset import needed
 from flexmech.analyses.response.measurements import NO_DEFLECTION
-from flexmech.analyses.response.stored import needed
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.choices import STORES, PageWidth, PictureFormat, Store
