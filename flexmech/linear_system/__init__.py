@@ -33,16 +33,15 @@ from flexmech.linear_system.constant_turn import (
 )
 from flexmech.linear_system.dead_moments import DeadMoments, body_turns, with_straight_inertia
 from flexmech.linear_system.engine import Engine
-from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.joint_couples import has_dampers
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
+from flexmech.linear_system.link_place import DependentRows
 from flexmech.linear_system.link_points import LinkPoint, displacement_row, point_rows
 from flexmech.linear_system.link_readings import LinkReadings
 from flexmech.linear_system.link_stretch import LinkStretch
 from flexmech.linear_system.mass_root import inverse_mass_root
 from flexmech.linear_system.mode_errors import OverdampedError, TooManyModesError
-from flexmech.linear_system.posed_ties import PosedTies
 from flexmech.linear_system.position_errors import (
     LESS_LOADED,
     RefusedPositionsError,
@@ -58,8 +57,9 @@ from flexmech.linear_system.quasi_static import (
     refuse_large_displacements,
 )
 from flexmech.linear_system.rigid_body import RigidBody, body_nodes
+from flexmech.linear_system.rigid_coordinates import PoseStiffness
 from flexmech.linear_system.rigid_link import rigid_link
-from flexmech.linear_system.rigid_pose import PoseStiffness
+from flexmech.linear_system.rigid_pose import DisplacedTies
 from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linear_system.sparse_positions import SparseMatrices, SparsePositions
 from flexmech.linear_system.straight_links import (
@@ -103,8 +103,9 @@ __all__ = [
     "ConnectedMatrices",
     "Connectors",
     "DeadMoments",
+    "DependentRows",
+    "DisplacedTies",
     "Engine",
-    "FollowingRows",
     "LinearSystem",
     "LinkDamping",
     "LinkFrames",
@@ -115,7 +116,6 @@ __all__ = [
     "LinkStretch",
     "OverdampedError",
     "PoseStiffness",
-    "PosedTies",
     "Prestress",
     "Push",
     "RefusedPositionsError",

@@ -16,7 +16,7 @@ from flexmech.linear_system.chains import LinkMatrix
 from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.dead_moments import DeadMoments
 from flexmech.linear_system.link_frames import LinkFrames
-from flexmech.linear_system.rigid_pose import PoseStiffness
+from flexmech.linear_system.rigid_coordinates import PoseStiffness
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.tension import forces_of_links, static_displacement
 from flexmech.linkages import RigidMotion
@@ -91,7 +91,9 @@ def straight_forces(
     if not frames.rigid.size:
         return StraightForces(loads, forces, None)
     virial = None if connectors is None else connectors.virial(motion)
-    posed = frames.posed(motion, np.zeros((len(motion.angle), len(frames.rigid.independent))))
+    posed = frames.displaced_ties(
+        motion, np.zeros((len(motion.angle), len(frames.rigid.independent_coordinates)))
+    )
     inner = [q @ link.stiffness for q, link in zip(displacement, frames.links, strict=True)]
     dead = DeadMoments.of(frames.links, motion, mechanism.gravity, loads, virial)
     beside = [load - force for load, force in zip(loads, inner, strict=True)]

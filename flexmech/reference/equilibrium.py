@@ -196,7 +196,7 @@ class Equilibrium:
         -------
         PoseStiffness
         """
-        posed = self.frames.posed_by(motion, displacement)
+        posed = self.frames.displaced_ties_by(motion, displacement)
         columns = [q.T for q in displacement]
         inner = [-each.T for each in beside]
         turning = self._springs.resist(motion, columns, inner)
