@@ -36,6 +36,7 @@ WIDTH, LEAST = 300.0, 3.0
 SHADES = (0.12, 0.45, 0.28, 0.65, 0.20, 0.55, 0.36, 0.75)
 # Thinner layers are not outlined: lines would fill them.
 LEAST_OUTLINED = 2.0
+# Height of an entry of the key to the layers.
 LEGEND = 12.0
 
 Kind = tuple[str, float]
