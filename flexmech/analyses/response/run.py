@@ -24,9 +24,9 @@ from flexmech.types import FloatArray, LabelledProgress, StepProgress
 logger = logging.getLogger(__name__)
 
 
-# Steps in a period of the highest frequency asked for, to begin with; half as many where the
-# error of the step is of fourth order.
 STEPS_PER_PERIOD = 40
+"""Steps in a period of the highest frequency asked for, to begin with; half as many where the error
+of the step is of fourth order."""
 # A free vibration runs out of phase in proportion to the time that it has run; the step is
 # halved until the estimated error of the deflections is below this part of their peak.
 _STEP_TOLERANCE = 2e-2
@@ -207,14 +207,14 @@ def _difference(
     before, after = _histories(engine, first), _histories(finer or engine, second)
     extent = sum(link.length for link in engine.mechanism.linkage.topology.links)
     nothing = _NO_FORCE * max(float(second.peak_joint_force.max()), np.finfo(float).tiny)
+    deflected = _sizes(after["deflection"][0]).max(axis=0)
     scales = {
-        "deflection": np.maximum(
-            _sizes(after["deflection"][0]).max(axis=0), NO_DEFLECTION * extent
-        ),
+        "deflection": np.maximum(deflected, NO_DEFLECTION * extent),
         "force": np.maximum(second.peak_joint_force, nothing),
         "torque": np.maximum(second.peak_driving_torque, nothing * extent),
     }
-    errors, linkage = {}, 0.0
+    errors: dict[str, FloatArray] = {}
+    linkage = 0.0
     for name, scale in scales.items():
         (was, reached), (now, reaches) = before[name], after[name]
         apart = _sizes(now - was).max(axis=0)
