@@ -14,11 +14,10 @@ from flexmech import plots
 from flexmech.analyses.comparison.parameters import DAMPING, STIFFNESS
 from flexmech.analyses.comparison.problem import CURVES
 from flexmech.analyses.datasets import DEGREES, table_over
-from flexmech.analyses.remarks import left_out_warnings
+from flexmech.analyses.remarks import crank_speed_text, left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.errors import InputError, suggestion
-from flexmech.units import from_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -210,7 +209,7 @@ def _record_lines(data: xr.Dataset) -> list[str]:
         )
         lines += [
             f"record: {data.sizes['time']} samples, {length:.4g} s, {turns:.4g} turns at "
-            f"{_speed(attrs)}",
+            f"{crank_speed_text(attrs)}",
             f"aligned: the record begins at crank angle {angle:.4g} deg, {by}",
             f"its free vibration begins in the state that fits best: {attrs['free_states']} "
             "numbers, found for every value of the parameters",
@@ -221,7 +220,7 @@ def _record_lines(data: xr.Dataset) -> list[str]:
         word = "modes" if "," in modes else "mode"
         lines.append(
             f"record: {data.sizes['sample']} natural frequencies of {word} {modes} ({by}) at "
-            f"{_speed(attrs)}"
+            f"{crank_speed_text(attrs)}"
         )
     else:
         frequency = data["frequency"].values
@@ -358,8 +357,3 @@ def _part(data: xr.Dataset) -> float:
 
 def _engine(attrs: dict[str, object]) -> str:
     return f"{attrs['engine']} engine ({attrs['element']})"
-
-
-def _speed(attrs: dict[str, object]) -> str:
-    unit = str(attrs["speed_unit"])
-    return f"{from_si(float(str(attrs['crank_speed'])), unit):.6g} {unit}"

@@ -10,9 +10,9 @@ import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.datasets import DEGREES, table_over
+from flexmech.analyses.remarks import crank_speed_text
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
-from flexmech.units import from_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -91,10 +91,9 @@ class Kinematics(Result):
     def summary(self) -> Summary:
         """Greatest values and where they are."""
         data = self.dataset
-        name, unit = data.attrs["mechanism"], data.attrs["speed_unit"]
-        speed = from_si(float(data.attrs["crank_speed"]), unit)
         motion = Table(
-            f"greatest values over the crank angles, {name} at {speed:.6g} {unit}",
+            f"greatest values over the crank angles, {data.attrs['mechanism']} at "
+            f"{crank_speed_text(data.attrs)}",
             ("link", "rad/s", "at deg", "rad/s²", "at deg", "centre m/s²", "at deg"),
             (tuple(_link_row(data.sel(link=link)) for link in data["link"].values),),
         )

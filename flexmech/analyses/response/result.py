@@ -14,6 +14,7 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
 from flexmech.analyses.datasets import DEGREES, table_over
+from flexmech.analyses.remarks import crank_speed_text
 from flexmech.analyses.response import words
 from flexmech.analyses.response.agreement import (
     agreement_line,
@@ -30,7 +31,6 @@ from flexmech.choices import STORES, PageWidth, PictureFormat, Store
 from flexmech.files import given_path, moved_into
 from flexmech.numbers import check_choice
 from flexmech.types import LabelledProgress, silent
-from flexmech.units import from_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -292,9 +292,8 @@ class Response(Result):
 
     def summary(self) -> Summary:
         """Peaks and how far they can be trusted; the last line compares the engines."""
-        data, peaks, unit = self.dataset, self.peaks(), self.dataset.attrs["speed_unit"]
-        speed = f"{from_si(data.attrs['crank_speed'], unit):.6g} {unit}"
-        title, agreement = f"peaks at {speed}, {data.attrs['mechanism']}", self.agreement()
+        data, peaks, agreement = self.dataset, self.peaks(), self.agreement()
+        title = f"peaks at {crank_speed_text(data.attrs)}, {data.attrs['mechanism']}"
         trusted = standing_for_all(agreement, data)
         parts = (
             words.peak_table(

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import ModelCheck, SectionProfiles
-from flexmech.analyses.section_profile.tables import property_table
+from flexmech.analyses.section_profile.result import property_table
 from flexmech.report.drawing import stack_drawings
 from flexmech.report.panel import Panel, Plot, Trace, YAxis
 from flexmech.report.results import Results
