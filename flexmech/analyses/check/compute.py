@@ -146,8 +146,8 @@ def _hygrothermal_lines(mechanism: Mechanism) -> list[str]:
 
 # Crank angles of paths and of the transmission angle.
 TURN = np.radians(np.arange(0.0, 361.0))
-ENDS: tuple[End, End] = ("start", "end")
-COUPLER_POINT, COUPLER_MIDDLE = "coupler point", "coupler's middle"
+_ENDS: tuple[End, End] = ("start", "end")
+_COUPLER_POINT, _COUPLER_MIDDLE = "coupler point", "coupler's middle"
 
 
 def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
@@ -217,10 +217,10 @@ def _paths(mechanism: Mechanism, angles: FloatArray) -> dict[str, FloatArray]:
         distance = 0.0 if place.end == "start" else topology.links[number].length
         found[name] = motion.position(number, distance)
     if (point := mechanism.coupler_point) is not None and isinstance(linkage, FourBar):
-        found[COUPLER_POINT] = CouplerCurve(linkage, point).position(angles[stands])
+        found[_COUPLER_POINT] = CouplerCurve(linkage, point).position(angles[stands])
     elif "coupler" in topology.link_names:
         number = topology.index("coupler")
-        found[COUPLER_MIDDLE] = motion.position(number, topology.links[number].length / 2)
+        found[_COUPLER_MIDDLE] = motion.position(number, topology.links[number].length / 2)
     whole = {}
     for name, places in found.items():
         whole[name] = np.full((len(angles), 2), np.nan)
@@ -233,7 +233,7 @@ def _moving_ends(topology: Topology) -> dict[str, LinkEnd]:
     pins = {tie.joint: topology.leader_of(tie.leader) for tie in topology.pins}
     places = {place: joint for joint, place in reversed(pins.items())}
     found = {joint: place for joint, place in pins.items() if places[place] == joint}
-    ends = [LinkEnd(link.name, end) for link in topology.links for end in ENDS]
+    ends = [LinkEnd(link.name, end) for link in topology.links for end in _ENDS]
     tips = [end for end in ends if end not in topology.joined_ends]
     return found | {"tip" if len(tips) == 1 else f"tip of {end.link}": end for end in tips}
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Units behind the names of columns.
-SUFFIXES = {"m": "_m", "Hz": "_Hz", "m/N": "_m_N", "m/(N s)": "_m_Ns", "m/(N s^2)": "_m_Ns2"}
+_SUFFIXES = {"m": "_m", "Hz": "_Hz", "m/N": "_m_N", "m/(N s)": "_m_Ns", "m/(N s^2)": "_m_Ns2"}
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class Comparison(Result):
     def tables(self) -> dict[str, pd.DataFrame]:
         """The curves, and the fitted parameters."""
         data = self.dataset
-        suffix = SUFFIXES.get(str(data.attrs["unit"]), "")
+        suffix = _SUFFIXES.get(str(data.attrs["unit"]), "")
         parts = ("_real", "_imag") if "measured_real" in data else ("",)
         curves = {
             f"{curve}{part}{suffix}": data[f"{curve}{part}"] for curve in CURVES for part in parts

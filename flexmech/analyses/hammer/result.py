@@ -214,6 +214,7 @@ _CAPTION = (
     "FE: eigen model; Ex: identified from the hammer test; xi: damping ratio; "
     "a dash: not identified, or without a grid of impacts"
 )
+# Modes that the verdict speaks of, as papers do.
 _FIRST_MODES = 3
 
 

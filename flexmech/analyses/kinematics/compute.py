@@ -26,7 +26,7 @@ from flexmech.mechanism import Mechanism
 from flexmech.numbers import check_count, check_instance, check_number, checked_tuple
 from flexmech.types import FloatArray
 
-MOST_LUMPS = 1000
+_MOST_LUMPS = 1000
 """Elements of a link whose mass is lumped."""
 
 
@@ -78,9 +78,9 @@ class KinematicsRequest:
             counts = checked_tuple(self.lumped, object, "lumped", remedy)
             for count in counts:
                 check_count(count, "lumped: each number of elements")
-                if count > MOST_LUMPS:
+                if count > _MOST_LUMPS:
                     raise InputError(
-                        f"lumped: {count} elements of a link are beyond {MOST_LUMPS}; the "
+                        f"lumped: {count} elements of a link are beyond {_MOST_LUMPS}; the "
                         "distributed mass is what they tend to"
                     )
             object.__setattr__(self, "lumped", counts)
@@ -161,8 +161,8 @@ def kinematics(mechanism: Mechanism, request: KinematicsRequest | None = None) -
     return Kinematics(kinematics_dataset(mechanism, forces, lumped, elements, request))
 
 
-ANGLE, LINK = "crank_angle", "link"
-PLANE = (ANGLE, LINK, "component")
+_ANGLE, _LINK = "crank_angle", "link"
+_PLANE = (_ANGLE, _LINK, "component")
 
 
 def kinematics_dataset(
@@ -193,15 +193,15 @@ def kinematics_dataset(
     topology = linkage.topology
     dataset = xr.Dataset(
         {
-            "angle": ((ANGLE, LINK), continuous_angles(linkage, motion)),
-            "angular_velocity": ((ANGLE, LINK), motion.angular_velocity),
-            "angular_acceleration": ((ANGLE, LINK), motion.angular_acceleration),
+            "angle": ((_ANGLE, _LINK), continuous_angles(linkage, motion)),
+            "angular_velocity": ((_ANGLE, _LINK), motion.angular_velocity),
+            "angular_acceleration": ((_ANGLE, _LINK), motion.angular_acceleration),
             **_of_centres(forces.masses, motion),
             **_of_forces(topology, forces),
         },
         coords={
-            ANGLE: request.crank_angles,
-            LINK: list(topology.link_names),
+            _ANGLE: request.crank_angles,
+            _LINK: list(topology.link_names),
             "component": ["x", "y"],
             "joint": list(topology.joint_names),
             "joint_kind": ("joint", list(topology.joint_kinds)),
@@ -209,7 +209,7 @@ def kinematics_dataset(
     )
     if isinstance(linkage, FourBar):
         for name in ("transmission_angle", "reversed_transmission_angle"):
-            dataset[name] = ANGLE, getattr(linkage, name)(request.crank_angles)
+            dataset[name] = _ANGLE, getattr(linkage, name)(request.crank_angles)
     if lumped is not None and elements is not None:
         of_lumps = _of_forces(topology, lumped)
         dataset = dataset.assign({f"lumped_{name}": of for name, of in of_lumps.items()})
@@ -239,10 +239,10 @@ def _of_centres(
         - motion.angular_velocity[..., None] ** 2 * arm
     )
     return {
-        "centre_position": (PLANE, motion.origin + arm),
-        "centre_acceleration": (PLANE, acceleration),
-        "inertia_force": (PLANE, -mass[:, None] * acceleration),
-        "inertia_moment": ((ANGLE, LINK), -inertia * motion.angular_acceleration),
+        "centre_position": (_PLANE, motion.origin + arm),
+        "centre_acceleration": (_PLANE, acceleration),
+        "inertia_force": (_PLANE, -mass[:, None] * acceleration),
+        "inertia_moment": ((_ANGLE, _LINK), -inertia * motion.angular_acceleration),
     }
 
 
@@ -254,10 +254,10 @@ def _of_forces(
     force = np.stack([forces.joint_force[name] for name in names], axis=1)
     moment = np.stack([forces.joint_moment[name] for name in names], axis=1)
     return {
-        "joint_force": ((ANGLE, "joint", "component"), force),
-        "joint_moment": ((ANGLE, "joint"), moment),
-        "driving_torque": ((ANGLE,), forces.driving_torque),
-        "driving_power": ((ANGLE,), forces.driving_power),
+        "joint_force": ((_ANGLE, "joint", "component"), force),
+        "joint_moment": ((_ANGLE, "joint"), moment),
+        "driving_torque": ((_ANGLE,), forces.driving_torque),
+        "driving_power": ((_ANGLE,), forces.driving_power),
     }
 
 
@@ -274,7 +274,7 @@ def _of_lumps(
     if not sizes:
         raise InputError("lumped: no link has distributed mass that could be lumped; leave it out")
     acceleration = np.stack(accelerations, axis=1)
-    plane = (ANGLE, "lump", "component")
+    plane = (_ANGLE, "lump", "component")
     return {
         "lump_position": (("lump",), np.array(places)),
         "lump_mass": (("lump",), np.array(sizes)),

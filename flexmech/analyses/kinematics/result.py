@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 # Relative difference up to which two values are the same.
-SAME = 1e-12
+_SAME = 1e-12
 
 
 class Kinematics(Result):
@@ -209,7 +209,7 @@ def _size(vector: xr.DataArray) -> xr.DataArray:
 def _greatest(size: xr.DataArray) -> tuple[str, str]:
     """Greatest value, and the first crank angle where it is but for round-off."""
     values = size.values
-    place = int(np.argmax(values >= values.max() * (1 - SAME)))
+    place = int(np.argmax(values >= values.max() * (1 - _SAME)))
     return f"{values[place]:.5g}", f"{DEGREES * float(size['crank_angle'][place]):.6g}"
 
 
@@ -225,7 +225,7 @@ def _extremes(what: str, quantity: xr.DataArray, unit: str, scale: float = 0.0) 
 
 
 def _number(value: float, scale: float) -> str:
-    return f"{0.0 if abs(value) <= SAME * scale else value:.5g}"
+    return f"{0.0 if abs(value) <= _SAME * scale else value:.5g}"
 
 
 def _mean(values: xr.DataArray) -> float | None:

@@ -6,10 +6,10 @@ import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
 
-CAUSES = ("step", "reduction", "mesh")
+_CAUSES = ("step", "reduction", "mesh")
 # Names of :meth:`Response.agreement` and :meth:`Response.force_agreement`, and of the errors of
 # each cause.
-ERRORS = {
+_ERRORS = {
     "deflection": "deflection",
     "peak_deflection": "peak_deflection",
     "joint_force": "force",
@@ -18,7 +18,7 @@ ERRORS = {
     "peak_driving_torque": "peak_torque",
 }
 # Deflection over a link's length beyond which linear kinematics shows.
-LARGE_BOW = 0.01
+_LARGE_BOW = 0.01
 
 
 def errors_of(dataset: xr.Dataset) -> xr.Dataset:
@@ -36,13 +36,13 @@ def errors_of(dataset: xr.Dataset) -> xr.Dataset:
         ``peak_joint_force`` over (engine, joint), ``driving_torque`` and ``peak_driving_torque``
         over (engine); each over its own peak.
     """
-    known = [cause for cause in CAUSES if f"{cause}_error" in dataset]
+    known = [cause for cause in _CAUSES if f"{cause}_error" in dataset]
     return xr.Dataset(
         {
             name: sum(
                 (dataset[f"{cause}_error_of_{of}"] for cause in known), start=xr.DataArray(0.0)
             )
-            for name, of in ERRORS.items()
+            for name, of in _ERRORS.items()
         }
     )
 
@@ -177,7 +177,7 @@ def _large_bow(dataset: xr.Dataset) -> str:
     """Why to trust the engine that follows large displacements; nothing where they are small."""
     bow = abs(dataset["deflection"]).max(("engine", "time")) / dataset["length"]
     simulated = dataset["engine"].values[dataset["nonlinear"].values.astype(bool)]
-    if float(bow.max()) <= LARGE_BOW or len(simulated) != 1:
+    if float(bow.max()) <= _LARGE_BOW or len(simulated) != 1:
         return ""
     link, most = bow.idxmax("link").item(), 100 * float(bow.max())
     return (

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-ANIMATIONS = ("animation.gif", "animation.mp4")
+_ANIMATIONS = ("animation.gif", "animation.mp4")
 
 
 class Response(Result):
@@ -61,7 +61,7 @@ class Response(Result):
         "forces.png",
         "spectrum.png",
         "spectrogram.png",
-        *ANIMATIONS,
+        *_ANIMATIONS,
     )
 
     def peaks(self) -> xr.Dataset:
@@ -282,7 +282,7 @@ class Response(Result):
         -------
         list of Path
         """
-        names = ANIMATIONS if plots.mp4_available() else ANIMATIONS[:1]
+        names = _ANIMATIONS if plots.mp4_available() else _ANIMATIONS[:1]
         report = progress or silent
         with moved_into(given_path(folder)) as temporary:
             for name in names:

@@ -30,6 +30,7 @@ of the step is of fourth order."""
 # A free vibration runs out of phase in proportion to the time that it has run; the step is
 # halved until the estimated error of the deflections is below this part of their peak.
 _STEP_TOLERANCE = 2e-2
+# A step of which a 32nd part is still too long is no step to begin with.
 _MOST_HALVINGS = 5
 # What is left of an error, over what the last halving of the step has changed: of second order; and
 # where links stretch, whose step is of fourth order, but whose fast motion is resolved last. There

@@ -11,11 +11,12 @@ from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.response.agreement import errors_of, listed
 from flexmech.analyses.summary import Table
 
-MOST_DIGITS = 4
+# Of forces and torque: no catalogue of bearings has more.
+_MOST_DIGITS = 4
 # Of deflections in the table of peaks.
-TABLE_DIGITS = 5
+_TABLE_DIGITS = 5
 # Rotation of a free shaft in rad beyond which equations that are linear in it show.
-LARGE_ROTATION = np.radians(5)
+_LARGE_ROTATION = np.radians(5)
 # A crank angle this close below a whole turn, in turns, is the turn's end.
 _WHOLE_TURN = 1e-9
 
@@ -54,10 +55,10 @@ def peak_table(
         degrees, turn = _crank(float(peak["deflection_angle"]), start)
         # A clamped link is bent most at its clamp; strain in its middle is no peak.
         strain = f"{1e6 * float(peak['strain']):.4g}" if place == "middle" else "-"
-        deflection = f"{1e3 * float(peak['deflection']):.{TABLE_DIGITS}g}"
+        deflection = f"{1e3 * float(peak['deflection']):.{_TABLE_DIGITS}g}"
         if errors is not None:
             error = float(errors.sel(engine=engine, link=link))
-            deflection = supported(1e3 * float(peak["deflection"]), error, TABLE_DIGITS)
+            deflection = supported(1e3 * float(peak["deflection"]), error, _TABLE_DIGITS)
         return (label, link, place, deflection, f"{degrees:.1f}", str(turn), strain)
 
     headings = ("engine", "link", "place", "deflection mm", "at deg", "turn", "strain 1e-6")
@@ -154,10 +155,10 @@ def shaft_lines(data: xr.Dataset) -> list[str]:
         f"by at most {listed(part, '{:.3g} %')}"
     ]
     linear = peak.sel(engine=~data["nonlinear"].astype(bool))
-    if linear.sizes["engine"] and float(linear.max()) > LARGE_ROTATION:
+    if linear.sizes["engine"] and float(linear.max()) > _LARGE_ROTATION:
         lines.append(
             f"shaft: the equations of {', '.join(map(str, linear['engine'].values))} are linear in "
-            f"its rotation, which is beyond the {np.degrees(LARGE_ROTATION):.0f} deg up to which "
+            f"its rotation, which is beyond the {np.degrees(_LARGE_ROTATION):.0f} deg up to which "
             "that holds; trust the exudyn engine, or give the shaft more inertia"
         )
     return lines
@@ -207,7 +208,7 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
     ]
 
 
-def supported(value: float, error: float, most: int = MOST_DIGITS) -> str:
+def supported(value: float, error: float, most: int = _MOST_DIGITS) -> str:
     """A value with the digits that its relative error supports, four at most.
 
     Parameters

@@ -151,8 +151,8 @@ def _nothing_known(link: str) -> str:
     )
 
 
-STRAIN = ((1e-6, "1e-6"),)
-STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
+_STRAIN = ((1e-6, "1e-6"),)
+_STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
 # What rounding leaves of a zero, over the largest value of its column.
 _ZERO = 1e-9
 
@@ -201,7 +201,7 @@ def _layer_table(profile: xr.Dataset, title: str) -> Table:
     headings, columns = ["layer", "y (mm)"], [_without_noise(1e3 * profile["place"].values)]
     for heading, name, load in STORED["inside"]:
         values = _without_noise(profile[name].sel(load=load).values)
-        factor, unit = _readable_unit(values, STRAIN if name == "strain" else STRESSES)
+        factor, unit = _readable_unit(values, _STRAIN if name == "strain" else _STRESSES)
         headings.append(f"{heading} ({unit})")
         columns.append(values / factor)
     stack, runs = _stack(profile), profile["run"].values
@@ -261,8 +261,8 @@ def _change(first: float, other: float) -> str:
 DIRECTIONS = ("along", "across")
 """Of the fibres of a ply."""
 # Printed in the units in which tables of resins have them.
-MICROSTRAIN, MILLISTRAIN = 1e6, 1e3
-CAPTION = (
+_MICROSTRAIN, _MILLISTRAIN = 1e6, 1e3
+_CAPTION = (
     "free strain along and across the fibres; % is mass of water over the dry mass of the resin "
     "(Schapery; Singh & Sanyal 2022, eqs. 7 and 8, corrected)"
 )
@@ -318,10 +318,10 @@ def expansion_table(profile: xr.Dataset) -> list[Table]:
     cells = tuple(
         (
             str(ply) or "one material",
-            *(f"{MICROSTRAIN * value:.5g}" for value in values[:2]),
-            *(f"{MILLISTRAIN * value:.5g}" for value in values[2:]),
+            *(f"{_MICROSTRAIN * value:.5g}" for value in values[:2]),
+            *(f"{_MILLISTRAIN * value:.5g}" for value in values[2:]),
         )
         for ply, *values in rows.itertuples(index=False)
     )
     title = f"{profile['link'].item()}: swelling of its plies"
-    return [Table(title, headings, (cells,), caption=CAPTION)]
+    return [Table(title, headings, (cells,), caption=_CAPTION)]
