@@ -22,7 +22,7 @@ def verify(
     thorough: bool = False,
     progress: LabelledProgress | None = None,
 ) -> Verification:
-    """Hold what flexmech computes on this machine against numbers from elsewhere.
+    """Compare what flexmech computes on this machine with numbers from elsewhere.
 
     Parameters
     ----------

@@ -53,7 +53,7 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
     -------
     ModelCheck
         Without frequencies where the linkage cannot stand at crank angle 0 or has rigid links
-        alone, and without a posture where it stands at no angle that was tried.
+        alone, and without a posture where it can be assembled at no angle that was tried.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
             raise
         # Not every linkage can stand at crank angle zero; what is known of it is right even so.
         dataset.attrs["without_frequencies"] = str(error)
-    with suppress(InputError):  # it stands at no angle that is tried: there is nothing to draw
+    with suppress(InputError):  # assembled at no angle that is tried: there is nothing to draw
         posture = shown_crank_angle(mechanism.linkage) if crank_angle is None else at
         drawn = drawn_mechanism(mechanism, posture)
         dataset = dataset.merge(drawn).assign_attrs(drawn.attrs)
@@ -209,22 +209,22 @@ def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
 def _paths(mechanism: Mechanism, angles: FloatArray) -> dict[str, FloatArray]:
     """Places of what moves at crank angles, by name; shape (angle, 2) each."""
     linkage, topology = mechanism.linkage, mechanism.linkage.topology
-    stands = standing(linkage, angles)
-    motion = linkage.motion(angles[stands])
+    assembled = standing(linkage, angles)
+    motion = linkage.motion(angles[assembled])
     found = {}
     for name, place in _moving_ends(topology).items():
         number = topology.index(place.link)
         distance = 0.0 if place.end == "start" else topology.links[number].length
         found[name] = motion.position(number, distance)
     if (point := mechanism.coupler_point) is not None and isinstance(linkage, FourBar):
-        found[_COUPLER_POINT] = CouplerCurve(linkage, point).position(angles[stands])
+        found[_COUPLER_POINT] = CouplerCurve(linkage, point).position(angles[assembled])
     elif "coupler" in topology.link_names:
         number = topology.index("coupler")
         found[_COUPLER_MIDDLE] = motion.position(number, topology.links[number].length / 2)
     whole = {}
     for name, places in found.items():
         whole[name] = np.full((len(angles), 2), np.nan)
-        whole[name][stands] = places
+        whole[name][assembled] = places
     return whole
 
 
@@ -239,9 +239,9 @@ def _moving_ends(topology: Topology) -> dict[str, LinkEnd]:
 
 
 def _transmission_angle(linkage: FourBar) -> FloatArray:
-    stands = standing(linkage, TURN)
+    assembled = standing(linkage, TURN)
     angle = np.full(TURN.size, np.nan)
-    angle[stands] = linkage.transmission_angle(TURN[stands])
+    angle[assembled] = linkage.transmission_angle(TURN[assembled])
     return angle
 
 

@@ -195,7 +195,7 @@ def _fit_table(data: xr.Dataset) -> Table | None:
 
 
 def _record_lines(data: xr.Dataset) -> list[str]:
-    """What was laid beside what, and how it was aligned."""
+    """What was compared, and how the record was aligned."""
     attrs = data.attrs
     column, quantity = attrs["column"], attrs["quantity"]
     lines = [f"compared: {column!r} of {attrs['record']} with {quantity} of the {_engine(attrs)}"]
@@ -276,25 +276,20 @@ def _residual_lines(data: xr.Dataset) -> list[str]:
     ]
     if not data.sizes["parameter"]:
         return lines
-    wider = f"{attrs['widened']:.3g} times wider than for white noise"
-    if not attrs["residual_order"] and attrs["widened"] < _LITTLE_WIDER:
+    order, widened = attrs["residual_order"], attrs["widened"]
+    if not order and widened < _LITTLE_WIDER:
         return [*lines, "the residual looks like white noise: the intervals hold for that"]
-    if not attrs["residual_order"]:
-        return [
-            *lines,
-            "the residual is larger where the record tells most, so that the intervals are up to "
-            f"{wider}; what the model lacks may shift the values by more than that",
-        ]
-    told = (
-        f"the intervals are up to {wider}"
-        if attrs["widened"] > 1.0
-        else "the intervals of white noise cover that"
-    )
+    intervals = "the intervals of white noise cover that"
+    if widened > 1.0:
+        intervals = f"the intervals are up to {widened:.3g} times wider than for white noise"
+    lacks = "hat the model lacks may shift the values by more than that"
+    if not order:
+        where = f"larger where the record tells most, so that {intervals}; w{lacks}"
+        return [*lines, f"the residual is {where}"]
     return [
         *lines,
-        "the residual is no white noise (autoregressive of order "
-        f"{attrs['residual_order']}): the model lacks something, or the noise is coloured; {told}. "
-        "What the model lacks may shift the values by more than that",
+        f"the residual is no white noise (autoregressive of order {order}): the model lacks "
+        f"something, or the noise is coloured; {intervals}. W{lacks}",
     ]
 
 

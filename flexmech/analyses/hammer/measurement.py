@@ -61,7 +61,7 @@ class GridShapes:
 
 
 def grid_points(engine: Engine, count: int) -> list[LinkPoint]:
-    """Points at the middles of as many equal parts of each link: none is held by a joint.
+    """Points at the middles of as many equal parts of each link: none is at a joint.
 
     Parameters
     ----------

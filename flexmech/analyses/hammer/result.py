@@ -237,7 +237,7 @@ def _mode_table(dataset: xr.Dataset) -> Table:
 
 
 def _record_lines(dataset: xr.Dataset) -> list[str]:
-    """How the records were taken, and what they were held against."""
+    """How the records were taken, and what they were compared with."""
     of = dataset.attrs
     samples, averages = dataset.sizes["time"], dataset.sizes["average"]
     error = _greatest(dataset, "simulation_error")

@@ -170,7 +170,7 @@ def _laws(diffusion: LinkDiffusion, kelvin: float, times: FloatArray) -> FloatAr
 
 
 def _times_to_shares(diffusion: LinkDiffusion, humidity: float, kelvin: float) -> list[float]:
-    """Times in s at which the link holds shares of its water in the end.
+    """Times in s at which the link has taken up shares of its water in equilibrium.
 
     By the series where there is one; else from the finite volumes, within 1e-3.
     """

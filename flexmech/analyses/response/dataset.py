@@ -96,7 +96,7 @@ def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: Run
 
 
 def whole_turns(request: ResponseRequest) -> int:
-    """Whole turns of a run on the periodic motion, whose spectrum stands at the orders alone.
+    """Whole turns of a run on the periodic motion, whose spectrum has lines at the orders alone.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is settled before a run: engines in their environment, samples, and the band of forces."""
+"""The plan of a run: engines in their environment, samples, and the band of forces."""
 
 from __future__ import annotations
 

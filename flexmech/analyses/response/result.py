@@ -20,7 +20,7 @@ from flexmech.analyses.response.agreement import (
     agreement_line,
     errors_of,
     force_agreement_lines,
-    standing_for_all,
+    representative,
     within_errors,
 )
 from flexmech.analyses.response.dataset import needed
@@ -222,7 +222,7 @@ class Response(Result):
 
     @property
     def pins(self) -> list[str]:
-        """Joints between links, as against those that the ground or the shaft holds."""
+        """Joints between links, without those to the ground or the shaft."""
         data = self.dataset
         return [str(joint) for joint in data["joint"][data["joint_kind"] == "pin"].values]
 
@@ -294,7 +294,7 @@ class Response(Result):
         """Peaks and how far they can be trusted; the last line compares the engines."""
         data, peaks, agreement = self.dataset, self.peaks(), self.agreement()
         title = f"peaks at {crank_speed_text(data.attrs)}, {data.attrs['mechanism']}"
-        trusted = standing_for_all(agreement, data)
+        trusted = representative(agreement, data)
         parts = (
             words.peak_table(
                 peaks,

@@ -14,7 +14,7 @@ WHOLE_PERIODS = "boxcar"
 """Window of signals that repeat: over whole periods none is needed."""
 # Distance of two frequencies that a Hann window tells apart, over one by its length: half the
 # width of its main lobe.
-_TOLD_APART = 2.0
+_RESOLVED = 2.0
 # Length of the moving window in periods of the lowest natural frequency: shorter, and
 # neighbouring frequencies merge; longer, and they have moved on meanwhile.
 _PERIODS_IN_WINDOW = 6.0
@@ -144,7 +144,7 @@ def window_duration(time: FloatArray, frequency: FloatArray, lowest: float) -> f
     apart = frequency[:, 1] - frequency[:, 0]
     # Apart all the time, or else for half of it.
     for gap in (float(apart.min()), float(np.median(apart))):
-        wanted = _TOLD_APART / gap if gap > 0 else np.inf
+        wanted = _RESOLVED / gap if gap > 0 else np.inf
         if wanted <= shortest:
             return shortest
         if wanted <= float(time[-1] - time[0]) / 2:
@@ -169,7 +169,7 @@ def resolution_note(frequency: FloatArray, duration: float) -> str:
     -------
     str
     """
-    resolved = _TOLD_APART / duration
+    resolved = _RESOLVED / duration
     note = f"window {duration:.3g} s, resolution {resolved:.3g} Hz"
     nearest = np.diff(frequency, axis=1).min(axis=0)
     merged = [

@@ -69,7 +69,7 @@ class _PeriodicMotion:
 
     @classmethod
     def of(cls, engine: Engine, request: ResponseRequest, step: float) -> _PeriodicMotion:
-        """Find it, and follow it for a moment."""
+        """Find it, and its motion for a moment."""
         linkage = DrivenLinkage(
             engine, request.drive, request.prestress, modes=request.modes, with_energy=False
         )
@@ -122,7 +122,7 @@ def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -
 def _equilibrium(engine: Engine, drive: CrankDrive) -> LinkState:
     """Nonlinear quasi-static equilibrium at time zero, and how fast the loads move it."""
     time = _start_times(drive)
-    displacement = _standing(engine, drive, time)
+    displacement = _equilibria_at(engine, drive, time)
     if displacement is None:
         return LinkState.rigid(engine.links)
     return LinkState(
@@ -131,7 +131,7 @@ def _equilibrium(engine: Engine, drive: CrankDrive) -> LinkState:
     )
 
 
-def _standing(engine: Engine, drive: CrankDrive, time: FloatArray) -> list[FloatArray] | None:
+def _equilibria_at(engine: Engine, drive: CrankDrive, time: FloatArray) -> list[FloatArray] | None:
     """Equilibria at some times, (m, n_link) of each link; None where links stay straight.
 
     Loads over time act with what they are at these times: an engine's own equilibria are those

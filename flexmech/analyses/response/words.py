@@ -28,7 +28,7 @@ def peak_table(
     trusted: tuple[str, str] | None = None,
     errors: xr.DataArray | None = None,
 ) -> Table:
-    """Peak deflection and strain of each link, and where the crank stands then.
+    """Peak deflection and strain of each link, and the crank angle then.
 
     Parameters
     ----------
@@ -81,9 +81,9 @@ def check_lines(dataset: xr.Dataset) -> list[str]:
     ]
     reduced = dataset.sel(engine=dataset["reduction_error"] > 0)
     if reduced.sizes["engine"]:
-        lead = "component modes: twice the detail changes deflections"
+        label = "component modes: twice the detail changes deflections"
         lines += [
-            _deflection_errors(reduced, "reduction", lead),
+            _deflection_errors(reduced, "reduction", label),
             _force_errors(reduced, "reduction", "component modes: twice the detail changes forces"),
         ]
     if "mesh_error" in dataset:
@@ -94,25 +94,25 @@ def check_lines(dataset: xr.Dataset) -> list[str]:
     return lines
 
 
-def _deflection_errors(dataset: xr.Dataset, cause: str, lead: str) -> str:
+def _deflection_errors(dataset: xr.Dataset, cause: str, label: str) -> str:
     """Errors of deflections by one cause, of each link that deflects over its own peak."""
     bent = (dataset["peak_deflection"] > 0).any("engine")
     errors = dataset[f"{cause}_error_of_deflection"]
     errors = errors.sel(link=bent) if bent.any() else errors
-    told = "; ".join(
+    listed_errors = "; ".join(
         f"{listed(errors.sel(engine=engine))}, {engine}" for engine in errors["engine"].values
     )
-    return f"{lead}, of the link's peak: {told}"
+    return f"{label}, of the link's peak: {listed_errors}"
 
 
-def _force_errors(dataset: xr.Dataset, cause: str, lead: str) -> str:
+def _force_errors(dataset: xr.Dataset, cause: str, label: str) -> str:
     """Errors of joint forces and torque by one cause; of the joint that is off most."""
 
     def error(of: str) -> str:
         return listed(_greatest(dataset[f"{cause}_error_of_{of}"]))
 
     return (
-        f"{lead}, of the peak: joint forces {error('force')}, their peaks {error('peak_force')}; "
+        f"{label}, of the peak: joint forces {error('force')}, their peaks {error('peak_force')}; "
         f"torque {error('torque')}, its peak {error('peak_torque')}"
     )
 
@@ -188,8 +188,8 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
         error = errors["peak_joint_force"].sel(engine=engine).values
         return line([supported(*pair) for pair in zip(own, error, strict=True)], engine)
 
-    def line(told: Iterable[str], name: str) -> str:
-        pairs = zip(data["joint"].values, told, strict=True)
+    def line(texts: Iterable[str], name: str) -> str:
+        pairs = zip(data["joint"].values, texts, strict=True)
         shown = ", ".join(f"{joint} {force}" for joint, force in pairs)
         return f"peak joint forces: {shown} N ({name})"
 
@@ -237,7 +237,7 @@ def supported(value: float, error: float, most: int = _MOST_DIGITS) -> str:
 
 
 def spectrogram_lines(dataset: xr.Dataset) -> list[str]:
-    """Say what the spectrogram tells apart, or that there is none, and what it is held against."""
+    """Say which frequencies the spectrogram resolves, or that there is none, and by what."""
     predicted = dataset.attrs.get("prediction_note")
     lines = [predicted] if predicted else []
     if "spectrogram" in dataset:

@@ -63,7 +63,7 @@ class MeasuredResponse:
 
 
 def measured_response(
-    run: Struck, request: RunningHammerRequest, plan: RunPlan, report: LabelledProgress
+    run: ImpactRun, request: RunningHammerRequest, plan: RunPlan, report: LabelledProgress
 ) -> MeasuredResponse:
     """Hit the running linkage, and hit it half as hard until that changes nothing.
 
@@ -169,12 +169,12 @@ _LEAST_MODES = 6
 # Of the periodic motion: its first is where runs begin, and fewer do not make a turn.
 _ORBIT_SAMPLES = 8
 
-Struck = Callable[[Sequence[HalfSinePulse]], FloatArray]
+ImpactRun = Callable[[Sequence[HalfSinePulse]], FloatArray]
 """From the pulses of a run to the displacement of the point that is read, in m at every step."""
 
 
 def added_by_impacts(
-    run: Struck, plan: RunPlan, progress: StepProgress, twin: FloatArray | None = None
+    run: ImpactRun, plan: RunPlan, progress: StepProgress, twin: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """What each impact adds to the motion of a twin run without one.
 
@@ -209,7 +209,7 @@ def added_by_impacts(
     return np.asarray(found)[:, :-1] - twin[:-1], twin
 
 
-def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: int) -> Struck:
+def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: int) -> ImpactRun:
     """Runs of an engine from the periodic motion at crank angle zero.
 
     An engine that simulates runs the nonlinear motion from the periodic motion at large
@@ -249,17 +249,17 @@ def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: 
     start = linear_start(linkage, asked, plan.step)
 
     points = (request.impact, request.response, request.direction)
-    struck = StruckLinkage(linkage, plan.step, *points)
+    linkage_hit = StruckLinkage(linkage, plan.step, *points)
 
     def run(pulses: Sequence[HalfSinePulse]) -> FloatArray:
-        return struck.run(start, plan.samples, pulses)
+        return linkage_hit.run(start, plan.samples, pulses)
 
     return run
 
 
 def _simulated(
     engine: Engine, request: RunningHammerRequest, plan: RunPlan, drive: CrankDrive
-) -> Struck:
+) -> ImpactRun:
     orbit = nonlinear_orbit(engine, request.crank_speed, _ORBIT_SAMPLES)
     start = LinkState([q[0] for q in orbit.displacement], [rate[0] for rate in orbit.rate])
     point = (request.response, request.direction)

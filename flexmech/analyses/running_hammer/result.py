@@ -172,7 +172,7 @@ def _peak_table(dataset: xr.Dataset) -> Table:
 
 
 def _impact_lines(dataset: xr.Dataset) -> list[str]:
-    """How the linkage was hit and the orders told apart."""
+    """How the linkage was hit and the orders were separated."""
     attrs, count = dataset.attrs, dataset.sizes["impact"]
     fitted = int(attrs["highest_fitted_order"])
     turns = int(attrs["turns"])
