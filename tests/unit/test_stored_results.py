@@ -20,8 +20,8 @@ from flexmech.analyses.response.dataset import (
 )
 from flexmech.cli import app
 from flexmech.modelfile import mechanism_from_toml, template
-from flexmech.plots.animation_scene import MOST_FRAMES as MOST_PICTURES
-from flexmech.plots.animation_scene import EnlargedMotion
+from flexmech.plots.animation import MOST_FRAMES as MOST_PICTURES
+from flexmech.plots.animation import EnlargedMotion
 
 MODELS = Path(__file__).parents[2] / "models"
 STEEL = MODELS / "steel_fourbar.toml"
