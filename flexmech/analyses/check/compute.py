@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
+from itertools import pairwise
 
 import numpy as np
 import xarray as xr
@@ -278,9 +279,6 @@ def _layers(section: BeamSection | None) -> list[tuple[str, float, float, float]
     half = section.in_plane_thickness / 2
     if section.layers is None or len(section.layers.laminate.layers) == 1:
         return [("", 0.0, -half, half)]
-    layers = section.layers.laminate.layers
-    tops = np.cumsum([layer.thickness for layer in layers]) - half
-    return [
-        (layer.ply.name, layer.angle, float(top) - layer.thickness, float(top))
-        for layer, top in zip(layers, tops, strict=True)
-    ]
+    laminate = section.layers.laminate
+    places = zip(laminate.layers, pairwise(laminate.boundaries.tolist()), strict=True)
+    return [(layer.ply.name, layer.angle, *faces) for layer, faces in places]

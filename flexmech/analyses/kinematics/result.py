@@ -127,10 +127,12 @@ def _degrees(data: xr.Dataset) -> xr.DataArray:
     return (DEGREES * data["crank_angle"]).round(9)
 
 
-def _motion_table(data: xr.Dataset) -> pd.DataFrame:
-    def along(name: str, axis: str) -> xr.DataArray:
-        return data[name].sel(component=axis)
+def _components(vector: xr.DataArray, column: str) -> dict[str, xr.DataArray]:
+    """Columns of a vector in the plane, named by its axes."""
+    return {column.format(axis): vector.sel(component=axis) for axis in "xy"}
 
+
+def _motion_table(data: xr.Dataset) -> pd.DataFrame:
     return table_over(
         *("crank_angle", "link"),
         crank_angle_deg=_degrees(data),
@@ -138,24 +140,19 @@ def _motion_table(data: xr.Dataset) -> pd.DataFrame:
         angle_deg=DEGREES * data["angle"],
         angular_velocity_rad_s=data["angular_velocity"],
         angular_acceleration_rad_s2=data["angular_acceleration"],
-        centre_x_m=along("centre_position", "x"),
-        centre_y_m=along("centre_position", "y"),
-        centre_ax_m_s2=along("centre_acceleration", "x"),
-        centre_ay_m_s2=along("centre_acceleration", "y"),
-        inertia_force_x_N=along("inertia_force", "x"),
-        inertia_force_y_N=along("inertia_force", "y"),
+        **_components(data["centre_position"], "centre_{}_m"),
+        **_components(data["centre_acceleration"], "centre_a{}_m_s2"),
+        **_components(data["inertia_force"], "inertia_force_{}_N"),
         inertia_moment_Nm=data["inertia_moment"],
     )
 
 
 def _force_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
-    force = data[f"{of}joint_force"]
     return table_over(
         *("crank_angle", "joint"),
         crank_angle_deg=_degrees(data),
         joint=data["joint"],
-        x_N=force.sel(component="x"),
-        y_N=force.sel(component="y"),
+        **_components(data[f"{of}joint_force"], "{}_N"),
         moment_Nm=data[f"{of}joint_moment"],
     )
 
@@ -176,15 +173,14 @@ def _drive_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
 
 
 def _lump_table(data: xr.Dataset) -> pd.DataFrame:
-    acceleration, force = data["lump_acceleration"], data["lump_inertia_force"]
     return table_over(
         *("crank_angle", "lump"),
         crank_angle_deg=_degrees(data),
         link=data["lump_link"],
         position_m=data["lump_position"],
         mass_kg=data["lump_mass"],
-        **{f"a{axis}_m_s2": acceleration.sel(component=axis) for axis in "xy"},
-        **{f"inertia_force_{axis}_N": force.sel(component=axis) for axis in "xy"},
+        **_components(data["lump_acceleration"], "a{}_m_s2"),
+        **_components(data["lump_inertia_force"], "inertia_force_{}_N"),
     )
 
 
