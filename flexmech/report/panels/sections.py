@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import ModelCheck, MoistureUptake, SectionProfiles
-from flexmech.analyses.section_profile.tables import property_table
+from flexmech.analyses.section_profile.result import property_table
 from flexmech.plots.reading import names_of
 from flexmech.report.last_turn import thinning
 from flexmech.report.panel import Look, Panel, Plot, Trace, YAxis, panel_of, shows
