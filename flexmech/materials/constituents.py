@@ -12,7 +12,7 @@ from typing import ClassVar
 from flexmech.errors import InputError
 from flexmech.materials.hygrothermal import Hygrothermal
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
-from flexmech.model_text import SharedTables, TomlTable, stated
+from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity
 from flexmech.numbers import (
     FINITE,
     NOT_NEGATIVE,
@@ -124,23 +124,16 @@ class Constituent:
 
     def to_table(self) -> TomlTable:
         """Table of a model file, without the name."""
-        usual = {field.name: field.default for field in fields(self)}
-        known = {
-            name: (getattr(self, name), dimension)
-            for name, dimension in DIMENSIONS.items()
-            if name in usual and getattr(self, name) != usual[name]
-        }
+        table = fields_table(self, DIMENSIONS)
+        if self.source:
+            table["source"] = self.source
         spreads = {
-            name: (
-                spread,
-                TEMPERATURE_DIFFERENCE if name == "glass_transition" else DIMENSIONS[name],
+            name: quantity(
+                spread, TEMPERATURE_DIFFERENCE if name == "glass_transition" else DIMENSIONS[name]
             )
             for name, spread in self.uncertainty.items()
         }
-        table = stated(**known)
-        if self.source:
-            table["source"] = self.source
-        return {**table, "uncertainty": stated(**spreads)} if spreads else table
+        return {**table, "uncertainty": spreads} if spreads else table
 
     def name_in(self, shared: SharedTables) -> str:
         """Name by which plies refer to it in a model file; its table is added if it needs one."""
@@ -259,14 +252,7 @@ class Matrix(Constituent):
     @property
     def hygrothermal(self) -> Hygrothermal:
         """What heat and water do to the resin."""
-        return Hygrothermal(
-            self.thermal_expansion,
-            self.wet_thermal_expansion,
-            self.moisture_expansion,
-            self.equilibrium,
-            self.diffusivity,
-            self.glass_transition,
-        )
+        return Hygrothermal(**{own.name: getattr(self, own.name) for own in fields(Hygrothermal)})
 
     def to_table(self) -> TomlTable:
         """Table of a model file, without the name."""
