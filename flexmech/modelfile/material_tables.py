@@ -73,12 +73,12 @@ class HygrothermalTable(base.Table):
                 self.activation_energy or 0.0,
             )
         return Hygrothermal(
-            thermal_expansion=self.thermal_expansion,
-            wet_thermal_expansion=self.wet_thermal_expansion,
-            moisture_expansion=self.moisture_expansion,
-            equilibrium=equilibrium,
-            diffusivity=diffusivity,
-            glass_transition=self.glass_transition,
+            self.thermal_expansion,
+            self.wet_thermal_expansion,
+            self.moisture_expansion,
+            equilibrium,
+            diffusivity,
+            self.glass_transition,
         )
 
 

@@ -48,6 +48,13 @@ DIMENSIONS = {
     "in_plane_thickness": LENGTH,
 }
 
+# Zero where they are left out.
+MAY_BE_ZERO = {
+    "neutral_axis": LENGTH,
+    "mass_axis": LENGTH,
+    "free_strain": RATIO,
+    "free_curvature": CURVATURE,
+}
 UNDAMPED = DampingTimes()
 
 
@@ -360,16 +367,7 @@ class BeamSection:
 
     def _general_table(self) -> TomlTable:
         """Stiffness, mass and what a section without load does, in keys of a link."""
-        return fields_table(
-            self,
-            DIMENSIONS
-            | {
-                "neutral_axis": LENGTH,
-                "mass_axis": LENGTH,
-                "free_strain": RATIO,
-                "free_curvature": CURVATURE,
-            },
-        )
+        return fields_table(self, DIMENSIONS | MAY_BE_ZERO)
 
     def _tables_within(self, shared: SharedTables) -> TomlTable:
         """Layers and damping of a general section, in keys and tables of a link."""
