@@ -333,13 +333,16 @@ def _shipped() -> dict[str, Fibre | Matrix]:
 
 
 def _from_row(row: dict[str, str]) -> Fibre | Matrix:
-    units = {"youngs_modulus": 1e9, "shear_modulus": 1e6, "density": 1e3}
-    columns = {"youngs_modulus": "E_GPa", "shear_modulus": "G_MPa", "density": "density_g_cm3"}
-    spreads = {"youngs_modulus": "E_pm_GPa", "shear_modulus": "G_pm_MPa"}
-    spreads["density"] = "density_pm_g_cm3"
-    values = {name: float(row[column]) * units[name] for name, column in columns.items()}
+    columns = {
+        "youngs_modulus": ("E_GPa", "E_pm_GPa", 1e9),
+        "shear_modulus": ("G_MPa", "G_pm_MPa", 1e6),
+        "density": ("density_g_cm3", "density_pm_g_cm3", 1e3),
+    }
+    values = {name: float(row[column]) * unit for name, (column, _, unit) in columns.items()}
     uncertainty = {
-        name: float(row[column]) * units[name] for name, column in spreads.items() if row[column]
+        name: float(row[spread]) * unit
+        for name, (_, spread, unit) in columns.items()
+        if row[spread]
     }
     kind = Fibre if row["role"] == "fibre" else Matrix
     return kind(
@@ -347,7 +350,5 @@ def _from_row(row: dict[str, str]) -> Fibre | Matrix:
         poisson_ratio=float(row["poisson"]),
         source=row["source"],
         uncertainty=uncertainty,
-        youngs_modulus=values["youngs_modulus"],
-        shear_modulus=values["shear_modulus"],
-        density=values["density"],
+        **values,
     )
