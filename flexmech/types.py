@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["ComplexArray", "FloatArray", "IntArray", "LabelledProgress", "StepProgress"]
+__all__ = ["ComplexArray", "FloatArray", "IntArray", "LabelledProgress", "StepProgress", "silent"]
 
 ComplexArray = NDArray[np.complexfloating[Any, Any]]
 FloatArray = NDArray[np.float64]
@@ -18,3 +18,7 @@ StepProgress = Callable[[int, int], None]
 """Called with the steps done and the steps to do."""
 LabelledProgress = Callable[[str, int, int], None]
 """Called with what is being done, the steps done and the steps to do."""
+
+
+def silent(*told: object) -> None:
+    """Progress of either kind that is reported to nobody."""

@@ -16,10 +16,10 @@ from pathlib import Path
 
 import numpy as np
 from _common import four_bar, output_folder, save_pictures
+from _ground_axes import frozen_eigenvalues
 from matplotlib.figure import Figure
 
 from flexmech import Mechanism, ReferenceEngine
-from flexmech.analyses import frozen_eigenvalues
 from flexmech.dynamical_systems import floquet_modes
 from flexmech.time_domain import (
     SampledTurn,

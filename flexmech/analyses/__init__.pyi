@@ -37,7 +37,6 @@ from .section_profile import section_profiles as section_profiles
 from .speed_sweep import SpeedSweep as SpeedSweep
 from .stability import StabilityMap as StabilityMap
 from .stability import StabilityRequest as StabilityRequest
-from .stability import frozen_eigenvalues as frozen_eigenvalues
 from .summary import Summary as Summary
 from .summary import Table as Table
 from .synthesis import CrankRockerSynthesis as CrankRockerSynthesis

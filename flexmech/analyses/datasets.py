@@ -125,3 +125,48 @@ def rigid_positions(engine: Engine, motion: RigidMotion) -> FloatArray:
         places = np.linspace(0.0, body.length, len(link.shape))
         parts.append(np.stack([motion.position(number, float(x)) for x in places], axis=1))
     return np.stack(parts, axis=1)
+
+
+def attributes_of(owner: object, *names: str) -> dict[str, Any]:
+    """Some attributes of an object by their names, as those of a dataset."""
+    return {name: getattr(owner, name) for name in names}
+
+
+def complex_parts(
+    name: str, dims: tuple[str, ...], values: NDArray[Any]
+) -> dict[str, tuple[tuple[str, ...], FloatArray]]:
+    """Variables for the real and the imaginary part: files hold real numbers alone.
+
+    Parameters
+    ----------
+    name : str
+        Of the variables, without ``_real`` and ``_imag``.
+    dims : tuple of str
+    values : ndarray of complex
+
+    Returns
+    -------
+    dict of str to tuple
+    """
+    return {f"{name}_real": (dims, values.real), f"{name}_imag": (dims, values.imag)}
+
+
+def padded(rows: Sequence[FloatArray], size: int) -> FloatArray:
+    """Arrays whose last axes differ in length in one, NaN beyond their ends.
+
+    Parameters
+    ----------
+    rows : sequence of ndarray, shape (..., k)
+        k differs from one to the next.
+    size : int
+        Of the last axis.
+
+    Returns
+    -------
+    ndarray, shape (n, ..., size)
+    """
+    kind = np.result_type(float, *rows)
+    table = np.full((len(rows), *rows[0].shape[:-1], size), np.nan * np.ones(1, kind)[0], kind)
+    for place, row in zip(table, rows, strict=True):
+        place[..., : row.shape[-1]] = row
+    return table

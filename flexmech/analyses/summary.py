@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from html import escape
+from typing import Any
 
 Row = tuple[str, ...]
 
@@ -58,6 +59,27 @@ class Table:
             f"<tbody>{rows}</tbody></table>{caption}"
         )
 
+    def as_data(self) -> dict[str, Any]:
+        """The same for JSON: what is a number is one, and what a cell leaves out is None."""
+        words = self.text_columns
+        rows = [row for group in self.groups for row in group]
+        return {
+            "title": self.title,
+            "columns": list(self.headings),
+            "rows": [[*row[:words], *map(_number, row[words:])] for row in rows],
+            "caption": self.caption,
+        }
+
+
+def _number(cell: str) -> float | str | None:
+    """A number where a cell is one, else its text."""
+    if cell in ("", "-"):
+        return None
+    try:
+        return float(cell)
+    except ValueError:
+        return cell
+
 
 @dataclass(frozen=True)
 class Summary:
@@ -86,6 +108,15 @@ class Summary:
     def lines(self) -> tuple[str, ...]:
         """The lines among the parts."""
         return tuple(part for part in self.parts if isinstance(part, str))
+
+    def as_data(self) -> dict[str, Any]:
+        """The same for JSON: numbers of tables are numbers, and what a cell leaves out is None."""
+        return {
+            "tables": [table.as_data() for table in self.tables],
+            "lines": [line for part in self.lines for line in part.split("\n")],
+            "warnings": list(self.warnings),
+            "verdict": self.verdict,
+        }
 
     @property
     def _warned(self) -> tuple[str, ...]:

@@ -13,33 +13,22 @@ from typing import Annotated, Any, NoReturn
 import typer
 from typer.core import TyperGroup
 
-from flexmech.cli.campbell import campbell
-from flexmech.cli.check import check
-from flexmech.cli.command_line import running
-from flexmech.cli.compare import compare
-from flexmech.cli.coupler_curve import coupler_curve
-from flexmech.cli.export import export
+from flexmech.cli.campaigns import composites, verify
+from flexmech.cli.deliver import running
 from flexmech.cli.failures import reports_failures
-from flexmech.cli.frequencies import frequencies
-from flexmech.cli.hammer import hammer
-from flexmech.cli.kinematics import kinematics
-from flexmech.cli.moisture import moisture
-from flexmech.cli.new import new
-from flexmech.cli.printing import prints_as_asked
+from flexmech.cli.laboratory import compare, hammer
+from flexmech.cli.links import check, moisture, section
+from flexmech.cli.maps import campbell, frequencies, stability
+from flexmech.cli.reading import from_options
 from flexmech.cli.report import report
-from flexmech.cli.response import response
-from flexmech.cli.schema import schema
-from flexmech.cli.section import section
-from flexmech.cli.stability import stability
+from flexmech.cli.rigid import coupler_curve, kinematics, synthesize
+from flexmech.cli.runs import export, response
 from flexmech.cli.stopping import Stopped, interrupted_line
 from flexmech.cli.streams import check_streams
-from flexmech.cli.study import study_app
-from flexmech.cli.synthesize import synthesize
-from flexmech.cli.verify import verify
+from flexmech.cli.writing import new, schema
 from flexmech.errors import FlexmechError, InputError, one_line
 
-# In the order of the help. The docstring of a command is what its help says.
-DELIVERING: tuple[Callable[..., None], ...] = (
+COMMANDS: tuple[Callable[..., None], ...] = (
     frequencies,
     hammer,
     campbell,
@@ -55,8 +44,11 @@ DELIVERING: tuple[Callable[..., None], ...] = (
     check,
     verify,
     report,
+    new,
+    schema,
 )
-WRITING: tuple[Callable[..., None], ...] = (new, schema)
+"""In the order of the help. The docstring of a command is what its help says."""
+STUDIES: tuple[Callable[..., None], ...] = (composites,)
 
 # What typer raises on wrong command lines; it has no public name for their common base.
 _UsageError: type[Exception] = typer.BadParameter.__mro__[1]
@@ -109,13 +101,9 @@ app = typer.Typer(
 def _show_version(wanted: bool) -> None:
     if not wanted:
         return
-    from importlib.metadata import PackageNotFoundError, version
+    from importlib.metadata import version
 
-    try:
-        number = version("flexmech")
-    except PackageNotFoundError:
-        number = "(not installed, running from a source folder)"
-    typer.echo(f"flexmech {number}")
+    typer.echo(f"flexmech {version('flexmech')}")
     raise typer.Exit
 
 
@@ -131,10 +119,15 @@ def options(
     """Options of flexmech itself, before any command."""
 
 
-for command in DELIVERING:
-    app.command()(reports_failures(prints_as_asked(command)))
-for command in WRITING:
-    app.command()(reports_failures(command))
+def studies() -> None:
+    """Run a whole campaign and set it beside what is published."""
+
+
+study_app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, callback=studies)
+for command in COMMANDS:
+    app.command()(reports_failures(from_options(command)))
+for command in STUDIES:
+    study_app.command()(reports_failures(from_options(command)))
 app.add_typer(study_app, name="study")
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from flexmech.choices import (
     ELEMENTS,
+    ELEMENTS_A_LINK,
     ElementName,
     EngineChoice,
     EngineName,
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
 def make_engines(
     mechanism: Mechanism,
     engine: EngineChoice,
-    element: ElementName | None,
-    elements: int,
+    element: ElementName | None = None,
+    elements: int | None = None,
     shaft: ShaftChoice = "prescribed",
     mass: MassChoice = "distributed",
 ) -> list[Engine]:
@@ -37,8 +38,8 @@ def make_engines(
     element : str, optional
         Goes to the engine that has it; the other one takes the element of the same theory,
         so that the two can be held against each other. Left out: the engine chooses.
-    elements : int
-        On each link.
+    elements : int, optional
+        On each link. Left out: as many as a map begins with.
     shaft : {"prescribed", "free"}
     mass : {"distributed", "lumped"}
         Of the reference engine; beside it Exudyn keeps distributed mass.
@@ -69,7 +70,8 @@ def make_engines(
         kind = _engine_kind(name)
         its_element = None if element is None else kind.element_like(element)
         its_mass = mass if name == "reference" else "distributed"
-        engines.append(kind(mechanism, elements, its_element, shaft=shaft, mass=its_mass))
+        count = elements or ELEMENTS_A_LINK
+        engines.append(kind(mechanism, count, its_element, shaft=shaft, mass=its_mass))
     return engines
 
 

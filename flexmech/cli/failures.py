@@ -17,18 +17,10 @@ Parameters = ParamSpec("Parameters")
 
 
 def reports_failures(command: Callable[Parameters, None]) -> Callable[Parameters, None]:
-    """Turn a command's :class:`FlexmechError` into a message and its exit code.
+    """The same command with one line and an exit code where it fails.
 
-    Parameters
-    ----------
-    command : callable
-        A typer command.
-
-    Returns
-    -------
-    callable
-        The same command; it exits with 2 after an InputError, 1 after a ComputationError,
-        130 after an interrupt and 143 after SIGTERM.
+    It exits with 2 after an InputError, 1 after a ComputationError, 130 after an interrupt and 143
+    after SIGTERM.
     """
 
     @functools.wraps(command)

@@ -1,168 +1,78 @@
-"""What a command prints: its summary in words, as JSON for scripts, or nothing."""
+"""What a command prints: a summary in words, as JSON for scripts, or nothing; its progress."""
 
 from __future__ import annotations
 
-import functools
-import inspect
 import json
 import shutil
 import sys
 import textwrap
-from collections.abc import Callable
-from contextvars import ContextVar
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from itertools import chain
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Literal
 
 import typer
 
-from flexmech.errors import InputError, one_line
+from flexmech.errors import one_line
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from flexmech.analyses import Summary, Table
+    from flexmech.types import LabelledProgress
 
+Printing = Literal["words", "json", "nothing"]
+"""How a summary is printed."""
 
 # Columns where there is no terminal that has a number of them.
-WIDTH = 80
+_WIDTH = 80
 # Words of a table break into lines of this many letters at least.
-SHORTEST_WORDS = 10
+_SHORTEST_WORDS = 10
 # Columns of the terminal between two of the table's.
-FRAME = 3
-
-Quiet = Annotated[bool, typer.Option("--quiet", help="Print warnings and errors alone.")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print the summary as JSON, for scripts.")]
+_FRAME = 3
 
 
-@dataclass(frozen=True)
-class _Asked:
-    quiet: bool = False
-    as_json: bool = False
-
-
-_asked: ContextVar[_Asked | None] = ContextVar("_asked", default=None)
-
-
-def prints_as_asked(command: Callable[..., None]) -> Callable[..., None]:
-    """Give a command the options ``--quiet`` and ``--json``.
-
-    Parameters
-    ----------
-    command : callable
-        A typer command that delivers a result.
-
-    Returns
-    -------
-    callable
-        The same command with two options more.
-    """
-    signature = inspect.signature(command, eval_str=True)
-    further = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=kind)
-        for name, kind in (("quiet", Quiet), ("as_json", AsJson))
-    ]
-
-    @functools.wraps(command)
-    def wrapped(*args: Any, quiet: bool = False, as_json: bool = False, **kwargs: Any) -> None:
-        if quiet and as_json:
-            raise InputError("--quiet and --json: give one of them")
-        token = _asked.set(_Asked(quiet, as_json))
-        try:
-            command(*args, **kwargs)
-        finally:
-            _asked.reset(token)
-
-    parameters = [*signature.parameters.values(), *further]
-    wrapped.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-    wrapped.__annotations__ = {each.name: each.annotation for each in parameters}
-    return wrapped
-
-
-@dataclass(frozen=True)
-class Report:
-    """What is to be said of a delivered result.
+def say(
+    summary: Summary,
+    files: Sequence[Path] = (),
+    file_lines: Sequence[str] = (),
+    remarks: Sequence[str] = (),
+    printing: Printing = "words",
+) -> None:
+    """Print what is to be said of a result to stdout, and its warnings to stderr.
 
     Parameters
     ----------
     summary : Summary
-    files : tuple of Path
+    files : sequence of Path
         That were written.
-    file_lines : tuple of str
+    file_lines : sequence of str
         How the files are named, and stale ones beside them.
-    remark : str
-        Line before all others; may be empty.
+    remarks : sequence of str
+        Before all others; may be empty.
+    printing : {"words", "json", "nothing"}
     """
-
-    summary: Summary
-    files: tuple[Path, ...] = ()
-    file_lines: tuple[str, ...] = ()
-    remark: str = ""
-
-    def print(self) -> None:
-        """Print to stdout in the way that the user asked for, and warnings to stderr."""
-        asked = _asked.get() or _Asked()
-        if asked.as_json:
-            typer.echo(json.dumps(self._content(), indent=2, ensure_ascii=False, allow_nan=False))
-        elif not asked.quiet:
-            self._print_words()
-        for warning in self.summary.warnings:
-            typer.echo(f"warning: {warning}", err=True)
-        if self.summary.verdict and not asked.as_json and not asked.quiet:
-            _print_lines(self.summary.verdict)
-
-    def _print_words(self) -> None:
-        if self.remark:
-            _print_lines(self.remark)
-        for part in self.summary.parts:
+    remark = "\n".join(filter(None, remarks))
+    if printing == "json":
+        content = summary.as_data()
+        content["lines"][:0] = filter(None, [remark])
+        content["files"] = [str(file) for file in files]
+        typer.echo(json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False))
+    elif printing == "words":
+        for part in (*filter(None, [remark]), *summary.parts, *file_lines):
             if isinstance(part, str):
                 _print_lines(part)
             else:
                 _print_table(part)
-        for line in self.file_lines:
-            _print_lines(line)
-
-    def _content(self) -> dict[str, Any]:
-        """What JSON says; numbers of tables are numbers, and what a cell leaves out is null."""
-        lines = [line for part in self.summary.lines for line in part.split("\n")]
-        return {
-            "tables": [_table_content(table) for table in self.summary.tables],
-            "lines": [*([self.remark] if self.remark else []), *lines],
-            "warnings": list(self.summary.warnings),
-            "verdict": self.summary.verdict,
-            "files": [str(file) for file in self.files],
-        }
-
-
-def _table_content(table: Table) -> dict[str, Any]:
-    return {
-        "title": table.title,
-        "columns": list(table.headings),
-        "rows": [
-            [
-                cell if number < table.text_columns else _value(cell)
-                for number, cell in enumerate(row)
-            ]
-            for group in table.groups
-            for row in group
-        ],
-        "caption": table.caption,
-    }
-
-
-def _value(cell: str) -> float | str | None:
-    """A number where a cell is one, else its text."""
-    if cell in ("", "-"):
-        return None
-    try:
-        return float(cell)
-    except ValueError:
-        return cell
+    for warning in summary.warnings:
+        typer.echo(f"warning: {warning}", err=True)
+    if summary.verdict and printing == "words":
+        _print_lines(summary.verdict)
 
 
 def _page_width() -> int:
     """Columns of the terminal, or those that the environment variable COLUMNS names."""
-    return shutil.get_terminal_size((WIDTH, 24)).columns
+    return shutil.get_terminal_size((_WIDTH, 24)).columns
 
 
 def _print_lines(text: str) -> None:
@@ -191,21 +101,47 @@ def _print_table(table: Table) -> None:
 
     columns = list(zip(table.headings, *chain(*table.groups), strict=True))
     page = _page_width()
-    natural = sum(max(map(len, column)) + FRAME for column in columns) + 1
+    natural = sum(max(map(len, column)) + _FRAME for column in columns) + 1
     drawn = RichTable(title=escape(one_line(table.title)), caption=escape(table.caption) or None)
     least = 1
     for number, (heading, *cells) in enumerate(columns):
         if number < table.text_columns:
             # A cut name would lose what stands behind it.
-            shortest = min(SHORTEST_WORDS, max(map(len, (heading, *cells))))
+            shortest = min(_SHORTEST_WORDS, max(map(len, (heading, *cells))))
             drawn.add_column(heading, overflow="fold", min_width=shortest)
-            least += shortest + FRAME
+            least += shortest + _FRAME
             continue
         broken = heading.replace(" ", "\n") if natural > page else heading
         drawn.add_column(broken, justify="right", no_wrap=True)
-        least += max(map(len, (*broken.split("\n"), *cells))) + FRAME
+        least += max(map(len, (*broken.split("\n"), *cells))) + _FRAME
     for group in table.groups:
         for row in group:
             drawn.add_row(*(escape(one_line(cell)) for cell in row))
         drawn.add_section()
     Console(width=max(page, least)).print(drawn)
+
+
+@contextmanager
+def progress_bar() -> Iterator[LabelledProgress | None]:
+    """Show a progress bar for each label on stderr; None where that is no terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich import progress
+    from rich.console import Console
+
+    columns = (
+        progress.TextColumn("{task.description}"),
+        progress.BarColumn(),
+        progress.MofNCompleteColumn(),
+        progress.TimeElapsedColumn(),
+    )
+    with progress.Progress(*columns, console=Console(stderr=True), transient=True) as bars:
+        tasks: dict[str, progress.TaskID] = {}
+
+        def show(label: str, done: int, total: int) -> None:
+            if label not in tasks:
+                tasks[label] = bars.add_task(label, total=total)
+            bars.update(tasks[label], completed=done, total=total)
+
+        yield show

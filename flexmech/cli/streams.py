@@ -2,54 +2,30 @@
 
 from __future__ import annotations
 
-import errno
 import io
 import os
 import sys
-from typing import TextIO
+from typing import Any, TextIO
 
 from flexmech.errors import InputError
 
 
-class _Stream(io.RawIOBase):
-    """A standard stream. Its first failure is told, after it nothing is written any more."""
+class _Stream(io.FileIO):
+    """Stdout or stderr. Its first failure is told, after it nothing is written any more."""
 
-    def __init__(self, name: str, descriptor: int, *, closed: bool, tells: bool) -> None:
-        super().__init__()
-        self.name = name
-        self.descriptor = descriptor
-        self.caller_closed = closed
-        self.tells = tells
-        self.failed = False
-
-    def fileno(self) -> int:
-        return self.descriptor
-
-    def isatty(self) -> bool:
-        return not self.caller_closed and os.isatty(self.descriptor)
-
-    def writable(self) -> bool:
-        return True
-
-    def write(self, data: object) -> int:
-        rest = memoryview(data).cast("B")  # type: ignore[arg-type]
-        size = len(rest)
+    def write(self, data: Any) -> int:
         try:
-            while rest and not self.failed:
-                rest = rest[self._written(rest) :]
+            return super().write(data)
         except OSError as error:
-            self.failed = True
-            if self.tells:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, self.fileno())
+            os.close(nowhere)
+            if self.fileno() == 1:
                 raise InputError(
-                    f"{self.name}: cannot be written ({error.strerror}); files of this run "
-                    "are complete, only what it prints is missing"
+                    f"stdout: cannot be written ({error.strerror}); files of this run are "
+                    "complete, only what it prints is missing"
                 ) from error
-        return size
-
-    def _written(self, data: memoryview) -> int:
-        if self.caller_closed:
-            raise OSError(errno.EBADF, "it is closed")
-        return os.write(self.descriptor, data)
+            return memoryview(data).nbytes
 
 
 def check_streams() -> None:
@@ -58,14 +34,13 @@ def check_streams() -> None:
     A name or source that the terminal's encoding lacks is shown with "?".
     """
     # The number of a closed stream would go to the next file that is opened.
-    while (free := os.open(os.devnull, os.O_RDWR)) <= 2:
+    while (free := os.open(os.devnull, os.O_RDONLY)) <= 2:
         pass
     os.close(free)
-    sys.stdout = _checked("stdout", 1, sys.stdout, tells=True)
-    sys.stderr = _checked("stderr", 2, sys.stderr, tells=False)
+    sys.stdout, sys.stderr = _checked(1, sys.stdout), _checked(2, sys.stderr)
 
 
-def _checked(name: str, descriptor: int, stream: TextIO | None, *, tells: bool) -> io.TextIOWrapper:
-    raw = _Stream(name, descriptor, closed=stream is None, tells=tells)
+def _checked(descriptor: int, stream: TextIO | None) -> TextIO:
+    raw = io.BufferedWriter(_Stream(descriptor, "wb", closefd=False))
     encoding = "utf-8" if stream is None else stream.encoding
-    return io.TextIOWrapper(raw, encoding=encoding, errors="replace", write_through=True)
+    return io.TextIOWrapper(raw, encoding=encoding, errors="replace", line_buffering=True)

@@ -139,15 +139,15 @@ class BeamKind(ABC):
 
     @abstractmethod
     def strains(
-        self, place: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
+        self, displacement: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
     ) -> list[Strain]:
         """The strains by which Exudyn's element stores energy, at its integration points.
 
         Parameters
         ----------
-        place, rate : ndarray, shape (m, k * per_node)
-            Coordinates of a chain of nodes, with the reference ones, and their time
-            derivatives, in axes that may turn with the link.
+        displacement, rate : ndarray, shape (m, k * per_node)
+            Coordinates of a chain of nodes, less those of the straight link along x, and their
+            time derivatives, in axes that may turn with the link.
         length : ndarray, shape (k - 1,)
             Of the undeformed elements in m.
         section : BeamSection
@@ -172,14 +172,14 @@ class BeamKind(ABC):
         mbs.SetObjectParameter(element, "referenceCurvature", part * section.free_curvature)
 
     def internal_force(
-        self, place: FloatArray, length: FloatArray, section: BeamSection
+        self, displacement: FloatArray, length: FloatArray, section: BeamSection
     ) -> FloatArray:
         """Elastic forces on the nodes, the derivative of the strain energy.
 
         Parameters
         ----------
-        place : ndarray, shape (m, k * per_node)
-            Coordinates of a chain of nodes, with the reference ones.
+        displacement : ndarray, shape (m, k * per_node)
+            Coordinates of a chain of nodes, less those of the straight link.
         length : ndarray, shape (k - 1,)
             Of the undeformed elements in m.
         section : BeamSection
@@ -188,10 +188,10 @@ class BeamKind(ABC):
         -------
         ndarray, shape (m, k * per_node)
         """
-        size = place.shape[1]
-        unit_rates = np.tile(np.eye(size), (len(place), 1))
-        strains = self.strains(np.repeat(place, size, axis=0), unit_rates, length, section)
-        return np.asarray(sum(strain.power for strain in strains)).reshape(place.shape)
+        size = displacement.shape[1]
+        unit_rates = np.tile(np.eye(size), (len(displacement), 1))
+        strains = self.strains(np.repeat(displacement, size, axis=0), unit_rates, length, section)
+        return np.asarray(sum(strain.power for strain in strains)).reshape(displacement.shape)
 
     def is_axial(self, count: int) -> NDArray[np.bool_]:
         """Which coordinates of a chain of ``count`` nodes move it along its axis."""

@@ -110,10 +110,10 @@ class AncfCable(BeamKind):
         return items.add("MarkerBodyRigid", name, bodyNumber=element, localPosition=[x, 0.0, 0.0])
 
     def strains(
-        self, place: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
+        self, displacement: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
     ) -> list[Strain]:
         """See :class:`BeamKind`."""
-        return cable_strains(place, rate, length, section)
+        return cable_strains(displacement, rate, length, section)
 
 
 class GeometricallyExactBeam(BeamKind):
@@ -198,10 +198,10 @@ class GeometricallyExactBeam(BeamKind):
         return items.add("MarkerNodeRigid", name, nodeNumber=node)
 
     def strains(
-        self, place: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
+        self, displacement: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
     ) -> list[Strain]:
         """See :class:`BeamKind`."""
-        return exact_beam_strains(place, rate, length, section)
+        return exact_beam_strains(displacement, rate, length, section)
 
 
 BEAM_KINDS: dict[str, BeamKind] = {

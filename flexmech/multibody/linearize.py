@@ -332,8 +332,7 @@ def _solve_afresh(
 
 def _internal_force(part: BeamPart, nodes: FloatArray) -> FloatArray:
     """Elastic forces on a link's nodes, (B, n), at coordinates less the reference ones."""
-    place = nodes + part.straight
-    return part.kind.internal_force(place, np.diff(part.positions), part.section)
+    return part.kind.internal_force(nodes, np.diff(part.positions), part.section)
 
 
 def _to_link_frame(matrix: FloatArray, angle: FloatArray, x: IntArray, y: IntArray) -> FloatArray:

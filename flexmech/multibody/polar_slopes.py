@@ -50,7 +50,9 @@ class PolarSlopes:
         """
         nodes = polar.copy()
         stretch, cosine, sine = self._slope(polar)
-        nodes[..., self.first] = stretch * cosine - 1
+        own, half = polar[..., self.first], polar[..., self.first + 1] / 2
+        # (1 + e) cos(phi) - 1, whose digits a difference of ones would lose.
+        nodes[..., self.first] = own * cosine - 2 * np.sin(half) ** 2
         nodes[..., self.first + 1] = stretch * sine
         return nodes
 

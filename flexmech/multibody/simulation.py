@@ -127,11 +127,10 @@ class Simulation:
             kinetic += energies.kinetic(number, position[:, own], velocity[:, own])
             gravity += energies.gravity(number, position[:, own])
         for number, beam in assembly.beams:
-            place, speed = displacement[number], rate[number]
+            moved, speed = displacement[number], rate[number]
             if (mapped := beam.node_map) is not None:
-                place, speed = mapped.moved(place), mapped.moved_rate(place, speed)
-            place, lengths = place + beam.straight, np.diff(beam.positions)
-            for part_of in beam.kind.strains(place, speed, lengths, beam.section):
+                moved, speed = mapped.moved(moved), mapped.moved_rate(moved, speed)
+            for part_of in beam.kind.strains(moved, speed, np.diff(beam.positions), beam.section):
                 strain += part_of.energy
                 dissipation += part_of.dissipation
         if shaft is not None:

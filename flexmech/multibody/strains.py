@@ -1,4 +1,8 @@
-"""The strains by which Exudyn's beam elements store energy, for whole runs at once."""
+"""The strains by which Exudyn's beam elements store energy, for whole runs at once.
+
+By displacements from the straight link, not by places: strains of 1e-9 keep their digits, which the
+difference of two lengths would lose to round-off.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +17,8 @@ from flexmech.types import FloatArray
 # Exudyn integrates a cable's axial strain to order 9 and its curvature to order 5.
 AXIAL_POINTS = 5
 BENDING_POINTS = 3
+# Slope vector of the straight link.
+ALONG = np.array([1.0, 0.0])
 
 
 @dataclass(frozen=True)
@@ -53,14 +59,15 @@ class Strain:
 
 
 def cable_strains(
-    place: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
+    displacement: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
 ) -> list[Strain]:
     """Stretch ``|r'| - 1`` and curvature ``r' x r'' / |r'|**2`` of ``ObjectANCFCable2D``.
 
     Parameters
     ----------
-    place, rate : ndarray, shape (m, 4 (e + 1))
-        Positions and slope vectors of the nodes, and their time derivatives.
+    displacement, rate : ndarray, shape (m, 4 (e + 1))
+        Of the nodes' positions and slope vectors from the straight link along x, and their time
+        derivatives.
     length : ndarray, shape (e,)
         Of the undeformed elements in m.
     section : BeamSection
@@ -71,18 +78,20 @@ def cable_strains(
     """
     points, weights = np.polynomial.legendre.leggauss(AXIAL_POINTS)
     first = _cubic_derivatives(points, length)[0]
-    slope, slope_rate = _interpolated(place, first), _interpolated(rate, first)
+    turned, slope_rate = _interpolated(displacement, first), _interpolated(rate, first)
+    slope = turned + ALONG
     norm = np.sqrt(_dot(slope, slope))
     stretch = Strain(
-        value=norm - 1 - section.free_strain,
+        # |r'| - 1 = (|r'|^2 - 1) / (|r'| + 1)
+        value=(2 * turned[..., 0] + _dot(turned, turned)) / (norm + 1) - section.free_strain,
         rate=_dot(slope, slope_rate) / norm,
         weight=section.axial_stiffness * length[:, None] / 2 * weights,
         damping_time=section.damping.axial,
     )
     points, weights = np.polynomial.legendre.leggauss(BENDING_POINTS)
     first, second = _cubic_derivatives(points, length)
-    slope, slope_rate = _interpolated(place, first), _interpolated(rate, first)
-    bend, bend_rate = _interpolated(place, second), _interpolated(rate, second)
+    slope, slope_rate = _interpolated(displacement, first) + ALONG, _interpolated(rate, first)
+    bend, bend_rate = _interpolated(displacement, second), _interpolated(rate, second)
     square = _dot(slope, slope)
     curvature = _cross(slope, bend) / square
     change = _cross(slope_rate, bend) + _cross(slope, bend_rate)
@@ -96,7 +105,7 @@ def cable_strains(
 
 
 def exact_beam_strains(
-    place: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
+    displacement: FloatArray, rate: FloatArray, length: FloatArray, section: BeamSection
 ) -> list[Strain]:
     """Stretch, shear and curvature of the linear ``ObjectBeamGeometricallyExact2D``.
 
@@ -105,8 +114,9 @@ def exact_beam_strains(
 
     Parameters
     ----------
-    place, rate : ndarray, shape (m, 3 (e + 1))
-        Positions and rotations of the nodes, and their time derivatives.
+    displacement, rate : ndarray, shape (m, 3 (e + 1))
+        Of the nodes from the straight link along x, with their rotations, and their time
+        derivatives.
     length : ndarray, shape (e,)
         Of the undeformed elements in m.
     section : BeamSection
@@ -115,23 +125,25 @@ def exact_beam_strains(
     -------
     list of Strain
     """
-    nodes, node_rates = (v.reshape(len(v), -1, 3) for v in (place, rate))
+    nodes, node_rates = (v.reshape(len(v), -1, 3) for v in (displacement, rate))
     turn = (nodes[:, 1:, 2] + nodes[:, :-1, 2]) / 2
     spin = (node_rates[:, 1:, 2] + node_rates[:, :-1, 2]) / 2
     slope = np.diff(nodes, axis=1) / length[:, None]
     slope_rate = np.diff(node_rates, axis=1) / length[:, None]
     along = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
     across = np.stack([-np.sin(turn), np.cos(turn)], axis=-1)
-    stretched, sheared = _dot(slope, along), _dot(slope, across)
+    # (e_x + u') . along = 1 + stretch, with cos(turn) - 1 = -2 sin(turn / 2)^2.
+    stretch = _dot(slope[..., :2], along) - 2 * np.sin(turn / 2) ** 2
+    shear = _dot(slope[..., :2], across) - np.sin(turn)
     damping, bend = section.damping, slope[..., 2] - section.free_curvature
-    stretching = _dot(slope_rate, along) + spin * sheared
-    shearing = _dot(slope_rate, across) - spin * stretched
+    stretching = _dot(slope_rate, along) + spin * shear
+    shearing = _dot(slope_rate, across) - spin * (1 + stretch)
     return [
         Strain(value[..., None], change[..., None], (stiffness * length)[:, None], time)
         for value, change, stiffness, time in (
-            (stretched - 1, stretching, section.axial_stiffness, damping.axial),
+            (stretch, stretching, section.axial_stiffness, damping.axial),
             (
-                sheared,
+                shear,
                 shearing,
                 element_shear_stiffness(section, length),
                 element_shear_damping_time(section, length),

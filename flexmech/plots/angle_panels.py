@@ -8,19 +8,29 @@ from dataclasses import dataclass
 from itertools import accumulate
 from math import lcm
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
 from flexmech.plots import scales
-from flexmech.plots.labels import engine_label, mode_label
 from flexmech.plots.layout import AxesLike, Layout, Sheet, sheet
-from flexmech.plots.reading import degrees
-from flexmech.plots.series import Look, few_points, line_handle, series_line, series_style
-from flexmech.plots.style import MID_GREY, is_narrow
+from flexmech.plots.reading import degrees, engine_label, mode_label, speed_unit
+from flexmech.plots.style import (
+    MID_GREY,
+    Look,
+    few_points,
+    is_narrow,
+    line_handle,
+    series_line,
+    series_style,
+)
 from flexmech.types import FloatArray
+from flexmech.units import from_si
 
 # Size in points of the marks of further engines.
 MARK_SIZE = 4.2
@@ -34,6 +44,16 @@ PANEL_HEIGHT = 1.4
 # More panels on top of each other than these are flatter, so that a page holds them.
 MOST_TALL, FLAT_PANEL = 5, 1.1
 WIDE = 4.0
+
+FEW_SPEEDS = 5
+"""More crank speeds than these are told by a colour map rather than by styles."""
+# Of viridis, which is perceptually uniform and grows lighter throughout; its yellow end cannot be
+# seen on white.
+LIGHTEST = 0.9
+COLOURS = LinearSegmentedColormap.from_list(
+    "speeds", mpl.colormaps["viridis"](np.linspace(0.0, LIGHTEST, 256))
+)
+SPEED_LINE: Look = {"linestyle": "-", "linewidth": 0.9}
 
 
 def angle_layout(sizes: Sequence[int], *, share_y: bool = False) -> Layout:
@@ -85,7 +105,7 @@ def _columns(sizes: Sequence[int]) -> list[range]:
     return [part for part in (whole[:cut], whole[cut:]) if part]
 
 
-def label_angles(drawn: Sheet, angles: FloatArray, y_label: str) -> None:
+def label_angles(drawn: Sheet, angles: FloatArray, y_label: str = "") -> None:
     """Scale and label the axes of panels over the crank angle.
 
     Parameters
@@ -94,13 +114,14 @@ def label_angles(drawn: Sheet, angles: FloatArray, y_label: str) -> None:
     angles : ndarray
         Crank angles in degrees, ascending.
     y_label : str
-        Label of all y axes, with its unit.
+        Label of all y axes, with its unit; left out where they differ.
     """
     width = drawn.figure.get_figwidth()
     for axes in drawn.panels:
         scales.crank_angle_axis(axes, angles, narrow=axes.get_position().width * width < WIDE)
     drawn.label_x("Crank angle (deg)")
-    drawn.label_y(y_label)
+    if y_label:
+        drawn.label_y(y_label)
 
 
 @contextmanager
@@ -296,3 +317,47 @@ def series_and_engines(dataset: xr.Dataset, names: Sequence[str]) -> list[Artist
         look = _mark("o", MID_GREY, engine) if engine else first
         handles.append(line_handle(engine_label(dataset, engine), **look))
     return handles
+
+
+def has_many_speeds(dataset: xr.Dataset) -> bool:
+    """Whether a dataset has too many crank speeds for each to have a style of its own."""
+    return bool(dataset.sizes["crank_speed"] > FEW_SPEEDS)
+
+
+def speed_lines(dataset: xr.Dataset) -> list[Look]:
+    """Properties of the line of each of many crank speeds, without marks.
+
+    Parameters
+    ----------
+    dataset : Dataset
+
+    Returns
+    -------
+    list of dict
+        For ``Axes.plot``; a single crank angle is a dot.
+    """
+    mark = {"marker": "." if dataset.sizes["crank_angle"] == 1 else ""}
+    mapped = _mappable(dataset)
+    return [
+        {**SPEED_LINE, **mark, "color": mapped.to_rgba(speed)}
+        for speed in dataset["crank_speed"].values.astype(float).tolist()
+    ]
+
+
+def colour_bar(drawn: Sheet, dataset: xr.Dataset) -> None:
+    """Put the scale of the crank speeds' colours beside the panels, where there are many speeds.
+
+    Parameters
+    ----------
+    drawn : Sheet
+    dataset : Dataset
+    """
+    if has_many_speeds(dataset):
+        factor, mapped = from_si(1.0, speed_unit(dataset)), _mappable(dataset)
+        mapped.set_clim(*(factor * end for end in mapped.get_clim()))
+        drawn.colour_bar(mapped, f"Crank speed ({speed_unit(dataset)})")
+
+
+def _mappable(dataset: xr.Dataset) -> ScalarMappable:
+    speeds = dataset["crank_speed"].values.astype(float)
+    return ScalarMappable(Normalize(float(speeds.min()), float(speeds.max())), COLOURS)

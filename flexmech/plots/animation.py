@@ -3,26 +3,275 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any, cast
 
 import numpy as np
 import xarray as xr
 from matplotlib.animation import FFMpegWriter
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 from PIL import Image
 
 from flexmech.errors import InputError
-from flexmech.plots.animation_scene import DOTS_AN_INCH, FRAMES_A_SECOND, EnlargedMotion, Scene
-from flexmech.plots.choose import chosen
-from flexmech.plots.style import publication_style
-from flexmech.types import StepProgress
+from flexmech.plots import style
+from flexmech.plots.layout import grid, height_of, round_enlargement, sheet
+from flexmech.plots.linkage import part_handles
+from flexmech.plots.linkage_parts import LinkageParts, extent_of, parts_of
+from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
+from flexmech.plots.linkage_symbols import add_symbols, move_symbols
+from flexmech.plots.reading import (
+    chosen,
+    engine_label,
+    mechanism_name,
+    names_of,
+    speed_text,
+    values_of,
+)
+from flexmech.plots.style import Look, line_handle, publication_style, series_style
+from flexmech.types import FloatArray, StepProgress, silent
+
+# As many pictures as make a film of six seconds, which nobody waits for too long.
+MOST_FRAMES, FRAMES_A_SECOND = 120, 20
+# Wide enough to read, small enough for a web page: about 640 pixels.
+DOTS_AN_INCH = 90
+# Of the line with time and crank angle in inches.
+TITLE_HEIGHT = 0.35
+# Marks of joints over those of a figure, on wide lines.
+JOINT_SIZE = 1.4
+# Largest displacement as drawn, as a fraction of the linkage's extent.
+ENLARGED_TO = 0.1
+# Ends that move less than this fraction of the extent stay in place.
+SAME_PLACE = 1e-6
+# A digit's width, so that the title does not tremble while the numbers grow.
+FIGURE_SPACE = "\N{FIGURE SPACE}"
 
 Pictures = Iterator[NDArray[np.uint8]]
 
 # Of a GIF's palette: a few hues with their blends into white.
 COLOURS = 128
+# Of 255: entries of the palette that are lighter throughout are paper.
 NEARLY_WHITE = 240
+
+
+@dataclass(frozen=True)
+class EnlargedMotion:
+    """What there is to draw, with the stored samples of the time shown.
+
+    Parameters
+    ----------
+    time, angle : ndarray, shape (n,)
+        In s and rad.
+    rigid, deflected : ndarray, shape (n, link, station, 2)
+        In m, the latter with enlarged displacements.
+    parts : LinkageParts
+        What belongs to the linkage besides its links.
+    path : ndarray, shape (n, 2)
+        Places of the point whose path is drawn, in m, its displacement as it is.
+    trace_name, run_name : str
+        What is traced and what is running, in words.
+    enlargement : float
+        Factor on the displacements.
+    """
+
+    time: FloatArray
+    angle: FloatArray
+    rigid: FloatArray
+    deflected: FloatArray
+    parts: LinkageParts
+    path: FloatArray
+    trace_name: str
+    run_name: str
+    enlargement: float
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset, enlargement: float | None) -> EnlargedMotion:
+        """Take the last turn of the first engine's run.
+
+        Parameters
+        ----------
+        dataset : xarray.Dataset
+            Of a response.
+        enlargement : float or None
+            Factor on the displacements; a round one is chosen where it is None.
+
+        Returns
+        -------
+        EnlargedMotion
+        """
+        if "frame_time" in dataset.dims:
+            # A stored run holds the places of some samples of this turn alone.
+            names = {"frame_time": "time", "frame_angle": "crank_angle"}
+            dataset = dataset.drop_dims("time").rename(names)
+        angle = values_of(dataset["crank_angle"], "time")
+        # Round-off must not lose the sample a full turn before the last one.
+        shown = np.abs(angle[-1] - angle) <= 2 * np.pi * (1 + 1e-9)
+        turn = dataset.isel(engine=0, time=shown)
+        order = ("time", "link", "station", "component")
+        rigid = values_of(turn["rigid_position"], *order)
+        elastic = values_of(turn["displacement"], *order)
+        if enlargement is None:
+            enlargement = round_enlargement(elastic, extent_of(rigid), ENLARGED_TO)
+        links = names_of(turn, "link")
+        path, traced = _true_path(turn, rigid + elastic, links)
+        run = f"{mechanism_name(dataset)} at {speed_text(dataset)}"
+        return cls(
+            time=turn["time"].values.astype(float),
+            angle=angle[shown],
+            rigid=rigid,
+            deflected=rigid + enlargement * elastic,
+            parts=parts_of(dataset, rigid, _at_rest(rigid)),
+            path=path,
+            trace_name=f"true path of the {traced}",
+            run_name=f"{run}, {engine_label(dataset)}",
+            enlargement=enlargement,
+        )
+
+    @property
+    def frames(self) -> NDArray[np.int64]:
+        """Samples drawn, equally spaced up to the last one; a full turn's first is its last."""
+        last = self.angle.size - 1
+        full_turn = abs(self.angle[-1] - self.angle[0]) > 2 * np.pi * (1 - 1e-6)
+        step = max(1, -(-last // (MOST_FRAMES if full_turn else MOST_FRAMES - 1)))
+        return np.arange(last, 0 if full_turn else -1, -step)[::-1].astype(np.int64)
+
+    @property
+    def title(self) -> str:
+        """What is running, and how much slower than real it is shown."""
+        seconds = float(np.ptp(self.time))
+        slower = self.frames.size / FRAMES_A_SECOND / seconds if seconds > 0 else 1.0
+        digits = f"{slower:.2g}" if slower < 100 else f"{float(f'{slower:.2g}'):.0f}"
+        pace = f", {digits} times slower than real" if slower > 1.05 else ""
+        return self.run_name + pace
+
+
+def _true_path(turn: xr.Dataset, places: FloatArray, links: list[str]) -> tuple[FloatArray, str]:
+    """Places of the coupler point, of the coupler's middle or of an arm's tip, and its name.
+
+    The coupler point is carried by the straight line between the coupler's pins.
+
+    Parameters
+    ----------
+    turn : Dataset
+    places : ndarray, shape (n, link, station, 2)
+        Of the deflected links in m.
+    links : list of str
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+    str
+    """
+    link = links.index("coupler") if "coupler" in links else len(links) - 1
+    if "coupler_point_distance" in turn.attrs:
+        start, end = places[:, link, 0], places[:, link, -1]
+        along = np.arctan2(*(end - start).T[::-1]) + turn.attrs["coupler_point_angle"]
+        away = np.stack([np.cos(along), np.sin(along)], axis=-1)
+        return start + turn.attrs["coupler_point_distance"] * away, "coupler point"
+    probe = str(turn["probe"].values[link])
+    station = places.shape[2] // 2 if probe == "middle" else -1
+    return places[:, link, station], f"{links[link]}'s {probe}"
+
+
+def _at_rest(rigid: FloatArray) -> NDArray[np.bool_]:
+    """Which ends of links stay in place; of a single sample nothing can be told."""
+    ends = rigid[:, :, [0, -1]]
+    rests = np.ptp(ends, axis=0).max(axis=-1) <= SAME_PLACE * extent_of(ends)
+    return np.asarray(rests & (len(ends) > 1))
+
+
+class Scene:
+    """The picture: a ground drawn once, and what moves drawn on it for each frame.
+
+    Parameters
+    ----------
+    motion : EnlargedMotion
+    """
+
+    def __init__(self, motion: EnlargedMotion) -> None:
+        self._motion = motion
+        blue, orange = series_style(0).color, series_style(1).color
+        enlarged = f"displacement enlarged {_times(motion.enlargement)}"
+        sketch = LinkageSketch(
+            motion.rigid[0], motion.parts, joint_size=JOINT_SIZE, travel=motion.rigid
+        )
+        self._rigid = _lines(sketch, RIGID | {"zorder": 1})
+        self._trace = Line2D([], [], label=motion.trace_name, color=orange, lw=1.0, zorder=2)
+        self._deflected = _lines(sketch, {"color": blue, "lw": 2.2, "zorder": 2.1})
+        self._point = Line2D([], [], color="black", marker="o", ms=3.5, ls="", zorder=5)
+        handles = [
+            line_handle("rigid linkage", **RIGID),
+            line_handle(enlarged, color=blue, lw=2.2),
+            self._trace,
+            *part_handles(sketch),
+        ]
+        self._open(sketch, handles)
+
+    def _open(self, sketch: LinkageSketch, handles: list[Artist]) -> None:
+        """Draw what does not move, with room for the whole motion, the legend and the title."""
+        motion = self._motion
+        shown = [motion.rigid, motion.deflected, motion.path]
+        for sample in motion.frames:
+            here = LinkageSketch(motion.deflected[sample], motion.parts).on_links()
+            shown += [symbol.places for symbol in here]
+        sketch = replace(sketch, around=np.concatenate([one.reshape(-1, 2) for one in shown]))
+        limits = sketch.limits(np.empty((0, 2)))
+        height = height_of(limits, style.figure_width(), 2.0, 5.2) + TITLE_HEIGHT
+        with sheet(grid(1, 1, height)) as drawn:
+            drawn.header(handles, motion.title)
+        figure, (self._axes,) = drawn.figure, drawn.panels
+        # Codecs of moving pictures want an even number of pixels.
+        figure.set_dpi(DOTS_AN_INCH)
+        pixels = 2 * np.round(figure.get_size_inches() * DOTS_AN_INCH / 2)
+        figure.set_size_inches(*(pixels / DOTS_AN_INCH))
+        sketch.frame(self._axes, limits)
+        sketch.draw_ground(self._axes)
+        self._on_links = add_symbols(self._axes, sketch.on_links())
+        self._clock = self._axes.set_title("time")
+        lines = [*self._rigid, self._trace, *self._deflected, self._point]
+        for line in lines:
+            self._axes.add_line(line)
+        moving = [*lines, *self._on_links]
+        self._moving = [*sorted(moving, key=lambda artist: artist.get_zorder()), self._clock]
+        for artist in self._moving:
+            # Left out of the drawing of the ground.
+            artist.set_animated(True)
+        # Any: matplotlib leaves the methods of this canvas without types.
+        self._canvas = cast(Any, FigureCanvasAgg(figure))
+        self._canvas.draw()
+        self._ground = self._canvas.copy_from_bbox(figure.bbox)
+
+    def picture(self, sample: int) -> NDArray[np.uint8]:
+        """Pixels with everything moved to a sample; shape (height, width, 3)."""
+        motion = self._motion
+        rigid, deflected = motion.rigid[sample], motion.deflected[sample]
+        for lines, links in ((self._rigid, rigid), (self._deflected, deflected)):
+            for line, link in zip(lines, links, strict=True):
+                line.set_data(*link.T)
+        self._trace.set_data(*motion.path[: sample + 1].T)
+        self._point.set_data(*motion.path[sample : sample + 1].T)
+        move_symbols(self._on_links, LinkageSketch(deflected, motion.parts).on_links())
+        turned = round(float(np.degrees(motion.angle[sample]))) % 360
+        angle = str(turned).rjust(3, FIGURE_SPACE)
+        self._clock.set_text(f"time {motion.time[sample]:.4f} s    crank angle {angle}°")
+        self._canvas.restore_region(self._ground)
+        for artist in self._moving:
+            self._axes.draw_artist(artist)
+        return np.array(self._canvas.buffer_rgba(), dtype=np.uint8)[..., :3].copy()
+
+
+def _lines(sketch: LinkageSketch, look: Look) -> list[Line2D]:
+    """One line a link."""
+    return [Line2D([], [], **one) for one in sketch.link_looks(look)]
+
+
+def _times(factor: float) -> str:
+    digits = f"{factor:,.0f}".replace(",", "\N{THIN SPACE}")
+    return f"{digits if factor >= 1000 else f'{factor:.4g}'} times"
 
 
 def write_animation(
@@ -68,7 +317,7 @@ def write_animation(
     one = dataset.isel(engine=[-1]) if engine is None else chosen(dataset, engine=engine)
     motion = EnlargedMotion.of(one, enlargement)
     with publication_style():
-        write(target, _pictures(motion, progress or (lambda done, frames: None)))
+        write(target, _pictures(motion, progress or silent))
 
 
 def mp4_available() -> bool:

@@ -8,21 +8,33 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator
 
 from flexmech.plots import scales, style
-from flexmech.plots.labels import engine_label, link_label, speed_unit
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
-from flexmech.plots.reading import names_of, values_of
-from flexmech.plots.series import Look, line_handle, series_line, series_style
+from flexmech.plots.reading import (
+    engine_label,
+    link_label,
+    names_of,
+    speed_unit,
+    speeds_of,
+    values_of,
+)
+from flexmech.plots.style import (
+    Look,
+    line_handle,
+    line_handles,
+    series_handles,
+    series_line,
+    series_style,
+)
 from flexmech.runs import unbroken_runs
+from flexmech.types import FloatArray
 from flexmech.units import from_si
 
 BANDS_HEIGHT, PEAKS_HEIGHT = 3.9, 1.7
 NARROW_BANDS_HEIGHT = 3.0
 # The two axes of speed, in inches.
 AXES_HEIGHT = 0.9
-RPM = 30 / np.pi
 TIMES = "\N{MULTIPLICATION SIGN}"
 ROOM = 1.06
 """Of the frequency axis over the highest band."""
@@ -39,7 +51,6 @@ LABEL_POINTS = 7.0
 APART_UP, APART_ALONG = 0.033, 0.028
 # Ends of a critical speed nearer to each other than this, relatively, are drawn as a point.
 NO_WIDTH = 1e-4
-FEW_DECADES = 2.3
 BOTH = "choose nothing, or give two Axes: one for the bands and one for the peaks"
 
 
@@ -64,27 +75,48 @@ def plot_campbell(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    unit = speed_unit(dataset)
-    factor = from_si(1.0, unit)
-    peaks = "peak_ratio" in dataset
+    factor, peaks = from_si(1.0, speed_unit(dataset)), "peak_ratio" in dataset
     with sheet(_layout(peaks), ax=ax, fewer=BOTH) as drawn:
         drawn.header(_handles(dataset, peaks), "Campbell diagram", of=dataset)
         bands = drawn.panels[0]
-        _limit(bands, dataset, factor)
-        _draw_bands(bands, dataset, factor)
+        bands.set_xlim(*scales.speed_limits(dataset))
+        bands.set_ylim(0.0, ROOM * float(np.nanmax(dataset["highest_frequency"].values)))
+        scales.plain_numbers(bands)
+        _draw_bands(bands, dataset)
         _draw_rays(bands, dataset, factor)
         _draw_critical(bands, dataset, factor)
         bands.set_ylabel("Natural frequency (Hz)")
         for axes in drawn.panels:
-            _draw_gaps(axes, dataset, factor, labelled=axes is bands)
+            _draw_gaps(axes, dataset, labelled=axes is bands)
         if peaks:
-            _draw_peaks(drawn.panels[1], dataset, factor)
-        drawn.label_x(f"Crank speed ({unit})")
-        other, ratio = ("rad/s", 1.0 / factor) if unit == "rpm" else ("rpm", RPM / factor)
-        there_and_back = (lambda speed: ratio * speed, lambda speed: speed / ratio)
-        upper = bands.secondary_xaxis("top", functions=there_and_back)
-        upper.set_xlabel(f"Crank speed ({other})")
+            _draw_peaks(drawn.panels[1], dataset)
+        drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
+        scales.second_speed_axis(bands, dataset)
     return drawn.figure
+
+
+def critical_stretches(dataset: xr.Dataset) -> list[tuple[int, FloatArray, FloatArray]]:
+    """Where orders of the crank are inside the bands of the first engine.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``CampbellDiagram`` result.
+
+    Returns
+    -------
+    list of (int, ndarray, ndarray), shape (2,)
+        Order, crank speeds in rad/s at both ends, and the order's frequencies there in Hz.
+    """
+    first = str(dataset["engine"].values[0])
+    met = (dataset["critical_engine"].values == first) & (dataset["critical_gap"].values == 0)
+    found = []
+    for place in np.flatnonzero(met).tolist():
+        own = dataset.isel(critical=place)
+        ends = np.array([float(own["critical_start"]), float(own["critical_end"])])
+        order = int(own["critical_order"])
+        found.append((order, ends, order * np.abs(ends) / (2 * np.pi)))
+    return found
 
 
 def _layout(peaks: bool) -> Layout:
@@ -94,18 +126,8 @@ def _layout(peaks: bool) -> Layout:
     return grid(len(heights), 1, height, sharex=True, height_ratios=heights)
 
 
-def _limit(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
-    """Axes that hold the speeds asked for and all bands."""
-    speeds = factor * dataset["crank_speed"].values
-    low, high = float(speeds.min()), float(speeds.max())
-    axes.set_xlim((low - 1.0, high + 1.0) if low == high else (low, high))
-    highest = float(np.nanmax(dataset["highest_frequency"].values))
-    axes.set_ylim(0.0, ROOM * highest)
-    scales.plain_numbers(axes)
-
-
-def _draw_bands(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
-    speed = factor * dataset["crank_speed"].values
+def _draw_bands(axes: Axes, dataset: xr.Dataset) -> None:
+    speed = speeds_of(dataset)
     lowest, mean, highest = (
         values_of(dataset[f"{name}_frequency"], "engine", "branch", "crank_speed")
         for name in ("lowest", "mean", "highest")
@@ -141,72 +163,54 @@ def _draw_rays(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
         if left < leaves <= along - APART_ALONG * (right - left):
             along = leaves
             # Inside the axes, to the left of the ray: above stands the other axis of speed.
-            axes.annotate(
-                f"{order}{TIMES}", (along, top), xytext=(-2, -3), ha="right", va="top", **look
-            )
+            place: Look = {"xytext": (-2, -3), "ha": "right", "va": "top"}
+            axes.annotate(f"{order}{TIMES}", (along, top), **place, **look)
 
 
 def _draw_critical(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
     """The parts of rays inside bands, by the first engine."""
-    first = str(dataset["engine"].values[0])
-    met = (dataset["critical_engine"].values == first) & (dataset["critical_gap"].values == 0)
-    for place in np.flatnonzero(met).tolist():
-        own = dataset.isel(critical=place)
-        ends = np.array([float(own["critical_start"]), float(own["critical_end"])])
-        ray = float(own["critical_order"]) * np.abs(ends) / (2 * np.pi)
+    for _, ends, ray in critical_stretches(dataset):
         wide = ends[1] - ends[0] > NO_WIDTH * np.abs(ends).max()
         axes.plot(factor * ends, ray, **(CRITICAL if wide else POINT))
 
 
-def _draw_gaps(axes: Axes, dataset: xr.Dataset, factor: float, *, labelled: bool) -> None:
+def _draw_gaps(axes: Axes, dataset: xr.Dataset, *, labelled: bool) -> None:
     """Speeds without a result by the first engine, as far as the next ones with one."""
     exists = np.isfinite(values_of(dataset["lowest_frequency"], "engine", "crank_speed", "branch"))
-    exists, speed = exists[0, :, 0], factor * dataset["crank_speed"].values
+    exists, speed = exists[0, :, 0], speeds_of(dataset)
     for run in unbroken_runs(~exists):
         left, right = speed[max(run.start - 1, 0)], speed[min(run.stop, len(speed) - 1)]
         axes.axvspan(left, right, **GAP, zorder=0)
         if labelled:
-            middle = (left + right) / 2
-            box = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
             text = "no result" if right - left > 0.2 * np.ptp(axes.get_xlim()) else "gap"
-            where = (middle, 0.5)
-            across = axes.get_xaxis_transform()
-            center: Look = {"ha": "center", "va": "center", "bbox": box, "zorder": 5}
-            axes.text(*where, text, transform=across, fontsize=LABEL_POINTS, **center)
+            look: Look = {"ha": "center", "va": "center", "fontsize": LABEL_POINTS, "zorder": 5}
+            look["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 1.5}
+            middle, across = (left + right) / 2, axes.get_xaxis_transform()
+            axes.text(middle, 0.5, text, transform=across, **look)
 
 
-def _draw_peaks(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
+def _draw_peaks(axes: Axes, dataset: xr.Dataset) -> None:
     """Peaks of the periodic motion over the quasi-static ones, on a logarithmic axis."""
-    speed, links = factor * dataset["response_speed"].values, names_of(dataset, "link")
+    speed = speeds_of(dataset, "response_speed")
     ratio = values_of(dataset["peak_ratio"], "link", "response_speed")
-    for number in range(len(links)):
-        axes.plot(speed, ratio[number], **_link_look(number))
+    for number, values in enumerate(ratio):
+        axes.plot(speed, values, **_link_look(number))
     axes.set_ylabel("Peak deflection over\nquasi-static peak")
     if ratio.size:
         low, high = min(0.9, 0.9 * float(ratio.min())), max(2.0, 1.25 * float(ratio.max()))
-        scales.log_scale(axes, low, high)
-        few = np.log10(high / low) <= FEW_DECADES
-        subs = (1.0, 2.0, 5.0) if few else (1.0,)
-        axes.yaxis.set_major_locator(LogLocator(subs=subs, numticks=9))
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        scales.log_scale(axes, low, high, plain=True)
     axes.axhline(1.0, **RAY)
 
 
 def _handles(dataset: xr.Dataset, peaks: bool) -> list[Artist]:
-    speeds, branches = dataset["crank_speed"].values, dataset["branch"].values.tolist()
-    handles = [
-        line_handle(f"branch {branch}", **series_line(number, speeds))
-        for number, branch in enumerate(branches)
-    ]
+    branches = dataset["branch"].values.tolist()
+    handles = series_handles((f"branch {n}" for n in branches), dataset["crank_speed"].values)
     handles.append(Patch(color=style.MID_GREY, **BAND, label="lowest to highest"))
-    handles.append(line_handle("order", **RAY))
-    handles.append(line_handle("critical speed", **CRITICAL))
+    handles += line_handles({"order": RAY, "critical speed": CRITICAL})
     for other in range(1, dataset.sizes["engine"]):
         handles.append(line_handle(engine_label(dataset, other), **OTHER_ENGINE))
-    if peaks:
-        for number, link in enumerate(names_of(dataset, "link")):
-            name = link_label(dataset, link).lower()
-            handles.append(line_handle(name, **_link_look(number)))
+    for number, link in enumerate(names_of(dataset, "link") if peaks else ()):
+        handles.append(line_handle(link_label(dataset, link).lower(), **_link_look(number)))
     return handles
 
 

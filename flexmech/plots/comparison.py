@@ -4,27 +4,29 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots import scales, style, time_axis
-from flexmech.plots.labels import mode_label, speed_text
+from flexmech.plots import scales
 from flexmech.plots.layout import AxesLike, Sheet, grid, sheet
-from flexmech.plots.reading import LENGTH_UNITS, Units, degrees, fitting_unit
-from flexmech.plots.series import SERIES_STYLES, Look, line_handle, series_style
-from flexmech.types import FloatArray
-from flexmech.units import TIME
+from flexmech.plots.reading import (
+    LENGTH_UNITS,
+    Units,
+    complex_values,
+    degrees,
+    fitting_unit,
+    mode_label,
+    speed_text,
+)
+from flexmech.plots.style import SERIES_STYLES, Look, line_handle, line_handles, series_style
 
 # The computed curve lies on the measured one, which is seen on both sides of it.
 MEASURED: Look = {"color": "0.68", "lw": 2.4}
 COMPUTED: Look = {"color": SERIES_STYLES[0].color, "lw": 0.8}
 RESIDUAL: Look = {"color": SERIES_STYLES[1].color, "lw": 0.8}
 POINTS: Look = {"ls": "", "marker": "o", "ms": 3.2, "mfc": "none", "mew": 0.9}
-ZERO: Look = {"color": style.LIGHT_GREY, "lw": 0.6, "zorder": 0}
-PANELS = 3
-PANEL_HEIGHT = 1.35
-AXES_HEIGHT = 1.5
+CURVES = {"measured": MEASURED, "computed": COMPUTED, "residual": RESIDUAL}
+# Of a panel and of the axes in inches.
+PANEL_HEIGHT, AXES_HEIGHT = 1.35, 1.5
 # Units in which values are read, by the SI unit.
 READ: dict[str, Units] = {
     "": ((1e6, "µm/m"),),
@@ -34,7 +36,7 @@ READ: dict[str, Units] = {
     "m/(N s)": ((1.0, "m/(N s)"), (1e3, "mm/(N s)"), (1e6, "µm/(N s)")),
     "m/(N s^2)": ((1.0, "m/(N s²)"),),
 }
-PARAMETER_UNITS: dict[str, Units] = {TIME.unit: ((1e6, "µs"), (1e9, "ns"))}
+PARAMETER_UNITS: dict[str, Units] = {"s": ((1e6, "µs"), (1e9, "ns"))}
 # Marks at the first and last crank angle hang over the edge by less than this part of the width.
 MARK_ROOM = 0.02
 # Depth of a spectrum below its peak that is drawn.
@@ -61,7 +63,7 @@ def plot_comparison(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     Figure
     """
     over_angle = "sample" in dataset.dims
-    rows = PANELS - over_angle
+    rows = 2 if over_angle else 3
     layout = grid(rows, 1, rows * PANEL_HEIGHT + AXES_HEIGHT)
     with sheet(layout, ax=ax) as drawn:
         if "time" in dataset.dims:
@@ -73,22 +75,13 @@ def plot_comparison(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     return drawn.figure
 
 
-def _handles() -> list[Artist]:
-    return [
-        line_handle("measured", **MEASURED),
-        line_handle("computed", **COMPUTED),
-        line_handle("residual", **RESIDUAL),
-    ]
-
-
 def _title(dataset: xr.Dataset) -> str:
     """What is compared where, and the fitted parameters."""
     attrs = dataset.attrs
-    where = (
-        f"at {speed_text(dataset)}"
-        if "crank_speed" in attrs
-        else f"crank locked at {np.degrees(attrs['crank_angle_locked']):.4g} deg"
-    )
+    if "crank_speed" in attrs:
+        where = f"at {speed_text(dataset)}"
+    else:
+        where = f"crank locked at {np.degrees(attrs['crank_angle_locked']):.4g} deg"
     fitted = [_fitted(dataset.isel(parameter=n)) for n in range(dataset.sizes["parameter"])]
     compared = f"{attrs['record']} and {attrs['quantity']}, {where}"
     lines = [compared, *([", ".join(fitted)] if fitted else [])]
@@ -112,73 +105,55 @@ def _what(dataset: xr.Dataset) -> str:
 
 
 def _draw_time(drawn: Sheet, dataset: xr.Dataset) -> None:
-    unit_of = READ[str(dataset.attrs["unit"])]
     curves, residual, spectra = drawn.panels
     time = dataset["time"].values
-    drawn.header(_handles(), _title(dataset), of=dataset)
-    factor, unit = fitting_unit(dataset["measured"].values, unit_of)
+    drawn.header(line_handles(CURVES), _title(dataset), of=dataset)
+    units = READ[str(dataset.attrs["unit"])]
+    factor, unit = fitting_unit(dataset["measured"].values, units)
+    of_residual, unit_of_residual = fitting_unit(dataset["residual"].values, units)
     for axes in (curves, residual):
         axes.set_xlim(float(time[0]), float(time[-1]))
-        axes.axhline(0.0, **ZERO)
+        scales.zero_line(axes)
     curves.plot(time, factor * dataset["measured"].values, **MEASURED)
     curves.plot(time, factor * dataset["computed"].values, **COMPUTED)
-    time_axis.angle_axis(curves, dataset)
+    scales.angle_axis(curves, dataset)
     curves.set_ylabel(f"{_what(dataset)} ({unit})")
-    _draw_residual(residual, time, dataset["residual"].values, unit_of)
+    residual.plot(time, of_residual * dataset["residual"].values, **RESIDUAL)
+    residual.set(xlabel="Time (s)", ylabel=f"Residual ({unit_of_residual})")
     for axes in (curves, residual):
         scales.plain_numbers(axes)
-    residual.set_xlabel("Time (s)")
     amplitude = factor * dataset["spectrum"].transpose("curve", "spectrum_frequency").values
     frequency = dataset["spectrum_frequency"].values
-    for values, look in zip(amplitude, (MEASURED, COMPUTED, RESIDUAL), strict=True):
+    for values, look in zip(amplitude, CURVES.values(), strict=True):
         spectra.plot(frequency[1:], values[1:], **look)
     highest = float(amplitude.max())
     scales.log_scale(spectra, highest * 10.0**-DECADES, 2 * highest)
     spectra.set_xlim(0.0, float(frequency[-1]))
-    spectra.set_xlabel("Frequency (Hz)")
-    spectra.set_ylabel(f"Amplitude ({unit})")
-
-
-def _draw_residual(
-    axes: Axes, position: FloatArray, residual: FloatArray, units: Units, **look: object
-) -> None:
-    factor, unit = fitting_unit(residual, units)
-    axes.plot(position, factor * residual, **{**RESIDUAL, **look})
-    axes.set_ylabel(f"Residual ({unit})")
+    spectra.set(xlabel="Frequency (Hz)", ylabel=f"Amplitude ({unit})")
 
 
 def _draw_function(drawn: Sheet, dataset: xr.Dataset) -> None:
-    units = READ[str(dataset.attrs["unit"])]
     amplitude, phase, residual = drawn.panels
     frequency = dataset["frequency"].values
-    drawn.header(_handles(), _title(dataset), of=dataset)
-    curves = {
-        name: dataset[f"{name}_real"].values + 1j * dataset[f"{name}_imag"].values
-        for name in ("measured", "computed", "residual")
-    }
-    factor, unit = fitting_unit(np.abs(curves["measured"]), units)
-    for name, look in (("measured", MEASURED), ("computed", COMPUTED)):
-        amplitude.plot(frequency, factor * np.abs(curves[name]), **look)
-        phase.plot(frequency, np.degrees(np.angle(curves[name])), **look)
-    residual.plot(frequency, factor * np.abs(curves["residual"]), **RESIDUAL)
+    drawn.header(line_handles(CURVES), _title(dataset), of=dataset)
+    curves = {name: complex_values(dataset, name) for name in CURVES}
+    sizes = {name: np.abs(values) for name, values in curves.items()}
+    factor, unit = fitting_unit(sizes["measured"], READ[str(dataset.attrs["unit"])])
+    for name in ("measured", "computed"):
+        amplitude.plot(frequency, factor * sizes[name], **CURVES[name])
+        phase.plot(frequency, np.degrees(np.angle(curves[name])), **CURVES[name])
+    residual.plot(frequency, factor * sizes["residual"], **RESIDUAL)
     kind = str(dataset.attrs["kind"]).capitalize()
     for axes, label in ((amplitude, kind), (residual, "Residual")):
-        low, high = _decades(np.concatenate([line.get_ydata() for line in axes.lines]))
-        scales.log_scale(axes, low, high)
+        drawn_values = np.concatenate([line.get_ydata() for line in axes.lines])
+        low, high = scales.log_limits(drawn_values, DECADES)
+        scales.log_scale(axes, low / 1.5, high)
         axes.set_ylabel(f"{label} ({unit})")
-    phase.set_ylim(-190.0, 190.0)
-    phase.set_yticks([-180, -90, 0, 90, 180])
+    scales.phase_axis(phase)
     phase.set_ylabel("Phase (deg)")
     for axes in drawn.panels:
         axes.set_xlim(float(frequency[0]), float(frequency[-1]))
     drawn.label_x("Frequency (Hz)")
-
-
-def _decades(values: FloatArray) -> tuple[float, float]:
-    """Limits of a logarithmic axis for some values, at most so many decades below the greatest."""
-    highest = float(values.max()) or 1.0
-    lowest = max(float(values.min()), highest * 10.0**-DECADES)
-    return lowest / 1.5, 2 * highest
 
 
 def _draw_frequencies(drawn: Sheet, dataset: xr.Dataset) -> None:
@@ -194,7 +169,7 @@ def _draw_frequencies(drawn: Sheet, dataset: xr.Dataset) -> None:
         lower.plot(angle, own["residual"].values, color=look.color, **POINTS)
         handles.append(line_handle(mode_label([int(mode)]).lower(), color=look.color, lw=2.0))
     drawn.header(handles, _title(dataset), of=dataset)
-    lower.axhline(0.0, **ZERO)
+    scales.zero_line(lower)
     for axes, label in ((upper, "Natural frequency (Hz)"), (lower, "Residual (Hz)")):
         scales.crank_angle_axis(axes, np.unique(degrees(dataset["crank_angle"])))
         axes.margins(x=MARK_ROOM)

@@ -10,7 +10,7 @@ from matplotlib.patches import Patch
 from flexmech.plots import scales
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import names_of, values_of
-from flexmech.plots.series import Look, line_handle, series_handle, series_line, series_style
+from flexmech.plots.style import Look, line_handle, series_handle, series_line, series_style
 from flexmech.types import FloatArray
 
 PANEL = 1.9

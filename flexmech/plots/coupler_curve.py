@@ -14,7 +14,7 @@ from flexmech.plots.linkage_parts import drawn_posture
 from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
 from flexmech.plots.linkage_symbols import add_symbols
 from flexmech.plots.reading import degrees, names_of, values_of
-from flexmech.plots.series import line_handle, series_handles, series_line, series_style, told_apart
+from flexmech.plots.style import line_handle, series_handles, series_line, series_style, told_apart
 from flexmech.types import FloatArray
 
 HEIGHT, HEIGHT_OF_THREE = 3.6, 2.45

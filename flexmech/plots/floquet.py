@@ -9,38 +9,31 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator
+from matplotlib.ticker import LogLocator
 
 from flexmech.errors import InputError
 from flexmech.plots import scales, style
-from flexmech.plots.labels import speed_unit, spread
-from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.reading import cell_edges, values_of
-from flexmech.plots.series import Look, line_handle, series_style
-from flexmech.plots.unstable_bands import (
-    draw_gaps,
-    limit_speeds,
-    shade_bands,
-    speed_axes,
-    unstable_handles,
-)
+from flexmech.plots.layout import AxesLike, grid, sheet, tiles
+from flexmech.plots.reading import cell_edges, speed_unit, speeds_of, spread, values_of
+from flexmech.plots.stability import NOTHING, shade_speeds, unstable_handles
+from flexmech.plots.style import Look, line_handle, series_style
 from flexmech.types import FloatArray
-from flexmech.units import from_si
 
-HEIGHT, NARROW_HEIGHT, AXES_HEIGHT = 3.9, 3.2, 0.9
+# Of a figure on a wide and on a narrow page and of its axes, and of a panel, in inches.
+HEIGHT, NARROW_HEIGHT, AXES_HEIGHT, PANEL_HEIGHT = 3.9, 3.2, 0.9, 1.45
 FILL: Look = {"alpha": 0.22, "lw": 0}
-POINT_SIZE = 2.2
-LABEL_POINTS = 7.0
+# Of marks and letters in points: marks show where many branches lie close to each other.
+POINT_SIZE, LABEL_POINTS = 2.2, 7.0
 # Of the axes' height: distance of two numbers at the edge, so that they do not touch.
 NUMBER_HEIGHT = 0.035
+# Of the frequency axis over the highest frequency.
 ROOM = 1.06
 # Of the lowest mean frequency, at which the axis begins: the linkage may be near to buckling.
 LOWEST_PART = 0.4
 # Harmonics of the lowest branches are drawn.
 MOST_BRANCHES = 4
-PANEL_HEIGHT = 1.45
+# Lesser parts of a mode are white: they are of the order of the harmonics left out.
 LEAST_SHARE = 1e-4
-NOTHING = "this map has no Floquet multipliers: there is no equilibrium at any speed"
 
 
 def plot_floquet_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -70,26 +63,20 @@ def plot_floquet_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None)
     frequency = values_of(dataset["frequency"].isel(engine=0), "crank_speed", "multiplier")[:, ::2]
     if not np.isfinite(frequency).any():
         raise InputError(NOTHING)
-    factor = from_si(1.0, speed_unit(dataset))
     height = NARROW_HEIGHT if style.is_narrow() else HEIGHT
     with sheet(grid(1, 1, height + AXES_HEIGHT), ax=ax) as drawn:
         drawn.header(_frequency_handles(dataset), "Floquet frequencies", of=dataset)
         (axes,) = drawn.panels
-        limit_speeds(axes, dataset)
-        shade_bands(axes, dataset)
-        draw_gaps(axes, dataset)
-        _draw_moving(axes, dataset, factor)
-        speed = factor * dataset["crank_speed"].values
-        for branch in range(frequency.shape[1]):
-            axes.plot(speed, frequency[:, branch], **_points(branch), zorder=3)
-        low, high = _limits(dataset, frequency)
-        scales.log_scale(axes, low, high)
-        _number_branches(axes, dataset)
+        shade_speeds(axes, dataset)
+        _draw_moving(axes, dataset)
+        for branch, along in enumerate(frequency.T):
+            axes.plot(speeds_of(dataset), along, **_points(branch), zorder=3)
+        scales.log_scale(axes, *_limits(dataset, frequency), plain=True)
         axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
-        axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        _number_branches(axes, dataset)
         axes.set_ylabel("Frequency (Hz)")
         drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
-        speed_axes(drawn.panels, dataset)
+        scales.second_speed_axis(axes, dataset)
     return drawn.figure
 
 
@@ -120,14 +107,10 @@ def plot_floquet_harmonics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
     if not np.isfinite(share).any():
         raise InputError(NOTHING)
     first = values_of(share, "multiplier", "harmonic", "crank_speed")[::2][:MOST_BRANCHES]
-    ordered = dataset.sortby("crank_speed")
-    speed = from_si(1.0, speed_unit(dataset)) * ordered["crank_speed"].values
+    speed = speeds_of(dataset.sortby("crank_speed"))
     first = first[..., np.argsort(dataset["crank_speed"].values)]
     number, order = len(first), dataset["harmonic"].values.astype(float)
-    columns = 2 if number > 1 else 1
-    rows = -(-number // columns)
-    shared = {"sharex": True, "sharey": True}
-    layout = grid(rows, columns, rows * PANEL_HEIGHT + 0.6, count=number, **shared)
+    layout = tiles(number, 2, PANEL_HEIGHT, extra=0.6, sharex=True, sharey=True)
     with sheet(layout, ax=ax) as drawn:
         key = Patch(color=style.MID_GREY, label="the darker, the greater a part of the mode")
         drawn.header([key], "Harmonics of the Floquet modes", of=dataset)
@@ -145,9 +128,7 @@ def plot_floquet_harmonics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
             axes.set_title(f"Branch {branch + 1}", loc="left")
         drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
         drawn.label_y("Harmonic of the crank")
-        bar = drawn.figure.colorbar(cells, ax=drawn.panels, pad=0.02, aspect=30)
-        bar.set_label("Part of the mean square")
-        bar.outline.set_linewidth(0.6)
+        drawn.colour_bar(cells, "Part of the mean square")
     return drawn.figure
 
 
@@ -159,8 +140,8 @@ def _limits(dataset: xr.Dataset, frequency: FloatArray) -> tuple[float, float]:
     return LOWEST_PART * float(mean.min()), ROOM * float(highest.max())
 
 
-def _draw_moving(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
-    speed = factor * dataset["moving_speed"].values
+def _draw_moving(axes: Axes, dataset: xr.Dataset) -> None:
+    speed = speeds_of(dataset, "moving_speed")
     lowest, mean, highest = (
         values_of(dataset[f"{name}_frequency"], "branch", "moving_speed")
         for name in ("lowest", "mean", "highest")

@@ -1,4 +1,4 @@
-"""Natural frequencies against crank angle, by crank speed."""
+"""Natural frequencies against crank angle, by crank speed, and damping ratios, by mode."""
 
 from __future__ import annotations
 
@@ -9,13 +9,21 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from flexmech.errors import InputError
 from flexmech.plots import angle_panels, scales, style
-from flexmech.plots.angle_panels import Between
-from flexmech.plots.labels import engine_label, mode_label, speed_texts, spread
+from flexmech.plots.angle_panels import Between, colour_bar, has_many_speeds, speed_lines
 from flexmech.plots.layout import AxesLike, sheet
-from flexmech.plots.reading import MAP, cell_edges, degrees, values_of
-from flexmech.plots.series import Look, line_handle
-from flexmech.plots.speed_colours import colour_bar, has_many_speeds, speed_lines
+from flexmech.plots.reading import (
+    MAP,
+    cell_edges,
+    degrees,
+    engine_label,
+    mode_label,
+    speed_texts,
+    spread,
+    values_of,
+)
+from flexmech.plots.style import Look, line_handle
 from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray
 
@@ -26,6 +34,11 @@ NEAR_BANDS = 1.1
 # Veering can last for a large part of the turn: a strip of this part of a mode's height.
 VEERING_STRIP = 0.035
 STRIP: Look = {"color": "0.72", "lw": 0}
+
+# More panels than these are too many to compare.
+MOST_SPEEDS = 6
+# Narrowest axis of damping as a part of the mean ratio: below it one would look at round-off.
+LEAST_BAND = 0.02
 
 
 def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -55,8 +68,8 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     veering = dataset["veering"].transpose(*MAP).values.astype(bool)[0]
     layout = angle_panels.angle_layout([len(group) for group in groups])
     with sheet(layout, ax=ax, fewer=angle_panels.ONE_MODE) as drawn:
-        many = has_many_speeds(dataset)
-        if many:
+        looks = speed_lines(dataset) if has_many_speeds(dataset) else []
+        if looks:
             handles = [line_handle(engine_label(dataset), color=style.MID_GREY)]
         else:
             handles = angle_panels.series_and_engines(dataset, speed_texts(dataset))
@@ -69,14 +82,10 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
             axes.set_title(mode_label(dataset["mode"].values[group].tolist()))
             scales.scale_y(axes, frequency[..., group], least_part=scales.FREQUENCY_BAND)
             _mark_veering(axes, angles, veering[..., group])
-            parts = axes, angles, frequency[..., group], branch[0][..., group]
             of_group = [_of_modes(each, group) for each in between]
-            if many:
-                _draw_many(*parts, of_group, speed_lines(dataset))
-            else:
-                _draw_speeds(*parts, of_group)
-        if many:
-            colour_bar(drawn, dataset)
+            parts = frequency[..., group], branch[0][..., group], of_group
+            _draw_speeds(axes, angles, *parts, looks)
+        colour_bar(drawn, dataset)
     return drawn.figure
 
 
@@ -157,34 +166,24 @@ def _draw_speeds(
     frequency: FloatArray,
     branch: FloatArray,
     between: list[Between],
+    looks: list[Look],
 ) -> None:
-    """All speeds in one panel: frequency (engine, speed, angle, mode), branch without engine."""
+    """All speeds in one panel: frequency (engine, speed, angle, mode), branch without engine.
+
+    Of many speeds each has its look, and the first engine is drawn alone.
+    """
     _, n_speeds, _, n_modes = frequency.shape
     # One mode alone is one line: sorted frequencies do not jump.
     along = branch if n_modes > 1 else np.zeros_like(branch)
-    for number in range(n_speeds):
-        values = frequency[:, number]
-        series = along[number], number, n_speeds, between[number]
-        lines = angle_panels.draw_series(axes, angles, values, *series)
+    for number, points in enumerate(between):
+        if looks:
+            lines = angle_panels.branch_lines(frequency[0, number], along[number])
+            for of_branch, line in lines.items():
+                axes.plot(*points.among(angles, line, of_branch), **looks[number])
+        else:
+            series = along[number], number, n_speeds, points
+            lines = angle_panels.draw_series(axes, angles, frequency[:, number], *series)
         if number == 0 and n_modes > 1:
-            _number_branches(axes, lines)
-
-
-def _draw_many(
-    axes: Axes,
-    angles: FloatArray,
-    frequency: FloatArray,
-    branch: FloatArray,
-    between: list[Between],
-    looks: list[Look],
-) -> None:
-    """As with few speeds, each in its look, and of the first engine alone."""
-    for number, look in enumerate(looks):
-        along = branch[number] if branch.shape[-1] > 1 else np.zeros_like(branch[number])
-        lines = angle_panels.branch_lines(frequency[0, number], along)
-        for of_branch, line in lines.items():
-            axes.plot(*between[number].among(angles, line, of_branch), **look)
-        if number == 0 and branch.shape[-1] > 1:
             _number_branches(axes, lines)
 
 
@@ -198,3 +197,84 @@ def _number_branches(axes: Axes, lines: dict[int, FloatArray]) -> None:
     look |= {"va": "center", "fontsize": 7, "color": style.MID_GREY}
     for height, (_, number) in zip(heights, there, strict=True):
         axes.annotate(f"branch {number}", (1.0, height), xytext=(6, 0), **look)
+
+
+def plot_modal_damping(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the damping ratio by modal strain energy, one panel a speed, one line a mode.
+
+    Modes are in order of frequency at each angle. Where two of them change places a line
+    breaks off and goes on elsewhere: it does not join the damping of different vibrations.
+    The first engine is drawn as lines, the others as markers. Of more than six speeds, six
+    are drawn, evenly spread.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``MovingFrequencies`` result of a mechanism with specific damping.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a speed. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If the dataset has no ``strain_energy_damping``.
+    """
+    if "strain_energy_damping" not in dataset:
+        raise InputError(
+            "this result has no damping by modal strain energy: give the mechanism sections "
+            "with specific damping, then compute moving_frequencies"
+        )
+    return _draw_damping(dataset, "strain_energy_damping", "Damping by modal strain energy", ax)
+
+
+def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the damping ratio -Re(lambda)/abs(lambda) of Kelvin-Voigt damping, one panel a speed.
+
+    As :func:`plot_modal_damping`. With rotation terms frozen eigenvalues have damping ratios of
+    either sign that are no damping; an undamped mechanism has these alone.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``MovingFrequencies`` result.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a speed. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    return _draw_damping(dataset, "damping_ratio", "Kelvin-Voigt damping of frozen positions", ax)
+
+
+def _draw_damping(dataset: xr.Dataset, name: str, title: str, ax: AxesLike | None) -> Figure:
+    dataset = _few_speeds(dataset.sortby("crank_angle"))
+    percent = 100.0 * values_of(dataset[name], *MAP)
+    branch = values_of(dataset["branch_of_mode"], *MAP)[0]
+    _, n_speeds, _, n_modes = percent.shape
+    angles = degrees(dataset["crank_angle"])
+    layout = angle_panels.angle_layout([1] * n_speeds, share_y=True)
+    with sheet(layout, ax=ax, fewer="choose one speed (speeds=...)") as drawn:
+        modes = [f"mode {mode}" for mode in dataset["mode"].values]
+        handles = angle_panels.series_and_engines(dataset, modes)
+        drawn.header(handles, title, of=dataset)
+        angle_panels.label_angles(drawn, angles, "Damping ratio (%)")
+        for speed, (axes, text) in enumerate(zip(drawn.panels, speed_texts(dataset), strict=True)):
+            axes.set_title(text)
+            scales.scale_y(axes, percent, least_part=LEAST_BAND)
+            for mode in range(n_modes):
+                one = slice(mode, mode + 1)
+                values, along = percent[:, speed, :, one], branch[speed, :, one]
+                angle_panels.draw_series(axes, angles, values, along, mode, n_modes)
+    return drawn.figure
+
+
+def _few_speeds(dataset: xr.Dataset) -> xr.Dataset:
+    """At most so many speeds, the first and the last among them."""
+    count = dataset.sizes["crank_speed"]
+    places = np.round(np.linspace(0, count - 1, min(count, MOST_SPEEDS))).astype(int)
+    return dataset.isel(crank_speed=places)

@@ -1,4 +1,4 @@
-"""Frequency responses of a hammer test: receptance, mobility and accelerance."""
+"""Frequency responses: of a hammer test, and of the running linkage order by order."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flexmech.plots import scales
 from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.series import Look, line_handle, series_style
-from flexmech.plots.style import is_narrow
+from flexmech.plots.reading import amplitudes_of, complex_values, signed, speed_text
+from flexmech.plots.style import MID_GREY, Look, is_narrow, line_handle, line_handles, series_style
 from flexmech.types import ComplexArray, FloatArray
 
+# What a row of panels and what the axes take, in inches.
 ROW_HEIGHT, AXES_HEIGHT = 1.7, 0.5
 # Of a row and its axes where six panels stand under each other.
 NARROW_HEIGHT = 1.3
@@ -40,6 +40,19 @@ CURVES: dict[str, tuple[str, Look]] = {
 # Decades of an amplitude below its peak that are drawn, at most.
 DECADES = 5.0
 
+# What a row of panels and what the axes take, in inches; on a narrow page each row becomes two.
+ROW, NARROW_ROW, HARMONIC_AXES_HEIGHT = 1.25, 0.75, 0.7
+# Room above the greatest amplitude, and how far below it the axis reaches at most.
+HEADROOM, HARMONIC_DECADES = 2.0, 4.5
+HARMONICS: dict[str, tuple[str, Look]] = {
+    "frozen": ("frozen linkage", {"color": MID_GREY, "lw": 0.9, "ls": (0.0, (4.0, 2.0))}),
+    "receptance": ("identified from impacts", {"color": IDENTIFIED, "lw": 2.4, "alpha": 0.55}),
+    "predicted": ("predicted by the periodic model", {"color": MEASURED, "lw": 0.9}),
+}
+"""Harmonic transfer functions of the dataset, from the lowest line up: label and look."""
+# A phase is drawn where its amplitude is above this part of the order's greatest.
+LEAST_AMPLITUDE = 1e-4
+
 
 def plot_frf(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """Draw amplitude and phase of receptance, mobility and accelerance.
@@ -57,7 +70,7 @@ def plot_frf(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """
     parts: tuple[tuple[str, Callable[[ComplexArray], FloatArray]], ...] = (
         ("amplitude", np.abs),
-        ("phase (deg)", _phase),
+        ("phase (deg)", scales.phase_of),
     )
     return _draw(dataset, parts, ax)
 
@@ -79,11 +92,6 @@ def plot_frf_parts(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
     return _draw(dataset, (("Re", np.real), ("Im", np.imag)), ax)
 
 
-def complex_values(dataset: xr.Dataset, name: str) -> ComplexArray:
-    """Values of a variable that is stored as its real and its imaginary part."""
-    return np.asarray(dataset[f"{name}_real"].values + 1j * dataset[f"{name}_imag"].values)
-
-
 def curve_handles(**measured: Any) -> list[Artist]:
     """Legend entries of the curves; further properties are of the measured one."""
     return [
@@ -97,12 +105,16 @@ def first_angle(dataset: xr.Dataset) -> xr.Dataset:
     return dataset.isel(crank_angle=0) if "crank_angle" in dataset.dims else dataset
 
 
+def angle_text(one: xr.Dataset) -> str:
+    """Crank angle of the part of a dataset at one angle."""
+    return f"{float(np.degrees(one['crank_angle'])):.6g} deg"
+
+
 def hammer_title(dataset: xr.Dataset) -> str:
     """Heading that says where the crank was locked, hit and watched, and by which engine."""
-    of = first_angle(dataset).attrs
-    degrees = float(np.degrees(first_angle(dataset)["crank_angle"]))
+    of = dataset.attrs
     return (
-        f"Crank locked at {degrees:.6g} deg: impact {of['impact']}, response "
+        f"Crank locked at {angle_text(first_angle(dataset))}: impact {of['impact']}, response "
         f"{of['response_point']}, {of['direction']}; {of['engine']}"
     )
 
@@ -126,12 +138,13 @@ def _draw(
                 axes.plot(frequency, values[curve], **look)
             axes.set_xlim(0.0, float(frequency[-1]))
             if name.startswith("phase"):
-                _phase_axis(axes)
+                scales.phase_axis(axes)
                 axes.set_ylabel(f"{response}\n{name}")
                 continue
             if name == "amplitude":
                 axes.set_ylabel(f"{response}\n{name} ({unit})")
-                _amplitude_axis(axes, values["exact_receptance"])
+                low, high = scales.log_limits(values["exact_receptance"], DECADES)
+                scales.log_scale(axes, low / 2, high)
             else:
                 axes.set_ylabel(f"{name} {response.lower()}\n({unit})")
                 axes.ticklabel_format(axis="y", style="sci", scilimits=(0, 0))
@@ -139,19 +152,59 @@ def _draw(
     return drawn.figure
 
 
-def _amplitude_axis(axes: Axes, amplitude: FloatArray) -> None:
-    high = float(np.nanmax(amplitude))
-    low = max(float(np.nanmin(amplitude)), high * 10**-DECADES)
-    scales.log_scale(axes, low / 2, 2 * high)
+def plot_harmonic_frf(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw amplitude and phase of each harmonic transfer function, a row an order.
+
+    Along x is the frequency of the force; the response of order n is at that frequency and n
+    times the crank's. Broad is what was identified from impacts, thin what is predicted, dashed
+    what the frozen linkage would answer, by the Fourier series of its receptance over the turn.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``RunningHammerTest`` result.
+    ax : Axes or sequence of Axes, optional
+        The user's: amplitude and phase of each order. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    orders = dataset["order"].values.tolist()
+    frequency = dataset["frequency"].values
+    functions = {name: complex_values(dataset, name, "order", "frequency") for name in HARMONICS}
+    low, high = _limits(np.abs(list(functions.values())))
+    row_height = NARROW_ROW if is_narrow() else ROW
+    layout = grid(len(orders), 2, row_height * len(orders) + HARMONIC_AXES_HEIGHT / 2, sharex=True)
+    attrs = dataset.attrs
+    title = (
+        f"From {attrs['impact_point']} at f to {attrs['response_point']} at f + n f$_{{crank}}$; "
+        f"{speed_text(dataset)}, {attrs['engine']} engine"
+    )
+    with sheet(layout, ax=ax) as drawn:
+        frozen, *others = line_handles(dict(HARMONICS.values()))
+        drawn.header([*others, frozen], title, of=dataset)
+        for row, order in enumerate(orders):
+            amplitude, phase = drawn.panels[2 * row : 2 * row + 2]
+            for name, values in functions.items():
+                size, look = np.abs(values[row]), HARMONICS[name][1]
+                strong = np.where(size > LEAST_AMPLITUDE * size.max(), values[row], np.nan)
+                amplitude.plot(frequency, amplitudes_of(values[row]), **look)
+                phase.plot(frequency, scales.phase_of(strong), **look)
+            scales.log_scale(amplitude, low, high)
+            amplitude.set_ylabel(f"|H$_{{{signed(order)}}}$| (m/N)")
+            scales.phase_axis(phase)
+            phase.set_ylabel(f"∠H$_{{{signed(order)}}}$ (deg)")
+            for axes in (amplitude, phase):
+                axes.set_xlim(frequency[0], frequency[-1])
+        drawn.label_x("Frequency f of the force (Hz)")
+    return drawn.figure
 
 
-def _phase_axis(axes: Axes) -> None:
-    axes.set_ylim(-190.0, 190.0)
-    axes.set_yticks([-180.0, -90.0, 0.0, 90.0, 180.0])
-
-
-def _phase(values: ComplexArray) -> FloatArray:
-    """In degrees from -180 to 180, without the line where it leaves one end for the other."""
-    phase = np.asarray(np.degrees(np.angle(values)), dtype=float)
-    phase[1:][np.abs(np.diff(phase)) > 180.0] = np.nan
-    return phase
+def _limits(size: FloatArray) -> tuple[float, float]:
+    """Of all amplitudes, from a few decades below the greatest."""
+    greatest = float(size.max())
+    if greatest == 0:
+        return 1e-9, 1.0
+    least = float(size[size > 0].min())
+    return max(least / HEADROOM, greatest * 10**-HARMONIC_DECADES), greatest * HEADROOM

@@ -1,36 +1,48 @@
-"""Motion of the rigid links over the crank angle, joint forces, and what drives the linkage."""
+"""Motion of the rigid links, transmission angles, joint forces, and what drives the linkage."""
 
 from __future__ import annotations
 
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
-from flexmech.plots import scales, style
-from flexmech.plots.angle_panels import angle_layout, draw_line
-from flexmech.plots.labels import speed_text
-from flexmech.plots.layout import AxesLike, Sheet, grid, sheet
-from flexmech.plots.reading import Units, degrees, fitting_unit, names_of
-from flexmech.plots.series import Look, line_handle, series_line, series_style
+from flexmech.plots import angle_panels, scales, style
+from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.reading import (
+    FORCE_UNITS,
+    TORQUE_UNITS,
+    Units,
+    degrees,
+    fitting_unit,
+    names_of,
+    speed_text,
+    values_of,
+)
+from flexmech.plots.style import (
+    Look,
+    line_handle,
+    series_handles,
+    series_line,
+    series_style,
+    told_apart,
+)
 from flexmech.types import FloatArray
 
-DEGREES: Units = ((np.degrees(1.0), "deg"),)
-VELOCITY: Units = ((1.0, "rad/s"),)
-ACCELERATION: Units = ((1.0, "rad/s²"),)
-FORCE: Units = ((1.0, "N"), (1e3, "mN"), (1e6, "µN"))
-TORQUE: Units = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
 POWER: Units = ((1.0, "W"), (1e3, "mW"), (1e6, "µW"))
+# Motion of a link: variable, what it is, factor from the SI unit, and unit.
 MOTIONS = (
-    ("angle", "Angle", DEGREES),
-    ("angular_velocity", "Angular velocity", VELOCITY),
-    ("angular_acceleration", "Angular acceleration", ACCELERATION),
+    ("angle", "Angle", np.degrees(1.0), "deg"),
+    ("angular_velocity", "Angular velocity", 1.0, "rad/s"),
+    ("angular_acceleration", "Angular acceleration", 1.0, "rad/s²"),
 )
 # Beyond the number of styles, lines are wider at each further round.
 STYLES, WIDTHS = 6, (1.1, 2.2, 3.3)
 # Around forces by distributed masses, which they hardly leave.
 LUMPED: Look = {"color": "0.25", "linestyle": (0.0, (1.0, 1.4)), "lw": 1.3}
+
+TITLE = "Transmission angle over a turn of the crank"
 
 
 def plot_kinematics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -52,15 +64,14 @@ def plot_kinematics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     with sheet(grid(3, 1, 5.4, sharex=True), ax=ax) as drawn:
         handles = [line_handle(name, **_link_line(n)) for n, name in enumerate(links)]
         drawn.header(handles, f"Motion of the links at {speed_text(dataset)}", of=dataset)
-        for axes, (name, words, units) in zip(drawn.panels, MOTIONS, strict=True):
+        for axes, (name, words, factor, unit) in zip(drawn.panels, MOTIONS, strict=True):
             values = dataset[name].transpose("link", "crank_angle").values
-            factor, unit = units[0]
-            _ground_line(axes)
+            scales.zero_line(axes)
             for number, line in enumerate(values):
                 axes.plot(angles, factor * line, **_link_line(number, angles))
             scales.plain_numbers(axes)
             axes.set_ylabel(f"{words}\n({unit})")
-        _label(drawn, angles)
+        angle_panels.label_angles(drawn, angles)
     return drawn.figure
 
 
@@ -81,27 +92,21 @@ def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     """
     angles, joints = degrees(dataset["crank_angle"]), names_of(dataset, "joint")
     components = names_of(dataset, "component")
-    factor, unit = fitting_unit(dataset["joint_force"].values, FORCE)
-    with sheet(angle_layout([1] * len(joints)), ax=ax) as drawn:
-        handles: list[Artist] = [
-            line_handle(f"along {name}", **series_line(n)) for n, name in enumerate(components)
-        ]
-        drawn.header(
-            [*handles, *_lumped_handle(dataset)],
-            f"Joint forces at {speed_text(dataset)}",
-            of=dataset,
-        )
+    factor, unit = fitting_unit(dataset["joint_force"].values, FORCE_UNITS)
+    with sheet(angle_panels.angle_layout([1] * len(joints)), ax=ax) as drawn:
+        handles = series_handles(f"along {name}" for name in components)
+        title = f"Joint forces at {speed_text(dataset)}"
+        drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
         for axes, joint in zip(drawn.panels, joints, strict=True):
             axes.set_title(f"{joint} ({dataset['joint_kind'].sel(joint=joint).item()})")
-            _ground_line(axes)
+            scales.zero_line(axes)
             for number, component in enumerate(components):
                 there = dataset.sel(joint=joint, component=component)
-                draw_line(axes, angles, factor * there["joint_force"].values, number)
+                angle_panels.draw_line(axes, angles, factor * there["joint_force"].values, number)
                 if "lumped_joint_force" in there:
                     axes.plot(angles, factor * there["lumped_joint_force"].values, **LUMPED)
             scales.plain_numbers(axes)
-        _label(drawn, angles)
-        drawn.label_y(f"Force ({unit})")
+        angle_panels.label_angles(drawn, angles, f"Force ({unit})")
     return drawn.figure
 
 
@@ -126,18 +131,13 @@ def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     rows = 3 if both else 2
     with sheet(grid(rows, 1, 1.7 * rows + 0.3, sharex=True), ax=ax) as drawn:
         title = f"Drive at {speed_text(dataset)}"
-        handles: list[Artist] = []
-        if both:
-            handles = [
-                line_handle("crank drives", **series_line(0)),
-                line_handle("rocker drives", **series_line(1)),
-            ]
+        handles = series_handles(("crank drives", "rocker drives") if both else ())
         drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
-        shown = (("driving_torque", "Torque", TORQUE), ("driving_power", "Power", POWER))
+        shown = (("driving_torque", "Torque", TORQUE_UNITS), ("driving_power", "Power", POWER))
         for axes, (name, words, units) in zip(drawn.panels, shown, strict=False):
             factor, unit = fitting_unit(dataset[name].values, units)
-            _ground_line(axes)
-            draw_line(axes, angles, factor * dataset[name].values, 0)
+            scales.zero_line(axes)
+            angle_panels.draw_line(axes, angles, factor * dataset[name].values, 0)
             if f"lumped_{name}" in dataset:
                 axes.plot(angles, factor * dataset[f"lumped_{name}"].values, **LUMPED)
             scales.plain_numbers(axes)
@@ -146,11 +146,11 @@ def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             last = drawn.panels[-1]
             last.axhline(90.0, color=style.LIGHT_GREY, lw=0.6, zorder=0)
             for number, name in enumerate(("transmission_angle", "reversed_transmission_angle")):
-                draw_line(last, angles, np.degrees(dataset[name].values), number)
+                angle_panels.draw_line(last, angles, np.degrees(dataset[name].values), number)
             last.set_ylim(0.0, 180.0)
             last.set_yticks([0, 45, 90, 135, 180])
             last.set_ylabel("Transmission\nangle (deg)")
-        _label(drawn, angles)
+        angle_panels.label_angles(drawn, angles)
     return drawn.figure
 
 
@@ -166,12 +166,43 @@ def _lumped_handle(dataset: xr.Dataset) -> list[Artist]:
     return [line_handle(f"{dataset.sizes['lump']} lumped masses", **LUMPED)]
 
 
-def _ground_line(axes: Axes) -> None:
-    axes.axhline(0.0, color=style.LIGHT_GREY, lw=0.6, zorder=0)
+def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw transmission angles of linkages over the crank's turn.
 
+    As Elamy et al. 2023, Figure 7.
 
-def _label(drawn: Sheet, angles: FloatArray) -> None:
-    for axes in drawn.panels:
-        width = axes.get_position().width * drawn.figure.get_figwidth()
-        scales.crank_angle_axis(axes, angles, narrow=width < 4.0)
-    drawn.label_x("Crank angle (deg)")
+    Parameters
+    ----------
+    dataset : Dataset
+        With ``transmission_angle`` (linkage, crank_angle) in rad; the names along ``linkage``
+        are those of the legend. The attributes ``wanted_least`` and ``wanted_greatest`` in rad
+        shade a range, which the legend calls ``wanted_label``; ``title`` is the heading.
+    ax : Axes, optional
+        The user's. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If there are no linkages, or more than there are styles to tell them apart.
+    """
+    names = told_apart(names_of(dataset, "linkage"))
+    curves = np.degrees(values_of(dataset["transmission_angle"], "linkage", "crank_angle"))
+    angles, attrs = degrees(dataset["crank_angle"]), dataset.attrs
+    with sheet(grid(1, 1, 3.2), ax=ax) as drawn:
+        (axes,) = drawn.panels
+        handles = series_handles(names)
+        if "wanted_least" in attrs:
+            wanted = np.degrees([attrs["wanted_least"], attrs["wanted_greatest"]])
+            axes.axhspan(*wanted, color=style.LIGHT_GREY, zorder=0)
+            words = attrs.get("wanted_label", "wanted range")
+            handles.append(Patch(color=style.LIGHT_GREY, label=words))
+        drawn.header(handles, str(attrs.get("title", TITLE)), of=dataset)
+        axes.axhline(90.0, color=style.MID_GREY, lw=0.6, zorder=1)
+        for number, values in enumerate(curves):
+            axes.plot(angles, values, **series_line(number))
+        angle_panels.label_angles(drawn, angles, "Transmission angle (deg)")
+    return drawn.figure

@@ -13,15 +13,20 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError
-from flexmech.plots.labels import mechanism_name
+from flexmech.plots.reading import mechanism_name
 from flexmech.plots.style import figure_width, is_narrow, new_figure, publication_style
+from flexmech.types import FloatArray
 
 # Mean width of a letter of the font as a fraction of its size, on the safe side.
 MEAN_LETTER = 0.62
+# Displacements below this part of a linkage's extent are not enlarged.
+ROUND_OFF = 1e-10
 
 AxesLike = Axes | Sequence[Axes] | NDArray[np.object_]
 """One Axes of matplotlib or several, such as an array from ``plt.subplots``."""
@@ -92,6 +97,25 @@ def grid(
     return Layout(number, height, make)
 
 
+def tiles(count: int, columns: int, panel: float, *, extra: float = 0.0, **options: Any) -> Layout:
+    """Panels of one size in as many rows as they need; further options are those of ``grid``.
+
+    Parameters
+    ----------
+    count, columns : int
+        Number of panels, and how many stand in a row at most.
+    panel, extra : float
+        Height of a row, and what stands between them and the header, in inches.
+
+    Returns
+    -------
+    Layout
+    """
+    columns = min(count, columns)
+    rows = -(-count // columns)
+    return grid(rows, columns, rows * panel + extra, count=count, **options)
+
+
 @dataclass(frozen=True)
 class Sheet:
     """Panels to draw in.
@@ -140,6 +164,13 @@ class Sheet:
             ncols=columns,
             title="\n".join(lines) or None,
         )
+
+    def colour_bar(self, colours: ScalarMappable, label: str, **options: Any) -> None:
+        """Put the scale of colours beside the panels; options are those of ``colorbar``."""
+        look = {"pad": 0.02, "aspect": 30} | options
+        bar = self.figure.colorbar(colours, ax=self.panels, **look)
+        bar.set_label(label)
+        bar.outline.set_linewidth(0.6)
 
     def label_x(self, label: str, which: slice = slice(None)) -> None:
         """Label the x axes, of all panels or some of them, where there are numbers along them."""
@@ -241,3 +272,51 @@ def wrapped(text: str, width: float) -> list[str]:
     with publication_style():
         letters = int(width * 72 / (MEAN_LETTER * mpl.rcParams["legend.title_fontsize"]))
     return textwrap.wrap(text, letters)
+
+
+def height_of(limits: Bbox, width: float, least: float, most: float) -> float:
+    """Height of a panel of a width that shows what is within limits at one scale.
+
+    Parameters
+    ----------
+    limits : Bbox
+    width, least, most : float
+        Width of the panel, and what its height may be, in inches.
+
+    Returns
+    -------
+    float
+    """
+    return float(min(max(width * limits.height / limits.width, least), most))
+
+
+def round_enlargement(displacement: FloatArray, extent: float, part: float) -> float:
+    """Factor that draws the greatest displacement as a part of a linkage's extent.
+
+    Parameters
+    ----------
+    displacement : ndarray, shape (..., 2)
+    extent : float
+        In the unit of the displacement.
+    part : float
+        Wanted.
+
+    Returns
+    -------
+    float
+        1, 2 or 5 times a power of ten, at least 1: the nearest in ratio to what is wanted; 1 where
+        the displacement is round-off.
+    """
+    greatest = float(np.nanmax(np.hypot(displacement[..., 0], displacement[..., 1]), initial=0.0))
+    if greatest <= ROUND_OFF * extent:
+        return 1.0
+    wanted = max(part * extent / greatest, 1.0)
+    decade = 10.0 ** np.floor(np.log10(wanted))
+    rounds = [float(round(step * decade)) for step in (1, 2, 5, 10)]
+    return min(rounds, key=lambda value: abs(np.log(value / wanted)))
+
+
+def round_length(most: float) -> float:
+    """Longest of 1, 2 and 5 times a power of ten that is not above a length."""
+    decade = 10.0 ** np.floor(np.log10(most))
+    return float(decade * max(step for step in (1, 2, 5) if step * decade <= most * (1 + 1e-9)))

@@ -9,18 +9,16 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.transforms import Bbox
 
 from flexmech.plots import linkage_symbols as symbols
-from flexmech.plots.linkage_legend import MASS, part_handles
+from flexmech.plots.layout import round_length
 from flexmech.plots.linkage_parts import SAME_PLACE, LinkageParts, Part, Posture, parts_of
 from flexmech.plots.linkage_springs import joint_spring_symbols, spring_symbols, wall_symbols
 from flexmech.plots.linkage_symbols import OUTLINE, Symbol, add_symbols
 from flexmech.plots.reading import values_of
-from flexmech.plots.series import Look
-from flexmech.plots.to_scale import round_length
+from flexmech.plots.style import Look
 from flexmech.types import FloatArray
 
 RIGID: Look = {"color": "0.65", "lw": 0.9}
@@ -29,6 +27,8 @@ JOINT: Look = {"ls": "", "marker": "o", "ms": 3.6, "mfc": "white", "mec": OUTLIN
 """Look of a pin; the driven shaft, to which its link is clamped, is filled."""
 WELD: Look = {"marker": "s", "ms": 4.8, "mfc": OUTLINE, "mec": OUTLINE, "mew": 0.0, "zorder": 3.7}
 GUIDE: Look = {"color": "0.5", "lw": 0.8, "ls": (0.0, (4.0, 2.0)), "zorder": 0.88}
+MASS: Look = {"marker": "o", "mew": 0.0, "alpha": 0.75, "zorder": 3.0}
+"""Look of a point mass."""
 MASS_COLOR = "0.45"
 # Area of the greatest point mass's mark in square points.
 LARGEST_MARK = 110.0
@@ -231,10 +231,6 @@ class LinkageSketch:
     def link_looks(self, look: Look) -> list[Look]:
         """Look of each link, those that do not bend being wider."""
         return [look | ({"lw": THICK * look["lw"]} if rigid else {}) for rigid in self.parts.rigid]
-
-    def handles(self) -> list[Artist]:
-        """Legend entries of what is not told by its symbol alone."""
-        return part_handles(self.parts, self.mass_color)
 
     def draw_scale_bar(self, axes: Axes) -> None:
         """Draw a bar of a round length in mm below the linkage, within the axes' limits."""

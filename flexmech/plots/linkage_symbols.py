@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from matplotlib.transforms import Transform
 
-from flexmech.plots.series import Look
+from flexmech.plots.style import Look
 from flexmech.types import FloatArray
 
 OUTLINE = "0.35"

@@ -13,12 +13,11 @@ from matplotlib.patches import Patch, Polygon, Rectangle
 from matplotlib.transforms import Bbox
 
 from flexmech.plots import scales, style
-from flexmech.plots.layout import AxesLike, Layout, sheet
-from flexmech.plots.linkage import name_joints
+from flexmech.plots.layout import AxesLike, Layout, height_of, round_length, sheet
+from flexmech.plots.linkage import name_joints, part_handles
 from flexmech.plots.linkage_sketch import LinkageSketch
 from flexmech.plots.reading import degrees, names_of, values_of
-from flexmech.plots.series import Look, line_handle, series_style
-from flexmech.plots.to_scale import height_of, round_length
+from flexmech.plots.style import Look, line_handle, series_style
 from flexmech.types import FloatArray
 
 POSTURE_HEIGHT = (1.7, 3.4)
@@ -146,7 +145,7 @@ def _handles(dataset: xr.Dataset, sketch: LinkageSketch) -> list[Artist]:
         for name in names
         if _is_point(name)
     ]
-    handles += sketch.handles()
+    handles += part_handles(sketch)
     plies = _plies(dataset)
     for ply, grey in plies.items() if len(plies) > 1 else ():
         handles.append(Patch(fc=grey, ec=style.MID_GREY, lw=0.6, label=ply.replace("$", r"\$")))

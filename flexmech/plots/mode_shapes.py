@@ -12,18 +12,17 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from flexmech.plots import angle_panels, style
-from flexmech.plots.labels import engine_label, mode_label, speed_texts
-from flexmech.plots.layout import AxesLike, Layout, grid, sheet
+from flexmech.plots.angle_panels import has_many_speeds
+from flexmech.plots.layout import AxesLike, Layout, height_of, sheet, tiles
+from flexmech.plots.linkage import part_handles
 from flexmech.plots.linkage_parts import parts_of
 from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
-from flexmech.plots.reading import highest_speed, values_of
-from flexmech.plots.series import line_handle, series_handle, series_line
-from flexmech.plots.speed_colours import has_many_speeds
-from flexmech.plots.to_scale import height_of
+from flexmech.plots.reading import engine_label, highest_speed, mode_label, speed_texts, values_of
+from flexmech.plots.style import line_handle, series_handle, series_line
 from flexmech.types import FloatArray
 
-PANELS_A_ROW, NARROW_ROW = 4, 2
-POINTS_A_STATION = 4
+# Panels a row on a wide and on a narrow page, and points drawn between two stations of a link.
+PANELS_A_ROW, NARROW_ROW, POINTS_A_STATION = 4, 2, 4
 # Largest displacement as drawn, over the linkage's size.
 ENLARGED_TO = 0.14
 # Marks of masses and bodies over those in a picture of one linkage.
@@ -73,7 +72,10 @@ def plot_mode_shapes(
     shown = _stored(dataset, check_angle) if shape_angle is None else _asked(dataset, shape_angle)
     frequency, stored = shown["frequency"], shown["shape"]
     real, imaginary = (values_of(stored.sel(part=part), *SHAPE) for part in ("real", "imaginary"))
-    shapes = _real_shapes(real + 1j * imaginary)
+    shapes = real_shapes(real + 1j * imaginary)
+    # As the first speed's, whose phases may differ by half a turn.
+    overlap = np.sum(shapes * shapes[:1], axis=(-3, -2, -1), keepdims=True)
+    shapes *= np.where(overlap < 0, -1.0, 1.0)
     rigid = values_of(shown["position"], "place", *SHAPE[2:])
     held = np.abs(shapes[..., [0, -1], :]).max(axis=(0, 1, -1)) <= AT_REST
     sketch = LinkageSketch(rigid[0], parts_of(dataset, rigid, held), mark_size=SMALL)
@@ -91,7 +93,7 @@ def plot_mode_shapes(
             f"Mode shapes at {speed}crank angle {np.degrees(shown.attrs['angle']):.4g}° by "
             f"{engine_label(dataset)}, displacement enlarged"
         )
-        handles += [line_handle("rigid linkage", **RIGID), *sketch.handles()]
+        handles += [line_handle("rigid linkage", **RIGID), *part_handles(sketch)]
         drawn.header(handles, title, of=dataset)
         texts = [_frequencies_text(one) for one in values_of(frequency, "mode", "crank_speed")]
         for mode, axes in enumerate(drawn.panels):
@@ -139,20 +141,24 @@ def _asked(dataset: xr.Dataset, shape_angle: float) -> xr.Dataset:
     )
 
 
-def _real_shapes(complex_shapes: NDArray[np.complex128]) -> FloatArray:
-    """Turn each shape's phase until its largest component is real; match the first speed.
+def real_shapes(shapes: NDArray[np.complex128]) -> FloatArray:
+    """Real parts of shapes, each in the phase in which its largest component is real.
 
-    Shape (crank_speed, mode, ...) -> the same, real, with largest displacement 1.
+    Parameters
+    ----------
+    shapes : ndarray of complex, shape (m, n, link, station, 2)
+
+    Returns
+    -------
+    ndarray, shape (m, n, link, station, 2)
+        Real, with largest displacement 1.
     """
-    n_speeds, n_modes = complex_shapes.shape[:2]
-    flat = complex_shapes.reshape(n_speeds, n_modes, -1)
+    flat = shapes.reshape(*shapes.shape[:2], -1)
     place = np.argmax(np.abs(flat), axis=-1)[..., None]
     phase = np.angle(np.take_along_axis(flat, place, axis=-1))
-    real = (flat * np.exp(-1j * phase)).real
-    signs = np.where(np.sum(real * real[:1], axis=-1, keepdims=True) < 0, -1.0, 1.0)
-    shapes = (signs * real).reshape(complex_shapes.shape)
-    longest = np.hypot(shapes[..., 0], shapes[..., 1]).max(axis=(-2, -1))
-    return np.asarray(shapes / np.where(longest > 0, longest, 1.0)[..., None, None, None])
+    real = (flat * np.exp(-1j * phase)).real.reshape(shapes.shape)
+    longest = np.hypot(real[..., 0], real[..., 1]).max(axis=(-2, -1))
+    return np.asarray(real / np.where(longest > 0, longest, 1.0)[..., None, None, None])
 
 
 def _smooth(deflected: FloatArray) -> FloatArray:
@@ -167,11 +173,10 @@ def _layout(limits: Bbox, n_modes: int, n_speeds: int) -> Layout:
     columns = 3 if n_modes in (5, 6) else min(n_modes, PANELS_A_ROW)
     if style.is_narrow():
         columns = min(columns, NARROW_ROW)
-    rows = -(-n_modes // columns)
     # Less the layout's padding between the panels.
     panel = height_of(limits, style.figure_width() / columns - 0.2, 0.7, 2.6)
     title = 0.2 + 0.17 * -(-n_speeds // 3)
-    return grid(rows, columns, rows * (panel + title), count=n_modes, narrow=columns)
+    return tiles(n_modes, columns, panel + title, narrow=columns)
 
 
 def _frequencies_text(frequency: FloatArray) -> str:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from flexmech.plots import style
 from flexmech.plots.layout import AxesLike, grid, sheet
 from flexmech.plots.reading import names_of
-from flexmech.plots.series import line_handle, series_handle, series_line
+from flexmech.plots.style import line_handle, series_handle, series_line
 from flexmech.units import ZERO_CELSIUS, from_si
 
 ROW_HEIGHT, NARROW_ROW_HEIGHT = 2.1, 1.6

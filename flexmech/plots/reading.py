@@ -1,20 +1,134 @@
-"""Arrays out of datasets, and the units in which they can be read."""
+"""What figures read out of datasets: arrays, names, units, headings, and the part to be shown."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 import xarray as xr
+from numpy.typing import ArrayLike
 
-from flexmech.plots.labels import speed_text
-from flexmech.types import FloatArray
+from flexmech.errors import InputError
+from flexmech.types import ComplexArray, FloatArray
+from flexmech.units import ANGULAR_SPEED, from_si
+
+STARTS = {
+    "rigid": "from undeformed links",
+    "equilibrium": "from the quasi-static equilibrium",
+    "periodic": "on the periodic motion",
+}
 
 Units = tuple[tuple[float, str], ...]
 """Factors from the SI unit and names: the usual unit first, smaller ones after it."""
 LENGTH_UNITS: Units = ((1e3, "mm"), (1e6, "µm"), (1e9, "nm"))
 """Deflections are read in mm; an arm at constant speed hardly bends, and needs less."""
+FORCE_UNITS: Units = ((1.0, "N"), (1e3, "mN"), (1e6, "µN"))
+TORQUE_UNITS: Units = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
+# Of the largest value in a unit that can be read: axes write two decimals.
 LEAST_NUMBER = 0.01
 MAP = ("engine", "crank_speed", "crank_angle", "mode")
 """Dimensions of what is known of each mode, in the order in which it is drawn."""
+
+_DIMENSIONS = {
+    "engine": "engine",
+    "modes": "mode",
+    "speeds": "crank_speed",
+    "links": "link",
+    "branches": "branch",
+    "orders": "order",
+}
+# Relative difference up to which two speeds are the same.
+_SAME_SPEED = 1e-9
+_SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+
+
+def mechanism_name(dataset: xr.Dataset) -> str:
+    """Name of the mechanism with a capital letter; empty where a dataset has none.
+
+    Dollar signs stay what they are, where matplotlib would see a formula.
+    """
+    name = str(dataset.attrs.get("mechanism", ""))
+    return (name[:1].upper() + name[1:]).replace("$", r"\$")
+
+
+def mode_label(numbers: Sequence[int]) -> str:
+    """Heading of a panel for one mode or several neighbours."""
+    if len(numbers) == 1:
+        return f"Mode {numbers[0]}"
+    return f"Modes {numbers[0]} {'and' if len(numbers) == 2 else 'to'} {numbers[-1]}"
+
+
+def speed_label(speed: float, unit: str = ANGULAR_SPEED.unit) -> str:
+    """Crank speed, given in rad/s, as text in a unit such as rpm, with a true minus sign."""
+    return f"{from_si(speed, unit):.4g} {unit}".replace("-", "\N{MINUS SIGN}")
+
+
+def speed_unit(dataset: xr.Dataset) -> str:
+    """Unit in which the user reads crank speeds."""
+    return str(dataset.attrs.get("speed_unit", ANGULAR_SPEED.unit))
+
+
+def speed_text(dataset: xr.Dataset, speed: float | None = None) -> str:
+    """A crank speed in rad/s, by default that of the whole dataset, in the user's unit."""
+    value = dataset.attrs["crank_speed"] if speed is None else speed
+    return speed_label(float(value), speed_unit(dataset))
+
+
+def speed_texts(dataset: xr.Dataset) -> list[str]:
+    """Crank speeds of a dataset in the user's unit."""
+    return [speed_text(dataset, float(speed)) for speed in dataset["crank_speed"].values]
+
+
+def engine_label(dataset: xr.Dataset, engine: int = 0) -> str:
+    """Name of an engine with its element, for legends."""
+    name = str(dataset["engine"].values[engine])
+    if "element" in dataset.coords and dataset["element"].dims == ("engine",):
+        return f"{name} ({dataset['element'].values[engine]})"
+    return name
+
+
+def link_label(dataset: xr.Dataset, link: str) -> str:
+    """Where on a link its deflection is watched, as in "Coupler middle"."""
+    return f"{link.capitalize()} {dataset['probe'].sel(link=link).item()}"
+
+
+def run_title(dataset: xr.Dataset) -> str:
+    """Heading line that says what run is drawn: crank speed and start."""
+    title = f"Response at {speed_text(dataset)}"
+    run_up = float(dataset.attrs.get("run_up_time", 0.0))
+    if run_up > 0:
+        title += f" after a run-up of {run_up:.3g} s"
+    start = STARTS.get(str(dataset.attrs.get("start", "")))
+    return f"{title}, {start}" if start else title
+
+
+def spread(places: FloatArray, least: float) -> FloatArray:
+    """Move places apart to a least distance, so that labels at them do not touch.
+
+    Parameters
+    ----------
+    places : ndarray
+        Ascending.
+    least : float
+        Distance that neighbours keep at least.
+
+    Returns
+    -------
+    ndarray
+        In the same order; places that had to move are centred on where they were.
+    """
+    rows: list[tuple[float, int]] = []  # centre and number of places that stand in a row
+    for place in places.tolist():
+        centre, count = place, 1
+        while rows and centre - rows[-1][0] < (count + rows[-1][1]) * least / 2:
+            before, many = rows.pop()
+            centre = (centre * count + before * many) / (count + many)
+            count += many
+        rows.append((centre, count))
+    return np.array(
+        [centre + (n - (count - 1) / 2) * least for centre, count in rows for n in range(count)]
+    )
 
 
 def values_of(array: xr.DataArray, *order: str) -> FloatArray:
@@ -25,6 +139,34 @@ def values_of(array: xr.DataArray, *order: str) -> FloatArray:
 def names_of(dataset: xr.Dataset | xr.DataArray, coordinate: str) -> list[str]:
     """Names along a coordinate such as ``link``."""
     return [str(name) for name in dataset[coordinate].values]
+
+
+def complex_values(dataset: xr.Dataset, name: str, *order: str) -> ComplexArray:
+    """Values that are stored as real and imaginary part, with their dimensions in an order."""
+    parts = (dataset[f"{name}_{part}"] for part in ("real", "imag"))
+    real, imaginary = (values_of(part, *(order or map(str, part.dims))) for part in parts)
+    return np.asarray(real + 1j * imaginary)
+
+
+def amplitudes_of(values: ComplexArray) -> FloatArray:
+    """Amplitudes for a logarithmic axis: not a number where nothing answers."""
+    size = np.abs(values)
+    return np.where(size > 0, size, np.nan)
+
+
+def speeds_of(dataset: xr.Dataset, name: str = "crank_speed") -> FloatArray:
+    """Crank speeds along a coordinate, in the unit in which the user reads them."""
+    return np.asarray(from_si(1.0, speed_unit(dataset)) * dataset[name].values)
+
+
+def subscripts(number: int | str) -> str:
+    """An integer in lowered figures."""
+    return str(number).translate(_SUBSCRIPTS)
+
+
+def signed(order: int) -> str:
+    """An order with its sign, 0 without one."""
+    return f"{order:+d}" if order else "0"
 
 
 def bending_links(dataset: xr.Dataset) -> list[str]:
@@ -82,3 +224,78 @@ def fitting_unit(values: FloatArray, units: Units) -> tuple[float, str]:
     largest = float(np.nanmax(np.abs(values), initial=0.0))
     fitting = (unit for unit in units if largest * unit[0] >= LEAST_NUMBER)
     return next(fitting, units[0 if largest == 0 else -1])
+
+
+def chosen(
+    dataset: xr.Dataset,
+    *,
+    engine: ArrayLike | None = None,
+    modes: ArrayLike | None = None,
+    speeds: ArrayLike | None = None,
+    links: ArrayLike | None = None,
+    branches: ArrayLike | None = None,
+    orders: ArrayLike | None = None,
+) -> xr.Dataset:
+    """Part of a dataset that a figure shall show, in the order asked for.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a result.
+    engine : str or sequence of str, optional
+        Names, such as ``"exudyn"``.
+    modes : int or sequence of int, optional
+        Numbers from 1.
+    speeds : float or sequence of float, optional
+        Crank speeds in rad/s.
+    links : str or sequence of str, optional
+        Names, such as ``"coupler"``.
+    branches, orders : int or sequence of int, optional
+        Numbers from 1.
+
+    Returns
+    -------
+    Dataset
+        With all its dimensions; what is not chosen by is whole.
+
+    Raises
+    ------
+    InputError
+        If the dataset has no such engine, mode, speed or link.
+    """
+    asked = {"engine": engine, "modes": modes, "speeds": speeds, "links": links}
+    asked |= {"branches": branches, "orders": orders}
+    places = {}
+    for argument, wanted in asked.items():
+        if wanted is not None:
+            places[_DIMENSIONS[argument]] = _places(dataset, argument, wanted)
+    return dataset.isel(places)
+
+
+def _places(dataset: xr.Dataset, argument: str, wanted: ArrayLike) -> list[int]:
+    """Positions along a dimension of the values asked for."""
+    dimension = _DIMENSIONS[argument]
+    if dimension not in dataset.dims:
+        raise InputError(f"{argument}: this result has none to choose from")
+    known = dataset[dimension].values.tolist()
+    values = np.atleast_1d(np.asarray(wanted)).tolist()
+    there = ", ".join(map(_text, known)) + (" rad/s" if dimension == "crank_speed" else "")
+    if not values:
+        raise InputError(f"{argument}: nothing is chosen; choose from {there}")
+    places = []
+    for value in values:
+        found = [place for place, each in enumerate(known) if _same(each, value)]
+        if not found:
+            raise InputError(f"{argument}: this result has no {value!r}; choose from {there}")
+        places += found
+    return places
+
+
+def _text(value: object) -> str:
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def _same(one: object, other: object) -> bool:
+    if isinstance(one, float) and isinstance(other, int | float):
+        return math.isclose(one, other, rel_tol=_SAME_SPEED)
+    return one == other

@@ -8,25 +8,27 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots import scales, style, time_axis
-from flexmech.plots.labels import engine_label, link_label, run_title
+from flexmech.plots import scales
 from flexmech.plots.layout import AxesLike, sheet
 from flexmech.plots.reading import (
+    FORCE_UNITS,
     LENGTH_UNITS,
+    TORQUE_UNITS,
     Units,
     bending_links,
+    engine_label,
     fitting_unit,
+    link_label,
     names_of,
+    run_title,
     values_of,
 )
-from flexmech.plots.series import Look, line_handle, series_handles, series_line
+from flexmech.plots.style import Look, line_handle, series_handles, series_line
 from flexmech.types import FloatArray
 
 STRAIN_UNITS: Units = ((1e6, "µm/m"),)
-TORQUE_UNITS: Units = ((1.0, "N m"), (1e3, "mN m"), (1e6, "µN m"))
 ROTATION_UNITS: Units = ((np.degrees(1.0), "deg"),)
 SPEED_UNITS: Units = ((1.0, "rad/s"), (1e3, "mrad/s"), (1e6, "µrad/s"))
-FORCE_UNITS: Units = ((1.0, "N"), (1e3, "mN"), (1e6, "µN"))
 
 # Thinner than the engines' lines, which it covers where the links are as good as rigid.
 RIGID: Look = {"color": "0.25", "lw": 0.6}
@@ -72,9 +74,9 @@ def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             (dataset["crank_speed_fluctuation"], SPEED_UNITS, "Shaft speed\nfluctuation"),
         ]
     fewer = "choose one link that is watched at its tip (links=...)"
-    with sheet(time_axis.time_layout(len(shown)), ax=ax, fewer=fewer) as drawn:
+    with sheet(scales.time_layout(len(shown)), ax=ax, fewer=fewer) as drawn:
         drawn.header(engine_lines(dataset), run_title(dataset), of=dataset)
-        time_axis.label_times(drawn, dataset)
+        scales.label_times(drawn, dataset)
         for axes, (quantity, units, what) in zip(drawn.panels, shown, strict=True):
             draw_engines(axes, quantity, units, what)
     return drawn.figure
@@ -106,21 +108,16 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             there = dataset.sel(joint=joint, component=component)
             forces = there["joint_force"], there["rigid_joint_force"]
             shown.append((*forces, FORCE_UNITS, f"Force at {joint},\n{component}"))
-    with sheet(time_axis.time_layout(len(shown)), ax=ax) as drawn:
+    with sheet(scales.time_layout(len(shown)), ax=ax) as drawn:
         handles = [*engine_lines(dataset), line_handle("rigid links", **RIGID)]
-        drawn.header(handles, _force_title(dataset), of=dataset)
-        time_axis.label_times(drawn, dataset)
+        band = dataset.attrs.get("force_band")
+        up_to = "" if band is None else f", forces up to {band:.4g} Hz"
+        drawn.header(handles, run_title(dataset) + up_to, of=dataset)
+        scales.label_times(drawn, dataset)
         for axes, (elastic, rigid, units, what) in zip(drawn.panels, shown, strict=True):
             factor = draw_engines(axes, elastic, units, what)
             axes.plot(rigid["time"].values, factor * rigid.values, **RIGID, zorder=3)
     return drawn.figure
-
-
-def _force_title(dataset: xr.Dataset) -> str:
-    """Heading that says up to which frequency the forces count."""
-    band = dataset.attrs.get("force_band")
-    title = run_title(dataset)
-    return title if band is None else f"{title}, forces up to {band:.4g} Hz"
 
 
 def engine_lines(dataset: xr.Dataset) -> list[Artist]:
@@ -151,7 +148,7 @@ def draw_engines(axes: Axes, quantity: xr.DataArray, units: Units, what: str) ->
     """
     factor, unit = fitting_unit(quantity.values, units)
     lines = factor * values_of(quantity, "engine", "time")
-    axes.axhline(0.0, color=style.LIGHT_GREY, lw=0.6, zorder=0)
+    scales.zero_line(axes)
     for number, line in enumerate(lines):
         width, opacity = _line_look(line)
         # What lies under a line must be seen between its dashes and beside them.

@@ -1,16 +1,20 @@
-"""Scales of axes: crank angles along x, and numbers along y."""
+"""Scales of axes: crank angles, times and crank speeds along x, and numbers along y."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
+import xarray as xr
 from matplotlib import ticker
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from flexmech.plots.series import few_points
-from flexmech.types import FloatArray
+from flexmech.plots.layout import Layout, Sheet, grid
+from flexmech.plots.reading import speed_unit, speeds_of
+from flexmech.plots.style import LIGHT_GREY, few_points
+from flexmech.types import ComplexArray, FloatArray
+from flexmech.units import from_si
 
 DEGREE_STEPS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 90.0, 180.0, 360.0)
 """Distances of ticks at round angles."""
@@ -20,6 +24,19 @@ FREQUENCY_BAND = 4e-3
 
 # Half the height of a y axis over the span of the values on it.
 HALF_AXIS = 0.58
+
+# Of a panel over time in inches: four of them and their axes fit half a page.
+TIME_PANEL_HEIGHT = 1.12
+# What the axes of time and of crank angle take, in inches.
+TIME_AXES_HEIGHT = 0.85
+
+# Up to this many turns the angle is read in degrees, beyond it turns are counted.
+MOST_TURNS_IN_DEGREES = 2.05
+TURN_STEPS = (1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0)
+# Parts of the axis between ticks, at most: numbers of degrees are longer than those of turns.
+MOST_INTERVALS, MOST_TURNS = 8, 12
+# Up to this many decades the ticks stand at 1, 2 and 5, beyond it at powers of ten.
+FEW_DECADES = 2.3
 
 
 def crank_angle_axis(axes: Axes, angles: FloatArray, *, narrow: bool = False) -> None:
@@ -104,7 +121,7 @@ def scale_y(axes: Axes, values: ArrayLike, *, least: float = 1e-9, least_part: f
     plain_numbers(axes)
 
 
-def log_scale(axes: Axes, low: float, high: float) -> None:
+def log_scale(axes: Axes, low: float, high: float, *, plain: bool = False) -> None:
     """Make the y axis logarithmic, ticked at every decade or every few.
 
     Parameters
@@ -112,8 +129,154 @@ def log_scale(axes: Axes, low: float, high: float) -> None:
     axes : Axes
     low, high : float
         Limits of the axis.
+    plain : bool
+        Whether numbers are written in full, of few decades those of 1, 2 and 5.
     """
     axes.set_yscale("log")
     axes.set_ylim(low, high)
-    axes.yaxis.set_major_locator(ticker.LogLocator(base=10, numticks=7))
     axes.yaxis.set_minor_formatter(ticker.NullFormatter())
+    few = plain and np.log10(high / low) <= FEW_DECADES
+    steps = (1.0, 2.0, 5.0) if few else (1.0,)
+    axes.yaxis.set_major_locator(ticker.LogLocator(subs=steps, numticks=9 if plain else 7))
+    if plain:
+        axes.yaxis.set_major_formatter(ticker.FuncFormatter(lambda value, _: f"{value:g}"))
+
+
+def log_limits(values: ArrayLike, decades: float, room: float = 2.0) -> tuple[float, float]:
+    """Limits of a logarithmic axis for amplitudes, at most so many decades below the greatest.
+
+    Parameters
+    ----------
+    values : array_like
+        Not a number is left out.
+    decades : float
+    room : float
+        Factor between the greatest value and the upper limit.
+
+    Returns
+    -------
+    float, float
+        The least value or the last decade that is drawn, and the upper limit.
+    """
+    highest = float(np.nanmax(values)) or 1.0
+    return max(float(np.nanmin(values)), highest * 10.0**-decades), room * highest
+
+
+def phase_axis(axes: Axes) -> None:
+    """Scale the y axis to phases in degrees, from half a turn below zero to half a turn above."""
+    axes.set_ylim(-190.0, 190.0)
+    axes.set_yticks([-180.0, -90.0, 0.0, 90.0, 180.0])
+
+
+def phase_of(values: ComplexArray) -> FloatArray:
+    """Phases in degrees from -180 to 180, broken where they leave one end for the other."""
+    phase = np.asarray(np.degrees(np.angle(values)), dtype=float)
+    phase[1:][np.abs(np.diff(phase)) > 180.0] = np.nan
+    return phase
+
+
+def zero_line(axes: Axes) -> None:
+    """Draw where a quantity is zero, behind all else."""
+    axes.axhline(0.0, color=LIGHT_GREY, lw=0.6, zorder=0)
+
+
+def speed_limits(dataset: xr.Dataset, room: float = 0.0) -> tuple[float, float]:
+    """Limits of an axis of crank speed in the user's unit.
+
+    Parameters
+    ----------
+    dataset : Dataset
+    room : float
+        Beyond either end, as a part of the range.
+
+    Returns
+    -------
+    float, float
+    """
+    speeds = speeds_of(dataset)
+    low, high = float(speeds.min()), float(speeds.max())
+    beyond = room * (high - low) if high > low else 1.0
+    return low - beyond, high + beyond
+
+
+def second_speed_axis(axes: Axes, dataset: xr.Dataset) -> None:
+    """Crank speed in turns a minute above a panel, or in rad/s where turns a minute are below."""
+    unit = speed_unit(dataset)
+    factor = from_si(1.0, unit)
+    other, ratio = ("rad/s", 1.0 / factor) if unit == "rpm" else ("rpm", 30 / np.pi / factor)
+    there_and_back = (lambda speed: ratio * speed, lambda speed: speed / ratio)
+    upper = axes.secondary_xaxis("top", functions=there_and_back)
+    upper.set_xlabel(f"Crank speed ({other})")
+
+
+def time_layout(count: int) -> Layout:
+    """A stack of panels over time, with the axes below and on top."""
+    return grid(count, 1, max(count * TIME_PANEL_HEIGHT, 2.2) + TIME_AXES_HEIGHT, sharex=True)
+
+
+def label_times(drawn: Sheet, dataset: xr.Dataset) -> None:
+    """Scale and label panels over the whole time of a response, with the crank angle on top.
+
+    Parameters
+    ----------
+    drawn : Sheet
+    dataset : Dataset
+        With ``time`` and ``crank_angle``.
+    """
+    time = dataset["time"].values.astype(float)
+    for axes in drawn.panels:
+        axes.set_xlim(float(time[0]), float(time[-1]))
+    turns = angle_axis(drawn.panels[0], dataset)
+    for axes in drawn.panels:
+        for place in turns:
+            axes.axvline(place, color=LIGHT_GREY, lw=0.6, zorder=0)
+    drawn.label_x("Time (s)")
+
+
+def angle_axis(axes: Axes, dataset: xr.Dataset) -> list[float]:
+    """Put an axis of crank angle on top of a panel over time, within the panel's limits.
+
+    Ticks stand at the times at which the crank passes round angles, so that the axis is
+    right for a crank that runs up to its speed and for one that turns backwards.
+
+    Parameters
+    ----------
+    axes : Axes
+        Its limits along time are set.
+    dataset : Dataset
+        With ``time`` and ``crank_angle``.
+
+    Returns
+    -------
+    list of float
+        Times within the limits at which a turn is completed.
+    """
+    time = dataset["time"].values.astype(float)
+    angle = dataset["crank_angle"].values.astype(float)
+    low, high = (float(np.interp(limit, time, angle)) for limit in axes.get_xlim())
+    whole = abs(high - low) > MOST_TURNS_IN_DEGREES * 2 * np.pi
+    unit = 2 * np.pi if whole else np.pi / 180
+    span = abs(high - low) / unit
+    most, steps = (MOST_TURNS, TURN_STEPS) if whole else (MOST_INTERVALS, DEGREE_STEPS)
+    ticks = _multiples(low / unit, high / unit, round_step(span, most, steps))
+    top = axes.secondary_xaxis("top")
+    labels = [f"{tick:g}".replace("-", "\N{MINUS SIGN}") for tick in ticks]
+    top.set_xticks(_times(ticks * unit, time, angle).tolist(), labels)
+    top.set_xlabel("Crank angle (revolutions)" if whole else "Crank angle (deg)")
+    turns = _multiples(low / (2 * np.pi), high / (2 * np.pi), 1.0)
+    return [float(place) for place in _times(turns * 2 * np.pi, time, angle)]
+
+
+def _multiples(first: float, last: float, step: float) -> FloatArray:
+    """Multiples of a step between two values in either order."""
+    low, high = min(first, last), max(first, last)
+    room = 1e-6 * max(high - low, step)
+    count = np.arange(np.ceil((low - room) / step), np.floor((high + room) / step) + 1)
+    # Adding zero makes a zero of a negative one, which would be written with its sign.
+    return np.asarray(count * step + 0.0, dtype=float)
+
+
+def _times(wanted: FloatArray, time: FloatArray, angle: FloatArray) -> FloatArray:
+    """Times at which a crank that never turns back has turned by certain angles."""
+    sense = 1.0 if angle[-1] >= angle[0] else -1.0
+    return np.asarray(np.interp(sense * wanted, sense * angle, time), dtype=float)

@@ -14,10 +14,9 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from flexmech.plots import scales, style
-from flexmech.plots.labels import spread
 from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.reading import values_of
-from flexmech.plots.series import Look, line_handle, series_handle, series_line
+from flexmech.plots.reading import spread, values_of
+from flexmech.plots.style import Look, line_handle, series_handle, series_line
 from flexmech.types import FloatArray
 
 PANEL_HEIGHT = 2.2

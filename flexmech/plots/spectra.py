@@ -5,26 +5,28 @@ from __future__ import annotations
 import matplotlib.patheffects as effects
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from flexmech.errors import InputError
-from flexmech.plots import scales, style, time_axis
-from flexmech.plots.labels import engine_label, link_label, run_title, spread
+from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
 from flexmech.plots.reading import (
     LENGTH_UNITS,
     bending_links,
     cell_edges,
+    engine_label,
     fitting_unit,
+    link_label,
     names_of,
+    run_title,
+    spread,
     values_of,
 )
 from flexmech.plots.response import engine_lines
-from flexmech.plots.series import Look, line_handle, series_line, series_style
+from flexmech.plots.style import Look, line_handle, series_line, series_style
 from flexmech.types import FloatArray
 
 ONE_LINK = "choose one link (links=...)"
@@ -81,7 +83,11 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     bands, links = _bands(dataset), bending_links(dataset)
     with sheet(_layout(len(links), 1.5, 2.2), ax=ax, fewer=ONE_LINK) as drawn:
         turns = int(dataset.attrs.get("spectrum_turns", 0))
-        handles = _stem_handles(dataset) if turns else engine_lines(dataset)
+        handles = engine_lines(dataset)
+        if turns:
+            for number, handle in enumerate(handles):
+                of_engine = f"{handle.get_label()}, at orders"
+                handles[number] = line_handle(of_engine, **_stem_mark(number))
         if bands:
             handles.append(Patch(color=BAND_COLOR, lw=0, label="predicted natural frequencies"))
         drawn.header(handles, run_title(dataset), of=dataset)
@@ -135,13 +141,11 @@ def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
             scales.plain_numbers(axes)
             _name_lines(axes, predicted[-1], names_of(dataset, "mode"))
             axes.set_ylabel(f"{link_label(dataset, link)}\nfrequency (Hz)")
-        time_axis.angle_axis(drawn.panels[0], dataset)
+        scales.angle_axis(drawn.panels[0], dataset)
         drawn.label_x("Time (s)")
-        slender = 14 * len(links)
-        bar = drawn.figure.colorbar(mesh, ax=drawn.panels, extend="min", pad=0.015, aspect=slender)
         of_what = "each panel's maximum" if len(links) > 1 else "maximum"
-        bar.set_label(f"Level relative to {of_what} (dB)")
-        bar.outline.set_linewidth(0.6)
+        look: Look = {"extend": "min", "pad": 0.015, "aspect": 14 * len(links)}
+        drawn.colour_bar(mesh, f"Level relative to {of_what} (dB)", **look)
     return drawn.figure
 
 
@@ -228,25 +232,21 @@ def _draw_spectra(axes: Axes, spectrum: xr.DataArray, turns: int) -> str:
     str
     """
     amplitude = values_of(spectrum, "engine", "spectrum_frequency")
+    frequency = spectrum["spectrum_frequency"].values
     factor, unit = fitting_unit(amplitude, LENGTH_UNITS)
     highest = factor * float(np.nanmax(amplitude, initial=0.0)) or 1.0
-    if turns:
-        amplitude = amplitude[:, turns:]
-        frequency = spectrum["spectrum_frequency"].values[turns:]
-        at_orders = factor * amplitude[:, ::turns]
-        least = np.nanmin(at_orders, initial=highest)
-        lowest = float(np.clip(least, highest * 10.0**-DECADES, 0.1 * highest))
-        scales.log_scale(axes, lowest, highest * (highest / lowest) ** HEADROOM)
-        for number, values in enumerate(factor * amplitude):
-            _draw_stems(axes, frequency, values, turns, number)
-        return unit
-    width = 1.1 if amplitude.shape[1] < 150 else 0.8
-    for number, values in enumerate(factor * amplitude):
-        wider = 1.4 if number < len(amplitude) - 1 else 1.0
-        frequency = spectrum["spectrum_frequency"].values
-        axes.plot(frequency, values, **series_line(number), lw=wider * width)
-    lowest = np.clip(factor * np.nanmin(amplitude), highest * 10.0**-DECADES, 0.1 * highest)
+    # Of stems the first is order 1, and what is between them does not count for the axis.
+    amplitude, frequency = factor * amplitude[:, turns:], frequency[turns:]
+    least = np.nanmin(amplitude[:, :: turns or 1], initial=highest)
+    lowest = float(np.clip(least, highest * 10.0**-DECADES, 0.1 * highest))
     scales.log_scale(axes, lowest, highest * (highest / lowest) ** HEADROOM)
+    width = 1.1 if amplitude.shape[1] < 150 else 0.8
+    for number, values in enumerate(amplitude):
+        if turns:
+            _draw_stems(axes, frequency, values, turns, number)
+        else:
+            wider = 1.4 if number < len(amplitude) - 1 else 1.0
+            axes.plot(frequency, values, **series_line(number), lw=wider * width)
     return unit
 
 
@@ -265,19 +265,9 @@ def _draw_stems(
 
 
 def _stem_mark(number: int) -> Look:
-    style_ = series_style(number)
-    fill = style_.color if number == 0 else "white"
-    size = 2.6 if number == 0 else 3.6
-    look: Look = {"ls": "", "marker": style_.marker, "ms": size, "color": style_.color}
-    return look | {"mfc": fill if number == 0 else "none", "mew": 0.8}
-
-
-def _stem_handles(dataset: xr.Dataset) -> list[Artist]:
-    """Legend entries of engines whose amplitudes are marks at the orders."""
-    return [
-        line_handle(f"{engine_label(dataset, n)}, at orders", **_stem_mark(n))
-        for n in range(dataset.sizes["engine"])
-    ]
+    look, first = series_style(number), number == 0
+    fill: Look = {"ms": 2.6 if first else 3.6, "mfc": look.color if first else "none", "mew": 0.8}
+    return {"ls": "", "marker": look.marker, "color": look.color} | fill
 
 
 def _order_axis(panels: list[Axes], turning: float, limit: float) -> None:

@@ -8,19 +8,23 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import NullLocator
 
 from flexmech.plots import scales, style
-from flexmech.plots.labels import link_label, speed_unit
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
-from flexmech.plots.reading import names_of, values_of
-from flexmech.plots.series import Look, line_handle, series_line, series_style
+from flexmech.plots.reading import (
+    link_label,
+    names_of,
+    speed_unit,
+    speeds_of,
+    subscripts,
+    values_of,
+)
 from flexmech.plots.spectra import ONE_LINK
-from flexmech.types import FloatArray
+from flexmech.plots.style import Look, line_handle, series_line, series_style
 from flexmech.units import from_si
 
 MILLI = 1e3
-RPM = 30 / np.pi
 PANEL_HEIGHT = 1.5
 # The two axes of speed, in inches.
 AXES_HEIGHT = 1.0
@@ -32,10 +36,7 @@ MEAN_LETTER = 0.5
 # What the panels leave of the figure's width in inches, on the safe side.
 BESIDE_PANELS = 0.85
 BAND_OPACITY = 0.18
-SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 ENDS = ["critical_speed_low", "critical_speed_high"]
-# Up to this many decades the ticks stand at 1, 2 and 5, beyond it at powers of ten.
-FEW_DECADES = 2.3
 SETTLED: Look = {"ls": "", "marker": "s", "ms": 4.2, "mfc": "white", "mec": series_style(1).color}
 
 Bands = dict[int, list[tuple[str, float, float]]]
@@ -67,7 +68,8 @@ def plot_speed_sweep(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     """
     dataset, unit = dataset.sortby("crank_speed"), speed_unit(dataset)
     factor, links = from_si(1.0, unit), names_of(dataset, "link")
-    limits = _limits(factor * dataset["crank_speed"].values, "settled_peak" in dataset)
+    # Markers of simulations do not hang over the edges.
+    limits = scales.speed_limits(dataset, 0.015 if "settled_peak" in dataset else 0.0)
     bands = _bands(dataset, factor, limits)
     with sheet(_layout(len(links), len(bands)), ax=ax, fewer=ONE_LINK) as drawn:
         drawn.header(_handles(dataset, bands), "Steady-state peak deflection", of=dataset)
@@ -76,17 +78,13 @@ def plot_speed_sweep(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
             for row, mode in enumerate(bands):
                 for low, high in _merged(bands[mode]):
                     axes.axvspan(low, high, color=_color(row), alpha=BAND_OPACITY, lw=0, zorder=0)
-            _draw_peaks(axes, dataset.sel(link=link), factor)
+            _draw_peaks(axes, dataset.sel(link=link))
             axes.set_ylabel(f"{link_label(dataset, link)}\npeak deflection (mm)")
         drawn.label_x(f"Crank speed ({unit})")
-        top = drawn.panels[0]
+        top = drawn.figure.axes[0] if drawn.is_new else drawn.panels[0]
         if drawn.is_new:
-            top = drawn.figure.axes[0]
             _draw_strip(top, bands)
-        other, ratio = ("rad/s", 1.0 / factor) if unit == "rpm" else ("rpm", RPM / factor)
-        there_and_back = (lambda speed: ratio * speed, lambda speed: speed / ratio)
-        upper = top.secondary_xaxis("top", functions=there_and_back)
-        upper.set_xlabel(f"Crank speed ({other})")
+        scales.second_speed_axis(top, dataset)
     return drawn.figure
 
 
@@ -97,15 +95,6 @@ def _layout(links: int, modes: int) -> Layout:
     return Layout(links, whole.height, lambda figure: whole.make(figure)[1:])
 
 
-def _limits(speeds: FloatArray, settled: bool) -> tuple[float, float]:
-    """Range of speeds; markers of simulations do not hang over its edges."""
-    low, high = float(speeds.min()), float(speeds.max())
-    if low == high:
-        return low - 1.0, high + 1.0
-    room = 0.015 * (high - low) if settled else 0.0
-    return low - room, high + room
-
-
 def _bands(dataset: xr.Dataset, factor: float, limits: tuple[float, float]) -> Bands:
     """Bands within the limits; one that only reaches into the range is cut off at the edge."""
     ordered, bands = dataset[ENDS].sortby("order"), Bands()
@@ -114,13 +103,9 @@ def _bands(dataset: xr.Dataset, factor: float, limits: tuple[float, float]) -> B
         for column, order in enumerate(ordered["order"].values.tolist()):
             low, high = float(lows[row, column]), float(highs[row, column])
             if high > limits[0] and low < limits[1]:
-                cut = f"{_symbol(mode)}/{order}", max(low, limits[0]), min(high, limits[1])
+                cut = f"f{subscripts(mode)}/{order}", max(low, limits[0]), min(high, limits[1])
                 bands.setdefault(mode, []).append(cut)
     return bands
-
-
-def _symbol(mode: int) -> str:
-    return f"f{mode}".translate(SUBSCRIPTS)
 
 
 def _merged(bands: list[tuple[str, float, float]]) -> list[tuple[float, float]]:
@@ -162,24 +147,21 @@ def _draw_strip(axes: Axes, bands: Bands) -> None:
                 axes.text(middle, row + 0.6, name, ha="center", va="center", fontsize=LABEL_POINTS)
 
 
-def _draw_peaks(axes: Axes, link: xr.Dataset, factor: float) -> None:
+def _draw_peaks(axes: Axes, link: xr.Dataset) -> None:
     """Peaks of one link in mm, on a logarithmic axis if they allow it."""
-    speed = factor * link["crank_speed"].values
+    speed = speeds_of(link)
     drawn = [MILLI * link["peak_deflection"].values.astype(float)]
     axes.plot(speed, drawn[0], **series_line(0, speed))
     if "settled_peak" in link:
         drawn.append(MILLI * link["settled_peak"].values.astype(float))
-        axes.plot(factor * link["settled_speed"].values, drawn[1], **SETTLED, zorder=3)
+        axes.plot(speeds_of(link, "settled_speed"), drawn[1], **SETTLED, zorder=3)
     values = np.concatenate(drawn)
     positive = values[np.isfinite(values) & (values > 0)]
     if positive.size == 0:
         scales.plain_numbers(axes)
         return
     low, high = 0.8 * float(positive.min()), 1.25 * float(positive.max())
-    few = np.log10(high / low) <= FEW_DECADES
-    scales.log_scale(axes, low, high)
-    axes.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,), numticks=9))
-    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    scales.log_scale(axes, low, high, plain=True)
 
 
 def _handles(dataset: xr.Dataset, bands: Bands) -> list[Artist]:
@@ -188,5 +170,5 @@ def _handles(dataset: xr.Dataset, bands: Bands) -> list[Artist]:
         handles.append(line_handle("settled simulation", **SETTLED))
     for row, mode in enumerate(bands):
         look: Look = {"color": _color(row), "alpha": 2 * BAND_OPACITY, "lw": 0}
-        handles.append(Patch(**look, label=f"{_symbol(mode)}/order"))
+        handles.append(Patch(**look, label=f"f{subscripts(mode)}/order"))
     return handles

@@ -1,37 +1,213 @@
-"""Stability map: growth rate and largest Floquet multiplier over crank speed."""
+"""Stability map over crank speed: growth rate, largest multiplier and the unstable bands."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from flexmech.errors import InputError
-from flexmech.plots import scales
-from flexmech.plots.labels import engine_label, speed_unit
+from flexmech.plots import scales, style
 from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.series import Look, line_handle, series_line
-from flexmech.plots.unstable_bands import (
-    draw_gaps,
-    limit_speeds,
-    name_bands,
-    shade_bands,
-    speed_axes,
-    unstable_handles,
-)
+from flexmech.plots.reading import cell_edges, engine_label, speed_unit, speeds_of, subscripts
+from flexmech.plots.style import Look, series_handles, series_line, series_style
+from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray
 from flexmech.units import from_si
 
-GROWTH_HEIGHT, MODULUS_HEIGHT = 2.6, 1.7
-# The two axes of speed, in inches.
-AXES_HEIGHT = 0.9
+# Kinds of bands: what meets in words, and a hatch, so that kinds differ without colour too.
+KINDS = {
+    "principal": ("twice a frequency", ""),
+    "sum": ("sum of two frequencies", ""),
+    "difference": ("difference of two", "...."),
+    "unnamed": ("unnamed band", "xxxx"),
+}
+GAP: Look = {"facecolor": "0.94", "edgecolor": "0.7", "hatch": "////", "lw": 0}
+NOTHING = "this map has no Floquet multipliers: there is no equilibrium at any speed"
+LABEL_POINTS = 6.5
+# Part of the axes' width that the name of a band takes, upright; less on a wide page.
+NAME_WIDTH, NARROW_NAME_WIDTH = 0.024, 0.045
+# More names would hide the curve under them.
+MOST_NAMES, MOST_NARROW_NAMES = 14, 7
+# Of the axes' width: narrower bands are marks at the lower edge, of this height.
+LEAST_WIDTH, MARK_HEIGHT = 0.004, 0.05
+# Of the greatest growth rate: bands that grow more slowly have no names.
+LEAST_NAMED = 0.02
+
+# Of both panels and of the two axes of speed, in inches.
+GROWTH_HEIGHT, MODULUS_HEIGHT, AXES_HEIGHT = 2.6, 1.7, 0.9
 ZERO: Look = {"color": "0.55", "lw": 0.6, "zorder": 1}
 # Room for the names of bands over the curve.
 ROOM = 1.55
+# Of the axis in 1/s: growth below it is round-off of multipliers that do not grow.
 LEAST_GROWTH = 1e-3
 BOTH = "give two Axes: one for the growth rate and one for the modulus"
+
+
+class UnstableBand(NamedTuple):
+    """A range of crank speeds in which a vibration of the first engine grows.
+
+    Parameters
+    ----------
+    low, high : float
+        Edges in the user's unit.
+    growth : float
+        Largest growth rate in 1/s.
+    kind : str
+        What meets there: ``"principal"``, ``"sum"``, ``"difference"`` or ``"unnamed"``.
+    name : str
+        The same as an equation, such as "f₁+f₃ = 11f" with f of the crank.
+    """
+
+    low: float
+    high: float
+    growth: float
+    kind: str
+    name: str
+
+
+def unstable_bands(dataset: xr.Dataset) -> list[UnstableBand]:
+    """Unstable bands of the first engine.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``StabilityMap`` result.
+
+    Returns
+    -------
+    list of UnstableBand
+    """
+    factor, found = from_si(1.0, speed_unit(dataset)), []
+    for place in np.flatnonzero(dataset["band_engine"] == dataset["engine"][0]).tolist():
+        band = dataset.isel(band=place)
+        low, high = sorted(factor * float(band[f"band_{end}"]) for end in ("lower", "upper"))
+        growth = float(band["band_largest_growth_rate"])
+        found.append(UnstableBand(low, high, growth, str(band["band_kind"].item()), _name(band)))
+    return found
+
+
+def growth_curve(dataset: xr.Dataset, engine: int = 0) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Growth rate and largest modulus over crank speed, with closed edges and peaks of bands.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``StabilityMap`` result.
+    engine : int
+
+    Returns
+    -------
+    ndarray, ndarray, ndarray, shape (n,)
+        Crank speed in the user's unit, ascending; growth rate in 1/s; modulus of a multiplier.
+    """
+    own = dataset.isel(engine=engine)
+    bands = dataset.isel(band=np.flatnonzero(dataset["band_engine"] == own["engine"]))
+    speed, rate = [own["crank_speed"].values], [own["growth_rate"].values]
+    for end in ("lower", "upper"):
+        closed = ~bands[f"band_{end}_open"].values
+        speed.append(bands[f"band_{end}"].values[closed])
+        rate.append(np.zeros(int(closed.sum())))
+    every = np.concatenate([*speed, bands["band_fastest_speed"].values])
+    growth = np.concatenate([*rate, bands["band_largest_growth_rate"].values])
+    # Stable: where a speed asked for is an edge, its own value comes first.
+    order = np.argsort(every, kind="stable")
+    every, growth = every[order], growth[order]
+    modulus = np.exp(growth * 2 * np.pi / np.abs(every))
+    return from_si(1.0, speed_unit(dataset)) * every, growth, modulus
+
+
+def shade_speeds(axes: Axes, dataset: xr.Dataset) -> None:
+    """Let the x axis reach over the crank speeds; shade unstable bands and hatch gaps.
+
+    Bands and gaps are those of the first engine; narrow bands are marks at the lower edge, and
+    gaps, speeds without equilibrium, reach half way to the next speeds.
+
+    Parameters
+    ----------
+    axes : Axes
+    dataset : Dataset
+        Of a ``StabilityMap`` result.
+    """
+    low, high = scales.speed_limits(dataset)
+    axes.set_xlim(low, high)
+    for band in unstable_bands(dataset):
+        wide = band.high - band.low >= LEAST_WIDTH * (high - low)
+        height = 1.0 if wide else MARK_HEIGHT
+        axes.axvspan(band.low, band.high, ymax=height, **_look(band.kind), zorder=0.5)
+    speed = speeds_of(dataset)
+    edges = np.clip(cell_edges(speed), speed.min(), speed.max())
+    for run in unbroken_runs(dataset["unstable"].values[0] == "no equilibrium"):
+        axes.axvspan(edges[run.start], edges[run.stop], **GAP, zorder=0)
+
+
+def name_bands(axes: Axes, dataset: xr.Dataset) -> None:
+    """Write the names of the fastest growing bands upright over them, at the top of axes.
+
+    A band that has no room beside those that grow faster has no name: a name that stood beside its
+    band would be read as its neighbour's.
+    """
+    most, part = (
+        (MOST_NARROW_NAMES, NARROW_NAME_WIDTH)
+        if style.is_narrow()
+        else (
+            MOST_NAMES,
+            NAME_WIDTH,
+        )
+    )
+    bands = sorted(unstable_bands(dataset), key=lambda band: -band.growth)
+    low, high = axes.get_xlim()
+    width, taken = part * (high - low), list[float]()
+    look: Look = {"rotation": 90, "ha": "center", "va": "top", "fontsize": LABEL_POINTS}
+    look["bbox"] = {"facecolor": "white", "edgecolor": "none", "pad": 0.4, "alpha": 0.75}
+    for band in bands:
+        place = float(np.clip((band.low + band.high) / 2, low + width / 2, high - width / 2))
+        slow = band.growth < LEAST_NAMED * bands[0].growth
+        if slow or any(abs(place - other) < width for other in taken) or len(taken) == most:
+            continue
+        taken.append(place)
+        across = axes.get_xaxis_transform()
+        axes.text(place, 0.98, band.name, transform=across, zorder=5, **look)
+
+
+def unstable_handles(dataset: xr.Dataset) -> list[Artist]:
+    """Legend entries of the kinds of bands that there are, and of gaps."""
+    kinds = {band.kind for band in unstable_bands(dataset)}
+    handles: list[Artist] = [
+        Patch(**_look(kind), label=words) for kind, (words, _) in KINDS.items() if kind in kinds
+    ]
+    return [*handles, *gap_handles(dataset["unstable"].values[0])]
+
+
+def gap_handles(state: NDArray[np.str_]) -> list[Artist]:
+    """Legend entry of gaps, where some state is that there is no equilibrium."""
+    there = (state == "no equilibrium").any()
+    return [Patch(**GAP, label="no equilibrium")] if there else []
+
+
+def _look(kind: str) -> Look:
+    color = series_style(list(KINDS).index(kind)).color if kind != "unnamed" else style.MID_GREY
+    fill = f"{color}40" if color.startswith("#") else "0.85"
+    return {"facecolor": fill, "edgecolor": color, "lw": 0.5, "hatch": KINDS[kind][1]}
+
+
+def _name(band: xr.Dataset) -> str:
+    """What meets, such as "f₁+f₃ = 11f" with f of the crank."""
+    kind, branches = str(band["band_kind"].item()), str(band["band_branches"].item()).split()
+    if kind == "unnamed" or not branches:
+        return "?"
+    one, other = (f"f{subscripts(branch)}" for branch in (branches[0], branches[-1]))
+    order = int(band["band_order"])
+    if kind == "principal":
+        return f"2{one} = {order}f"
+    sign = "+" if kind == "sum" else "\N{MINUS SIGN}"
+    return f"{one}{sign}{other} = {order}f"
 
 
 def plot_stability(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -59,20 +235,19 @@ def plot_stability(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
         If there is an equilibrium at no speed.
     """
     if not np.isfinite(dataset["growth_rate"]).any():
-        raise InputError(
-            "this map has no Floquet multipliers: there is no equilibrium at any speed"
-        )
+        raise InputError(NOTHING)
     heights = [GROWTH_HEIGHT, MODULUS_HEIGHT]
     layout = grid(2, 1, sum(heights) + AXES_HEIGHT, sharex=True, height_ratios=heights)
     with sheet(layout, ax=ax, fewer=BOTH) as drawn:
-        drawn.header(_handles(dataset), "Stability of the running linkage", of=dataset)
+        names = (engine_label(dataset, n) for n in range(dataset.sizes["engine"]))
+        handles = series_handles(names, dataset["crank_speed"].values)
+        handles += unstable_handles(dataset)
+        drawn.header(handles, "Stability of the running linkage", of=dataset)
         growth, modulus = drawn.panels
         for axes in drawn.panels:
-            limit_speeds(axes, dataset)
-            shade_bands(axes, dataset)
-            draw_gaps(axes, dataset)
+            shade_speeds(axes, dataset)
         for number in range(dataset.sizes["engine"]):
-            speed, rate, size = _curve(dataset, number)
+            speed, rate, size = growth_curve(dataset, number)
             look = series_line(number, dataset["crank_speed"].values)
             growth.plot(speed, rate, **look, zorder=3)
             modulus.plot(speed, size, **look, zorder=3)
@@ -84,39 +259,17 @@ def plot_stability(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure
         modulus.set_ylabel("Largest modulus\nof a multiplier")
         name_bands(growth, dataset)
         drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
-        speed_axes(drawn.panels, dataset)
+        scales.second_speed_axis(growth, dataset)
     return drawn.figure
-
-
-def _curve(dataset: xr.Dataset, engine: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Speed in the user's unit, growth rate and modulus, with what bands add between speeds."""
-    own = dataset.isel(engine=engine)
-    bands = dataset.isel(
-        band=np.flatnonzero(dataset["band_engine"].values == str(own["engine"].item()))
-    )
-    speed, rate = [own["crank_speed"].values], [own["growth_rate"].values]
-    closed = {end: ~bands[f"band_{end}_open"].values for end in ("lower", "upper")}
-    for end, place in closed.items():
-        speed.append(bands[f"band_{end}"].values[place])
-        rate.append(np.zeros(int(place.sum())))
-    speed.append(bands["band_fastest_speed"].values)
-    rate.append(bands["band_largest_growth_rate"].values)
-    every, growth = np.concatenate(speed), np.concatenate(rate)
-    # Stable: where a speed asked for is an edge, its own value comes first.
-    order = np.argsort(every, kind="stable")
-    every, growth = every[order], growth[order]
-    modulus = np.exp(growth * 2 * np.pi / np.abs(every))
-    return from_si(1.0, speed_unit(dataset)) * every, growth, modulus
 
 
 def _with_equilibrium(dataset: xr.Dataset, part: int) -> FloatArray:
     """Growth rates or moduli that are drawn, of all engines, at speeds with an equilibrium."""
     found = [np.zeros(0)]
     for number in range(dataset.sizes["engine"]):
-        curve = _curve(dataset, number)
+        curve = growth_curve(dataset, number)
         states = dataset["unstable"].values[number] != "no equilibrium"
-        speed = from_si(1.0, speed_unit(dataset)) * dataset["crank_speed"].values
-        nearest = np.abs(curve[0][:, None] - speed).argmin(axis=1)
+        nearest = np.abs(curve[0][:, None] - speeds_of(dataset)).argmin(axis=1)
         found.append(curve[part][states[nearest] & np.isfinite(curve[part])])
     return np.concatenate(found)
 
@@ -134,10 +287,3 @@ def _scale(axes: Axes, values: FloatArray, middle: float) -> None:
     )
     axes.set_ylim(middle + low - 0.06 * (high - low), middle + high + (ROOM - 1) * (high - low))
     scales.plain_numbers(axes)
-
-
-def _handles(dataset: xr.Dataset) -> list[Artist]:
-    speeds = dataset["crank_speed"].values
-    names = [engine_label(dataset, n) for n in range(dataset.sizes["engine"])]
-    lines = [line_handle(name, **series_line(n, speeds)) for n, name in enumerate(names)]
-    return [*lines, *unstable_handles(dataset)]

@@ -5,29 +5,27 @@ from __future__ import annotations
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from flexmech.errors import InputError
 from flexmech.plots import scales
-from flexmech.plots.labels import engine_label, speed_unit
 from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.reading import cell_edges
-from flexmech.plots.series import Look, line_handle
+from flexmech.plots.reading import cell_edges, engine_label, speed_unit, speeds_of
+from flexmech.plots.stability import GAP, gap_handles
+from flexmech.plots.style import Look, line_handle
 from flexmech.types import FloatArray
-from flexmech.units import from_si
 
+# Of a panel in inches.
 PANEL_HEIGHT = 2.9
 # Grows darker throughout, and begins where it is told from white.
 COLOURS = LinearSegmentedColormap.from_list(
     "growth", mpl.colormaps["YlOrBr"](np.linspace(0.15, 1.0, 256))
 )
 ZERO: Look = {"color": "0.1", "lw": 1.0}
-GAP: Look = {"facecolor": "0.94", "edgecolor": "0.7", "hatch": "////", "lw": 0}
 # Numbers of parameters in the unit that they are read in.
 READ: dict[str, tuple[float, str]] = {"m": (1e3, "mm"), "Pa": (1e-9, "GPa"), "s": (1e3, "ms")}
 PERCENT = ("damping-ratio", "moisture")
@@ -65,25 +63,22 @@ def plot_stability_against(dataset: xr.Dataset, *, ax: AxesLike | None = None) -
     data = dataset.sortby("crank_speed").transpose(..., "parameter", "crank_speed")
     rate, state = data["against_growth_rate"].values, data["against_unstable"].values
     engines = dataset.sizes["engine"]
-    speed = from_si(1.0, speed_unit(dataset)) * data["crank_speed"].values
+    speed = speeds_of(data)
     factor, label = _parameter(dataset)
     parameter = factor * data["parameter"].values
     top = float(np.nanmax(np.where(state == "yes", rate, np.nan), initial=0.0))
     norm = Normalize(0.0, top or 1.0)
     layout = grid(engines, 1, engines * PANEL_HEIGHT + 0.5, sharex=True)
     with sheet(layout, ax=ax) as drawn:
-        drawn.header(_handles(state), f"Growth over crank speed and {_words(dataset)}", of=dataset)
+        handles = [line_handle("growth rate zero", **ZERO), *gap_handles(state)]
+        drawn.header(handles, f"Growth over crank speed and {_words(dataset)}", of=dataset)
         for number, axes in enumerate(drawn.panels):
             _draw(axes, speed, parameter, rate[number], state[number], norm)
             if engines > 1:
                 axes.set_title(engine_label(dataset, number), loc="left")
         drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
         drawn.label_y(label)
-        bar = drawn.figure.colorbar(
-            ScalarMappable(norm, COLOURS), ax=drawn.panels, pad=0.02, aspect=30
-        )
-        bar.set_label("Growth rate (1/s)")
-        bar.outline.set_linewidth(0.6)
+        drawn.colour_bar(ScalarMappable(norm, COLOURS), "Growth rate (1/s)")
     return drawn.figure
 
 
@@ -92,7 +87,7 @@ def _draw(
     speed: FloatArray,
     parameter: FloatArray,
     rate: FloatArray,
-    state: np.ndarray[tuple[int, ...], np.dtype[np.str_]],
+    state: NDArray[np.str_],
     norm: Normalize,
 ) -> None:
     edges = cell_edges(speed), cell_edges(parameter)
@@ -125,10 +120,3 @@ def _parameter(dataset: xr.Dataset) -> tuple[float, str]:
 
 def _words(dataset: xr.Dataset) -> str:
     return str(dataset["parameter"].attrs.get("long_name", "parameter"))
-
-
-def _handles(state: np.ndarray[tuple[int, ...], np.dtype[np.str_]]) -> list[Artist]:
-    handles: list[Artist] = [line_handle("growth rate zero", **ZERO)]
-    if (state == "no equilibrium").any():
-        handles.append(Patch(**GAP, label="no equilibrium"))
-    return handles

@@ -1,25 +1,32 @@
-"""The publication style: one style sheet, the widths of a page, and figures as files."""
+"""The publication style: style sheet, page widths, the look of series, and figures as files."""
 
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import matplotlib as mpl
+from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.lines import Line2D
 
 from flexmech.errors import InputError
+from flexmech.types import FloatArray
 
+# In inches.
 MILLIMETRE = 1 / 25.4
+# Width in mm of a page of two columns, as journals have it.
 TWO_COLUMNS = 180.0
 # Below this width in mm panels stand under each other, and letters are a point smaller.
 NARROW = 130.0
+# Narrower pages cannot hold a legend's entries, wider ones no printer takes.
 LEAST_WIDTH, MOST_WIDTH = 80.0, 400.0
 LIGHT_GREY = "0.90"
 MID_GREY = "0.45"
@@ -33,6 +40,14 @@ FINE_DOTS = 300
 UNDATED: dict[str, dict[str, Any]] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
 
 _width: ContextVar[float] = ContextVar("page width in mm", default=TWO_COLUMNS)
+
+# Below this number of angles each computed point is marked: a line alone would suggest a
+# resolution that is not there, and a single point would not show at all.
+FEW_POINTS = 10
+# Of these marks in points: twice a line's width and more, so that they are seen on it.
+POINT_SIZE = 3.0
+Look = dict[str, Any]
+"""Properties of a line or a marker, as matplotlib names them."""
 
 
 def figure_width() -> float:
@@ -138,3 +153,85 @@ def publication_style() -> Iterator[None]:
     """
     with mpl.rc_context(STYLE), mpl.rc_context(NARROW_STYLE if is_narrow() else None):
         yield
+
+
+@dataclass(frozen=True)
+class SeriesStyle:
+    """How one series is told from the others, in colour and without it."""
+
+    color: str
+    linestyle: Literal["-"] | tuple[float, tuple[float, ...]]
+    marker: str
+
+
+SERIES_STYLES = (
+    SeriesStyle("#0072B2", "-", "o"),
+    SeriesStyle("#D55E00", (0.0, (5.0, 1.6)), "s"),
+    SeriesStyle("#009E73", (0.0, (5.0, 1.5, 1.2, 1.5)), "^"),
+    SeriesStyle("#CC79A7", (0.0, (1.2, 1.2)), "D"),
+    SeriesStyle("#E69F00", (0.0, (5.0, 1.4, 1.2, 1.4, 1.2, 1.4)), "v"),
+    SeriesStyle("#56B4E9", (0.0, (9.0, 2.0)), "P"),
+)
+"""Okabe and Ito's colours (safe for colour-blind readers), each with a dash and a marker."""
+
+
+def series_style(number: int) -> SeriesStyle:
+    """Style of the series of a given number from 0; repeats after six."""
+    return SERIES_STYLES[number % len(SERIES_STYLES)]
+
+
+def series_line(number: int, points: FloatArray | None = None) -> Look:
+    """Properties of a series' line; each of the points is marked where they are few.
+
+    Parameters
+    ----------
+    number : int
+        Of the series, from 0.
+    points : ndarray, optional
+        Abscissas of the computed points. Without them no point is marked.
+
+    Returns
+    -------
+    dict
+        For ``Axes.plot``.
+    """
+    style = series_style(number)
+    marked = points is not None and few_points(points)
+    return {
+        "color": style.color,
+        "linestyle": style.linestyle,
+        "marker": style.marker if marked else "",
+        "markersize": POINT_SIZE,
+    }
+
+
+def line_handle(label: str, **properties: Any) -> Artist:
+    """Legend entry with the properties of a ``Line2D``."""
+    return Line2D([], [], label=label, **properties)
+
+
+def line_handles(looks: Mapping[str, Look]) -> list[Artist]:
+    """Legend entries of lines by their labels."""
+    return [line_handle(label, **look) for label, look in looks.items()]
+
+
+def series_handle(number: int, label: str, **properties: Any) -> Artist:
+    """Legend entry in the style of a series; properties are those of ``Line2D``."""
+    return line_handle(label, **(series_line(number) | properties))
+
+
+def series_handles(labels: Iterable[str], points: FloatArray | None = None) -> list[Artist]:
+    """Legend entries of series in order; each of the points is marked where they are few."""
+    return [line_handle(label, **series_line(n, points)) for n, label in enumerate(labels)]
+
+
+def told_apart(names: list[str]) -> list[str]:
+    """Names of series, if there are some and each can have a style of its own."""
+    if not 1 <= len(names) <= len(SERIES_STYLES):
+        raise InputError(f"one to {len(SERIES_STYLES)} series can be drawn, got {len(names)}")
+    return names
+
+
+def few_points(points: FloatArray) -> bool:
+    """Whether the points are few enough to mark each of them."""
+    return points.size <= FEW_POINTS

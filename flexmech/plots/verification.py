@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from flexmech.plots.layout import AxesLike, grid, sheet, wrapped
 from flexmech.plots.reading import names_of
-from flexmech.plots.series import Look, line_handle
+from flexmech.plots.style import Look, line_handle
 
 ROW = 0.3
 # Deviations below this part of the tolerance, and none at all, stand at the left end.

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-import xarray as xr
 
 from flexmech.analyses import (
     CampbellDiagram,
@@ -17,15 +16,10 @@ from flexmech.analyses import (
     Summary,
 )
 from flexmech.analyses.frequencies.extremes import known_error
+from flexmech.plots.campbell import critical_stretches
 from flexmech.report.panels.frequencies import in_each_state
 from flexmech.report.results import Results
-from flexmech.report.words import (
-    engine_names,
-    speed_name,
-    speed_unit_of,
-    state_of,
-    with_error,
-)
+from flexmech.report.words import engine_names, speed_name, speed_unit_of, state_of, with_error
 from flexmech.units import from_si
 
 LOWEST_ORDERS = 3
@@ -80,23 +74,20 @@ def _speeds_to_avoid(results: Results) -> tuple[str, ...]:
     if result is None:
         return ()
     data, unit = result.dataset, speed_unit_of(results)
-    engine = engine_names(data)[0]
-    met = (data["critical_engine"].values == engine) & (data["critical_gap"].values == 0)
-    critical = data.isel(critical=np.flatnonzero(met))
-    orders = sorted(set(critical["critical_order"].values.tolist()))
+    stretches = critical_stretches(data)
+    orders = sorted({order for order, *_ in stretches})
     low, high = (float(each) for each in data["crank_speed"].values[[0, -1]])
     within = f"{from_si(low, unit):.4g} to {from_si(high, unit):.4g} {unit}"
     computed = data["order"].values
     considered = f"orders {int(computed.min())} to {int(computed.max())} of the crank"
     if not orders:
         return (f"none from {within}: no frequency is met by {considered}",)
-    every = _merged(_ranges(critical, None))
+    every = _merged([(start, end) for _, (start, end), _ in stretches])
     lines = [f"avoid {_listed(every, (low, high), unit)}: there {considered} meet a frequency"]
     lines += _at_chosen_speeds(results, every, unit)
-    lines += [
-        f"order {order}: {_listed(_merged(_ranges(critical, order)), (low, high), unit)}"
-        for order in orders[:LOWEST_ORDERS]
-    ]
+    for order in orders[:LOWEST_ORDERS]:
+        own = _merged([(start, end) for one, (start, end), _ in stretches if one == order])
+        lines.append(f"order {order}: {_listed(own, (low, high), unit)}")
     if not _between(every, low, high):
         lines.append(f"no speed from {within} is free of {considered}")
     return tuple(lines)
@@ -112,17 +103,6 @@ def _at_chosen_speeds(results: Results, every: Ranges, unit: str) -> list[str]:
         names[any(low <= speed <= high for low, high in every)].append(speed_name(speed, unit))
     words = {True: "critical among the speeds shown", False: "not critical"}
     return [f"{words[met]}: {', '.join(found)}" for met, found in names.items() if found]
-
-
-def _ranges(critical: xr.Dataset, order: int | None) -> Ranges:
-    """Critical speeds of one order, or of all."""
-    chosen = [
-        n
-        for n, each in enumerate(critical["critical_order"].values.tolist())
-        if order is None or each == order
-    ]
-    starts, ends = (critical[f"critical_{end}"].values[chosen] for end in ("start", "end"))
-    return [(float(a), float(b)) for a, b in zip(starts, ends, strict=True)]
 
 
 def _merged(ranges: Ranges) -> Ranges:
@@ -143,11 +123,11 @@ def _between(ranges: Ranges, low: float, high: float) -> Ranges:
     return [(a, b) for a, b in gaps if b - a > 1e-3 * (high - low)]
 
 
-def _listed(ranges: Ranges, within: tuple[float, float] | None, unit: str) -> str:
+def _listed(ranges: Ranges, within: tuple[float, float], unit: str) -> str:
     """Ranges in words; those that reach the end of what was computed may go on beyond it."""
     texts = []
     for low, high in ranges:
-        beyond = " or more" if within is not None and high >= within[1] else ""
+        beyond = " or more" if high >= within[1] else ""
         ends = dict.fromkeys(f"{from_si(end, unit):.4g}" for end in (low, high))
         texts.append(f"{' to '.join(ends)}{beyond}")
     return f"{', '.join(texts)} {unit}"

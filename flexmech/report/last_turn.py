@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from flexmech.report.arrays import thinning
 from flexmech.report.words import crank_degrees
 from flexmech.types import FloatArray, IntArray
 
 # Round-off must not lose the sample a full turn before the last one.
 ROUND_OFF = 1e-6
 FULL = 360.0
+MOST_POINTS = 400
+"""Points of a line over a turn: a screen shows no more of it in a plot of that width."""
 
 
 @dataclass(frozen=True)
@@ -80,3 +81,20 @@ def over_a_turn(angle: FloatArray, *, thin: bool = True) -> LastTurn:
     order = np.argsort(shown)
     start = FULL * np.floor((shown.min() + ROUND_OFF) / FULL)
     return LastTurn(shown[order] - start, kept[order], len(inside))
+
+
+def thinning(size: int, most: int = MOST_POINTS) -> IntArray:
+    """Which of evenly spaced samples are kept: every n-th, and the last one.
+
+    Parameters
+    ----------
+    size : int
+    most : int
+
+    Returns
+    -------
+    ndarray of int
+    """
+    step = max(1, -(-(size - 1) // most))
+    kept = np.arange(0, size, step)
+    return kept if kept.size and kept[-1] == size - 1 else np.append(kept, size - 1)

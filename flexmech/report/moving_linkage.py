@@ -12,13 +12,15 @@ from typing import Any
 import numpy as np
 
 from flexmech.analyses import MovingFrequencies, Response
-from flexmech.analyses.response.stored import needed
+from flexmech.analyses.response.dataset import needed
 from flexmech.errors import InputError
 from flexmech.linkages import CouplerCurve, FourBar, LinkEnd, Topology, standing
 from flexmech.mechanism import Mechanism, drawn_parts
 from flexmech.modelfile import mechanism_from_toml
-from flexmech.report.arrays import Arrays, thinning
-from flexmech.report.last_turn import over_a_turn
+from flexmech.plots.layout import round_enlargement
+from flexmech.plots.mode_shapes import real_shapes
+from flexmech.report.embedding import Arrays
+from flexmech.report.last_turn import over_a_turn, thinning
 from flexmech.report.panels.frequencies import in_each_state
 from flexmech.report.results import Results
 from flexmech.report.words import crank_degrees, engine_names, speed_name, speed_unit_of, state_of
@@ -152,7 +154,9 @@ def _mode_shapes(results: Results, unit: str, arrays: Arrays) -> list[dict[str, 
                     continue
                 position = data[place].transpose(over, "link", "station", "component").values
                 angle = crank_degrees(data[over].values)
-                local = _in_link_frames(_real(values[:, :, 0] + 1j * values[:, :, 1]), position)
+                local = _in_link_frames(
+                    real_shapes(values[:, :, 0] + 1j * values[:, :, 1]), position
+                )
                 angle, local = _closed(angle, local)
                 when = {"state": state, "engine": engine, "speed": speed_name(speed, unit)}
                 for number, mode in enumerate(data["mode"].values.tolist()):
@@ -174,16 +178,6 @@ def _in_link_frames(displacement: FloatArray, position: FloatArray) -> FloatArra
     x, y = direction[..., None, 0], direction[..., None, 1]
     u, v = displacement[..., 0], displacement[..., 1]
     return np.stack([x * u + y * v, -y * u + x * v], axis=-1)
-
-
-def _real(shapes: Any) -> FloatArray:
-    """Each shape (mode, angle, ...) in the phase of its largest component, largest 1."""
-    flat = shapes.reshape(*shapes.shape[:2], -1)
-    place = np.argmax(np.abs(flat), axis=-1)[..., None]
-    phase = np.angle(np.take_along_axis(flat, place, axis=-1))
-    real = (flat * np.exp(-1j * phase)).real.reshape(shapes.shape)
-    longest = np.hypot(real[..., 0], real[..., 1]).max(axis=(-2, -1))
-    return np.asarray(real / np.where(longest > 0, longest, 1.0)[..., None, None, None])
 
 
 def _closed(angle: FloatArray, local: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -209,7 +203,6 @@ def _runs(results: Results, unit: str, extent: float, arrays: Arrays) -> list[di
         for engine in engine_names(data):
             moved = turn.of(data["displacement"].sel(engine=engine).transpose(*order).values)
             local = _in_link_frames(moved[kept], position)
-            factor = _round_enlargement(extent, local)
             speed = speed_name(float(data.attrs["crank_speed"]), unit)
             runs.append(
                 {
@@ -217,22 +210,10 @@ def _runs(results: Results, unit: str, extent: float, arrays: Arrays) -> list[di
                     "angle": arrays.add(turn.angle[kept]),
                     "stations": local.shape[-2],
                     "values": arrays.add(local),
-                    "enlargement": factor,
+                    "enlargement": round_enlargement(local, extent, ENLARGED_TO),
                 }
             )
     return runs
-
-
-def _round_enlargement(extent: float, displacement: FloatArray) -> float:
-    """1, 2 or 5 times a power of ten, at least 1: the nearest in ratio to what is wanted."""
-    greatest = float(np.hypot(displacement[..., 0], displacement[..., 1]).max(initial=0.0))
-    if greatest <= 1e-10 * extent:
-        return 1.0
-    wanted = max(ENLARGED_TO * extent / greatest, 1.0)
-    decade = 10.0 ** np.floor(np.log10(wanted))
-    return min(
-        (float(round(n * decade)) for n in (1, 2, 5, 10)), key=lambda f: abs(np.log(f / wanted))
-    )
 
 
 def _path(mechanism: Mechanism, degrees: FloatArray, arrays: Arrays) -> dict[str, Any] | None:

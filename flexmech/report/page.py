@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields, is_dataclass
 from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,14 +15,17 @@ from flexmech.analyses.netcdf import file_attributes
 from flexmech.errors import InputError
 from flexmech.files import given_path, write_whole
 from flexmech.mechanism import Mechanism
-from flexmech.plots.series import SERIES_STYLES
+from flexmech.plots.style import SERIES_STYLES
 from flexmech.report.answers import answers
-from flexmech.report.arrays import Arrays
-from flexmech.report.markup import equation_markup, json_text
+from flexmech.report.embedding import (
+    Arrays,
+    equation_markup,
+    json_text,
+    plotly_source,
+)
 from flexmech.report.moving_linkage import mechanism_of, moving_linkage
-from flexmech.report.panel import Panel, Plot, Reading, Trace
+from flexmech.report.panel import Panel
 from flexmech.report.panels import panels_of
-from flexmech.report.plotly_source import plotly_source
 from flexmech.report.results import Results
 from flexmech.units import ANGULAR_SPEED, parse_quantity
 
@@ -117,8 +121,8 @@ def _page(results: Results, mechanism: Mechanism | None, command_line: str) -> s
 
     arrays, panels = Arrays(), panels_of(results)
     linkage = None if mechanism is None else moving_linkage(mechanism, results, arrays)
-    plots = [_plot(plot, arrays) for panel in panels for plot in panel.plots]
-    readings = [_reading(each, arrays) for panel in panels for each in panel.readings]
+    plots = [_plain(plot, arrays) for panel in panels for plot in panel.plots]
+    readings = [_plain(each, arrays) for panel in panels for each in panel.readings]
     data = {
         "linkage": linkage,
         "plots": plots,
@@ -181,51 +185,25 @@ def _package_text(name: str) -> str:
     return resources.files("flexmech.report").joinpath("templates", name).read_text("utf-8")
 
 
-def _plot(plot: Plot, arrays: Arrays) -> dict[str, Any]:
-    return {
-        "name": plot.name,
-        "xTitle": plot.x_title,
-        "axes": [{"title": axis.title, "log": axis.logarithmic} for axis in plot.axes],
-        "traces": [_trace(trace, arrays) for trace in plot.traces],
-        "cursor": plot.cursor,
-        "speedScale": plot.speed_scale,
-        "equal": plot.equal,
-        "xRange": plot.x_range,
-        "tick": plot.tick,
-        "height": plot.height,
-    }
+def _plain(item: Any, arrays: Arrays) -> Any:
+    """What a panel is made of as JSON has it: fields by name, arrays by their numbers."""
+    if isinstance(item, np.ndarray):
+        return arrays.add(item)
+    if is_dataclass(item):
+        return {
+            _camel(each.name): _plain(getattr(item, each.name), arrays) for each in fields(item)
+        }
+    if isinstance(item, Mapping):
+        return dict(item)
+    if isinstance(item, tuple):
+        return [_plain(each, arrays) for each in item]
+    return None if isinstance(item, float) and not np.isfinite(item) else item
 
 
-def _trace(trace: Trace, arrays: Arrays) -> dict[str, Any]:
-    return {
-        "name": trace.name,
-        "x": arrays.add(trace.x),
-        "y": arrays.add(trace.y),
-        "colour": trace.colour,
-        "look": trace.look,
-        "width": trace.width,
-        "when": dict(trace.when),
-        "followed": None if trace.followed is None else dict(trace.followed),
-        "axis": trace.axis,
-        "angle": None if trace.angle is None else arrays.add(trace.angle),
-        "fill": trace.fill,
-        "legend": trace.legend,
-        "label": trace.label,
-    }
-
-
-def _reading(reading: Reading, arrays: Arrays) -> dict[str, Any]:
-    return {
-        "group": reading.group,
-        "label": reading.label,
-        "unit": reading.unit,
-        "angle": arrays.add(reading.angle),
-        "value": arrays.add(reading.value),
-        "error": reading.error if np.isfinite(reading.error) else None,
-        "when": dict(reading.when),
-        "decimals": reading.decimals,
-        "mode": reading.mode,
-    }
+def _camel(name: str) -> str:
+    """A name as scripts write it."""
+    first, *others = name.split("_")
+    return first + "".join(map(str.capitalize, others))
 
 
 def _choices(
@@ -244,14 +222,9 @@ def _choices(
         names = list(dict.fromkeys(each[key] for each in asked if key in each))
         choices[key] = [{"name": name} for name in names]
     for each in choices["speed"]:
-        each["value"] = _speed_value(each["name"])
+        each["value"] = parse_quantity(each["name"], ANGULAR_SPEED)
     choices["speed"].sort(key=lambda each: each["value"])
     return choices
-
-
-def _speed_value(name: str) -> float:
-    """Crank speed in rad/s of its name."""
-    return parse_quantity(name, ANGULAR_SPEED)
 
 
 def _versions(results: Results) -> dict[str, str]:
@@ -272,10 +245,7 @@ def _settings(results: Results) -> list[tuple[str, str]]:
     for each in results.all:
         attributes = each.dataset.attrs
         told = each.stored_as.get("command_line", "")
-        settings = ", ".join(
-            f"{name.replace('_', ' ')} {attributes[name]}"
-            for name in SETTINGS
-            if name in attributes
-        )
+        known = (name for name in SETTINGS if name in attributes)
+        settings = ", ".join(f"{name.replace('_', ' ')} {attributes[name]}" for name in known)
         rows.append((each.title, told or settings or "no settings"))
     return rows

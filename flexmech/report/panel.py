@@ -6,12 +6,17 @@ nothing is computed in the browser but the place between two samples.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import tomllib
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from functools import cache, wraps
+from importlib import resources
+from typing import Any, Literal
 
-from flexmech.analyses import Table
+from flexmech.analyses import Summary, Table
+from flexmech.report.results import Kind, Results
 from flexmech.types import FloatArray
+from flexmech.units import from_si
 
 Choice = Mapping[str, str]
 """What the reader must have chosen for something to be shown: ``speed``, ``engine``, ``state`` or
@@ -116,6 +121,49 @@ class Plot:
     title: str = ""
 
 
+def over_angle(name: str, axes: tuple[YAxis, ...], traces: Iterable[Trace], **of: Any) -> Plot:
+    """A plot over the crank angle, whose cursor follows it.
+
+    Further keywords are fields of the plot.
+
+    Parameters
+    ----------
+    name : str
+    axes : tuple of YAxis
+    traces : iterable of Trace
+
+    Returns
+    -------
+    Plot
+    """
+    along: dict[str, Any] = {"x_title": "Crank angle (deg)", "cursor": "angle", "tick": 60.0}
+    return Plot(name, axes=axes, traces=tuple(traces), **(along | of))
+
+
+def over_speed(
+    name: str, unit: str, axes: tuple[YAxis, ...], traces: Iterable[Trace], text: str
+) -> Plot:
+    """A plot over the crank speed, whose cursor follows the speed chosen.
+
+    Parameters
+    ----------
+    name : str
+    unit : str
+        Of the crank speed.
+    axes : tuple of YAxis
+    traces : iterable of Trace
+    text : str
+        What is to be seen.
+
+    Returns
+    -------
+    Plot
+    """
+    scale, title = from_si(1.0, unit), f"Crank speed ({unit})"
+    shown = tuple(traces)
+    return Plot(name, title, axes, shown, text, "speed", speed_scale=scale, height=440)
+
+
 @dataclass(frozen=True)
 class Reading:
     """A number beside the linkage that follows the crank angle.
@@ -184,3 +232,65 @@ class Panel:
     lines: tuple[str, ...] = ()
     warnings: tuple[str, ...] = ()
     thinned: tuple[str, ...] = ()
+
+
+PanelMaker = Callable[[Results], Panel | None]
+
+
+def shows(kind: type[Kind]) -> Callable[[Callable[[Kind, Results], Panel | None]], PanelMaker]:
+    """Make a panel's function of the first result of a kind one of all results.
+
+    Parameters
+    ----------
+    kind : type
+        Of the result that the panel shows.
+
+    Returns
+    -------
+    callable
+        Decorator; without such a result there is no panel.
+    """
+
+    def of_results(make: Callable[[Kind, Results], Panel | None]) -> PanelMaker:
+        @wraps(make)
+        def panel(results: Results) -> Panel | None:
+            result = results.first(kind)
+            return None if result is None else make(result, results)
+
+        return panel
+
+    return of_results
+
+
+def panel_of(name: str, said: Summary | None = None, variant: str = "", /, **parts: Any) -> Panel:
+    """A panel with the words that ``panels.toml`` has for it.
+
+    Keywords are fields of the panel; others fill in the caption.
+
+    Parameters
+    ----------
+    name : str
+        Of the panel, and of its table in the file.
+    said : Summary, optional
+        Of the result: its lines, verdict, tables and warnings are the panel's.
+    variant : str
+        Which of several tables of words, where the panel has several.
+
+    Returns
+    -------
+    Panel
+    """
+    words = _words()[name]
+    words = words[variant] if variant else words
+    texts = {key: parts.pop(key) for key in set(parts) - set(Panel.__dataclass_fields__)}
+    words = words | {"caption": words["caption"].format(**texts)}
+    if said is not None:
+        lines = (*said.lines, said.verdict)
+        parts = {"tables": said.tables, "lines": lines, "warnings": said.warnings} | parts
+    return Panel(name, **(words | parts))
+
+
+@cache
+def _words() -> dict[str, Any]:
+    text = resources.files("flexmech.report.panels").joinpath("panels.toml").read_text("utf-8")
+    return tomllib.loads(text)

@@ -11,9 +11,8 @@ import xarray as xr
 from flexmech.analyses.datasets import versions
 from flexmech.errors import InputError
 from flexmech.threads import one_thread
-from flexmech.types import FloatArray, LabelledProgress
-from flexmech.verification.case import Outcome, VerificationCase
-from flexmech.verification.cases import verification_cases
+from flexmech.types import FloatArray, LabelledProgress, silent
+from flexmech.verification.cases import Outcome, VerificationCase, verification_cases
 from flexmech.verification.result import Verification
 
 
@@ -55,12 +54,11 @@ def verify(
     titles = [case.title for case in chosen]
     if len(set(titles)) < len(titles):
         raise InputError("cases: two have the same title; a case is known by its title")
-    outcomes = []
+    outcomes, report = [], progress or silent
     with one_thread():
         for done, case in enumerate(chosen, start=1):
             outcomes.append(case.outcome())
-            if progress is not None:
-                progress("cases", done, len(chosen))
+            report("cases", done, len(chosen))
     return Verification(_dataset(outcomes))
 
 

@@ -14,9 +14,9 @@ import pytest
 from scipy.signal import lfilter
 
 from flexmech.analyses.comparison.fit import Fit, fitted
+from flexmech.analyses.comparison.over_time import TimeProblem
 from flexmech.analyses.comparison.parameters import fitted_names
 from flexmech.analyses.comparison.quantities import gauges
-from flexmech.analyses.comparison.time_problem import TimeProblem
 from tests.unit.comparison_data import SPEED, damping_time, history, undamped
 
 LINKS = ("crank", "coupler", "rocker")
@@ -31,7 +31,13 @@ def fits(seeds: range, memory: float = 0.0, *, anywhere: bool = False) -> Iterat
     time, angle, strain = history()
     gauge = next(g for g in gauges(undamped()) if g.name == "coupler_mid_strain")
     known = TimeProblem(
-        undamped(), SPEED, gauge, time, strain, angle, fitted_names(("damping",), LINKS)
+        engine=undamped(),
+        record=strain,
+        names=fitted_names(("damping",), LINKS),
+        crank_speed=SPEED,
+        gauge=gauge,
+        time=time,
+        angle=angle,
     )
     for seed in seeds:
         random = np.random.default_rng(seed)

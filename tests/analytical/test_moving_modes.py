@@ -10,11 +10,10 @@ import pytest
 import scipy.integrate
 import scipy.interpolate
 import scipy.linalg
+from _ground_axes import frozen_eigenvalues, in_ground_axes
 
 from flexmech import ExudynEngine, Mechanism, ReferenceEngine, load_mechanism
 from flexmech.analyses.frequencies.eigenproblem import solve_eigenvalues
-from flexmech.analyses.stability import frozen_eigenvalues
-from flexmech.analyses.stability.frames import in_ground_axes
 from flexmech.choices import MovingFrame
 from flexmech.dynamical_systems import FloquetModes, floquet_modes, transition_matrices
 from flexmech.linear_system import Engine, Prestress

@@ -256,7 +256,7 @@ def strain_energy(engine, link, displacement):
     assembly = engine.model.assembly
     part = assembly.parts[link]
     section = part.section
-    nodes = part.arms.moved(displacement) + engine.links[link].fields.centripetal
+    nodes = part.arms.moved(displacement)
     strains = assembly.kind.strains(nodes, 0 * nodes, np.diff(part.positions), section)
     return sum(strain.energy for strain in strains)
 

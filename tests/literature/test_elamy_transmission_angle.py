@@ -10,7 +10,7 @@ import pytest
 
 from flexmech.linkages import transmission_design
 from flexmech.studies import published_case
-from flexmech.studies.composite_crank_rockers.published import CASES
+from flexmech.studies.composite_crank_rockers.linkages import CASES
 from flexmech.verification import verification_case
 
 # Off 0 and 180 degrees, where the arc cosines lose half of the digits.

@@ -14,7 +14,7 @@ import pytest
 from flexmech import ReferenceEngine, load_mechanism
 from flexmech.analyses import solve_modes
 from flexmech.verification import verification_case
-from flexmech.verification.methods.drawn_linkages import free_shaft_decay_rates
+from flexmech.verification.methods.frequencies import free_shaft_decay_rates
 
 
 def test_the_stated_decay_rates_are_those_of_the_whole_turn() -> None:

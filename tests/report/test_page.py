@@ -14,9 +14,12 @@ from typer.testing import CliRunner
 import flexmech
 from flexmech.cli import app
 from flexmech.report import Results, page, stored_results, write_report
-from flexmech.report.arrays import Arrays, thinning
-from flexmech.report.last_turn import over_a_turn
-from flexmech.report.markup import equation_markup, json_text
+from flexmech.report.embedding import (
+    Arrays,
+    equation_markup,
+    json_text,
+)
+from flexmech.report.last_turn import over_a_turn, thinning
 from flexmech.report.moving_linkage import moving_linkage
 from flexmech.report.words import with_error
 
@@ -39,7 +42,7 @@ def test_the_page_needs_nothing_else(written: Any) -> None:
     text = written.text
     assert len(text.encode()) < MOST_BYTES
     assert text.count("* plotly.js v") == 1
-    # Else the page takes twice as long to open: see flexmech/report/plotly_source.py.
+    # Else the page takes twice as long to open: see flexmech/report/embedding.py.
     assert text.count(".register([])") == 1
     own = text.replace(re.search(r"<script>/\*\*\n\* plotly.*?</script>", text, re.DOTALL)[0], "")
     assert not re.search(r"(src|href)\s*=\s*[\"'](?!#|data:)", own)

@@ -15,7 +15,7 @@ from flexmech import CampbellDiagram, ComputationError, InputError, ReferenceEng
 from flexmech.analyses.campbell.crossings import HIGHEST, LOWEST, Edge, critical_speeds, edges_of
 from flexmech.analyses.campbell.sampling import band_fit, speed_grid
 from flexmech.cli.application import app
-from flexmech.cli.arguments import parse_orders
+from flexmech.cli.typed import ORDERS
 from flexmech.mechanism import Mechanism
 from tests.unit.plot_data import campbell_dataset
 
@@ -198,12 +198,12 @@ class TestOrders:
         [("1:10", list(range(1, 11))), ("2:7:2", [2, 4, 6]), ("4,1", [1, 4]), ("3", [3])],
     )
     def test_what_can_be_written(self, text: str, orders: list[int]) -> None:
-        assert parse_orders(text) == orders
+        assert ORDERS(text) == orders
 
     @pytest.mark.parametrize("text", ["0:3", "3:1", "1.5", "1,1", "", "a", "1:2:3:4", "1e9", "-1"])
     def test_what_is_refused(self, text: str) -> None:
         with pytest.raises(InputError, match="--orders"):
-            parse_orders(text)
+            ORDERS(text)
 
 
 def run(*arguments: str) -> Any:

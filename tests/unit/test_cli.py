@@ -17,10 +17,9 @@ from typer.testing import CliRunner
 
 from flexmech.choices import TemplateKind
 from flexmech.cli import app
-from flexmech.cli.arguments import parse_angles, parse_speeds
+from flexmech.cli.typed import ANGLES, SPEEDS, Speeds
 from flexmech.errors import InputError
 from flexmech.modelfile import json_schema, load_mechanism, template
-from flexmech.units import Quantities
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
 
@@ -135,7 +134,7 @@ def test_angle_ranges_are_counted_without_drift(
     size = float(step)
     # A stop between two steps is not hit, and changes nothing.
     stop = start + (steps + (beyond if beyond > 1e-3 else 0)) * size
-    angles = parse_angles(f"{start}:{stop!r}:{step}")
+    angles = ANGLES(f"{start}:{stop!r}:{step}")
     assert len(angles) == steps + 1
     assert angles[0] == start
     for number in (steps // 2, steps):
@@ -143,48 +142,49 @@ def test_angle_ranges_are_counted_without_drift(
 
 
 def test_the_default_angles_are_whole_numbers_and_close_the_circle() -> None:
-    assert parse_angles("0:360:5") == [5.0 * number for number in range(73)]
-    assert parse_angles("0:360:0.1")[-2:] == [359.9, 360.0]
-    assert parse_angles("0:1:0.333333") == [0.0, 0.333333, 0.666666, 1.0]
-    assert parse_angles("0:360:7")[-1] == 357.0
-    assert parse_angles("30:30:5") == [30.0]
-    assert parse_angles("0,60,120.5") == [0.0, 60.0, 120.5]
-    assert parse_angles(" 45 ") == [45.0]
-    assert parse_angles("0:360:0.1 deg") == parse_angles("0:360:0.1")
-    assert parse_angles("0,1.5 rad") == [0.0, 85.94366926962348]
+    assert ANGLES("0:360:5") == [5.0 * number for number in range(73)]
+    assert ANGLES("0:360:0.1")[-2:] == [359.9, 360.0]
+    assert ANGLES("0:1:0.333333") == [0.0, 0.333333, 0.666666, 1.0]
+    assert ANGLES("0:360:7")[-1] == 357.0
+    assert ANGLES("30:30:5") == [30.0]
+    assert ANGLES("0,60,120.5") == [0.0, 60.0, 120.5]
+    assert ANGLES(" 45 ") == [45.0]
+    assert ANGLES("0:360:0.1 deg") == ANGLES("0:360:0.1")
+    assert ANGLES("0,1.5 rad") == [0.0, 85.94366926962348]
 
 
 @given(st.lists(st.floats(-720, 720), min_size=1, max_size=8, unique=True).map(sorted))
 def test_angle_lists_are_taken_as_they_are(angles: list[float]) -> None:
-    assert parse_angles(",".join(map(repr, angles))) == angles
+    assert ANGLES(",".join(map(repr, angles))) == angles
 
 
 @given(st.lists(st.integers(-1000, 1000), min_size=1, max_size=6, unique=True))
 def test_speeds_are_sorted(speeds: list[int]) -> None:
-    assert parse_speeds(",".join(map(str, speeds))) == Quantities(tuple(sorted(speeds)), "rad/s")
+    found = SPEEDS(",".join(map(str, speeds)))
+    assert (found.values, found.unit) == (tuple(sorted(speeds)), "rad/s")
 
 
 def test_speeds_mix_units() -> None:
-    found = parse_speeds("300 rpm, 10 rad/s ,0")
+    found = SPEEDS("300 rpm, 10 rad/s ,0")
     assert found.values == pytest.approx([0.0, 10.0, 31.41592653589793])
     assert found.unit == "rad/s"
 
 
 def test_one_unit_covers_all_speeds() -> None:
-    assert parse_speeds("0,50,100 rpm") == parse_speeds("0:100:50 rpm")
-    assert parse_speeds("0,60,30 rpm").values == pytest.approx([0.0, np.pi, 2 * np.pi])
+    assert SPEEDS("0,50,100 rpm") == SPEEDS("0:100:50 rpm")
+    assert SPEEDS("0,60,30 rpm").values == pytest.approx([0.0, np.pi, 2 * np.pi])
 
 
 @given(st.text(alphabet="0123456789.,:e+- rpmad/s", max_size=12))
 def test_any_text_is_angles_and_speeds_or_an_input_error(text: str) -> None:
-    for parse, option in ((parse_angles, "--angles"), (parse_speeds, "--speeds")):
+    for parse, option in ((ANGLES, "--angles"), (SPEEDS, "--speeds")):
         try:
             values = parse(text)
         except InputError as error:
             message = str(error)
         else:
             message = option
-            numbers = list(values.values if isinstance(values, Quantities) else values)
+            numbers = list(values.values if isinstance(values, Speeds) else values)
             assert numbers == sorted(set(numbers))
         assert message.startswith(option)
 

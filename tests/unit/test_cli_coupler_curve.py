@@ -20,7 +20,7 @@ from flexmech import (
     load_mechanism,
 )
 from flexmech.cli import app
-from flexmech.cli.arguments import parse_point
+from flexmech.cli.typed import POINT
 from tests.unit.test_planar_motion import drawn_as_planar
 
 pytestmark = pytest.mark.usefixtures("rough_pictures")
@@ -244,7 +244,7 @@ def test_points() -> None:
         ("33 mm,320 deg", (0.033, np.radians(320))),
         ("4.5 m, -1.5 rad", (4.5, -1.5)),
     ):
-        found = parse_point(text)
+        found = POINT(text)
         assert (found.distance, found.angle) == pytest.approx(point)
 
 
@@ -260,9 +260,9 @@ def test_points_that_cannot_be() -> None:
         (",", "''"),
     ):
         with pytest.raises(InputError, match=r"--point: .*write distance and angle, each with its"):
-            parse_point(text)
+            POINT(text)
         with pytest.raises(InputError, match=said):
-            parse_point(text)
+            POINT(text)
 
 
 def test_transmission_angle_dry_and_wet_and_its_limits(tmp_path: Path) -> None:

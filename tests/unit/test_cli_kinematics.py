@@ -189,7 +189,7 @@ def test_joint_masses_and_point_masses_stay_where_they_are_when_mass_is_lumped()
 
 def test_lumps_of_a_link_that_lies_beside_its_pins() -> None:
     """Acceleration of a lump off the axis, against differences of its place."""
-    from flexmech.analyses.kinematics.dataset import _acceleration
+    from flexmech.analyses.kinematics.compute import _acceleration
 
     linkage, step, speed = ALUMINIUM_LINKAGE, 1e-4, 20.0
     motion = linkage.motion(0.7 + step * np.arange(-2, 3), speed)

@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from flexmech.analyses.response import Response
 from flexmech.cli import app
-from flexmech.cli.arguments import parse_revolutions, parse_run_up, parse_speed, parse_step
+from flexmech.cli.typed import REVOLUTIONS, RUN_UP, SPEED, STEP
 from flexmech.modelfile import template
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -260,11 +260,12 @@ def test_models_and_folders_that_are_not_right_are_refused_at_once(tmp_path: Pat
 
 
 def test_what_is_typed_becomes_si_values() -> None:
-    assert parse_speed("-300 rpm") == (pytest.approx(-31.41592653589793), "rpm")
-    assert parse_speed("20") == (20.0, "rad/s")
-    assert parse_revolutions("0.25") == 0.25
-    assert parse_step("auto") is None
-    assert parse_step("1e-4") == 1e-4
-    assert parse_step("0.1 ms") == 1e-4
-    assert parse_run_up("0") == 0.0
-    assert parse_run_up("50 ms") == 0.05
+    backwards, forwards = SPEED("-300 rpm"), SPEED("20")
+    assert (backwards.single, backwards.unit) == (pytest.approx(-31.41592653589793), "rpm")
+    assert (forwards.single, forwards.unit) == (20.0, "rad/s")
+    assert REVOLUTIONS("0.25") == 0.25
+    assert STEP("auto") is None
+    assert STEP("1e-4") == 1e-4
+    assert STEP("0.1 ms") == 1e-4
+    assert RUN_UP("0") == 0.0
+    assert RUN_UP("50 ms") == 0.05

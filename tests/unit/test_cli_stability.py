@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from flexmech import InputError, load_mechanism
 from flexmech.analyses.stability import EngineStability, StabilityRequest, against, compute
 from flexmech.cli import app
-from flexmech.cli.against import parse_against, parse_damping_ratio, parse_steps
+from flexmech.cli.typed import DAMPING_RATIO, STEPS, parameter_range
 from flexmech.linear_system import Engine
 from flexmech.types import LabelledProgress
 from tests.unit.stability_data import bands, engine_stability
@@ -159,35 +159,35 @@ def test_a_second_parameter_is_mapped(monkeypatch: pytest.MonkeyPatch, tmp_path:
 
 class TestWhatIsTyped:
     def test_ranges_are_steps_from_start_to_stop(self) -> None:
-        name, values = parse_against(ALUMINIUM, ("damping-ratio", "0:2%:20"))
+        name, values = parameter_range(ALUMINIUM, ("damping-ratio", "0:2%:20"))
         assert name == "damping-ratio"
         assert values == pytest.approx(np.linspace(0.0, 0.02, 21))
         assert values[-1] == 0.02
-        _, lengths = parse_against(ALUMINIUM, ("linkage.coupler", "250:300 mm:5"))
+        _, lengths = parameter_range(ALUMINIUM, ("linkage.coupler", "250:300 mm:5"))
         assert lengths == pytest.approx([0.25, 0.26, 0.27, 0.28, 0.29, 0.3])
 
     def test_units_and_lists(self) -> None:
         def of(name: str, text: str) -> list[float]:
-            return list(parse_against(ALUMINIUM, (name, text))[1])
+            return list(parameter_range(ALUMINIUM, (name, text))[1])
 
         assert of("damping-ratio", "0,0.1%,1%") == [0.0, 0.001, 0.01]
         assert of("damping-ratio", "0.001") == [0.001]
         assert of("moisture", "0:4:2") == pytest.approx([0.0, 0.02, 0.04])
         assert of("temperature-rise", "0:60:3") == pytest.approx([0.0, 20.0, 40.0, 60.0])
         assert of("temperature-rise", "20 degC") == [20.0]
-        assert parse_against(ALUMINIUM, None) is None
+        assert parameter_range(ALUMINIUM, None) is None
 
     @pytest.mark.parametrize(
         "text", ["", ":", "0:2%:0", "0:2%:1.5", "2%:0:4", "0:2%:20:3", "0::4", "0:2%:x", "a,b"]
     )
     def test_ranges_that_cannot_be(self, text: str) -> None:
         with pytest.raises(InputError, match=r"^--against: "):
-            parse_against(ALUMINIUM, ("damping-ratio", text))
+            parameter_range(ALUMINIUM, ("damping-ratio", text))
 
     def test_ratios_and_steps(self) -> None:
-        assert parse_damping_ratio("0.1%") == parse_damping_ratio("0.001") == 0.001
-        assert parse_damping_ratio(None) is None
-        assert parse_steps("auto") is None
-        assert parse_steps("256") == 256
+        assert DAMPING_RATIO("0.1%") == DAMPING_RATIO("0.001") == 0.001
+        assert DAMPING_RATIO(None) is None
+        assert STEPS("auto") is None
+        assert STEPS("256") == 256
         with pytest.raises(InputError, match="multiple of 16"):
-            parse_steps("1.5")
+            STEPS("1.5")

@@ -13,7 +13,8 @@ from typer.testing import CliRunner
 from flexmech.analyses import MovingFrequencies, ResponseRequest, moving_frequencies
 from flexmech.analyses.response import response
 from flexmech.cli import app
-from flexmech.cli.environment import parse_environment
+from flexmech.cli.options import asked_environment
+from flexmech.cli.reading import from_options
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Exposure, HygrothermalState
 from flexmech.linkages import CrankDrive
@@ -78,6 +79,11 @@ def run(*arguments: str | Path) -> tuple[int, str, str]:
     return result.exit_code, result.stdout, result.stderr
 
 
+def environment(typed: tuple[str | None, ...]) -> object:
+    names = ("temperature_rise", "moisture", "relative_humidity", "time")
+    return from_options(asked_environment)(**dict(zip(names, typed, strict=True)))
+
+
 @pytest.mark.parametrize(
     ("options", "wanted"),
     [
@@ -91,7 +97,7 @@ def run(*arguments: str | Path) -> tuple[int, str, str]:
     ],
 )
 def test_options_to_a_state(options: tuple[str | None, ...], wanted: object) -> None:
-    assert parse_environment(*options) == wanted  # type: ignore[arg-type]
+    assert environment(options) == wanted
 
 
 @pytest.mark.parametrize(
@@ -111,7 +117,7 @@ def test_options_to_a_state(options: tuple[str | None, ...], wanted: object) -> 
 )
 def test_options_that_cannot_be(options: tuple[str | None, ...], said: str) -> None:
     with pytest.raises(InputError, match=said):
-        parse_environment(*options)  # type: ignore[arg-type]
+        environment(options)
 
 
 def test_frequencies_beside_the_dry_ones(model: Path, tmp_path: Path) -> None:

@@ -9,13 +9,14 @@ import pytest
 
 import flexmech
 from flexmech.analyses import Comparison
+from flexmech.analyses.comparison.over_frequency import points_of
 from flexmech.analyses.comparison.parameters import (
+    damping_times,
+    fitted_engine,
     fitted_names,
-    with_damping_times,
-    with_stiffness,
+    stiffness_factors,
 )
-from flexmech.analyses.comparison.receptance_problem import points_of
-from flexmech.dynamical_systems import direct_receptance
+from flexmech.dynamical_systems.frequency_response import direct_receptance
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import point_rows
 from tests.unit.comparison_data import (
@@ -30,6 +31,7 @@ from tests.unit.comparison_data import (
 
 LINKS = ("crank", "coupler", "rocker")
 ANGLE = np.radians(60.0)
+TIMES = {"damping:crank": 2e-5, "damping:coupler": 4e-5, "damping:rocker": 2e-5}
 # In standard errors: what white noise hardly ever reaches. How many intervals hold is tested in
 # tests/analytical/test_damping_found_back.py.
 FAR = 3.5
@@ -132,7 +134,8 @@ def test_stiffness_is_found_back_from_frequencies(engine):
     own = engine(undamped().mechanism, 2)
     true = {"coupler": 0.9, "rocker": 1.05}
     angle = np.radians(np.arange(0.0, 360.0, 45.0))
-    found = flexmech.natural_frequencies(with_stiffness(own, true), angle, SPEED, modes=2)
+    stiffened = fitted_engine(own, {f"stiffness:{link}": factor for link, factor in true.items()})
+    found = flexmech.natural_frequencies(stiffened, angle, SPEED, modes=2)
     record = flexmech.MeasuredRecord(
         "crank_angle",
         np.tile(angle, 2),
@@ -170,8 +173,7 @@ def test_a_record_without_modes_is_laid_beside_the_nearest():
 
 def mobility(unit: str = "m/(N s)", noise: float = 0.0) -> flexmech.MeasuredRecord:
     """A mobility of the damped linkage at a locked crank, by the unreduced equations."""
-    times = {"crank": 2e-5, "coupler": 4e-5, "rocker": 2e-5}
-    engine = with_damping_times(undamped(), times).unreduced()
+    engine = fitted_engine(undamped(), TIMES).unreduced()
     system = engine.linear_system(ANGLE)
     force, read = (
         point_rows(system, flexmech.LinkPoint(link, 0.5), "transverse")
@@ -223,11 +225,12 @@ def test_a_calibration_that_is_off_is_found_and_is_no_damping():
 
 
 def test_names_that_can_be_fitted():
-    fitted = fitted_names(("damping", "damping:coupler", "stiffness:rocker"), LINKS)
+    names = fitted_names(("stiffness:rocker", "damping:coupler", "damping"), LINKS)
+    assert names == ("damping", "damping:coupler", "stiffness:rocker")
     values = {"damping": 1.0, "damping:coupler": 2.0, "stiffness:rocker": 0.9}
-    assert fitted.times_of(LINKS, values) == {"crank": 1.0, "coupler": 2.0, "rocker": 1.0}
-    assert fitted.factors(values) == {"rocker": 0.9}
-    assert not fitted_names(("none",), LINKS).damps
+    assert damping_times(LINKS, values) == {"crank": 1.0, "coupler": 2.0, "rocker": 1.0}
+    assert stiffness_factors(values) == {"rocker": 0.9}
+    assert fitted_names(("none",), LINKS) == ()
     with pytest.raises(InputError, match="'dampling' cannot be fitted; did you mean 'damping'"):
         fitted_names(("dampling",), LINKS)
     with pytest.raises(InputError, match=r"'stiffness:arm' cannot be fitted.*stiffness:rocker"):
@@ -360,7 +363,7 @@ def test_one_of_several_functions_is_chosen_by_name(quantity, points):
     alone = mobility()
     other = replace(alone.quantities[0], name="other", values=7 * alone.quantities[0].values)
     both = replace(alone, quantities=(other, *alone.quantities))
-    damped = with_damping_times(undamped(), {"crank": 2e-5, "coupler": 4e-5, "rocker": 2e-5})
+    damped = fitted_engine(undamped(), TIMES)
     found, expected = (
         flexmech.compare_with_record(
             damped, record, flexmech.ComparisonRequest(angle=ANGLE, quantity=name, fit=("gain",))

@@ -21,11 +21,12 @@ from flexmech import plots
 from flexmech.analyses import Result, Summary, Table
 from flexmech.choices import PAGE_WIDTHS
 from flexmech.cli import stopping
-from flexmech.cli.application import DELIVERING
-from flexmech.cli.deliver import deliver
+from flexmech.cli.application import COMMANDS, STUDIES
+from flexmech.cli.deliver import Output, Pictures, deliver
 from flexmech.cli.failures import reports_failures
-from flexmech.cli.pictures import PNG, Pictures, asked_pictures
-from flexmech.cli.study import composites
+from flexmech.cli.options import asked_pictures
+from flexmech.cli.reading import from_options
+from flexmech.cli.typed import Speeds
 from flexmech.errors import ComputationError, FlexmechError, InputError
 from flexmech.interruption import tidying
 from tests.unit.plot_data import linkage_dataset
@@ -54,7 +55,7 @@ class Sizes(Result):
         return Summary((TABLE, "a line"), "the verdict")
 
 
-NO_PICTURES = asked_pictures(True, "png", "two-column")
+NO_PICTURES = Pictures(())
 SIZES = Sizes(xr.Dataset({"size": ("place", [1.0, 2.0])}, attrs={"mechanism": "model"}))
 
 
@@ -62,7 +63,7 @@ def run(
     out: Path | None,
     failure: BaseException | None = None,
     *,
-    pictures: Pictures = PNG,
+    pictures: Pictures = Pictures(),  # noqa: B008
     unit: str = "rad/s",
 ) -> Any:
     app = typer.Typer()
@@ -75,9 +76,13 @@ def run(
     @app.command()
     @reports_failures
     def command() -> None:
-        deliver(Sizes, compute, out, pictures=pictures, speed_unit=unit)
+        deliver(Sizes, compute, Output(out, pictures), speeds=Speeds((), unit))
 
     return CliRunner().invoke(app, [])
+
+
+def pictures(formats: str, width: str) -> Any:
+    return from_options(asked_pictures)(no_plots=False, formats=formats, width=width)
 
 
 def names(folder: Path) -> list[str]:
@@ -100,7 +105,7 @@ def test_files_are_written_and_named_and_the_verdict_comes_last(tmp_path: Path) 
 
 
 def test_pictures_are_written_in_all_formats_asked_for(tmp_path: Path) -> None:
-    result = run(tmp_path, pictures=asked_pictures(False, "svg, .PDF,svg", "one-column"))
+    result = run(tmp_path, pictures=pictures("svg, .PDF,svg", "one-column"))
     assert result.exit_code == 0
     assert names(tmp_path) == ["below/sizes.csv", "sizes.csv", "sizes.nc", "sizes.pdf", "sizes.svg"]
     assert "sizes.pdf" in result.stdout
@@ -110,7 +115,7 @@ def test_pictures_are_written_in_all_formats_asked_for(tmp_path: Path) -> None:
 
 def test_pictures_have_the_width_asked_for(tmp_path: Path) -> None:
     for width, millimetres in PAGE_WIDTHS.items():
-        run(tmp_path, pictures=asked_pictures(False, "png", width))
+        run(tmp_path, pictures=pictures("png", width))
         with Image.open(tmp_path / "sizes.png") as picture:
             assert picture.width == pytest.approx(millimetres / 25.4 * 200, abs=1)
 
@@ -118,7 +123,7 @@ def test_pictures_have_the_width_asked_for(tmp_path: Path) -> None:
 @pytest.mark.parametrize("formats", ["gif", "", "png,,pdf", "pdf svg", "png;pdf"])
 def test_formats_that_are_none_are_refused(formats: str) -> None:
     with pytest.raises(InputError, match=r"^--format: .* choose from png, pdf, svg"):
-        asked_pictures(False, formats, "two-column")
+        pictures(formats, "two-column")
 
 
 @pytest.mark.parametrize(
@@ -138,11 +143,13 @@ def test_formats_and_widths_are_checked_in_python(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("command", [*DELIVERING, composites], ids=lambda command: command.__name__)
+@pytest.mark.parametrize("command", [*COMMANDS, *STUDIES], ids=lambda command: command.__name__)
 def test_every_command_that_draws_has_all_options_of_pictures(
     command: Callable[..., None],
 ) -> None:
-    asked = {"no_plots", "formats", "width"} & set(inspect.signature(command).parameters)
+    asked = {"no_plots", "formats", "width"} & set(
+        inspect.signature(from_options(command)).parameters
+    )
     assert len(asked) in (0, 3)
 
 

@@ -24,6 +24,7 @@ import pytest
 from pydantic import BaseModel
 
 import flexmech
+from flexmech.cli.reading import from_options
 
 ROOT = Path(flexmech.__file__).parent
 SECTION = re.compile(r"^(\S[^\n]*)\n-{3,}\n", re.MULTILINE)
@@ -147,14 +148,10 @@ def carries_help(value: Any) -> bool:
     if not inspect.isfunction(value) or not module.startswith("flexmech.cli"):
         return False
     try:
-        hints = typing.get_type_hints(value, include_extras=True)
+        shown = inspect.signature(from_options(value)).parameters.values()
     except NameError:  # names for type checkers only: no command
         return False
-    hints.pop("return", None)
-    return bool(hints) and all(
-        any(getattr(extra, "help", None) for extra in getattr(hint, "__metadata__", ()))
-        for hint in hints.values()
-    )
+    return bool(shown) and all(each.annotation.__metadata__[0].help for each in shown)
 
 
 def overrides(subject: Subject) -> bool:

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import flexmech
-from flexmech.analyses.comparison.parameters import with_damping_times
-from flexmech.analyses.damping_ratios import with_damping_ratio
+from flexmech.analyses.damping_ratios import with_damping_ratio, with_damping_times
 from flexmech.linear_system import Engine
 from flexmech.linkages import CrankDrive
 from flexmech.time_domain import DrivenLinkage, linear_run

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from flexmech import HammerRequest, LinkPoint, hammer_test, plots
 from flexmech.analyses.hammer import LockedLinkage
-from flexmech.analyses.hammer.grid import grid_points
+from flexmech.analyses.hammer.measurement import grid_points
 from flexmech.cli.application import app
 from flexmech.errors import InputError
 from flexmech.example_models import example_model

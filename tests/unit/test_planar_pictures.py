@@ -21,10 +21,11 @@ from flexmech import (
 from flexmech.linkages import GROUND, JointSpring, LinkPoint, Load, Spring, linkage_positions
 from flexmech.mechanism import Mechanism, drawing
 from flexmech.plots import page_width, plot_coupler_curve, plot_linkage, plot_mode_shapes
-from flexmech.plots.animation_scene import EnlargedMotion, Scene
+from flexmech.plots.animation import EnlargedMotion, Scene
+from flexmech.plots.linkage import part_handles
 from flexmech.plots.linkage_sketch import LinkageSketch
 from flexmech.plots.linkage_symbols import Symbol
-from flexmech.report.arrays import Arrays
+from flexmech.report.embedding import Arrays
 from flexmech.report.moving_linkage import moving_linkage
 from flexmech.report.results import Results
 from tests.unit.figure_checks import check_layout, legend_texts
@@ -108,7 +109,7 @@ class TestScene:
         assert head.look["fc"] == "white"
         assert np.diff(shaft.places[:, 0])[0] < 0
         assert np.ptp(shaft.places[:, 1]) == pytest.approx(0.0, abs=1e-12)
-        labels = [handle.get_label() for handle in sketch.handles()]
+        labels = [handle.get_label() for handle in part_handles(sketch)]
         assert labels == [
             "point mass (largest 600 g)",
             "spring",
@@ -137,7 +138,7 @@ class TestScene:
         assert np.hypot(*(spiral.places - sketch.links[0, -1]).T).max() < 0.1 * sketch.size
         (bearing,) = drawn(sketch, "bearing")
         np.testing.assert_allclose(bearing.places, sketch.links[:1, -1], atol=1e-14)
-        assert "torsional spring" in [handle.get_label() for handle in sketch.handles()]
+        assert "torsional spring" in [handle.get_label() for handle in part_handles(sketch)]
 
     def test_a_damper_is_below_its_spring_and_without_one_in_its_place(self):
         sketch = sketch_of(PUSHER)
@@ -149,7 +150,7 @@ class TestScene:
         assert not drawn(sketch_of(alone), "spring")
         (damper,) = drawn(sketch_of(alone), "damper")
         np.testing.assert_allclose(damper.places[[0, -1]], spring.places[[0, -1]], atol=1e-12)
-        assert "spring" not in [handle.get_label() for handle in sketch_of(alone).handles()]
+        assert "spring" not in [handle.get_label() for handle in part_handles(sketch_of(alone))]
         free = replace(PUSHER, springs=(replace(PUSHER.springs[0], damping=0.0),))
         assert not drawn(sketch_of(free), "damper")
 
@@ -162,7 +163,7 @@ class TestScene:
         (ring,), (wide,) = drawn(sketch, "bearing"), drawn(sketch, "damped bearing")
         assert wide.look["ms"] > ring.look["ms"]
         assert not drawn(sketch, "torsional spring")
-        labels = [handle.get_label() for handle in sketch.handles()]
+        labels = [handle.get_label() for handle in part_handles(sketch)]
         dampers = [each for each in labels if "damper" in each]
         assert dampers == ["torsional damper", "bearing with a damper"]
 

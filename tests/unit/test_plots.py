@@ -21,9 +21,9 @@ from flexmech.plots import (
     plot_speed_effect,
 )
 from flexmech.plots.frequencies import mode_groups
-from flexmech.plots.labels import speed_label
 from flexmech.plots.layout import legend_columns
-from flexmech.plots.series import SERIES_STYLES
+from flexmech.plots.reading import speed_label
+from flexmech.plots.style import SERIES_STYLES
 from flexmech.runs import unbroken_runs
 from tests.unit.figure_checks import check_layout, heading, legend_texts, lines_in, panels
 from tests.unit.plot_data import FULL_TURN, TERMS, arm_dataset, frequency_dataset

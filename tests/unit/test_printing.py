@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from flexmech.analyses import Summary, Table
 from flexmech.cli import app
-from flexmech.cli.printing import Report
+from flexmech.cli.printing import say
 
 STEEL = Path(__file__).parents[2] / "models" / "steel_fourbar.toml"
 
@@ -49,7 +49,7 @@ def test_numbers_of_tables_are_whole_at_80_columns(
     monkeypatch.setenv("COLUMNS", "80")
     row = (name, *(f"-1{number}34.567" for number in range(numbers)))
     headings = ("engine", *(f"normal stress of {number} (MPa)" for number in range(numbers)))
-    Report(Summary((Table("stresses", headings, ((row,),)),))).print()
+    say(Summary((Table("stresses", headings, ((row,),)),)))
     lines = capsys.readouterr().out.splitlines()
     assert all(any(cell in line for line in lines) for cell in row[1:])
     assert max(map(len, lines)) <= 80
@@ -61,7 +61,7 @@ def test_lines_wrap_at_words_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> N
     terminal.isatty = lambda: True  # type: ignore[method-assign]
     words = " ".join(f"word{n}" for n in range(40))
     monkeypatch.setattr("sys.stdout", terminal)
-    Report(Summary((words,))).print()
+    say(Summary((words,)))
     lines = terminal.getvalue().splitlines()
     assert max(map(len, lines)) <= 60
     assert " ".join(line.strip() for line in lines) == words

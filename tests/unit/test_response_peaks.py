@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flexmech import CrankDrive, ReferenceEngine, ResponseRequest, load_mechanism, response
-from flexmech.analyses.response.peaks import peaks_between
+from flexmech.analyses.response.measurements import peaks_between
 
 
 def test_a_peak_of_a_cosine_is_found_to_fourth_order() -> None:

@@ -179,9 +179,9 @@ def test_a_rotating_arm_has_no_sidebands(of: type[Engine]) -> None:
 def test_separate_runs_give_what_one_run_gives() -> None:
     """A second impact in the same run, after the first has decayed."""
     from flexmech.analyses.damping_ratios import with_damping_ratio
+    from flexmech.analyses.running_hammer.measured import runner
     from flexmech.analyses.running_hammer.plan import planned
     from flexmech.analyses.running_hammer.prediction import predicted_linkage
-    from flexmech.analyses.running_hammer.runs import runner
 
     damped = with_damping_ratio(engine(), 0.1)
     plan = planned(damped, REQUEST, predicted_linkage(damped, REQUEST, 100.0), 90.0)

@@ -13,7 +13,7 @@ from matplotlib.collections import QuadMesh
 
 from flexmech.errors import InputError
 from flexmech.plots import chosen, plot_spectrogram, plot_spectrum
-from flexmech.plots.labels import spread
+from flexmech.plots.reading import spread
 from tests.unit.figure_checks import (
     FULL_WIDTH_PANEL,
     check_layout,

@@ -14,11 +14,14 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import flexmech
-from flexmech.analyses.response.stored import ENERGIES, MOST_FRAMES
+from flexmech.analyses.response.dataset import (
+    ENERGIES,
+    MOST_FRAMES,
+)
 from flexmech.cli import app
 from flexmech.modelfile import mechanism_from_toml, template
-from flexmech.plots.animation_scene import MOST_FRAMES as MOST_PICTURES
-from flexmech.plots.animation_scene import EnlargedMotion
+from flexmech.plots.animation import MOST_FRAMES as MOST_PICTURES
+from flexmech.plots.animation import EnlargedMotion
 
 MODELS = Path(__file__).parents[2] / "models"
 STEEL = MODELS / "steel_fourbar.toml"

@@ -38,7 +38,7 @@ FIVE = (CASE, MATRIX, WRONG, LACKING, REFUSED)
 
 @pytest.fixture(autouse=True)
 def _without_skfem(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("flexmech.verification.case.find_spec", lambda name: None)
+    monkeypatch.setattr("flexmech.verification.cases.find_spec", lambda name: None)
 
 
 @pytest.fixture

@@ -29,7 +29,7 @@ from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.linear_system import Engine
 from flexmech.numbers import POSITIVE, check_choice, check_flag, check_number, checked_array
 from flexmech.threads import one_thread
-from flexmech.types import FloatArray, IntArray, LabelledProgress
+from flexmech.types import FloatArray, IntArray, LabelledProgress, silent
 
 
 def dataset_of(
@@ -216,7 +216,7 @@ def campbell(
     speeds = checked_array(crank_speeds, "crank_speeds", "rad/s")
     angles = TURN if crank_angles is None else checked_array(crank_angles, "crank_angles", "rad")
     multiples = cast(IntArray, checked_array(orders, "orders"))
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
 
     def compute(count: int) -> xr.Dataset:
         formulation = Formulation(prestress, rotation_terms, count)

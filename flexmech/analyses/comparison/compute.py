@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from os import PathLike
 
-from flexmech.analyses.comparison.over_angle import compared_over_angle
-from flexmech.analyses.comparison.over_frequency import compared_over_frequency
-from flexmech.analyses.comparison.over_time import compared_over_time
+from flexmech.analyses.comparison.fit import fitted
+from flexmech.analyses.comparison.over_angle import frequency_problem
+from flexmech.analyses.comparison.over_frequency import receptance_problem
+from flexmech.analyses.comparison.over_time import time_problem
+from flexmech.analyses.comparison.problem import RecordProblem, comparison_dataset
 from flexmech.analyses.comparison.request import ComparisonRequest
 from flexmech.analyses.comparison.result import Comparison
 from flexmech.analyses.datasets import provenance, with_units
@@ -18,12 +21,12 @@ from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord, read_record
 from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress
+from flexmech.types import LabelledProgress, silent
 
-_COMPARED = {
-    "time": compared_over_time,
-    "crank_angle": compared_over_angle,
-    "frequency": compared_over_frequency,
+_PROBLEMS: dict[str, Callable[[Engine, MeasuredRecord, ComparisonRequest], RecordProblem]] = {
+    "time": time_problem,
+    "crank_angle": frequency_problem,
+    "frequency": receptance_problem,
 }
 
 
@@ -34,7 +37,7 @@ def compare_with_record(
     *,
     progress: LabelledProgress | None = None,
 ) -> Comparison:
-    """Lay a measured record beside what is computed, and fit damping or stiffness to it.
+    """Compare a measured record with what is computed, and fit damping or stiffness to it.
 
     What is computed depends on the record: over time the running linkage, by its linear
     equations about the quasi-static equilibrium in moving modes, aligned with the record; over the
@@ -79,9 +82,10 @@ def compare_with_record(
     check_instance(request, ComparisonRequest, "request", "give a flexmech.ComparisonRequest")
     taken = record if isinstance(record, MeasuredRecord) else read_record(record)
     _check_kind(taken, request)
-    report = partial(progress or _silent, "fit")
     with one_thread():
-        dataset = _COMPARED[taken.abscissa](own, taken, request, report)
+        problem = _PROBLEMS[taken.abscissa](own, taken, request)
+        fit = fitted(problem, partial(progress or silent, "fit"))
+        dataset = comparison_dataset(problem, taken, request, fit)
     attributes = dict(provenance([own]))
     if "time" not in dataset.dims:
         attributes |= left_out_attributes(own.mechanism)
@@ -107,7 +111,3 @@ def _check_kind(record: MeasuredRecord, request: ComparisonRequest) -> None:
             "crank speed at which it was taken, not 0, or the frequency-response function of a "
             "test at a locked crank"
         )
-
-
-def _silent(label: str, done: int, total: int) -> None:
-    """Show no progress."""

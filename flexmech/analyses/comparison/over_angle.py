@@ -2,29 +2,82 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.comparison.dataset import comparison_dataset
-from flexmech.analyses.comparison.fit import fitted
-from flexmech.analyses.comparison.frequency_problem import FrequencyProblem, nearest_mode
-from flexmech.analyses.comparison.parameters import NOTHING, fitted_names
+from flexmech.analyses.comparison.fit import Fit
+from flexmech.analyses.comparison.parameters import (
+    DAMPING,
+    GAIN,
+    NOTHING,
+    OFFSET,
+    fitted_engine,
+    fitted_names,
+)
+from flexmech.analyses.comparison.problem import RecordProblem, rows_taken_at
 from flexmech.analyses.comparison.request import ComparisonRequest
+from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.requests import in_radians
 from flexmech.errors import InputError, suggestion
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord
-from flexmech.types import FloatArray, IntArray, StepProgress
+from flexmech.types import FloatArray, IntArray
 
-# Crank speeds of a record that are those asked for, in rad/s.
-SAME_SPEED = 1e-6
-MOST_MODE = 50
+# Crank speeds of a record that are those asked for, but for rounding, in rad/s.
+_SAME_SPEED = 1e-6
+# A number beyond it is taken for a slip: no test tells so many modes apart.
+_MOST_MODE = 50
+# Modes among which a record without their numbers is placed.
+_CANDIDATES = 6
 
 
-def compared_over_angle(
-    engine: Engine, record: MeasuredRecord, request: ComparisonRequest, progress: StepProgress
-) -> xr.Dataset:
-    """Lay measured natural frequencies beside computed ones, and fit stiffness.
+@dataclass(frozen=True, kw_only=True)
+class FrequencyProblem(RecordProblem):
+    """Natural frequencies of modes at crank angles, in Hz.
+
+    Parameters
+    ----------
+    engine : Engine
+    record : ndarray, shape (N,)
+    names : tuple of str
+    column, unit, quantity : str
+    crank_speed : float
+        In rad/s.
+    angle : ndarray, shape (N,)
+        In rad.
+    mode : ndarray of int, shape (N,)
+        From 1.
+    mode_found : bool
+        Whether the mode was found by its frequencies.
+    """
+
+    crank_speed: float
+    angle: FloatArray
+    mode: IntArray
+    mode_found: bool
+
+    dimension = "sample"
+
+    def curve(self, values: Mapping[str, float]) -> FloatArray:
+        """Computed frequencies (N,)."""
+        engine = fitted_engine(self.engine, values)
+        found = _frequencies(engine, self.crank_speed, self.angle, int(self.mode.max()))
+        return np.asarray(found[np.arange(len(self.angle)), self.mode - 1])
+
+    def labelled(self, dataset: xr.Dataset, fit: Fit) -> xr.Dataset:
+        """The dataset with crank angle and mode of each sample."""
+        angle, mode = ("sample", self.angle), ("sample", self.mode)
+        labelled = dataset.assign_coords(crank_angle=angle, mode=mode)
+        return labelled.assign_attrs(mode_found=int(self.mode_found))
+
+
+def frequency_problem(
+    engine: Engine, record: MeasuredRecord, request: ComparisonRequest
+) -> FrequencyProblem:
+    """Read natural frequencies over the crank angle, with their modes.
 
     Parameters
     ----------
@@ -33,20 +86,15 @@ def compared_over_angle(
         Over the crank angle, with a column in Hz and perhaps one of the mode's number.
     request : ComparisonRequest
         With a crank speed.
-    progress : callable
 
     Returns
     -------
-    xarray.Dataset
-        ``measured``, ``computed``, ``residual`` over sample, with its crank angle and mode, and
-        the fit.
+    FrequencyProblem
 
     Raises
     ------
     InputError
         If the record holds no frequencies, or something is fitted that they do not tell.
-    ComputationError
-        If the fit fails.
     """
     speed = float(request.speed or 0.0)
     column = _column(record, request.quantity)
@@ -60,26 +108,31 @@ def compared_over_angle(
     angle = _angles(record)[chosen]
     mode = _modes(engine, record, speed, angle, frequency, chosen)
     links = engine.mechanism.linkage.topology.link_names
-    problem = FrequencyProblem(
-        engine, speed, angle, mode, frequency, fitted_names(request.fit or (NOTHING,), links)
-    )
-    fit = fitted(problem, progress)
-    dataset = comparison_dataset(
-        engine,
-        record,
-        request,
-        fit,
-        frequency,
-        fit.computed[0],
-        dimension="sample",
-        unit="Hz",
+    names = fitted_names(request.fit or (NOTHING,), links)
+    if any(name.startswith(DAMPING) for name in names):
+        raise InputError(
+            "fit: natural frequencies hardly change with damping and do not tell it; fit "
+            "stiffness:LINK, or give a record over time or a frequency-response function"
+        )
+    if OFFSET in names or GAIN in names:
+        raise InputError("fit: frequencies have no offset and no gain; fit stiffness:LINK")
+    return FrequencyProblem(
+        engine=engine,
+        record=frequency,
+        names=names,
         column=column,
+        unit="Hz",
         quantity="natural frequency",
-        first_frequency=float("nan"),
+        crank_speed=speed,
+        angle=angle,
+        mode=mode,
+        mode_found=not record.has("mode"),
     )
-    return dataset.assign_coords(crank_angle=("sample", angle), mode=("sample", mode)).assign_attrs(
-        mode_found=int("mode" not in record.names)
-    )
+
+
+def _frequencies(engine: Engine, crank_speed: float, angle: FloatArray, modes: int) -> FloatArray:
+    prestress = "equilibrium" if crank_speed else engine.prestress_at_rest
+    return natural_frequencies(engine, angle, crank_speed, modes=modes, prestress=prestress)
 
 
 def _angles(record: MeasuredRecord) -> FloatArray:
@@ -106,14 +159,14 @@ def _column(record: MeasuredRecord, asked: str | None) -> str:
     own = [quantity.name for quantity in record.quantities if quantity.unit == "Hz"]
     if len(own) == 1:
         return own[0]
-    for name, reason in record.unreadable.items():
-        if not own and "freq" in name.lower():
-            raise InputError(reason)
     if own:
         raise InputError(
             f"{record.source}: holds {len(own)} columns of frequencies; choose one by --quantity: "
             f"{suggestion('frequency', own)}"
         )
+    for name, reason in record.unreadable.items():
+        if "freq" in name.lower():
+            raise InputError(reason)
     raise InputError(
         f"{record.source}: has no column in Hz; over the crank angle natural frequencies are "
         "compared: give a column such as frequency_Hz"
@@ -125,14 +178,8 @@ def _at_speed(record: MeasuredRecord, speed: float) -> IntArray:
     if not record.has("crank_speed"):
         return np.arange(len(record.position))
     own = np.asarray(record.quantity("crank_speed").values, dtype=float)
-    rows = np.flatnonzero(np.abs(own - speed) <= SAME_SPEED * max(1.0, abs(speed)))
-    if not len(rows):
-        known = ", ".join(f"{value:g}" for value in np.unique(own)[:10])
-        raise InputError(
-            f"{record.source}: was taken at crank speeds of {known} rad/s, not {speed:g}; give "
-            "one of these with --speed"
-        )
-    return rows
+    near = np.abs(own - speed) <= _SAME_SPEED * max(1.0, abs(speed))
+    return rows_taken_at(record, near, own, speed, "speed")
 
 
 def _modes(
@@ -150,11 +197,13 @@ def _modes(
                 f"{record.source}: has several frequencies at one crank angle; add a column "
                 "'mode' that numbers them from 1"
             )
-        return np.full(len(angle), nearest_mode(engine, speed, angle, frequency))
+        computed = _frequencies(engine, speed, angle, _CANDIDATES)
+        apart = np.abs(np.log(computed / frequency[:, None])).mean(axis=0)
+        return np.full(len(angle), int(apart.argmin()) + 1)
     own = np.asarray(record.quantity("mode").values, dtype=float)[chosen]
-    if np.any(own != np.round(own)) or own.min() < 1 or own.max() > MOST_MODE:
+    if np.any(own != np.round(own)) or own.min() < 1 or own.max() > _MOST_MODE:
         raise InputError(
-            f"{record.source}: the column 'mode' must number modes from 1 to {MOST_MODE}; give "
+            f"{record.source}: the column 'mode' must number modes from 1 to {_MOST_MODE}; give "
             "the lowest natural frequency number 1"
         )
     return own.astype(np.intp)

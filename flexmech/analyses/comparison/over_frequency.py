@@ -2,34 +2,119 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.comparison.dataset import comparison_dataset
-from flexmech.analyses.comparison.fit import fitted
-from flexmech.analyses.comparison.parameters import DAMPING, GAIN, fitted_names
-from flexmech.analyses.comparison.receptance_problem import (
-    MOBILITIES,
-    ReceptanceProblem,
-    points_of,
+from flexmech.analyses.comparison.fit import Fit
+from flexmech.analyses.comparison.parameters import (
+    DAMPING,
+    GAIN,
+    OFFSET,
+    fitted_engine,
+    fitted_names,
 )
+from flexmech.analyses.comparison.problem import RecordProblem, rows_taken_at
 from flexmech.analyses.comparison.request import ComparisonRequest
+from flexmech.analyses.frequencies import natural_frequencies
+from flexmech.choices import MOST_MODES
+from flexmech.dynamical_systems import direct_receptance
 from flexmech.errors import InputError
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, LinkPoint, point_rows
 from flexmech.measured_data import MeasuredQuantity, MeasuredRecord
-from flexmech.types import IntArray, StepProgress
+from flexmech.types import ComplexArray, FloatArray, IntArray
 
-# Crank angles that are the same, in rad.
-SAME_ANGLE = np.radians(0.01)
-LEAST_LINES = 16
+# What a response over a force is called by its SI unit, and how often it is differentiated.
+_KINDS: dict[str, tuple[str, int]] = {
+    "m/N": ("receptance", 0),
+    "m/(N s)": ("mobility", 1),
+    "m/(N s^2)": ("accelerance", 2),
+}
+# Crank angles that are the same, in rad: what a protractor and rounding leave.
+_SAME_ANGLE = np.radians(0.01)
+# A resonance is drawn by a few lines, and there are to be some beside it.
+_LEAST_LINES = 16
+# The model has all modes up to this multiple of the record's highest frequency.
+_REACH = 1.5
 # An error of the hammer's force is common to neighbouring frequencies, and looks like damping.
-DEFAULT = (DAMPING, GAIN)
+_DEFAULT = (DAMPING, GAIN)
+_EXAMPLE = 'write "coupler:0.5", or impact and response as "coupler:0.5,rocker:0.5"'
 
 
-def compared_over_frequency(
-    engine: Engine, record: MeasuredRecord, request: ComparisonRequest, progress: StepProgress
-) -> xr.Dataset:
-    """Lay a frequency-response function beside the computed one, and fit.
+@dataclass(frozen=True, kw_only=True)
+class ReceptanceProblem(RecordProblem):
+    """A frequency-response function measured with the crank locked.
+
+    Parameters
+    ----------
+    engine : Engine
+    record : ndarray of complex, shape (N,)
+        In m/N, or per second or per square second of that.
+    names : tuple of str
+    column, unit, quantity : str
+    crank_angle : float
+        In rad.
+    impact, response : LinkPoint
+        Both across their links.
+    frequency : ndarray, shape (N,)
+        In Hz.
+    """
+
+    crank_angle: float
+    impact: LinkPoint
+    response: LinkPoint
+    frequency: FloatArray
+
+    dimension = "frequency"
+
+    @cached_property
+    def first_frequency(self) -> float:
+        """First natural frequency at this crank angle in rad/s."""
+        return float(2 * np.pi * self._natural_frequencies(1)[0])
+
+    def labelled(self, dataset: xr.Dataset, fit: Fit) -> xr.Dataset:
+        """The dataset with its frequencies."""
+        kind, _ = _KINDS[self.unit]
+        return dataset.assign_coords(frequency=self.frequency).assign_attrs(kind=kind)
+
+    def curve(self, values: Mapping[str, float]) -> ComplexArray:
+        """Computed frequency-response function for values by name, (N,)."""
+        engine = fitted_engine(self.engine, values)
+        system = engine.linear_system(
+            self.crank_angle, prestress=engine.prestress_at_rest, modes=self._modes
+        )
+        rows = [point_rows(system, point, "transverse") for point in (self.response, self.impact)]
+        matrices = (system.mass[0], system.damping[0], system.stiffness[0])
+        found = direct_receptance(*matrices, rows[0], rows[1], self.frequency)[:, 0, 0]
+        found = values.get(GAIN, 1.0) * found
+        return np.asarray((2j * np.pi * self.frequency) ** _KINDS[self.unit][1] * found)
+
+    def _natural_frequencies(self, modes: int) -> FloatArray:
+        level = self.engine.prestress_at_rest
+        return natural_frequencies(self.engine, self.crank_angle, modes=modes, prestress=level)
+
+    @cached_property
+    def _modes(self) -> int:
+        """Modes up to beyond the highest frequency of the record."""
+        highest, most = _REACH * float(self.frequency[-1]), 8
+        free = min(MOST_MODES, sum(link.size for link in self.engine.links) // 2)
+        while most < free:
+            if self._natural_frequencies(most)[-1] > highest:
+                return most
+            most *= 2
+        raise InputError(
+            f"the record reaches {self.frequency[-1]:.4g} Hz, beyond what {self.engine.elements} "
+            "elements a link can show; give the part of the record below the lower modes"
+        )
+
+
+def receptance_problem(
+    engine: Engine, record: MeasuredRecord, request: ComparisonRequest
+) -> ReceptanceProblem:
+    """Read a frequency-response function and the points that it is of.
 
     Parameters
     ----------
@@ -38,30 +123,25 @@ def compared_over_frequency(
         Over frequency: a complex receptance, mobility or accelerance.
     request : ComparisonRequest
         With a crank angle.
-    progress : callable
 
     Returns
     -------
-    xarray.Dataset
-        Real and imaginary parts of ``measured``, ``computed`` and ``residual`` over frequency,
-        and the fit.
+    ReceptanceProblem
 
     Raises
     ------
     InputError
         If the record holds no such function, or none at this crank angle.
-    ComputationError
-        If the fit fails.
     """
     assert request.angle is not None
     name, points = _chosen(record, request.quantity)
     column = _column(record, name)
     rows = _at_angle(record, request.angle)
     frequency = record.position[rows]
-    if len(frequency) < LEAST_LINES:
+    if len(frequency) < _LEAST_LINES:
         raise InputError(
             f"{record.source}: holds {len(frequency)} frequencies, too few for a "
-            f"frequency-response function; give at least {LEAST_LINES}"
+            f"frequency-response function; give at least {_LEAST_LINES}"
         )
     if not np.all(np.diff(frequency) > 0) or frequency[0] < 0:
         raise InputError(
@@ -69,36 +149,54 @@ def compared_over_frequency(
             "from its lowest frequency to its highest"
         )
     links = engine.mechanism.linkage.topology.link_names
-    names = fitted_names(request.fit or DEFAULT, links)
-    if names.offset:
+    names = fitted_names(request.fit or _DEFAULT, links)
+    if OFFSET in names:
         raise InputError("fit: a frequency-response function has no offset; fit damping, stiffness")
     impact, response = points_of(points, links)
-    kind = MOBILITIES[column.unit]
-    problem = ReceptanceProblem(
-        engine,
-        request.angle,
-        impact,
-        response,
-        kind,
-        frequency,
-        np.asarray(column.values[rows], dtype=complex),
-        names,
-    )
-    fit = fitted(problem, progress)
-    dataset = comparison_dataset(
-        engine,
-        record,
-        request,
-        fit,
-        problem.record,
-        fit.computed[0] + 1j * fit.computed[1],
-        dimension="frequency",
-        unit=column.unit,
+    return ReceptanceProblem(
+        engine=engine,
+        record=np.asarray(column.values[rows], dtype=complex),
+        names=names,
         column=column.name,
-        quantity=f"{kind} at {response} from a force at {impact}",
-        first_frequency=problem.first_frequency,
+        unit=column.unit,
+        quantity=f"{_KINDS[column.unit][0]} at {response} from a force at {impact}",
+        crank_angle=request.angle,
+        impact=impact,
+        response=response,
+        frequency=frequency,
     )
-    return dataset.assign_coords(frequency=frequency).assign_attrs(kind=kind)
+
+
+def points_of(text: str | None, links: Sequence[str]) -> tuple[LinkPoint, LinkPoint]:
+    """Points of impact and response.
+
+    Parameters
+    ----------
+    text : str, optional
+        One point for both, or two with a comma between; the middle of the coupler, or of the
+        only link, by default.
+    links : sequence of str
+
+    Returns
+    -------
+    tuple of LinkPoint
+
+    Raises
+    ------
+    InputError
+        If it is none, or off its link.
+    """
+    if text is None:
+        middle = LinkPoint("coupler" if "coupler" in links else links[-1], 0.5)
+        return middle, middle
+    parts = text.split(",")
+    if len(parts) > 2:
+        raise InputError(f"quantity: {text!r} has {len(parts)} points; {_EXAMPLE}")
+    try:
+        points = [LinkPoint.parse(part) for part in parts]
+    except InputError as error:
+        raise error.within("quantity") from error
+    return points[0], points[-1]
 
 
 def _chosen(record: MeasuredRecord, asked: str | None) -> tuple[str | None, str | None]:
@@ -114,10 +212,8 @@ def _chosen(record: MeasuredRecord, asked: str | None) -> tuple[str | None, str 
 
 def _column(record: MeasuredRecord, name: str | None) -> MeasuredQuantity:
     """The complex quantity of a response over a force: that of a name, or the only one."""
-    own = [q for q in record.quantities if np.iscomplexobj(q.values)]
-    if name is not None:
-        chosen = record.quantity(name)
-        own = [chosen] if np.iscomplexobj(chosen.values) else []
+    known = record.quantities if name is None else [record.quantity(name)]
+    own = [q for q in known if np.iscomplexobj(q.values)]
     if len(own) > 1:
         raise InputError(
             f"{record.source}: holds {len(own)} frequency-response functions: "
@@ -134,7 +230,7 @@ def _column(record: MeasuredRecord, name: str | None) -> MeasuredQuantity:
             else f"{record.source}: holds no frequency-response function; give its real and "
             "imaginary part as two columns, such as receptance_real_m_N and receptance_imag_m_N"
         )
-    if own[0].unit not in MOBILITIES:
+    if own[0].unit not in _KINDS:
         raise InputError(
             f"{record.source}: {own[0].name!r} is in {own[0].unit or '1'}; give a displacement, "
             "velocity or acceleration over a force, as m/N, m/(N s) or m/(N s^2)"
@@ -147,12 +243,5 @@ def _at_angle(record: MeasuredRecord, angle: float) -> IntArray:
     if not record.has("crank_angle"):
         return np.arange(len(record.position))
     own = np.asarray(record.quantity("crank_angle").values, dtype=float)
-    apart = np.abs(np.angle(np.exp(1j * (own - angle))))
-    rows = np.flatnonzero(apart <= SAME_ANGLE)
-    if not len(rows):
-        known = ", ".join(f"{value:g}" for value in np.unique(np.degrees(own).round(6))[:10])
-        raise InputError(
-            f"{record.source}: was taken at crank angles of {known} deg, not "
-            f"{np.degrees(angle):g}; give one of these with --angle"
-        )
-    return rows
+    near = np.abs(np.angle(np.exp(1j * (own - angle)))) <= _SAME_ANGLE
+    return rows_taken_at(record, near, np.degrees(own).round(6), np.degrees(angle), "angle")

@@ -1,37 +1,251 @@
-"""A record over time beside the running linkage."""
+"""A record over time beside the running linkage: aligned, and its damping found.
+
+The motion of the record is the periodic one that the linkage's own inertia drives, and a free
+vibration from an unknown state at its beginning. That state enters linearly: for any damping and
+crank angle it is the one nearest to the record (variable projection, Golub & Pereyra 1973).
+"""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.comparison.dataset import CURVES, comparison_dataset
-from flexmech.analyses.comparison.fit import fitted
-from flexmech.analyses.comparison.parameters import DAMPING, fitted_names
-from flexmech.analyses.comparison.quantities import matched
+from flexmech.analyses.comparison.fit import Fit
+from flexmech.analyses.comparison.parameters import (
+    DAMPING,
+    GAIN,
+    OFFSET,
+    START_ANGLE,
+    damping_times,
+    fitted_engine,
+    fitted_names,
+    stiffness_factors,
+)
+from flexmech.analyses.comparison.problem import CURVES, RecordProblem
+from flexmech.analyses.comparison.quantities import Gauge, gauges, matched
 from flexmech.analyses.comparison.request import ComparisonRequest
-from flexmech.analyses.comparison.time_problem import TimeProblem
+from flexmech.analyses.damping_ratios import lowest_frequency
 from flexmech.analyses.response.spectra import amplitude_spectrum
+from flexmech.choices import MODES
 from flexmech.errors import CRANK_SPEED, InputError
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredRecord, sampling_interval
-from flexmech.types import FloatArray, StepProgress
+from flexmech.time_domain.periodic_motion import ForcedModes, FreeAndForced, forced_modes
+from flexmech.types import FloatArray
 
-CRANK_ANGLE = "crank_angle"
+# Singular values of the free vibrations below this part of the greatest are round-off.
+_ROUND_OFF = 1e-9
+# A mode is sampled if its frequency is below this part of half the sampling rate.
+_SAMPLED = 0.9
+# A record must be so many periods of the first mode, and so many samples for each unknown.
+_LEAST_PERIODS = 3.0
+_SAMPLES_AN_UNKNOWN = 4
+# Running linkages of other stiffness that are in memory: of one central difference, and more.
+_MOST_MODELS = 8
+# Samples of a turn among which the greatest deflection is sought.
+_TURN_SAMPLES = 361
 # Relative difference of the record's own crank speed from the one given that is no rounding.
-SPEED_TOLERANCE = 0.01
+_SPEED_TOLERANCE = 0.01
 # Where less than the other part is explained, a gauge turned the other way is tried.
-LITTLE_EXPLAINED = 0.5
+_LITTLE_EXPLAINED = 0.5
 # Spectra reach this far above the fastest moving mode.
-SPECTRUM_REACH = 1.5
+_SPECTRUM_REACH = 1.5
 
 
-def compared_over_time(
-    engine: Engine, record: MeasuredRecord, request: ComparisonRequest, progress: StepProgress
-) -> xr.Dataset:
-    """Align a record with the running linkage, and fit.
+@dataclass(frozen=True, kw_only=True)
+class TimeProblem(RecordProblem):
+    """A record of a gauge on the running linkage.
+
+    Parameters
+    ----------
+    engine : Engine
+    record : ndarray, shape (N,)
+    names : tuple of str
+    column, unit, quantity : str
+    crank_speed : float
+        In rad/s.
+    gauge : Gauge
+    time : ndarray, shape (N,)
+        Evenly spaced, in s, from zero.
+    angle : ndarray, shape (N,), optional
+        Crank angle of each sample in rad; found from the record where it is left out.
+    begin : float
+        Time of the record's first sample in s.
+    source : str
+        File that messages name.
+    """
+
+    crank_speed: float
+    gauge: Gauge
+    time: FloatArray
+    angle: FloatArray | None
+    begin: float = 0.0
+    source: str = "record"
+    _models: dict[tuple[float, ...], ForcedModes] = field(default_factory=dict, repr=False)
+
+    dimension = "time"
+
+    def __post_init__(self) -> None:
+        lowest = self.first_frequency / (2 * np.pi)
+        rate, length = 1 / float(self.time[1]), float(self.time[-1])
+        if rate < 2 * lowest / _SAMPLED:
+            raise InputError(
+                f"{self.source}: {rate:.4g} samples a second cannot show vibrations of "
+                f"{lowest:.4g} Hz, the first natural frequency; sample at {4 * lowest:.3g} Hz or "
+                "faster"
+            )
+        least = _SAMPLES_AN_UNKNOWN * (2 * MODES + 4)
+        if length < _LEAST_PERIODS / lowest or len(self.time) < least:
+            raise InputError(
+                f"{self.source}: is too short: {length:.4g} s and {len(self.time)} samples; give "
+                f"at least {_LEAST_PERIODS / lowest:.3g} s, {_LEAST_PERIODS:g} periods of the "
+                f"first natural frequency, and {least} samples"
+            )
+
+    @cached_property
+    def first_frequency(self) -> float:
+        """First natural frequency at rest, averaged over a turn, in rad/s."""
+        return lowest_frequency(self.engine)
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """What is fitted, and the crank angle at the beginning where the record has none."""
+        return self.names if self.angle is not None else (*self.names, START_ANGLE)
+
+    @property
+    def linear_unknowns(self) -> int:
+        """Numbers of the free vibration's state."""
+        return len(self._free_states(self._as_modelled))
+
+    def curve(self, values: Mapping[str, float]) -> FloatArray:
+        """Computed record (N,) for values by name, nearest to the measured one."""
+        forced, free = self._motions(values)
+        left, sizes, _ = np.linalg.svd(free, full_matrices=False)
+        span = left[:, sizes > _ROUND_OFF * sizes[0]]
+        return np.asarray(forced + span @ (span.T @ (self.record - forced)))
+
+    def labelled(self, dataset: xr.Dataset, fit: Fit) -> xr.Dataset:
+        """The dataset with time, crank angle, the periodic motion and the curves' spectra."""
+        values = self.by_name(fit.values.tolist())
+        angle = self._crank_angle(values)
+        dataset["periodic"] = "time", self._motions(values)[0]
+        dataset["periodic"].attrs.update(units=self.unit or "1", long_name="periodic motion")
+        return (
+            dataset.assign_coords(time=self.begin + self.time, crank_angle=("time", angle))
+            .merge(self._spectra(dataset))
+            .assign_attrs(
+                free_states=self.linear_unknowns,
+                bow=self._greatest_deflection(values),
+                aligned_by="record" if self.angle is None else "crank angle column",
+                start_angle=float(np.mod(angle[0], 2 * np.pi)),
+                turned_unexplained=self._unexplained_if_reversed(fit.unexplained),
+            )
+        )
+
+    def _motions(self, values: Mapping[str, float]) -> tuple[FloatArray, FloatArray]:
+        """Forced motion (N,) and free ones (N, k) at the record's times."""
+        model = self._model(stiffness_factors(values))
+        # Turns of the crank at each sample, in the order of time.
+        phase = np.sign(self.crank_speed) * self._crank_angle(values) / (2 * np.pi)
+        forced, free = self._motion(values).readings(phase)
+        free = free[:, self._free_states(model)]
+        forced = values.get(GAIN, 1.0) * forced + values.get(OFFSET, 0.0)
+        return forced, free / np.maximum(np.linalg.norm(free, axis=0), np.finfo(float).tiny)
+
+    def _motion(self, values: Mapping[str, float]) -> FreeAndForced:
+        """Free and forced motion for values by name."""
+        times = damping_times(self.links, values)
+        damping = [times[link] / self.unit_time if link in times else 1.0 for link in self.links]
+        return self._moved(self._model(stiffness_factors(values)), tuple(damping))
+
+    @cached_property
+    def _moved(self) -> Callable[[ForcedModes, tuple[float, ...]], FreeAndForced]:
+        """Free and forced motion, kept for the last damping: for other crank angles."""
+        last: list[tuple[int, tuple[float, ...], FreeAndForced]] = []
+
+        def moved(model: ForcedModes, damping: tuple[float, ...]) -> FreeAndForced:
+            if not last or last[0][:2] != (id(model), damping):
+                last[:] = [(id(model), damping, model.with_damping(damping))]
+            return last[0][2]
+
+        return moved
+
+    def _crank_angle(self, values: Mapping[str, float]) -> FloatArray:
+        """Crank angle at each sample in rad, for values by name."""
+        if self.angle is not None:
+            return self.angle
+        return np.asarray(np.radians(values[START_ANGLE]) + self.crank_speed * self.time)
+
+    @property
+    def _as_modelled(self) -> ForcedModes:
+        """The running linkage with the stiffness of the model."""
+        return self._model(stiffness_factors(dict.fromkeys(self.names, 1.0)))
+
+    def _model(self, factors: Mapping[str, float]) -> ForcedModes:
+        """The running linkage of some stiffness, whose fitted links have the unit damping."""
+        key = tuple(factors.values())
+        if key not in self._models:
+            values = {name: self.unit_time for name in self.names if name.startswith(DAMPING)}
+            values |= {f"stiffness:{link}": factor for link, factor in factors.items()}
+            engine = fitted_engine(self.engine, values)
+            read = [self.gauge, *(g for g in gauges(engine) if g.kind == "deflection")]
+            # The first ones were of steps that the fit has left behind.
+            while len(self._models) >= _MOST_MODELS:
+                del self._models[next(iter(self._models))]
+            self._models[key] = forced_modes(
+                engine, self.crank_speed, [self._rows(engine, gauge) for gauge in read]
+            )
+        return self._models[key]
+
+    def _rows(self, engine: Engine, gauge: Gauge) -> list[FloatArray | None]:
+        """What a gauge reads of each link."""
+        return [gauge.row(engine) if link == gauge.link else None for link in self.links]
+
+    def _greatest_deflection(self, values: Mapping[str, float]) -> float:
+        """Greatest deflection of a link over its length in the periodic motion."""
+        motion, turn = self._motion(values), np.linspace(0.0, 1.0, _TURN_SAMPLES)
+        lengths = [link.length for link in self.engine.mechanism.linkage.topology.links]
+        # The gauge's own reading comes first.
+        return max(
+            float(np.abs(motion.readings(turn, number)[0]).max()) / length
+            for number, length in enumerate(lengths, 1)
+        )
+
+    def _free_states(self, model: ForcedModes) -> list[int]:
+        """States of the moving modes that the sampling rate can show."""
+        limit = _SAMPLED / 2 / float(self.time[1])
+        modes = [m for m, (_, most) in enumerate(model.frequency_ranges()) if most < limit]
+        return [state + m for state in (0, model.moving.size) for m in modes]
+
+    def _unexplained_if_reversed(self, unexplained: float) -> float:
+        """Part unexplained of the record with the other sign, where little is explained."""
+        if unexplained < _LITTLE_EXPLAINED:
+            return float("nan")
+        other = replace(self, record=-self.record)
+        start = {parameter.name: parameter.start for parameter in other.parameters}
+        spread = float(np.sum((self.record - self.record.mean()) ** 2))
+        return other.misfit(start) / spread
+
+    def _spectra(self, dataset: xr.Dataset) -> xr.Dataset:
+        """Amplitude spectra of the three curves under a Hann window."""
+        curves = np.stack([dataset[name].values for name in CURVES])
+        up_to = _SPECTRUM_REACH * float(self._as_modelled.frequency_ranges().max())
+        frequency, amplitude = amplitude_spectrum(curves, float(self.time[1]), up_to)
+        spectrum = xr.DataArray(
+            amplitude,
+            dims=("curve", "spectrum_frequency"),
+            coords={"curve": list(CURVES), "spectrum_frequency": frequency},
+            attrs={"units": self.unit or "1", "long_name": "amplitude"},
+        )
+        return xr.Dataset({"spectrum": spectrum})
+
+
+def time_problem(engine: Engine, record: MeasuredRecord, request: ComparisonRequest) -> TimeProblem:
+    """Read a record over time, and find the gauge that it is of.
 
     Parameters
     ----------
@@ -40,104 +254,52 @@ def compared_over_time(
         Over time.
     request : ComparisonRequest
         With a crank speed.
-    progress : callable
 
     Returns
     -------
-    xarray.Dataset
-        ``measured``, ``computed``, ``residual`` and ``periodic`` over time, their spectra, the
-        crank angle, and the fit.
+    TimeProblem
 
     Raises
     ------
     InputError
         If the record has gaps or unequal steps, is too short or of another crank speed.
-    ComputationError
-        If the fit fails.
     """
     assert request.speed is not None
-    pair = matched(record, request.quantity, engine)
+    measured, gauge = matched(record, request.quantity, engine)
     interval = sampling_interval(record.position, record.source, record.rounding)
     time: FloatArray = interval * np.arange(len(record.position), dtype=float)
     links = engine.mechanism.linkage.topology.link_names
-    problem = TimeProblem(
-        engine,
-        request.speed,
-        pair.gauge,
-        time,
-        np.asarray(pair.measured.values, dtype=float),
-        _crank_angle(record, request.speed, time),
-        fitted_names(request.fit or (DAMPING,), links),
-        record.source,
-    )
-    fit = fitted(problem, progress)
-    dataset = comparison_dataset(
-        engine,
-        record,
-        request,
-        fit,
-        problem.record,
-        fit.computed[0],
-        dimension="time",
-        unit=pair.gauge.unit,
-        column=pair.measured.header or pair.measured.name,
-        quantity=pair.gauge.column,
-        first_frequency=problem.first_frequency,
-    )
-    values = dict(zip([p.name for p in fit.parameters], fit.values.tolist(), strict=True))
-    angle = problem.crank_angle(values)
-    dataset["periodic"] = "time", problem.forced(fit.values.tolist())
-    dataset["periodic"].attrs.update(units=pair.gauge.unit or "1", long_name="periodic motion")
-    dataset = dataset.assign_coords(
-        time=record.position[0] + time, crank_angle=("time", angle)
-    ).merge(_spectra(dataset, interval, problem.fastest_frequency))
-    return dataset.assign_attrs(
-        free_states=problem.linear_unknowns,
-        bow=problem.bow(fit.values.tolist()),
-        aligned_by="record" if problem.angle is None else "crank angle column",
-        start_angle=float(np.mod(angle[0], 2 * np.pi)),
-        turned_unexplained=_turned(problem, fit.unexplained),
+    return TimeProblem(
+        engine=engine,
+        record=np.asarray(measured.values, dtype=float),
+        names=fitted_names(request.fit or (DAMPING,), links),
+        column=measured.header or measured.name,
+        unit=gauge.unit,
+        quantity=gauge.column,
+        crank_speed=request.speed,
+        gauge=gauge,
+        time=time,
+        angle=_crank_angle(record, request.speed, time),
+        begin=float(record.position[0]),
+        source=record.source,
     )
 
 
 def _crank_angle(record: MeasuredRecord, speed: float, time: FloatArray) -> FloatArray | None:
     """Crank angle at each sample in rad, where the record has it, at a constant speed."""
-    if CRANK_ANGLE not in (*record.names, *record.unreadable):
+    if "crank_angle" not in (*record.names, *record.unreadable):
         return None
-    column = record.quantity(CRANK_ANGLE)
+    column = record.quantity("crank_angle")
     if column.unit != "rad":
         raise InputError(
             f"{record.source}: {column.header!r} is no angle; give the crank angle in deg or rad, "
             "or leave its column out"
         )
     own, start = np.polyfit(time, np.unwrap(np.asarray(column.values, dtype=float)), 1)
-    if abs(own - speed) > SPEED_TOLERANCE * abs(speed):
+    if abs(own - speed) > _SPEED_TOLERANCE * abs(speed):
         raise InputError(
             f"{record.source}: its crank turns at {own:.5g} rad/s ({own * 30 / np.pi:.5g} rpm) by "
             f"the column {column.header!r}, not at {CRANK_SPEED}; give that speed",
             crank_speed=speed,
         )
     return np.asarray(start + own * time)
-
-
-def _turned(problem: TimeProblem, unexplained: float) -> float:
-    """Part that remains unexplained of the record with the other sign, if little is explained."""
-    if unexplained < LITTLE_EXPLAINED:
-        return float("nan")
-    other = replace(problem, record=-problem.record)
-    start = {parameter.name: parameter.start for parameter in other.parameters}
-    spread = float(np.sum((problem.record - problem.record.mean()) ** 2))
-    return other.misfit(start) / spread
-
-
-def _spectra(dataset: xr.Dataset, interval: float, fastest: float) -> xr.Dataset:
-    """Amplitude spectra of the three curves under a Hann window."""
-    curves = np.stack([dataset[name].values for name in CURVES])
-    frequency, amplitude = amplitude_spectrum(curves, interval, SPECTRUM_REACH * fastest)
-    spectrum = xr.DataArray(
-        amplitude,
-        dims=("curve", "spectrum_frequency"),
-        coords={"curve": list(CURVES), "spectrum_frequency": frequency},
-        attrs={"units": dataset.measured.attrs["units"], "long_name": "amplitude"},
-    )
-    return xr.Dataset({"spectrum": spectrum})

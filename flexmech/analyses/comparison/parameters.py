@@ -1,83 +1,59 @@
-"""What can be fitted, by its name, and the mechanism with fitted values in it."""
+"""Free parameters of a fit, by their names, and the engine with values of them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
-from flexmech.analyses import damping_ratios
+import numpy as np
+
+from flexmech.analyses.comparison.fit import Parameter
+from flexmech.analyses.damping_ratios import with_damping_times
 from flexmech.errors import InputError, suggestion
 from flexmech.linear_system import Engine
 from flexmech.sections import BeamSection
 
 DAMPING, STIFFNESS, OFFSET, GAIN, NOTHING = "damping", "stiffness", "offset", "gain", "none"
+START_ANGLE = "start_angle"
+"""Crank angle of a record's first sample, where the record does not tell it."""
+USUAL_RATIO = 0.005
+"""Damping ratio of the first mode that the unit of a fitted damping time stands for."""
+# Damping ratios from which the fit may begin, of steel to polymers.
+_RATIOS = (0.001, 0.003, 0.01, 0.03)
+# Crank angles at which a record may begin: every 2.5 deg, a fraction of the first mode's period.
+_ANGLES = 144
+# Part of the model's stiffness below which no measured link is.
+_LEAST_STIFFNESS = 0.05
+# Usual changes, which scale the fit's steps: of a stiffness or a gain, and of an angle in deg.
+_STIFFNESS_STEP, _GAIN_STEP, _ANGLE_STEP = 0.1, 0.1, 10.0
 # Beam elements whose stiffness is that of the layers, not that of the section as a whole.
-LAYERED = ("zigzag", "reddy")
+_LAYERED = ("zigzag", "reddy")
 
 
-@dataclass(frozen=True)
-class Fitted:
-    """What is asked to be fitted.
-
-    Parameters
-    ----------
-    damping : bool
-        One Kelvin-Voigt time of all links that have none of their own here.
-    damped_links, stiff_links : tuple of str
-        Links with a damping time of their own, and those with a factor on the stiffness.
-    offset : bool
-        The gauge's zero.
-    gain : bool
-        Factor on the computed record: how far the gauge's calibration is off.
-    """
-
-    damping: bool
-    damped_links: tuple[str, ...]
-    stiff_links: tuple[str, ...]
-    offset: bool
-    gain: bool
-
-    @property
-    def damps(self) -> bool:
-        """Whether a damping time is among them."""
-        return self.damping or bool(self.damped_links)
-
-    def times_of(self, links: Sequence[str], values: Mapping[str, float]) -> dict[str, float]:
-        """Damping time of each link that has a fitted one, in s."""
-        common = dict.fromkeys(links, values[DAMPING]) if self.damping else {}
-        return common | {link: values[f"{DAMPING}:{link}"] for link in self.damped_links}
-
-    def factors(self, values: Mapping[str, float]) -> dict[str, float]:
-        """Stiffness factor of each link that has a fitted one."""
-        return {link: values[f"{STIFFNESS}:{link}"] for link in self.stiff_links}
-
-
-def known_names(links: Sequence[str]) -> list[str]:
-    """All names that can be fitted, for links of these names."""
-    own = [f"{what}:{link}" for what in (DAMPING, STIFFNESS) for link in links]
-    return [DAMPING, *own, OFFSET, GAIN, NOTHING]
-
-
-def fitted_names(names: Sequence[str], links: Sequence[str]) -> Fitted:
+def fitted_names(names: Sequence[str], links: Sequence[str]) -> tuple[str, ...]:
     """Read what is asked to be fitted.
 
     Parameters
     ----------
     names : sequence of str
-        Such as ``("damping", "damping:coupler", "stiffness:coupler")``.
+        Such as ``("damping", "damping:coupler", "stiffness:coupler")``. ``damping`` is one
+        Kelvin-Voigt time of all links that have none of their own here, ``offset`` the gauge's
+        zero, ``gain`` a factor on the computed record.
     links : sequence of str
         Names of the linkage's links.
 
     Returns
     -------
-    Fitted
+    tuple of str
+        In the order of the parameters; empty for ``("none",)``.
 
     Raises
     ------
     InputError
         If a name is unknown or stands twice, or ``none`` stands beside others.
     """
-    known = known_names(links)
+    own = [f"{what}:{link}" for what in (DAMPING, STIFFNESS) for link in links]
+    known = [DAMPING, *own, OFFSET, GAIN, NOTHING]
     for name in names:
         if name not in known:
             raise InputError(f"fit: {name!r} cannot be fitted; {suggestion(name, known)}")
@@ -85,34 +61,46 @@ def fitted_names(names: Sequence[str], links: Sequence[str]) -> Fitted:
             raise InputError(f"fit: {name!r} stands twice; name each once")
     if NOTHING in names and len(names) > 1:
         raise InputError(f"fit: {NOTHING!r} stands beside others; write it alone, or leave it out")
-    damped = tuple(link for link in links if f"{DAMPING}:{link}" in names)
-    if DAMPING in names and len(damped) == len(links):
+    if DAMPING in names and all(f"{DAMPING}:{link}" in names for link in links):
         raise InputError(
             "fit: every link has a damping time of its own, and none is left for 'damping'; leave "
             "that out, or one of the links"
         )
-    return Fitted(
-        damping=DAMPING in names,
-        damped_links=damped,
-        stiff_links=tuple(link for link in links if f"{STIFFNESS}:{link}" in names),
-        offset=OFFSET in names,
-        gain=GAIN in names,
-    )
+    return tuple(name for name in known[:-1] if name in names)
 
 
-def with_damping_times(engine: Engine, times: Mapping[str, float]) -> Engine:
-    """The engine with other damping times of some links; a fit keeps the element that it has."""
-    return damping_ratios.with_damping_times(engine.with_(element=engine.element), times)
+def damping_times(links: Sequence[str], values: Mapping[str, float]) -> dict[str, float]:
+    """Damping time in s of each link that has one among values by name.
+
+    Parameters
+    ----------
+    links : sequence of str
+        Names of all links.
+    values : mapping of str to float
+
+    Returns
+    -------
+    dict of str to float
+    """
+    common = dict.fromkeys(links, values[DAMPING]) if DAMPING in values else {}
+    return common | {link: values[key] for link in links if (key := f"{DAMPING}:{link}") in values}
 
 
-def with_stiffness(engine: Engine, factors: Mapping[str, float]) -> Engine:
-    """The engine with the stiffness of some links times a factor.
+def stiffness_factors(values: Mapping[str, float]) -> dict[str, float]:
+    """Stiffness factor of each link that has one among values by name."""
+    kinds = {name: name.partition(":") for name in values}
+    return {link: values[name] for name, (kind, _, link) in kinds.items() if kind == STIFFNESS}
+
+
+def fitted_engine(engine: Engine, values: Mapping[str, float]) -> Engine:
+    """The engine with damping times and stiffness factors of links; it keeps its element.
 
     Parameters
     ----------
     engine : Engine
-    factors : mapping of str to float
-        Of the axial, bending and shear stiffness together.
+    values : mapping of str to float
+        By the names of the parameters. A factor is of the axial, bending and shear stiffness
+        together.
 
     Returns
     -------
@@ -121,11 +109,15 @@ def with_stiffness(engine: Engine, factors: Mapping[str, float]) -> Engine:
     Raises
     ------
     InputError
-        If the elements take their stiffness from the layers of a laminate.
+        If a stiffness is to change, but the elements take theirs from the layers of a laminate.
     """
+    times = damping_times(engine.mechanism.linkage.topology.link_names, values)
+    if times:
+        engine = with_damping_times(engine.with_(element=engine.element), times)
+    factors = stiffness_factors(values)
     if not factors:
         return engine
-    if engine.element in LAYERED:
+    if engine.element in _LAYERED:
         raise InputError(
             f"fit: elements {engine.element} take their stiffness from the layers of the link; "
             "fit the stiffness with an element that takes it from the section, such as timoshenko"
@@ -145,3 +137,50 @@ def _stiffened(section: BeamSection, factor: float) -> BeamSection:
         bending_stiffness=factor * section.bending_stiffness,
         shear_stiffness=factor * section.shear_stiffness,
     )
+
+
+def free_parameters(
+    names: Sequence[str],
+    misfit: Callable[[Mapping[str, float]], float],
+    unit_time: float,
+    unit: str,
+    size: float,
+) -> tuple[Parameter, ...]:
+    """Parameters of a fit, from the best of the crank angles and damping times tried.
+
+    Parameters
+    ----------
+    names : sequence of str
+    misfit : callable
+        Sum of squares of the residual for values by name.
+    unit_time : float
+        Kelvin-Voigt time in s that damps the first mode by the usual ratio.
+    unit : str
+        Of the record.
+    size : float
+        Of the record's values, the scale of its offset.
+
+    Returns
+    -------
+    tuple of Parameter
+    """
+    kinds = {
+        DAMPING: Parameter("", "s", unit_time, unit_time),
+        STIFFNESS: Parameter("", "", 1.0, _STIFFNESS_STEP, _LEAST_STIFFNESS),
+        OFFSET: Parameter("", unit, 0.0, size),
+        GAIN: Parameter("", "", 1.0, _GAIN_STEP),
+        START_ANGLE: Parameter("", "deg", 0.0, _ANGLE_STEP),
+    }
+    found = {name: replace(kinds[name.partition(":")[0]], name=name) for name in names}
+    trials = {
+        START_ANGLE: (360 / _ANGLES * np.arange(_ANGLES)).tolist(),
+        DAMPING: [unit_time * ratio / USUAL_RATIO for ratio in _RATIOS],
+    }
+    for kind, choices in trials.items():
+        which = [name for name in names if name.startswith(kind)]
+        if which:
+            start = {name: parameter.start for name, parameter in found.items()}
+            misfits = [misfit(start | dict.fromkeys(which, choice)) for choice in choices]
+            best = choices[int(np.argmin(misfits))]
+            found |= {name: replace(found[name], start=best) for name in which}
+    return tuple(found.values())

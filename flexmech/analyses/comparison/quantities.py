@@ -1,4 +1,4 @@
-"""Which computed quantity a record's column is laid beside: gauges on links."""
+"""Which computed quantity a record's column is compared with: gauges on links."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from typing import Literal
 import numpy as np
 
 from flexmech.analyses.response import probes
+from flexmech.analyses.response.measurements import surface_strain
 from flexmech.errors import InputError, suggestion
 from flexmech.linear_system import Engine
 from flexmech.measured_data import MeasuredQuantity, MeasuredRecord
 from flexmech.types import FloatArray
 
-UNITS = {"strain": "", "deflection": "m"}
 # Columns that tell where a sample was taken, not what was measured there.
-COMPANIONS = ("crank_angle", "crank_speed", "mode", "branch", "coherence", "engine")
+_COMPANIONS = ("crank_angle", "crank_speed", "mode", "branch", "coherence", "engine")
 # No metal or laminate is strained further before it yields or breaks.
-MOST_STRAIN = 0.1
+_MOST_STRAIN = 0.1
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Gauge:
     @property
     def unit(self) -> str:
         """SI unit; empty for a strain."""
-        return UNITS[self.kind]
+        return "" if self.kind == "strain" else "m"
 
     @property
     def column(self) -> str:
@@ -61,20 +61,9 @@ class Gauge:
         """
         link = engine.links[engine.mechanism.linkage.topology.index(self.link)]
         if self.kind == "strain":
-            section = engine.mechanism.sections.get(self.link)
-            # A rigid link is not strained, whatever it is made of.
-            thickness = 0.0 if section is None else section.in_plane_thickness
-            return np.asarray(-thickness / 2 * link.curvature)
+            return surface_strain(engine, link)
         start, middle, end = link.shape[[0, len(link.shape) // 2, -1], 1]
         return np.asarray(end - start if self.place == "tip" else middle - (start + end) / 2)
-
-
-@dataclass(frozen=True)
-class Pair:
-    """A measured column and the gauge that it is laid beside."""
-
-    measured: MeasuredQuantity
-    gauge: Gauge
 
 
 def gauges(engine: Engine) -> tuple[Gauge, ...]:
@@ -91,11 +80,13 @@ def gauges(engine: Engine) -> tuple[Gauge, ...]:
 
 def value_columns(record: MeasuredRecord) -> tuple[MeasuredQuantity, ...]:
     """Quantities of a record that tell what was measured, not where."""
-    return tuple(q for q in record.quantities if q.name.lower() not in COMPANIONS)
+    return tuple(q for q in record.quantities if q.name.lower() not in _COMPANIONS)
 
 
-def matched(record: MeasuredRecord, asked: str | None, engine: Engine) -> Pair:
-    """Pair a record's column with what is computed.
+def matched(
+    record: MeasuredRecord, asked: str | None, engine: Engine
+) -> tuple[MeasuredQuantity, Gauge]:
+    """Pair a record's column with the gauge that computes it.
 
     Parameters
     ----------
@@ -108,14 +99,22 @@ def matched(record: MeasuredRecord, asked: str | None, engine: Engine) -> Pair:
 
     Returns
     -------
-    Pair
+    MeasuredQuantity
+    Gauge
 
     Raises
     ------
     InputError
         If there is no such quantity, no column for it, or more than one.
     """
-    known = {gauge.name: gauge for gauge in gauges(engine)}
+    measured, gauge = _matched(record, asked, {gauge.name: gauge for gauge in gauges(engine)})
+    _check(measured, gauge, record)
+    return measured, gauge
+
+
+def _matched(
+    record: MeasuredRecord, asked: str | None, known: dict[str, Gauge]
+) -> tuple[MeasuredQuantity, Gauge]:
     if asked is not None:
         gauge = next((g for g in known.values() if asked in (g.name, g.column)), None)
         if gauge is None:
@@ -124,7 +123,7 @@ def matched(record: MeasuredRecord, asked: str | None, engine: Engine) -> Pair:
                 f"quantity: {asked!r} cannot be laid beside a record over time; "
                 f"{suggestion(asked, columns)}"
             )
-        return Pair(_column_for(record, gauge), gauge)
+        return _column_for(record, gauge), gauge
     named = [q for q in record.quantities if q.name in known]
     for name in known:
         if name in record.unreadable:
@@ -135,17 +134,17 @@ def matched(record: MeasuredRecord, asked: str | None, engine: Engine) -> Pair:
             f"{', '.join(q.name for q in named)}; choose one by --quantity"
         )
     if named:
-        return _checked(Pair(named[0], known[named[0].name]), record)
+        return named[0], known[named[0].name]
     candidates = value_columns(record)
     if len(candidates) != 1:
         _refuse_none(record, [g.column for g in known.values()])
-    return _checked(Pair(candidates[0], _likely(candidates[0], known, record)), record)
+    return candidates[0], _likely(candidates[0], known, record)
 
 
 def _refuse_none(record: MeasuredRecord, columns: list[str]) -> None:
     """Say which columns there are, or what is wrong with the only ones."""
     candidates = value_columns(record)
-    wrong = [n for n in record.unreadable if n.lower() not in COMPANIONS]
+    wrong = [n for n in record.unreadable if n.lower() not in _COMPANIONS]
     if not candidates and wrong:
         raise InputError(record.unreadable[wrong[0]])
     if not candidates:
@@ -162,12 +161,12 @@ def _refuse_none(record: MeasuredRecord, columns: list[str]) -> None:
 def _column_for(record: MeasuredRecord, gauge: Gauge) -> MeasuredQuantity:
     """The record's column for a gauge: of its name, or the only one of its unit."""
     if gauge.name in (*record.names, *record.unreadable):
-        return _checked(Pair(record.quantity(gauge.name), gauge), record).measured
+        return record.quantity(gauge.name)
     own = [q for q in value_columns(record) if q.unit == gauge.unit]
     if len(own) == 1:
-        return _checked(Pair(own[0], gauge), record).measured
+        return own[0]
     if not own and (every := value_columns(record)):
-        return _checked(Pair(every[0], gauge), record).measured
+        return every[0]
     if not own:
         _refuse_none(record, [gauge.column])
     raise InputError(
@@ -197,9 +196,8 @@ def _likely(measured: MeasuredQuantity, known: dict[str, Gauge], record: Measure
     )
 
 
-def _checked(pair: Pair, record: MeasuredRecord) -> Pair:
+def _check(measured: MeasuredQuantity, gauge: Gauge, record: MeasuredRecord) -> None:
     """Refuse another dimension, and strains that can only be in other units."""
-    measured, gauge = pair.measured, pair.gauge
     if measured.unit != gauge.unit:
         raise InputError(
             f"{record.source}: {measured.header or measured.name!r} is in {measured.unit or '1'}, "
@@ -207,7 +205,7 @@ def _checked(pair: Pair, record: MeasuredRecord) -> Pair:
             "choose another --quantity"
         )
     most = float(np.abs(measured.values).max())
-    if gauge.kind == "strain" and most > MOST_STRAIN:
+    if gauge.kind == "strain" and most > _MOST_STRAIN:
         raise InputError(
             f"{record.source}: {measured.header or measured.name!r} reaches a strain of "
             f"{most:.4g}, which no link survives; name its unit, as in 'strain (um/m)'"
@@ -217,4 +215,3 @@ def _checked(pair: Pair, record: MeasuredRecord) -> Pair:
             f"{record.source}: {measured.header or measured.name!r} is the same at all samples; "
             "give a record in which something moves"
         )
-    return pair

@@ -3,49 +3,68 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from flexmech.analyses.coupler_path.any_link import link_named, path_of_link
 from flexmech.analyses.coupler_path.result import CouplerPaths
 from flexmech.analyses.datasets import origin
 from flexmech.analyses.remarks import environment_lines, state_name
 from flexmech.analyses.requests import environment_of, in_radians
-from flexmech.errors import InputError
+from flexmech.errors import InputError, suggestion
 from flexmech.hygrothermal import (
     Environment,
     HygrothermalState,
-    coupler_point_in_state,
-    linkage_in_state,
+    elongation_of,
     links_of_unknown_stiffness,
+    rigid_linkage_in_state,
     without_softening,
 )
 from flexmech.linear_system import checked_mechanism
 from flexmech.linkages import (
-    CouplerCurve,
     CouplerPoint,
     DoublePoint,
     FourBar,
+    Linkage,
+    PlanarLinkage,
+    RigidMotion,
     coupler_sextic,
     double_points,
     shown_crank_angle,
 )
+from flexmech.linkages.motion import direction
 from flexmech.mechanism import Mechanism, drawing
+from flexmech.numbers import check_instance
 from flexmech.types import FloatArray
 
-# Points of a finely drawn loop.
-FINE = 400
-METRE, RADIAN = {"units": "m"}, {"units": "rad"}
+# Points of a finely drawn loop: more than a figure's width has dots of a printer.
+_FINE = 400
+_METRE, _RADIAN = {"units": "m"}, {"units": "rad"}
+_OVER = "crank_angle"
 
 
-class Path(NamedTuple):
-    """The curve of a coupler point in one environment, with all crunodes and cusps that it has."""
+@dataclass(frozen=True)
+class _Path:
+    """The path of a point of a link in one environment.
 
-    curve: CouplerCurve
-    double_points: tuple[DoublePoint, ...]
+    Parameters
+    ----------
+    linkage : Linkage
+    link : int
+        That carries the point.
+    point : CouplerPoint
+        By its distance from the link's start and the angle from the link's line.
+    double_points : tuple of DoublePoint
+        All crunodes and cusps of the curve of a four-bar's coupler; of other links none are sought.
+    """
+
+    linkage: Linkage
+    link: int
+    point: CouplerPoint
+    double_points: tuple[DoublePoint, ...] = ()
 
     @property
     def passages(self) -> FloatArray:
@@ -57,6 +76,53 @@ class Path(NamedTuple):
         through_zero = angles[:, 1] - angles[:, 0] > np.pi
         angles[through_zero] = angles[through_zero][:, ::-1] - [2 * np.pi, 0.0]
         return angles
+
+    def position(self, crank_angles: ArrayLike) -> FloatArray:
+        """Places of the point in m at crank angles (...); (..., 2)."""
+        return self._position(self.linkage.motion(crank_angles))
+
+    def _position(self, motion: RigidMotion) -> FloatArray:
+        arm = self.point.distance * direction(motion.angle[..., self.link] + self.point.angle)
+        return np.asarray(motion.origin[..., self.link, :] + arm)
+
+    def dataset(self, crank_angles: FloatArray, windows: FloatArray) -> xr.Dataset:
+        """The path, and what it does between pairs of crank angles (W, 2), finely drawn."""
+        topology, motion = self.linkage.topology, self.linkage.motion(crank_angles)
+        body, position = topology.links[self.link], self._position(motion)
+        pins = [motion.position(self.link, x) for x in (0.0, body.length)]
+        is_curve = isinstance(self.linkage, FourBar) and body.name == "coupler"
+        # A four-bar's coupler is shown with the rocker, and with all members.
+        shown = slice(self.link, self.link + (2 if is_curve else 1))
+        lengths = {own.name: own.length for own in topology.links}
+        variables: dict[str, Any] = {
+            "position": ((_OVER, "component"), position, _METRE),
+            "pin_position": ((_OVER, "pin", "component"), np.stack(pins, axis=1), _METRE),
+            "angle": ((_OVER, "link"), np.unwrap(motion.angle[:, shown], axis=0), _RADIAN),
+            "coupler_point_distance": ((), self.point.distance, _METRE),
+        }
+        coordinates: dict[str, Any] = {
+            "crank_angle": (_OVER, crank_angles, _RADIAN),
+            "component": ["x", "y"],
+            "pin": ["A", "B"] if is_curve else ["start", "end"],
+            "link": list(topology.link_names[shown]),
+        }
+        if isinstance(self.linkage, FourBar) and is_curve:
+            lengths = dict(self.linkage.lengths)
+            transmission = self.linkage.transmission_angle(crank_angles)
+            limits = [*self.linkage.transmission_angle_limits()]
+            residual = np.abs(coupler_sextic(self.linkage, self.point, position)).max()
+            variables |= {
+                "transmission_angle": (_OVER, transmission, _RADIAN),
+                "transmission_angle_limit": ("limit", limits, _RADIAN),
+                "sextic_residual": ((), residual, {"units": "1"}),
+            }
+            coordinates["limit"] = ["least", "greatest"]
+        if windows.size:
+            around = [np.linspace(a - (b - a), b + (b - a), _FINE) for a, b in windows]
+            close_up = self.position(around)
+            variables["close_up"] = (("window", "point", "component"), close_up, _METRE)
+        variables["length"] = ("member", [*lengths.values()], _METRE)
+        return xr.Dataset(variables, coordinates | {"member": list(lengths)})
 
 
 def coupler_paths(
@@ -108,13 +174,10 @@ def coupler_paths(
     angles = in_radians("crank_angles", crank_angles)
     if angles.ndim != 1 or not angles.size:
         raise InputError(f"crank_angles must be a row of one or more, got shape {angles.shape}")
-    point, link = _point_of(mechanism, point), link_named(mechanism.linkage, link)
-    curve = link == "coupler" and isinstance(mechanism.linkage, FourBar)
+    point, link = _point_of(mechanism, point), _link_named(mechanism.linkage, link)
 
-    def of(owner: Mechanism, state: Environment) -> Path | xr.Dataset:
-        if curve:
-            return _path(owner, point, state, angles)
-        return path_of_link(owner, link, point, state, angles)
+    def of(owner: Mechanism, state: Environment) -> _Path:
+        return _path(owner, link, point, state, angles)
 
     paths = {"dry": of(mechanism, HygrothermalState())}
     if environment is not None:
@@ -136,31 +199,13 @@ def coupler_paths(
         "environment_lines": "\n".join(lines),
         "warning": warning,
     }
-    curves = {state: path for state, path in paths.items() if isinstance(path, Path)}
-    others = [path for path in paths.values() if not isinstance(path, Path)]
-    dataset = _dataset(curves, angles) if curves else _without_double_points(others, list(paths))
-    return CouplerPaths(dataset.assign_attrs(attributes))
+    return CouplerPaths(_dataset(paths, angles).assign_attrs(attributes))
 
 
 def _shown(mechanism: Mechanism, angles: FloatArray) -> float:
     """The crank angle of the path at which a picture shows the linkage best."""
     best = shown_crank_angle(mechanism.linkage)
     return float(angles[np.argmin(np.abs(angles - best))])
-
-
-def _without_double_points(states: Sequence[xr.Dataset], names: Sequence[str]) -> xr.Dataset:
-    """Paths of a point whose crossings are not sought, in the form of those of a coupler."""
-    empty: dict[str, Any] = {
-        "double_point_position": (("double_point", "component"), np.empty((0, 2)), METRE),
-        "double_point_crank_angle": (("double_point", "passage"), np.empty((0, 2)), RADIAN),
-    }
-    coordinates = {
-        "state": list(names),
-        "name": ("state", ["dry", "wet"][: len(states)]),
-        "double_point_state": ("double_point", np.empty(0, dtype=str)),
-        "double_point_kind": ("double_point", np.empty(0, dtype=str)),
-    }
-    return xr.concat(states, "state").assign(empty).assign_coords(coordinates)
 
 
 def _of_rubber(links: Sequence[str]) -> str:
@@ -195,35 +240,42 @@ def _point_of(mechanism: Mechanism, given: CouplerPoint | None) -> CouplerPoint:
 
 
 def _path(
-    mechanism: Mechanism, point: CouplerPoint, environment: Environment, crank_angles: FloatArray
-) -> Path:
-    """Path of a point of the dry coupler, with linkage and coupler as the environment has them."""
-    linkage = linkage_in_state(mechanism, environment)
-    moved = coupler_point_in_state(mechanism, point, environment)
+    mechanism: Mechanism,
+    link: str,
+    point: CouplerPoint,
+    environment: Environment,
+    crank_angles: FloatArray,
+) -> _Path:
+    """Path of a point of a dry link, with linkage and link as the environment has them."""
+    linkage = rigid_linkage_in_state(mechanism, environment)
+    if environment != HygrothermalState():
+        point = point.scaled(1 + elongation_of(mechanism, link, environment))
+    number = linkage.topology.index(link)
     linkage.motion(crank_angles)  # refuses angles that the linkage does not reach
-    found = double_points(linkage, moved, float(crank_angles[0]))
-    return Path(CouplerCurve(linkage, moved), found)
+    if link != "coupler" or not isinstance(linkage, FourBar):
+        return _Path(linkage, number, point)
+    return _Path(linkage, number, point, double_points(linkage, point, float(crank_angles[0])))
 
 
-def _dataset(paths: Mapping[str, Path], crank_angles: FloatArray) -> xr.Dataset:
+def _dataset(paths: Mapping[str, _Path], crank_angles: FloatArray) -> xr.Dataset:
     every = list(paths.values())
     windows = np.concatenate([path.passages for path in every])
     # Every state's curve is drawn around every state's loops: all must reach there.
-    if not all(path.curve.linkage.crank_turns_fully for path in every):
+    if not all(isinstance(p.linkage, FourBar) and p.linkage.crank_turns_fully for p in every):
         windows = windows[:0]
-    states = [_state(path.curve, crank_angles, windows) for path in every]
+    states = [path.dataset(crank_angles, windows) for path in every]
     doubles = [(state, double) for state, path in paths.items() for double in path.double_points]
     position = np.reshape([double.position for _, double in doubles], (-1, 2))
     angles = np.reshape([double.crank_angles for _, double in doubles], (-1, 2))
     named = np.array([(state, double.kind) for state, double in doubles], dtype=str)
     variables: dict[str, Any] = {
-        "double_point_position": (("double_point", "component"), position, METRE),
-        "double_point_crank_angle": (("double_point", "passage"), angles, RADIAN),
+        "double_point_position": (("double_point", "component"), position, _METRE),
+        "double_point_crank_angle": (("double_point", "passage"), angles, _RADIAN),
     }
     if windows.size:
-        framed = [path.curve.position(windows.mean(axis=1)) for path in every]
-        framed += [p.curve.position(np.linspace(a, b, FINE)) for p in every for a, b in p.passages]
-        variables["framed"] = (("framed_place", "component"), np.concatenate(framed), METRE)
+        framed = [path.position(windows.mean(axis=1)) for path in every]
+        framed += [p.position(np.linspace(a, b, _FINE)) for p in every for a, b in p.passages]
+        variables["framed"] = (("framed_place", "component"), np.concatenate(framed), _METRE)
     coordinates = {
         "state": list(paths),
         "name": ("state", ["dry", "wet"][: len(every)]),
@@ -233,34 +285,16 @@ def _dataset(paths: Mapping[str, Path], crank_angles: FloatArray) -> xr.Dataset:
     return xr.concat(states, "state").assign(variables).assign_coords(coordinates)
 
 
-def _state(curve: CouplerCurve, crank_angles: FloatArray, windows: FloatArray) -> xr.Dataset:
-    """The path in one state, and what it does between pairs of crank angles, finely drawn."""
-    linkage, position = curve.linkage, curve.position(crank_angles)
-    motion = linkage.motion(crank_angles)
-    pins = [motion.position(0, linkage.crank), motion.position(2, linkage.rocker)]
-    residual = np.abs(coupler_sextic(linkage, curve.point, position)).max()
-    angle = np.unwrap(motion.angle[:, 1:], axis=0)
-    over = "crank_angle"
-    limits = linkage.transmission_angle_limits()
-    variables: dict[str, Any] = {
-        "transmission_angle": ((over,), linkage.transmission_angle(crank_angles), RADIAN),
-        "transmission_angle_limit": (("limit",), [*limits], RADIAN),
-        "position": ((over, "component"), position, METRE),
-        "pin_position": ((over, "pin", "component"), np.stack(pins, axis=1), METRE),
-        "angle": ((over, "link"), angle, RADIAN),
-        "length": ("member", [*linkage.lengths.values()], METRE),
-        "coupler_point_distance": ((), curve.point.distance, METRE),
-        "sextic_residual": ((), residual, {"units": "1"}),
-    }
-    if windows.size:
-        around = [np.linspace(a - (b - a), b + (b - a), FINE) for a, b in windows]
-        variables["close_up"] = (("window", "point", "component"), curve.position(around), METRE)
-    coordinates = {
-        "crank_angle": (over, crank_angles, RADIAN),
-        "component": ["x", "y"],
-        "pin": ["A", "B"],
-        "link": ["coupler", "rocker"],
-        "member": list(linkage.lengths),
-        "limit": ["least", "greatest"],
-    }
-    return xr.Dataset(variables, coordinates)
+def _link_named(linkage: Linkage, link: str) -> str:
+    """Link of the topology that a name stands for: of a chain of beams, its first one."""
+    check_instance(link, str, "link", "give the name of a link, such as 'coupler'")
+    chains = {}
+    if isinstance(linkage, PlanarLinkage):
+        chains = {drawn.name: drawn.beams[0].name for drawn in linkage.links}
+    known = linkage.topology.link_names
+    if link in known:
+        return link
+    if link not in chains:
+        names = list(dict.fromkeys([*chains, *known]))
+        raise InputError(f"the linkage has no link {link!r}; {suggestion(link, names)}")
+    return chains[link]

@@ -29,7 +29,7 @@ from flexmech.linear_system import Engine
 from flexmech.mechanism import drawing
 from flexmech.numbers import checked_array
 from flexmech.threads import one_thread
-from flexmech.types import FloatArray, LabelledProgress
+from flexmech.types import FloatArray, LabelledProgress, silent
 
 
 def joined(
@@ -219,7 +219,7 @@ def moving_frequencies(
         )
     angles = checked_array(crank_angles, "crank_angles", "rad")
     speeds = checked_array(crank_speeds, "crank_speeds", "rad/s")
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
 
     def compute(count: int) -> xr.Dataset:
         request = FrequencyRequest(

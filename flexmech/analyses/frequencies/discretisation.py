@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.eigenproblem import solve_eigenvalues
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.analyses.frequencies.unreduced_eigenvalues import unreduced_eigenvalues
+from flexmech.analyses.frequencies.reduction import unreduced_eigenvalues
 from flexmech.choices import MOST_ELEMENTS
 from flexmech.types import FloatArray, IntArray
 

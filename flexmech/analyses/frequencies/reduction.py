@@ -6,15 +6,13 @@ import logging
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.analyses.frequencies.band_form import BandForm
-from flexmech.analyses.frequencies.eigenproblem import Modes, solve_modes
+from flexmech.analyses.frequencies.eigenproblem import Modes, solve_eigenvalues, solve_modes
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.analyses.frequencies.sparse_improvement import sparse_improved
+from flexmech.analyses.frequencies.inverse_iteration import Pencil, inverse_iteration
 from flexmech.linear_system import (
     GREAT_DETAIL,
     ChainMatrix,
@@ -23,7 +21,6 @@ from flexmech.linear_system import (
     SparsePositions,
     StressedLinks,
     diagonal,
-    inverse_mass_root,
 )
 from flexmech.types import FloatArray
 
@@ -37,7 +34,11 @@ REDUCTION_TOLERANCE = 2e-5
 RATIO_TOLERANCE = 1e-3
 RATIO_FLOOR = 1e-7
 DETAILS = (1.0, 1.25, 2.0, GREAT_DETAIL, 2 * GREAT_DETAIL, 4 * GREAT_DETAIL)
-# Of unreduced matrices of one kind that are held at a time.
+# Steps of Newton's method to an unreduced eigenvalue: it converges in three or four.
+MOST_STEPS = 8
+# Relative difference of eigenvalues by which two modes have led to the same one.
+SAME = 1e-8
+# Of dense unreduced matrices of one kind in memory at a time.
 MATRIX_BYTES = 4_000_000
 
 
@@ -177,26 +178,29 @@ class UnreducedPositions:
             terms = RotationTerms.all_or_none(False)
         return SparsePositions(engine.frames, motion, self.stressed, terms)
 
-    def parts(self) -> Iterator[tuple[slice, LinearSystem]]:
-        """Runs of positions and their systems; those of a single run are kept."""
-        if self._at_a_time >= len(self.crank_angle):
-            yield slice(None), self._every
-            return
-        for start in range(0, len(self.crank_angle), self._at_a_time):
-            part = slice(start, start + self._at_a_time)
-            yield part, self._at(part)
+    def pencils(self) -> Iterator[Pencil]:
+        """Sparse matrices of each position."""
+        count = len(self.crank_angle)
+        if self.sparse is not None:
+            yield from (Pencil.of(self.sparse.at(place)) for place in range(count))
+        elif self._at_a_time >= count:
+            yield from self._every
+        else:
+            for start in range(0, count, self._at_a_time):
+                yield from self._at(slice(start, start + self._at_a_time))
 
     @cached_property
-    def _every(self) -> LinearSystem:
-        return self._at(slice(None))
+    def _every(self) -> list[Pencil]:
+        return list(self._at(slice(None)))
 
     @property
     def _at_a_time(self) -> int:
         return max(1, MATRIX_BYTES // (8 * self.systems.engine.frames.size**2))
 
-    def _at(self, part: slice) -> LinearSystem:
-        return self.systems.at(
-            self.crank_angle[part], self.crank_speed[part], self.stressed.at(part)
+    def _at(self, part: slice) -> Iterator[Pencil]:
+        stressed = self.stressed.at(part)
+        return Pencil.of_positions(
+            self.systems.at(self.crank_angle[part], self.crank_speed[part], stressed)
         )
 
 
@@ -206,8 +210,7 @@ def reduction_error(
     """Error of reduced modes against the unreduced matrices.
 
     The reduced modes are improved by one step of inverse iteration on the unreduced
-    matrices; what frequency and damping ratio still move by is the reduction's error. Links of
-    many elements have sparse ones.
+    matrices; what frequency and damping ratio still move by is the reduction's error.
 
     Parameters
     ----------
@@ -222,73 +225,61 @@ def reduction_error(
     -------
     ReductionError
     """
-    improved = np.empty_like(modes.eigenvalues)
     shapes = reduced.unreduced_vectors(modes.vectors, unreduced.systems.engine.frames)
-    if unreduced.sparse is not None:
-        for position, values in enumerate(modes.eigenvalues):
-            matrices = unreduced.sparse.at(position)
-            improved[position] = sparse_improved(matrices, values, shapes[position])
-    else:
-        for part, full in unreduced.parts():
-            improved[part] = (
-                _inverse_iteration(full, shapes[part])
-                if full.is_conservative
-                else _newton_step(full, modes.eigenvalues[part], shapes[part])
-            )
-            del full  # before the next ones are built
-    better = Modes(improved, modes.vectors)
+    better = Modes(
+        np.stack(
+            [
+                inverse_iteration(
+                    *position, symmetric=reduced.is_conservative, rigid=reduced.rigid_modes > 0
+                )
+                for position in zip(unreduced.pencils(), modes.eigenvalues, shapes, strict=True)
+            ]
+        ),
+        modes.vectors,
+    )
     return ReductionError(
         frequency=np.abs(modes.frequency / better.frequency - 1),
         damping_ratio=np.abs(modes.damping_ratio - better.damping_ratio),
     )
 
 
-def _inverse_iteration(full: LinearSystem, shapes: NDArray[Any]) -> NDArray[np.complex128]:
-    """Eigenvalues after one step of inverse iteration in the space of the shapes (B, n, m)."""
-    loads = full.mass @ shapes
-    if full.rigid_modes:
-        return _shifted_iteration(full, loads, shapes)
-    better = np.linalg.solve(full.stiffness, loads)
-    adjoint = np.swapaxes(better, 1, 2)
-    return _in_space(adjoint @ full.mass @ better, adjoint @ loads)
-
-
-def _shifted_iteration(
-    full: LinearSystem, loads: FloatArray, shapes: FloatArray
+def unreduced_eigenvalues(
+    systems: Systems, crank_angle: FloatArray, crank_speed: float
 ) -> NDArray[np.complex128]:
-    """The same about minus the lowest square: of rigid modes the stiffness has no inverse."""
-    square = np.einsum("bi,bij,bj->b", *[shapes[..., 0], full.stiffness, shapes[..., 0]])
-    square /= np.einsum("bi,bi->b", shapes[..., 0], loads[..., 0])
-    better = np.linalg.solve(full.stiffness + square[:, None, None] * full.mass, loads)
-    adjoint = np.swapaxes(better, 1, 2)
-    return _in_space(adjoint @ full.mass @ better, adjoint @ full.stiffness @ better)
+    """Lowest eigenvalues without the error of component modes.
 
+    Parameters
+    ----------
+    systems : Systems
+        In component modes.
+    crank_angle : ndarray, shape (A,)
+        In rad.
+    crank_speed : float
+        In rad/s.
 
-def _in_space(inertia: FloatArray, stiffness: FloatArray) -> NDArray[np.complex128]:
-    """Eigenvalues in a space, in which mass and stiffness are given."""
-    lower = inverse_mass_root(inertia)
-    values = np.linalg.eigvalsh(lower @ stiffness @ np.swapaxes(lower, 1, 2))
-    # Round-off of lengths or stiffnesses beyond all proportion: of such a mode nothing is known.
-    return np.asarray(1j * np.sqrt(np.where(values < 0, np.nan, values)))
-
-
-def _newton_step(
-    full: LinearSystem, eigenvalues: NDArray[np.complex128], shapes: NDArray[Any]
-) -> NDArray[np.complex128]:
-    """One Newton step on ``P(lambda) x = 0`` for each mode (Ruhe 1973, eq. 3.5)."""
-    band = BandForm.of(full.mass, full.damping, full.stiffness)
-    mass, damping, stiffness = map(band.entries, (full.mass, full.damping, full.stiffness))
-    inertia = full.mass @ shapes
-    right = 2 * eigenvalues[:, None] * inertia + full.damping @ shapes
-    shapes, inertia, right = (
-        np.swapaxes(columns[:, band.order], 1, 2) for columns in (shapes, inertia, right)
-    )
-    improved = eigenvalues.copy()
-    for position, values in enumerate(eigenvalues[..., None]):
-        dynamic = values * (values * mass[position] + damping[position]) + stiffness[position]
-        better = band.solve(dynamic, right[position])
-        of_modes = inertia[position].conj()
-        change = (of_modes * shapes[position]).sum(axis=1) / (of_modes * better).sum(axis=1)
-        # Where the matrix is singular the value is an eigenvalue.
-        improved[position] -= np.where(np.isnan(better[:, 0]), 0.0, change)
-    return improved
+    Returns
+    -------
+    ndarray, shape (A, modes)
+        In rad/s; of the modes asked for, in ascending order.
+    """
+    unreduced = replace(systems, engine=systems.engine.unreduced(), detail=1.0)
+    frames, count = unreduced.engine.frames, systems.formulation.modes
+    found = np.empty((len(crank_angle), count), dtype=complex)
+    # One position at a time: unreduced matrices are large.
+    for place in range(len(crank_angle)):
+        angle = crank_angle[place : place + 1]
+        stressed = systems.stressed(angle, crank_speed)
+        reduced = systems.at(angle, crank_speed, stressed)
+        modes = solve_modes(reduced, count)
+        exact = UnreducedPositions(unreduced, angle, np.full(1, crank_speed), stressed)
+        shapes = reduced.unreduced_vectors(modes.vectors, frames)[0]
+        pencil = next(exact.pencils())
+        values = inverse_iteration(
+            pencil, modes.eigenvalues[0], shapes, symmetric=False, steps=MOST_STEPS
+        )
+        values = values[np.argsort(np.abs(values))]
+        alike = np.abs(np.diff(values)) <= SAME * np.abs(values[1:])
+        if np.any(alike) or not np.all(np.isfinite(values)):
+            values = solve_eigenvalues(unreduced.at(angle, crank_speed, stressed), count)[0]
+        found[place] = values
+    return found

@@ -15,7 +15,7 @@ from flexmech.analyses.requests import engine_of
 from flexmech.linear_system import Engine
 from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress
+from flexmech.types import LabelledProgress, silent
 
 
 def hammer_test(
@@ -60,7 +60,7 @@ def hammer_test(
     """
     check_instance(request, HammerRequest, "request", "give a flexmech.HammerRequest")
     engine = engine_of(engine).fit_for(request.modes)
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
     with one_thread():
         locked = [LockedLinkage.at(engine, float(a), request.prestress) for a in request.angles]
         plan = planned_record(request, locked)

@@ -1,31 +1,122 @@
-"""One hammer test at one crank angle: what was recorded, estimated and identified."""
+"""One hammer test at one crank angle: what was recorded, estimated and identified.
+
+Where the impact roves over points of all links, the response point stays. By reciprocity the
+residues of one mode over the impact points are its shape there, times what the mode moves at the
+response point.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.hammer.grid import GridShapes, grid_points, grid_shapes
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
 from flexmech.analyses.hammer.plan import RecordPlan
 from flexmech.analyses.hammer.request import HammerRequest
 from flexmech.analyses.hammer.transient import taken_record
-from flexmech.linear_system import LinkPoint
+from flexmech.choices import LinkDirection
+from flexmech.linear_system import Engine, LinkPoint
 from flexmech.modal_testing import (
     ORDERS,
     FrfEstimate,
     IdentifiedModes,
+    complexity_factor,
     estimate_frf,
     identify,
+    mac,
     with_noise,
 )
 from flexmech.types import ComplexArray, FloatArray, LabelledProgress
 
 # Modes up to this multiple of the bandwidth are superposed; the rest adds its flexibility.
-SUPERPOSED = 2.0
-# Lines at which the direct solution is compared with the superposition of all modes.
-CHECKED_LINES = 64
+_SUPERPOSED = 2.0
+# Lines at which the direct solution is compared with the superposition of all modes: enough to
+# meet every resonance, and few, since each is a solution of its own.
+_CHECKED_LINES = 64
+
+
+@dataclass(frozen=True, eq=False)
+class GridShapes:
+    """Shapes of the modes of one crank angle at the points of a grid.
+
+    Parameters
+    ----------
+    shape : ndarray of complex, shape (P, k)
+        Identified; the point that moves most has 1. Not a number for modes that were not found.
+    eigen_shape : ndarray of complex, shape (P, k)
+        Of the eigen model, scaled to the identified one.
+    mac : ndarray, shape (k,)
+        Of both.
+    complexity_factor, eigen_complexity_factor : ndarray, shape (k,)
+    """
+
+    shape: ComplexArray
+    eigen_shape: ComplexArray
+    mac: FloatArray
+    complexity_factor: FloatArray
+    eigen_complexity_factor: FloatArray
+
+
+def grid_points(engine: Engine, count: int) -> list[LinkPoint]:
+    """Points at the middles of as many equal parts of each link: none is held by a joint.
+
+    Parameters
+    ----------
+    engine : Engine
+    count : int
+        Points a link.
+
+    Returns
+    -------
+    list of LinkPoint
+        Link by link, from its first joint.
+    """
+    fractions = (np.arange(count) + 0.5) / count
+    names = engine.mechanism.linkage.topology.link_names
+    return [LinkPoint(name, float(fraction)) for name in names for fraction in fractions]
+
+
+def _grid_shapes(
+    locked: LockedLinkage,
+    points: Sequence[LinkPoint],
+    direction: LinkDirection,
+    poles: ComplexArray,
+    modes: IdentifiedModes,
+) -> GridShapes:
+    """Compare identified shapes with those of the eigen model at P points.
+
+    The modes are in the order of ``poles``; their last P rows of residues are those of the points.
+    """
+    identified = modes.residue[-len(points) :]
+    column = [int(np.argmin(np.abs(locked.modes.poles - pole))) for pole in poles]
+    eigen = locked.rows(points, direction) @ locked.modes.right[:, column]
+    shape = _scaled(identified)
+    likeness = np.array([mac(a, b)[0, 0] for a, b in zip(shape.T, eigen.T, strict=True)])
+    return GridShapes(
+        shape,
+        _fitted(eigen, shape),
+        likeness,
+        complexity_factor(identified),
+        complexity_factor(eigen),
+    )
+
+
+def _scaled(shapes: ComplexArray) -> ComplexArray:
+    """Columns over their greatest entry."""
+    greatest = np.argmax(np.abs(shapes), axis=0)
+    # Modes that were not found are not numbers.
+    with np.errstate(invalid="ignore"):
+        return np.asarray(shapes / shapes[greatest, np.arange(shapes.shape[1])])
+
+
+def _fitted(shapes: ComplexArray, wanted: ComplexArray) -> ComplexArray:
+    """Columns scaled to others by least squares; over their greatest entry where those are none."""
+    known = np.isfinite(wanted).all(axis=0)
+    target = np.where(known, wanted, _scaled(shapes))
+    factor = np.sum(shapes.conj() * target, axis=0) / np.sum(np.abs(shapes) ** 2, axis=0)
+    return np.asarray(shapes * factor)
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,9 +206,9 @@ def measured(
     force, response, estimate = _estimated(locked, plan, request, request.impact, [number], report)
     lines, shift = estimate.frequency, plan.decay_rate
     exact = locked.receptance(seen, hit, lines, shift)[:, 0, 0]
-    kept = locked.modes.below(SUPERPOSED * plan.bandwidth)
+    kept = locked.modes.below(_SUPERPOSED * plan.bandwidth)
     superposed = locked.modes.receptance(seen, hit, lines, kept, shift=shift)[:, 0, 0]
-    some = lines[:: max(1, len(lines) // CHECKED_LINES)]
+    some = lines[:: max(1, len(lines) // _CHECKED_LINES)]
     gap = locked.direct(seen, hit, some) - locked.receptance(seen, hit, some)
     poles = locked.poles(plan.bandwidth)
     points = [] if request.grid is None else grid_points(locked.engine, request.grid)
@@ -150,7 +241,7 @@ def measured(
         seen,
         hit,
         windowed + modes.receptance(lines) - modes.receptance(lines, shift),
-        grid_shapes(locked, points, request.direction, poles, modes) if points else None,
+        _grid_shapes(locked, points, request.direction, poles, modes) if points else None,
     )
 
 

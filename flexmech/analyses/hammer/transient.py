@@ -27,7 +27,8 @@ from flexmech.choices import LinkDirection
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint
 from flexmech.linkages import LockedCrank
-from flexmech.time_domain.recorded_runs import Impact, LinkState, simulator
+from flexmech.time_domain import LinkState
+from flexmech.time_domain.recorded_runs import Impact, simulator
 from flexmech.types import FloatArray, StepProgress
 
 ATTENUATION = 80.0

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, LinkModel
 from flexmech.linkages import LinkEnd, RigidMotion
 from flexmech.linkages.motion import direction, normal
-from flexmech.time_domain.recorded_runs import Trajectory
+from flexmech.time_domain import Trajectory
 from flexmech.types import FloatArray
 
 NO_DEFLECTION = 1e-12
@@ -99,14 +99,27 @@ def bending_strains(engine: Engine, trajectory: Trajectory) -> FloatArray:
     -------
     ndarray, shape (N, n_links)
     """
-    mechanism = engine.mechanism
-    parts = []
-    for link, q in zip(engine.links, trajectory.displacement, strict=True):
-        section = mechanism.sections.get(link.name)
-        # A rigid link is not strained, whatever it is made of.
-        thickness = 0.0 if section is None else section.in_plane_thickness
-        parts.append(-thickness / 2 * (q @ link.curvature))
-    return np.stack(parts, axis=1)
+    pairs = zip(engine.links, trajectory.displacement, strict=True)
+    return np.stack([q @ surface_strain(engine, link) for link, q in pairs], axis=1)
+
+
+def surface_strain(engine: Engine, link: LinkModel) -> FloatArray:
+    """Bending strain in the middle of a link by its coordinates, of the surface at its +y side.
+
+    Parameters
+    ----------
+    engine : Engine
+    link : LinkModel
+        Of the engine.
+
+    Returns
+    -------
+    ndarray, shape (n_link,)
+        Zero for a rigid link, whatever it is made of.
+    """
+    section = engine.mechanism.sections.get(link.name)
+    thickness = 0.0 if section is None else section.in_plane_thickness
+    return np.asarray(-thickness / 2 * link.curvature)
 
 
 def ground_displacements(engine: Engine, trajectory: Trajectory, motion: RigidMotion) -> FloatArray:
@@ -161,3 +174,44 @@ def constraint_drift(engine: Engine, displacement: FloatArray, motion: RigidMoti
     gaps += [elastic(clamp.held) for clamp in topology.clamps]
     gaps += [elastic(pivot.held) for pivot in topology.pivots]
     return float(max(np.hypot(gap[:, 0], gap[:, 1]).max() for gap in gaps))
+
+
+def peaks_between(values: FloatArray, place: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Greatest size of each history, and where it is.
+
+    The vertex of the parabola through the greatest sample and its neighbours; a peak at an end
+    of the history is the sample there.
+
+    Parameters
+    ----------
+    values : ndarray, shape (N, k)
+        Evenly sampled.
+    place : ndarray, shape (N,)
+        Time or crank angle of the samples.
+
+    Returns
+    -------
+    size, where : ndarray, shape (k,)
+
+    Examples
+    --------
+    >>> time = np.arange(8.0)
+    >>> size, where = peaks_between(-np.cos(0.4 * time - 1.3)[:, None], time)
+    >>> size.round(3), where.round(2)
+    (array([1.]), array([3.25]))
+    """
+    size = np.abs(values)
+    columns, number = np.arange(values.shape[1]), size.argmax(axis=0)
+    if len(values) < 3:
+        return size[number, columns], place[number]
+    inner = np.clip(number, 1, len(values) - 2)
+    before, at, after = (size[inner + step, columns] for step in (-1, 0, 1))
+    slope, bend = (after - before) / 2, before - 2 * at + after
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shift = np.where((bend < 0) & (number == inner), -slope / bend, 0.0)
+    spacing = np.where(shift > 0, place[inner + 1] - place[inner], place[inner] - place[inner - 1])
+    rounded = at + slope * shift / 2
+    return (
+        np.where(number == inner, rounded, size[number, columns]),
+        np.where(number == inner, place[inner] + shift * spacing, place[number]),
+    )

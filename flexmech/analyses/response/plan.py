@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from flexmech.analyses.damping_ratios import with_damping_time
 from flexmech.analyses.frequencies import natural_frequencies
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import engines_of, sampled_turn
-from flexmech.analyses.response.dataset import SPECTRUM_REACH
-from flexmech.analyses.response.predicted import oscillating, vibrating_engine
 from flexmech.analyses.response.request import MOST_SAMPLES, NO_PERIODIC_START, ResponseRequest
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
-from flexmech.linear_system import Engine
+from flexmech.linear_system import Engine, OverdampedError
 from flexmech.numbers import check_instance
 from flexmech.time_domain.equations_of_motion import lowest_axial_frequency
 from flexmech.types import FloatArray
 
+SPECTRUM_REACH = 1.5
+"""Spectra reach this far above the highest natural frequency asked for."""
 # Samples in a period of the highest frequency of the spectra; two would be the limit.
 SAMPLES_PER_PERIOD = 2.5
 # Forces and torque count up to this part of the lowest frequency at which the links vibrate
@@ -172,3 +173,68 @@ def _refinement(request: ResponseRequest, highest: float) -> int:
             "fewer revolutions, or a higher crank speed"
         )
     return max(1, int(np.ceil(fastest * request.sample_interval)))
+
+
+def undamped(engine: Engine) -> Engine:
+    """The engine whose links, springs and joints have no damping."""
+    free = with_damping_time(engine, 0.0)
+    mechanism = free.mechanism
+    return free.with_(
+        mechanism=replace(
+            mechanism,
+            springs=tuple(replace(spring, damping=0.0) for spring in mechanism.springs),
+            joint_springs=tuple(
+                replace(own, torsional_damping=0.0, radial_damping=0.0)
+                for own in mechanism.joint_springs
+            ),
+        )
+    )
+
+
+def oscillating(compute: Callable[[Engine], FloatArray], engine: Engine) -> tuple[FloatArray, bool]:
+    """Natural frequencies, or those without damping if it keeps some modes from oscillating.
+
+    A run needs them for its samples and its spectra; the run itself may be damped as heavily as
+    one likes.
+
+    Parameters
+    ----------
+    compute : callable
+        Gives the natural frequencies of an engine.
+    engine : Engine
+
+    Returns
+    -------
+    ndarray
+    bool
+        Whether damping is left out.
+
+    Raises
+    ------
+    ComputationError
+        If there are none for another reason.
+    """
+    try:
+        return compute(engine), False
+    except OverdampedError:
+        return compute(undamped(engine)), True
+
+
+def vibrating_engine(engine: Engine) -> Engine:
+    """The engine whose natural frequencies a run is expected to show.
+
+    Where springs answer a turn of a free shaft, nothing tells its own mode from the others, and
+    it may diverge under loads: the frequencies are then those with the shaft held.
+
+    Parameters
+    ----------
+    engine : Engine
+        Of the run.
+
+    Returns
+    -------
+    Engine
+    """
+    if engine.shaft == "free" and not engine.rigid_modes:
+        return engine.with_(shaft="prescribed")
+    return engine

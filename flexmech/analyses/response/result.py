@@ -22,14 +22,14 @@ from flexmech.analyses.response.agreement import (
     standing_for_all,
     within_errors,
 )
+from flexmech.analyses.response.dataset import needed
 from flexmech.analyses.response.measurements import NO_DEFLECTION
-from flexmech.analyses.response.stored import needed
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary
 from flexmech.choices import STORES, PageWidth, PictureFormat, Store
 from flexmech.files import given_path, moved_into
 from flexmech.numbers import check_choice
-from flexmech.types import LabelledProgress
+from flexmech.types import LabelledProgress, silent
 from flexmech.units import from_si
 
 if TYPE_CHECKING:
@@ -283,7 +283,7 @@ class Response(Result):
         list of Path
         """
         names = ANIMATIONS if plots.mp4_available() else ANIMATIONS[:1]
-        report = progress or (lambda label, done, total: None)
+        report = progress or silent
         with moved_into(given_path(folder)) as temporary:
             for name in names:
                 shown = partial(report, name)

@@ -9,20 +9,15 @@ from functools import partial
 
 import numpy as np
 
-from flexmech.analyses.response.measurements import NO_DEFLECTION, deflections
-from flexmech.analyses.response.peaks import peaks_between
+from flexmech.analyses.response.measurements import NO_DEFLECTION, deflections, peaks_between
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start, simulation_start
 from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
-from flexmech.time_domain.equations_of_motion import (
-    DETAIL,
-    DrivenLinkage,
-    is_reduced,
-    stretches_in_runs,
-)
-from flexmech.time_domain.integrators import UnbalancedStepError, linear_run
-from flexmech.time_domain.recorded_runs import Trajectory, simulator
+from flexmech.time_domain import DrivenLinkage, Trajectory, linear_run
+from flexmech.time_domain.equations_of_motion import DETAIL, is_reduced, stretches_in_runs
+from flexmech.time_domain.integrators import UnbalancedStepError
+from flexmech.time_domain.recorded_runs import simulator
 from flexmech.types import FloatArray, LabelledProgress, StepProgress
 
 logger = logging.getLogger(__name__)

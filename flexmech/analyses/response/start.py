@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flexmech.analyses.response.request import ResponseRequest
-from flexmech.analyses.response.second_order import linear_forces, without_second_order_stretch
+from flexmech.choices import Prestress
 from flexmech.dynamical_systems import VibrationState
-from flexmech.linear_system import Engine, LinkFrames
+from flexmech.linear_system import Engine, LinkFrames, RotationTerms
 from flexmech.linkages import CrankDrive, Load, RigidMotion
-from flexmech.time_domain.equations_of_motion import DrivenLinkage
-from flexmech.time_domain.periodic_motion import periodic_state
-from flexmech.time_domain.recorded_runs import LinkState
+from flexmech.time_domain import DrivenLinkage, LinkState, periodic_state
 from flexmech.types import FloatArray
 
 # Time over which a quasi-static start differentiates its displacement, in turns.
@@ -251,3 +250,95 @@ def _rate(position: FloatArray, time: FloatArray) -> FloatArray:
 
 def _steps_of_a_turn(request: ResponseRequest, step: float) -> int:
     return max(LEAST_STEPS_OF_A_TURN, round(request.drive.revolution_time / step))
+
+
+# Each leaves of the stretch about the part by which the links have turned.
+PASSES = 4
+
+
+Forces = Callable[[list[FloatArray]], Sequence[FloatArray]]
+"""Internal forces (B, n_link) of nonlinear links at displacements (B, n_link)."""
+
+
+def without_second_order_stretch(
+    frames: LinkFrames,
+    motion: RigidMotion,
+    displacement: Sequence[FloatArray],
+    expected: Sequence[FloatArray],
+    internal_forces: Forces,
+) -> list[FloatArray]:
+    """Displacements at which nonlinear links have the tension that linear ones have.
+
+    Parameters
+    ----------
+    frames : LinkFrames
+        Of the links, reduced or not.
+    motion : RigidMotion
+        Batch of shape (B,).
+    displacement : sequence of ndarray, shape (B, n_link)
+        Of each link in its frame, by the linear equations.
+    expected : sequence of ndarray, shape (B, n_link)
+        Internal forces by the linear equations: :func:`linear_forces`.
+    internal_forces : callable
+
+    Returns
+    -------
+    list of ndarray, shape (B, n_link)
+    """
+    straight = [link.stiffness for link in frames.links]
+    stiffness = frames.assemble(motion, straight, RotationTerms.all_or_none(False)).stiffness
+    taken_back = list(displacement)
+    for _ in range(PASSES):
+        found = internal_forces(taken_back)
+        stretching = [
+            np.where(link.is_axial, force - linear, 0.0)
+            for link, force, linear in zip(frames.links, found, expected, strict=True)
+        ]
+        gathered = frames.gather(motion, stretching)
+        step = np.linalg.solve(stiffness, gathered[..., None])
+        moved = frames.link_coordinates(motion, step)
+        taken_back = [q - by[..., 0] for q, by in zip(taken_back, moved, strict=True)]
+    return taken_back
+
+
+def linear_forces(
+    engine: Engine,
+    motion: RigidMotion,
+    displacement: Sequence[FloatArray],
+    prestress: Prestress,
+) -> list[FloatArray]:
+    """Internal force of each link by its tangent in the state that it is linear about.
+
+    Parameters
+    ----------
+    engine : Engine
+    motion : RigidMotion
+        Batch of shape (B,).
+    displacement : sequence of ndarray, shape (B, n_link)
+        Of each link in its frame.
+    prestress : {"none", "axial", "equilibrium"}
+        What the equations are linear about.
+
+    Returns
+    -------
+    list of ndarray, shape (B, n_link)
+
+    Raises
+    ------
+    ComputationError
+        If there is no equilibrium.
+    """
+    state = engine.stressed_links(motion, prestress)
+    forces = [np.zeros_like(q) for q in displacement]
+    beyond = list(displacement)
+    if state.displacement is not None:
+        found = state.internal_force
+        if found is None:
+            found = engine.running_links(motion, state.displacement).internal_force
+        assert found is not None
+        forces = found
+        beyond = [q - at for q, at in zip(displacement, state.displacement, strict=True)]
+    return [
+        force + (tangent @ change[..., None])[..., 0]
+        for force, tangent, change in zip(forces, state.tangent, beyond, strict=True)
+    ]

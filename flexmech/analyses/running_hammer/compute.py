@@ -2,28 +2,42 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
+import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_attributes
 from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_ratio, with_damping_time
-from flexmech.analyses.datasets import with_units
+from flexmech.analyses.datasets import attributes_of, complex_parts, provenance, with_units
 from flexmech.analyses.requests import engine_of
-from flexmech.analyses.running_hammer.dataset import dataset_of
-from flexmech.analyses.running_hammer.measured import measured_response
+from flexmech.analyses.running_hammer.measured import MeasuredResponse, measured_response, runner
 from flexmech.analyses.running_hammer.plan import GUARD_ORDERS, planned
-from flexmech.analyses.running_hammer.prediction import frozen_response, predicted_linkage
+from flexmech.analyses.running_hammer.prediction import (
+    Prediction,
+    frozen_response,
+    predicted_linkage,
+)
 from flexmech.analyses.running_hammer.request import RunningHammerRequest
 from flexmech.analyses.running_hammer.result import RunningHammerTest
-from flexmech.analyses.running_hammer.runs import runner
 from flexmech.linear_system import Engine
 from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress
+from flexmech.time_domain.equations_of_motion import stretches_in_runs
+from flexmech.time_domain.integrators import step_lag
+from flexmech.types import ComplexArray, IntArray, LabelledProgress, silent
 
-# Of the first natural frequency at rest: the bandwidth, if none is asked for.
-BANDWIDTH = 2.0
-# Natural frequencies that elements which were not asked for must be fit for.
-MODES = 6
+# Of the first natural frequency at rest: the bandwidth, if none is asked for. It holds the first
+# resonance and the beginning of what lies between it and the second.
+_BANDWIDTH = 2.0
+# Natural frequencies that elements which were not asked for must be fit for: those that the orders
+# asked for and their guards reach at usual crank speeds.
+_MODES = 6
+# How far from the predicted peak the identified one is sought: in bins, and of its frequency. That
+# is beyond what damping shifts, and nearer than the next resonance.
+_BINS, _NEAR = 5, 0.05
+# What a dataset has of the request as it is.
+_OF_REQUEST = ["crank_speed", "speed_unit", "direction", "prestress", "averages", "noise", "seed"]
 
 
 def running_hammer_test(
@@ -78,9 +92,9 @@ def running_hammer_test(
         "request",
         "write flexmech.RunningHammerRequest(20.0, impact, response, damping_ratio=0.005)",
     )
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
     with one_thread():
-        chosen = engine_of(engine).fit_for(MODES)
+        chosen = engine_of(engine).fit_for(_MODES)
         if chosen.simulates:
             chosen.require_no_connectors("the running hammer test by Exudyn's runs")
         for point in (request.impact, request.response):
@@ -98,8 +112,8 @@ def running_hammer_test(
         measured = measured_response(run, request, plan, report)
         orders = np.arange(-request.orders, request.orders + 1)
         frozen = frozen_response(chosen, request, plan.frequency, orders)
-        dataset = dataset_of(chosen, request, prediction, measured, frozen)
-    dataset.attrs |= theory_attributes([chosen], MODES)
+        dataset = _dataset(chosen, request, prediction, measured, frozen)
+    dataset.attrs |= theory_attributes([chosen], _MODES)
     return RunningHammerTest(with_units(dataset, "running_hammer"))
 
 
@@ -108,5 +122,77 @@ def _bandwidth(engine: Engine, request: RunningHammerRequest) -> float:
     if request.bandwidth is not None:
         return request.bandwidth
     undamped = with_damping_time(engine, 0.0)
-    chosen = BANDWIDTH * lowest_frequency(undamped) / (2 * np.pi)
+    chosen = _BANDWIDTH * lowest_frequency(undamped) / (2 * np.pi)
     return chosen if request.pulse is None else min(chosen, 1 / request.pulse)
+
+
+def _dataset(
+    engine: Engine,
+    request: RunningHammerRequest,
+    prediction: Prediction,
+    measured: MeasuredResponse,
+    frozen: ComplexArray,
+) -> xr.Dataset:
+    """Label what was identified and what is predicted, over order, frequency and impact."""
+    plan, estimate = measured.plan, measured.estimate
+    orders = np.arange(-request.orders, request.orders + 1)
+    frequency = plan.frequency
+    identified = estimate.response[orders + plan.fitted]
+    predicted = prediction.response(frequency, orders)
+    errors = prediction.errors(frequency, orders)
+    at, found = _peak_bins(predicted, identified)
+    rows = np.arange(len(orders))
+    variables: dict[str, Any] = {
+        **complex_parts("receptance", ("order", "frequency"), identified),
+        **complex_parts("predicted", ("order", "frequency"), predicted),
+        **complex_parts("frozen", ("order", "frequency"), frozen),
+        "step_error": ("order", errors.steps),
+        "balance_error": ("order", errors.balance),
+        "reduction_error": ("order", errors.reduction),
+        "halving_change": ("order", measured.halving_change),
+        "predicted_peak": ("order", np.abs(predicted)[rows, at]),
+        "predicted_peak_frequency": ("order", frequency[at]),
+        "identified_peak": ("order", np.abs(identified)[rows, found]),
+        "identified_peak_frequency": ("order", frequency[found]),
+        "bins_apart": ("order", np.abs(found - at)),
+        "impact_angle": ("impact", np.sign(request.crank_speed) * 2 * np.pi * plan.phase),
+        "decay": ("impact", measured.decay),
+    }
+    dataset = xr.Dataset(
+        variables,
+        coords={
+            "order": orders,
+            "frequency": frequency,
+            "impact": np.arange(1, len(plan.phase) + 1),
+        },
+    )
+    return dataset.assign_attrs(
+        provenance([engine])
+        | attributes_of(request, *_OF_REQUEST)
+        | attributes_of(plan, "bandwidth", "pulse", "peak_force", "turns", "turn_time", "step")
+        | attributes_of(measured, "peak_response", "twin_defect")
+        | attributes_of(estimate, "condition", "misfit"),
+        engine=engine.name,
+        element=engine.element,
+        impact_point=str(request.impact),
+        response_point=str(request.response),
+        damping_ratio=np.nan if request.damping_ratio is None else request.damping_ratio,
+        step_lag=step_lag(
+            2 * np.pi * plan.bandwidth * plan.step,
+            stretches=stretches_in_runs(engine, request.prestress),
+        ),
+        highest_fitted_order=plan.fitted,
+        moving_modes=prediction.moving_modes,
+        propagator_steps=prediction.steps,
+        decay_rate=-prediction.growth_rate,
+    )
+
+
+def _peak_bins(predicted: ComplexArray, identified: ComplexArray) -> tuple[IntArray, IntArray]:
+    """Bins (O,) of the greatest amplitude predicted of each order, and identified near it."""
+    amplitude, other = np.abs(predicted), np.abs(identified)
+    own = amplitude.argmax(axis=1)
+    reach = np.maximum(_BINS, _NEAR * own)
+    place = np.arange(amplitude.shape[1])
+    near = np.where(np.abs(place - own[:, None]) <= reach[:, None], other, -1.0)
+    return own, near.argmax(axis=1)

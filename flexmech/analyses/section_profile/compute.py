@@ -11,9 +11,9 @@ import xarray as xr
 from flexmech.analyses.datasets import origin, with_units
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import environment_of, link_of
-from flexmech.analyses.section_profile.expansions import DIRECTIONS
 from flexmech.analyses.section_profile.properties import COUPLINGS, section_properties
 from flexmech.analyses.section_profile.result import QUANTITIES, SectionProfiles
+from flexmech.analyses.section_profile.tables import DIRECTIONS
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import checked_mechanism

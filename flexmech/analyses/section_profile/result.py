@@ -12,9 +12,13 @@ from flexmech import plots
 from flexmech.analyses.datasets import DEGREES, table_over
 from flexmech.analyses.requests import link_of
 from flexmech.analyses.result import Result
-from flexmech.analyses.section_profile.expansions import expansion_table, expansions_of_plies
 from flexmech.analyses.section_profile.properties import PROPERTIES, STORED
-from flexmech.analyses.section_profile.tables import layer_tables, property_table
+from flexmech.analyses.section_profile.tables import (
+    expansion_table,
+    expansions_of_plies,
+    layer_tables,
+    property_table,
+)
 from flexmech.analyses.summary import Summary, Table
 from flexmech.errors import InputError
 

@@ -30,7 +30,7 @@ from flexmech.numbers import check_choice, check_count, checked_array
 from flexmech.threads import one_thread
 from flexmech.time_domain.equations_of_motion import DrivenLinkage
 from flexmech.time_domain.periodic_motion import periodic_turn
-from flexmech.types import FloatArray, LabelledProgress
+from flexmech.types import FloatArray, LabelledProgress, silent
 
 LEAST_STEPS = 720
 QUASI_STATIC_ANGLES = 360
@@ -93,15 +93,14 @@ def speed_sweep(
     check_choice(prestress, PRESTRESS_LEVELS, "prestress")
     check_count(orders, "orders", most=MOST_ORDERS)
     check_count(modes, "modes", most=MOST_MODES)
-    engine = engine_of(engine).fit_for(modes)
+    engine, report = engine_of(engine).fit_for(modes), progress or silent
     peaks = []
     with one_thread():
         frequency = _at_rest(engine, modes)
         for number, speed in enumerate(speeds.tolist()):
             linkage = vibrating_linkage(engine, speed, modes, prestress)
             peaks.append(periodic_peaks(linkage, float(frequency.max())))
-            if progress is not None:
-                progress("crank speeds", number + 1, len(speeds))
+            report("crank speeds", number + 1, len(speeds))
     order = np.arange(1, orders + 1)
     critical = 2 * np.pi * frequency[:, :, None] / order
     dataset = xr.Dataset(

@@ -10,7 +10,6 @@ from flexmech.analyses.stability.engine_stability import (
     FollowedSpeed,
     NoEquilibrium,
 )
-from flexmech.analyses.stability.frames import frozen_eigenvalues
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.result import StabilityMap
 from flexmech.analyses.stability.solver import LinkageSolver
@@ -25,7 +24,6 @@ __all__ = [
     "NoEquilibrium",
     "StabilityMap",
     "StabilityRequest",
-    "frozen_eigenvalues",
     "parameters_of",
     "stability",
 ]

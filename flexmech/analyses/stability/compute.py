@@ -31,7 +31,7 @@ from flexmech.linear_system import Engine, stressed_along_turn
 from flexmech.numbers import checked_array
 from flexmech.threads import one_thread
 from flexmech.time_domain.periodic_motion import SampledTurn
-from flexmech.types import FloatArray, LabelledProgress
+from flexmech.types import FloatArray, LabelledProgress, silent
 
 MOST_SPEEDS = 9
 ANGLES = 36
@@ -180,7 +180,7 @@ def stability(
         speed_unit,
     )
     second = None if against is None else Against.of(engines[0].mechanism, against)
-    report = progress or (lambda label, done, total: None)
+    report = progress or silent
     maps: list[EngineStability] = []
     with one_thread(), tidying():
         extra = _moving(engines[0], request)

@@ -161,11 +161,6 @@ class FollowedSpeed(FloquetExponents):
         return np.asarray(-self.exponent.real / np.abs(self.exponent))
 
     @property
-    def fastest_growing(self) -> int:
-        """Number of the mode that grows most, from zero."""
-        return int(self.exponent.real.argmax())
-
-    @property
     def is_unstable(self) -> bool:
         """Whether a modulus exceeds one by more than its error."""
         # Both multipliers of a steady shaft meet at one, and round-off about them is greater.

@@ -2,27 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from flexmech.report.panel import Panel
-from flexmech.report.panels.campbell import campbell_panel
+from flexmech.analyses import CrankRockerSynthesis, SpeedSweep
+from flexmech.report.panel import Panel, PanelMaker, panel_of
 from flexmech.report.panels.comparison import comparison_panel
-from flexmech.report.panels.coupler_curve import coupler_panel
 from flexmech.report.panels.frequencies import damping_panel, frequency_panel
-from flexmech.report.panels.hammer import hammer_panel
-from flexmech.report.panels.kinematics import kinematics_panel
-from flexmech.report.panels.mechanism import mechanism_panel
-from flexmech.report.panels.moisture import moisture_panel
-from flexmech.report.panels.other import other_panel
+from flexmech.report.panels.hammer import hammer_panel, running_hammer_panel
+from flexmech.report.panels.kinematics import coupler_panel, kinematics_panel, mechanism_panel
 from flexmech.report.panels.response import response_panel, spectrum_panel
-from flexmech.report.panels.running_hammer import running_hammer_panel
-from flexmech.report.panels.sections import section_panel
-from flexmech.report.panels.stability import stability_panel
+from flexmech.report.panels.sections import moisture_panel, section_panel
+from flexmech.report.panels.speeds import campbell_panel, stability_panel
 from flexmech.report.results import Results
 
 __all__ = ["PANELS", "panels_of"]
 
-PANELS: tuple[Callable[[Results], Panel | None], ...] = (
+
+def other_panel(results: Results) -> Panel | None:
+    """Summaries of results that have no panel of their own, in tables and lines."""
+    found = [each for each in results.all if isinstance(each, SpeedSweep | CrankRockerSynthesis)]
+    if not found:
+        return None
+    said = [each.summary() for each in found]
+    sources = dict.fromkeys(str(each.dataset.attrs.get("source", "")) for each in found)
+    return panel_of(
+        "further-results",
+        source=", ".join(sources),
+        tables=tuple(table for one in said for table in one.tables),
+        lines=(
+            *(line for one in said for line in one.lines),
+            *(one.verdict for one in said if one.verdict),
+        ),
+        warnings=tuple(warning for one in said for warning in one.warnings),
+        titles=", ".join(each.title for each in found),
+    )
+
+
+PANELS: tuple[PanelMaker, ...] = (
     frequency_panel,
     damping_panel,
     campbell_panel,

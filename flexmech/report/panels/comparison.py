@@ -6,85 +6,62 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import Comparison
-from flexmech.report.panel import Panel, Plot, Trace, YAxis
+from flexmech.plots.reading import complex_values
+from flexmech.report.panel import Panel, Plot, Trace, YAxis, over_angle, panel_of, shows
 from flexmech.report.results import Results
 from flexmech.types import FloatArray
 
-MEASURED = "#8a8a8a"
-COMPUTED, RESIDUAL = 0, 1
 # Strains are read in µm/m; what has a unit is drawn in it.
 STRAIN = (1e6, "µm/m")
+CURVES = ("measured", "computed", "residual")
 
 
-def comparison_panel(results: Results) -> Panel | None:
+@shows(Comparison)
+def comparison_panel(result: Comparison, results: Results) -> Panel:
     """Measured and computed curves with the residual, and what was fitted."""
-    result = results.first(Comparison)
-    if result is None:
-        return None
-    data, said = result.dataset, result.summary()
+    data = result.dataset
     if "time" in data.dims:
         plot = _over_time(data)
     elif "sample" in data.dims:
         plot = _over_angle(data)
     else:
         plot = _over_frequency(data)
-    return Panel(
-        name="comparison",
-        title="Beside a measured record",
-        caption=(
-            f"{data.attrs['column']} of {data.attrs['record']} and {data.attrs['quantity']}. "
-            "Fitted numbers have 95 % intervals, which are widened where the residual is no white "
-            "noise; nothing of them is applied to the mechanism."
-        ),
-        equation="min Σ (measured - computed(τ, k))²",
-        source="G. H. Golub and V. Pereyra, SIAM Journal on Numerical Analysis 10 (1973) 413-432",
-        plots=(plot,),
-        tables=said.tables,
-        lines=(*said.lines, said.verdict),
-        warnings=said.warnings,
+    of = {name: data.attrs[name] for name in ("column", "record", "quantity")}
+    return panel_of("comparison", result.summary(), plots=(plot,), **of)
+
+
+def _traces(x: FloatArray, curves: list[FloatArray]) -> tuple[Trace, ...]:
+    """The measured curve under the computed one, and below them the residual."""
+    measured, computed, residual = curves
+    return (
+        Trace("measured", x, measured, "#8a8a8a", width=3.0),
+        Trace("computed", x, computed, 0),
+        Trace("residual", x, residual, 1, axis=1),
     )
 
 
-def _scale(data: xr.Dataset) -> tuple[float, str]:
-    unit = str(data.attrs["unit"])
-    return (1.0, unit) if unit else STRAIN
-
-
 def _over_time(data: xr.Dataset) -> Plot:
-    factor, unit = _scale(data)
-    time = data["time"].values
+    unit = str(data.attrs["unit"])
+    factor, unit = (1.0, unit) if unit else STRAIN
     return Plot(
-        name="comparison",
-        x_title="Time (s)",
-        axes=(YAxis(f"{data.attrs['quantity']} ({unit})"), YAxis(f"Residual ({unit})")),
-        traces=(
-            Trace("measured", time, factor * data["measured"].values, MEASURED, width=3.0),
-            Trace("computed", time, factor * data["computed"].values, COMPUTED),
-            Trace("residual", time, factor * data["residual"].values, RESIDUAL, axis=1),
-        ),
-        text="Measured and computed curve against time, and below them the residual",
+        "comparison",
+        "Time (s)",
+        (YAxis(f"{data.attrs['quantity']} ({unit})"), YAxis(f"Residual ({unit})")),
+        _traces(data["time"].values, [factor * data[name].values for name in CURVES]),
+        "Measured and computed curve against time, and below them the residual",
         height=440,
     )
 
 
 def _over_frequency(data: xr.Dataset) -> Plot:
-    def size(curve: str) -> FloatArray:
-        return np.asarray(np.hypot(data[f"{curve}_real"].values, data[f"{curve}_imag"].values))
-
-    frequency, unit = data["frequency"].values, str(data.attrs["unit"])
+    names = str(data.attrs["kind"]).capitalize(), "Residual"
+    sizes = [np.abs(complex_values(data, name)) for name in CURVES]
     return Plot(
-        name="comparison",
-        x_title="Frequency (Hz)",
-        axes=(
-            YAxis(f"{str(data.attrs['kind']).capitalize()} ({unit})", logarithmic=True),
-            YAxis(f"Residual ({unit})", logarithmic=True),
-        ),
-        traces=(
-            Trace("measured", frequency, size("measured"), MEASURED, width=3.0),
-            Trace("computed", frequency, size("computed"), COMPUTED),
-            Trace("residual", frequency, size("residual"), RESIDUAL, axis=1),
-        ),
-        text="Amplitude of the measured and the computed function over frequency, and the residual",
+        "comparison",
+        "Frequency (Hz)",
+        tuple(YAxis(f"{name} ({data.attrs['unit']})", logarithmic=True) for name in names),
+        _traces(data["frequency"].values, sizes),
+        "Amplitude of the measured and the computed function over frequency, and the residual",
         height=440,
     )
 
@@ -94,17 +71,17 @@ def _over_angle(data: xr.Dataset) -> Plot:
     for number, mode in enumerate(np.unique(data["mode"].values).tolist()):
         own = data.isel(sample=np.flatnonzero(data["mode"].values == mode)).sortby("crank_angle")
         angle = np.degrees(own["crank_angle"].values)
+        measured, computed, residual = (own[name].values for name in CURVES)
         traces += [
-            Trace(f"mode {mode}, measured", angle, own["measured"].values, number, "points"),
-            Trace(f"mode {mode}, computed", angle, own["computed"].values, number),
-            Trace(f"mode {mode}", angle, own["residual"].values, number, "points", axis=1),
+            Trace(f"mode {mode}, measured", angle, measured, number, "points"),
+            Trace(f"mode {mode}, computed", angle, computed, number),
+            Trace(f"mode {mode}", angle, residual, number, "points", axis=1),
         ]
-    return Plot(
-        name="comparison",
-        x_title="Crank angle (deg)",
-        axes=(YAxis("Natural frequency (Hz)"), YAxis("Residual (Hz)")),
-        traces=tuple(traces),
+    return over_angle(
+        "comparison",
+        (YAxis("Natural frequency (Hz)"), YAxis("Residual (Hz)")),
+        traces,
         text="Measured and computed natural frequencies over the crank angle, and the residual",
-        cursor="angle",
+        tick=None,
         height=440,
     )

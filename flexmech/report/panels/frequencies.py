@@ -7,7 +7,17 @@ import xarray as xr
 
 from flexmech.analyses import MovingFrequencies, Table
 from flexmech.analyses.frequencies.extremes import known_error
-from flexmech.report.panel import Choice, Panel, Plot, Reading, Trace, YAxis
+from flexmech.report.panel import (
+    Choice,
+    Panel,
+    Plot,
+    Reading,
+    Trace,
+    YAxis,
+    over_angle,
+    panel_of,
+    shows,
+)
 from flexmech.report.results import Results
 from flexmech.report.words import (
     crank_degrees,
@@ -21,6 +31,7 @@ from flexmech.report.words import (
 from flexmech.types import FloatArray
 from flexmech.units import from_si
 
+# Of an axis, and of what stands around all of them, in pixels.
 AXIS_HEIGHT, FRAME_HEIGHT = 130, 110
 STRESSES = {
     "none": "links without stress",
@@ -37,69 +48,30 @@ def in_each_state(result: MovingFrequencies) -> dict[str, xr.Dataset]:
     return {state_of(result.dataset.attrs): result.dataset}
 
 
-def frequency_panel(results: Results) -> Panel | None:
+@shows(MovingFrequencies)
+def frequency_panel(result: MovingFrequencies, results: Results) -> Panel:
     """Frequencies over crank angle, a plot for each mode, a line for each speed."""
-    result = results.first(MovingFrequencies)
-    if result is None:
-        return None
-    unit = speed_unit_of(results)
-    data = result.dataset
-    said = result.summary()
-    terms = "with" if data.attrs.get("rotation_terms") == "on" else "without"
-    return Panel(
-        name="frequencies",
-        title="Moving natural frequencies",
-        caption=(
-            "Natural frequency of each mode against crank angle, a line for each crank speed. "
-            "Modes are counted by their frequency at each position. Computed for "
-            f"{STRESSES[str(data.attrs['prestress'])]}, {terms} the Coriolis, centripetal and "
-            "tangential terms of the link frames."
-        ),
-        equation="M ü + (C + 2 ω S) u̇ + (K + K_g − ω² M_t + α S) u = 0,  u = φ e^{λt}",
-        source=(
-            "D. A. Turcic and A. Midha, ASME J. Dyn. Syst. Meas. Control 106 (1984); frozen at "
-            "each crank angle, in the turning frame of each link"
-        ),
+    unit, attrs = speed_unit_of(results), result.dataset.attrs
+    return panel_of(
+        "frequencies",
+        result.summary(),
         plots=(_plot(result, unit, "frequency"),),
         readings=tuple(_readings(result, unit)),
         tables=_tables(result, unit),
-        lines=(*said.lines, said.verdict),
-        warnings=said.warnings,
+        stress=STRESSES[str(attrs["prestress"])],
+        terms="with" if attrs.get("rotation_terms") == "on" else "without",
     )
 
 
-def damping_panel(results: Results) -> Panel | None:
+@shows(MovingFrequencies)
+def damping_panel(result: MovingFrequencies, results: Results) -> Panel | None:
     """Damping ratios over crank angle, where any link damps."""
-    result = results.first(MovingFrequencies)
-    if result is None:
-        return None
     variable = _damping_of(result.dataset)
     if not variable:
         return None
-    by_energy = variable == "strain_energy_damping"
-    lines = [line for line in result.summary().lines if "damping" in line]
-    return Panel(
-        name="damping",
-        title="Damping ratios",
-        caption=(
-            "Damping ratio of each mode against crank angle, "
-            + (
-                "by the specific damping of the plies, weighted by their strain energy."
-                if by_energy
-                else "of links with Kelvin-Voigt damping. Frozen ratios may turn negative where "
-                "the links' frames turn: they count the Coriolis and tangential terms of one "
-                "position as if it lasted, and say nothing of stability by themselves."
-            )
-        ),
-        equation=("ζ = Σ ψ U / (4 π Σ U)" if by_energy else "ζ = −Re λ / |λ|,  σ = E (ε + τ ε̇)"),
-        source=(
-            "modal strain energy method; specific damping capacity ψ of each ply and direction"
-            if by_energy
-            else "Kelvin-Voigt damping, eigenvalues λ of the frozen equations"
-        ),
-        plots=(_plot(result, speed_unit_of(results), variable),),
-        lines=tuple(lines),
-    )
+    lines = tuple(line for line in result.summary().lines if "damping" in line)
+    plot = _plot(result, speed_unit_of(results), variable)
+    return panel_of("damping", None, variable, plots=(plot,), lines=lines)
 
 
 def _damping_of(data: xr.Dataset) -> str:
@@ -129,28 +101,24 @@ def _plot(result: MovingFrequencies, unit: str, variable: str) -> Plot:
     modes = result.dataset["mode"].values.tolist()
     speeds = result.dataset["crank_speed"].values.tolist()
     words, factor = ("Frequency (Hz)", 1) if variable == "frequency" else ("Damping ratio (%)", 100)
-    traces = tuple(
+    traces = [
         Trace(
-            name=speed_name(speed, unit),
-            x=crank_degrees(data["crank_angle"].values),
-            y=factor * _values(data, variable, engine, speed, mode),
-            colour=speeds.index(speed),
-            look=("solid", "dash", "dashdot", "dot")[speeds.index(speed) % 4],
+            *(speed_name(speed, unit), crank_degrees(data["crank_angle"].values)),
+            factor * _values(data, variable, engine, speed, mode),
+            speeds.index(speed),
+            ("solid", "dash", "dashdot", "dot")[speeds.index(speed) % 4],
             when={"engine": engine, "state": state},
             followed={"speed": speed_name(speed, unit)},
             axis=modes.index(mode),
             legend=mode == modes[0],
         )
         for state, data, engine, speed, mode in _places(result)
-    )
-    return Plot(
-        name=variable.replace("_", "-"),
-        x_title="Crank angle (deg)",
-        axes=tuple(YAxis(f"Mode {mode}") for mode in modes),
-        traces=traces,
+    ]
+    return over_angle(
+        variable.replace("_", "-"),
+        tuple(YAxis(f"Mode {mode}") for mode in modes),
+        traces,
         text=f"{words} of {len(modes)} modes against crank angle at {len(speeds)} crank speeds",
-        cursor="angle",
-        tick=60.0,
         height=FRAME_HEIGHT + AXIS_HEIGHT * len(modes),
         title=words,
     )
@@ -166,23 +134,14 @@ def _readings(result: MovingFrequencies, unit: str) -> list[Reading]:
         frequency = _values(data, "frequency", engine, speed, mode)
         relative = float(known_error(data).sel(engine=engine, crank_speed=speed, mode=mode))
         error = relative * float(np.nanmax(frequency))
-        readings.append(
-            Reading(
-                *("Natural frequency", f"mode {mode}", "Hz", angle, frequency, error, when),
-                decimals_of(error),
-                str(mode),
-            )
-        )
+        found = [("Natural frequency", "Hz", frequency, error)]
         if damping:
             ratio = 100 * _values(data, damping, engine, speed, mode)
             error = 100 * _damping_error(data, damping, engine, speed, mode)
-            readings.append(
-                Reading(
-                    *("Damping ratio", f"mode {mode}", "%", angle, ratio, error, when),
-                    decimals_of(error),
-                    str(mode),
-                )
-            )
+            found.append(("Damping ratio", "%", ratio, error))
+        for group, of, values, known in found:
+            number = angle, values, known, when, decimals_of(known)
+            readings.append(Reading(group, f"mode {mode}", of, *number, str(mode)))
     return readings
 
 

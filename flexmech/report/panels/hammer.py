@@ -1,82 +1,87 @@
-"""The hammer test of the locked linkage: measured and exact receptance, and identified modes."""
+"""Hammer tests: receptances of the locked linkage, and harmonics of the running one."""
 
 from __future__ import annotations
 
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses import HammerTest
-from flexmech.report.panel import Look, Panel, Plot, Trace, YAxis
+from flexmech.analyses import HammerTest, RunningHammerTest
+from flexmech.plots.frf import CURVES, HARMONICS, angle_text
+from flexmech.plots.reading import amplitudes_of, complex_values, signed
+from flexmech.report.panel import Look, Panel, Plot, Trace, YAxis, panel_of, shows
 from flexmech.report.results import Results
-from flexmech.types import FloatArray
+from flexmech.report.words import speed_name, speed_unit_of
 
-# Of a receptance: what it is called, and its variable.
-CURVES: tuple[tuple[str, str, Look], ...] = (
-    ("eigen model, exact", "exact_receptance", "dash"),
-    ("measured (H1)", "receptance", "solid"),
+# Of the curves of both figures those that are shown: variable, colour, look and width.
+RECEPTANCES: tuple[tuple[str, Look], ...] = (("exact_receptance", "dash"), ("receptance", "solid"))
+FUNCTIONS: tuple[tuple[str, int | str, Look, float], ...] = (
+    ("frozen", "#737373", "dash", 1.2),
+    ("receptance", 1, "solid", 3.0),
+    ("predicted", 0, "solid", 1.4),
 )
 # Angles whose curves are shown; the table holds all.
 MOST_ANGLES = 6
 
 
-def hammer_panel(results: Results) -> Panel | None:
+@shows(HammerTest)
+def hammer_panel(result: HammerTest, results: Results) -> Panel:
     """Receptance and coherence over frequency, and measured beside computed modes."""
-    result = results.first(HammerTest)
-    if result is None:
-        return None
     data = result.dataset
-    said, of = result.summary(), data.attrs
     shown = min(MOST_ANGLES, data.sizes["crank_angle"])
-    traces = [trace for number in range(shown) for trace in _traces(data, number)]
     left_out = data.sizes["crank_angle"] - shown
-    return Panel(
-        name="hammer",
-        title="What a hammer test of the locked linkage measures",
-        caption=(
-            f"Receptance from a force at {of['impact']} to the displacement at "
-            f"{of['response_point']} ({of['direction']}), measured with a half-sine pulse by the "
-            f"{of['engine']} engine and of the eigen model; below, the coherence."
-        ),
-        equation="H(f) = r (K + 2πi f C - (2π f)² M)⁻¹ p",
-        source="D. J. Ewins, Modal Testing, 2nd ed. (2000)",
-        plots=(
-            Plot(
-                name="hammer-frf",
-                x_title="Frequency (Hz)",
-                axes=(YAxis("Receptance (m/N)", logarithmic=True), YAxis("Coherence")),
-                traces=tuple(traces),
-                text="Amplitude of the receptance and coherence against frequency",
-                height=440,
-            ),
-        ),
-        tables=said.tables,
-        lines=(*said.lines, said.verdict),
-        warnings=said.warnings,
-        thinned=(f"curves of {left_out} more crank angles",) if left_out else (),
+    plot = Plot(
+        "hammer-frf",
+        "Frequency (Hz)",
+        (YAxis("Receptance (m/N)", logarithmic=True), YAxis("Coherence")),
+        tuple(trace for number in range(shown) for trace in _receptances(data, number)),
+        "Amplitude of the receptance and coherence against frequency",
+        height=440,
     )
+    of = {name: data.attrs[name] for name in ("impact", "response_point", "direction", "engine")}
+    thinned = (f"curves of {left_out} more crank angles",) if left_out else ()
+    return panel_of("hammer", result.summary(), plots=(plot,), thinned=thinned, **of)
 
 
-def _traces(data: xr.Dataset, number: int) -> list[Trace]:
+def _receptances(data: xr.Dataset, number: int) -> list[Trace]:
     """Curves at one crank angle."""
     own = data.isel(crank_angle=number)
-    degrees = f"{float(np.degrees(own['crank_angle'])):.6g} deg"
-    frequency = own["frequency"].values
+    at, frequency = angle_text(own), own["frequency"].values
+    traces = []
+    for name, look in RECEPTANCES:
+        size = np.abs(complex_values(own, name))
+        traces.append(Trace(f"{CURVES[name][0]}, {at}", frequency, size, number, look))
+    coherence = own["coherence"].values
+    return [*traces, Trace(at, frequency, coherence, number, axis=1, legend=False)]
+
+
+@shows(RunningHammerTest)
+def running_hammer_panel(result: RunningHammerTest, results: Results) -> Panel:
+    """Amplitudes of every order over the frequency of the force."""
+    data, attrs = result.dataset, result.dataset.attrs
+    orders, frequency = data["order"].values.tolist(), data["frequency"].values
+    # Where nothing answers there is nothing to draw on a logarithmic axis.
+    sizes = {
+        name: amplitudes_of(complex_values(data, name, "order", "frequency"))
+        for name, *_ in FUNCTIONS
+    }
     traces = [
         Trace(
-            name=f"{label}, {degrees}",
-            x=frequency,
-            y=_amplitude(own, name),
-            colour=number,
-            look=look,
+            *(HARMONICS[name][0], frequency, sizes[name][axis], colour, look, width),
+            axis=axis,
+            legend=axis == 0,
         )
-        for label, name, look in CURVES
+        for axis in range(len(orders))
+        for name, colour, look, width in FUNCTIONS
     ]
-    coherence = own["coherence"].values
-    return [
-        *traces,
-        Trace(name=degrees, x=frequency, y=coherence, colour=number, axis=1, legend=False),
-    ]
-
-
-def _amplitude(data: xr.Dataset, name: str) -> FloatArray:
-    return np.asarray(np.hypot(data[f"{name}_real"].values, data[f"{name}_imag"].values))
+    plot = Plot(
+        "harmonic-response",
+        "Frequency f of the force (Hz)",
+        tuple(YAxis(f"order {signed(order)} (m/N)", logarithmic=True) for order in orders),
+        tuple(traces),
+        "Amplitude of the response at f and at multiples of the crank's frequency beside it, "
+        "over the frequency f of the force: identified, predicted, and of the frozen linkage",
+        height=110 + 110 * len(orders),
+    )
+    of = {name: attrs[name] for name in ("response_point", "impact_point", "direction")}
+    of["speed"] = speed_name(float(attrs["crank_speed"]), speed_unit_of(results))
+    return panel_of("running-hammer", result.summary(), plots=(plot,), **of)

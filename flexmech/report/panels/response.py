@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
 from flexmech.analyses import Response, Table
-from flexmech.report.arrays import MOST_POINTS
-from flexmech.report.last_turn import LastTurn, last_turn
-from flexmech.report.panel import Choice, Panel, Plot, Reading, Trace, YAxis
+from flexmech.plots.reading import STARTS, names_of
+from flexmech.report.last_turn import MOST_POINTS, LastTurn, last_turn
+from flexmech.report.panel import (
+    Choice,
+    Look,
+    Panel,
+    Plot,
+    Reading,
+    Trace,
+    YAxis,
+    over_angle,
+    panel_of,
+)
+from flexmech.report.panels.kinematics import forces_plot
 from flexmech.report.results import Results
 from flexmech.report.words import (
     decimals_of,
@@ -23,115 +37,75 @@ from flexmech.types import FloatArray
 
 def response_panel(results: Results) -> Panel | None:
     """Deflections, torque and joint forces over the last turn of every run."""
-    runs = results.of_kind(Response)
+    runs, unit = results.of_kind(Response), speed_unit_of(results)
     if not runs:
         return None
-    unit = speed_unit_of(results)
-    deflection: list[Trace] = []
-    force: list[Trace] = []
-    shaft: list[Trace] = []
-    readings: list[Reading] = []
-    thinned = []
+    deflection, force, shaft = list[Trace](), list[Trace](), list[Trace]()
+    readings, lines, warnings, thinned = list[Reading](), list[str](), list[str](), list[str]()
     for run in runs:
-        data, turn = run.dataset, last_turn(run.dataset)
+        data, turn, said = run.dataset, last_turn(run.dataset), run.summary()
+        speed = speed_name(float(data.attrs["crank_speed"]), unit)
         for engine in engine_names(data):
-            when = _when(run, engine, unit)
-            deflection += _deflections(data, turn, engine, when)
-            force += _forces(data, turn, engine, when)
-            shaft += _shaft(data, turn, engine, when)
-            readings += _readings(run, turn, engine, when)
+            shown = _Shown(data, turn, engine, _when(run, engine, unit))
+            deflection += _deflections(shown)
+            force += _forces(shown)
+            shaft += _shaft(shown)
+            readings += _readings(run, shown)
+        lines += [f"{speed}: {line}" for line in (*said.lines, said.verdict)]
+        warnings += said.warnings
         if turn.left_out:
             thinned.append(
-                f"run at {when['speed']}: {len(turn.angle)} of {turn.samples} samples of the last "
+                f"run at {speed}: {len(turn.angle)} of {turn.samples} samples of the last "
                 f"turn are kept, at most {MOST_POINTS} to a line"
             )
-    links = [str(name) for name in runs[0].dataset["link"].values]
-    joints = [str(name) for name in runs[0].dataset["joint"].values]
-    plots: tuple[Plot, ...] = (
-        Plot(
+    links, joints = (names_of(runs[0].dataset, what) for what in ("link", "joint"))
+    plots = [
+        over_angle(
             "deflection",
-            "Crank angle (deg)",
             tuple(YAxis(link) for link in links),
-            tuple(deflection),
-            f"Deflection in mm of {', '.join(links)} over the last turn",
-            "angle",
-            tick=60.0,
+            deflection,
+            text=f"Deflection in mm of {', '.join(links)} over the last turn",
             height=110 + 120 * len(links),
             title="Deflection (mm)",
         ),
-        Plot(
-            "forces",
-            "Crank angle (deg)",
-            (*(YAxis(f"{joint} (N)") for joint in joints), YAxis("torque (N m)")),
-            tuple(force),
-            "Size of the force of each joint and driving torque over the last turn, elastic and "
-            "rigid links",
-            "angle",
-            tick=60.0,
-            height=110 + 100 * (len(joints) + 1),
-            title="Joint forces (N) and driving torque (N m)",
-        ),
-    )
-    if shaft:
-        plots = (*plots, _shaft_plot(shaft))
-    start = {"rigid": "from undeformed links", "equilibrium": "from the quasi-static equilibrium"}
-    begun = {start.get(str(run.dataset.attrs["start"]), "on the periodic motion") for run in runs}
-    said = [run.summary() for run in runs]
-    lines = [
-        f"{speed_name(float(run.dataset.attrs['crank_speed']), unit)}: {line}"
-        for run, one in zip(runs, said, strict=True)
-        for line in (*one.lines, one.verdict)
+        forces_plot("forces", joints, force, "over the last turn, elastic and rigid links"),
     ]
-    return Panel(
-        name="response",
-        title="Deflection, pin forces and torque of the running linkage",
-        caption=(
-            f"Last turn of a run {' or '.join(sorted(begun))}, against crank angle: deflection of "
-            "each pinned link's middle and of a clamped link's tip from the straight line of its "
-            "frame, size of each joint's force, and the torque of the shaft. Dashed: rigid links."
-            + " A free shaft turns away from its prescribed angle, at a speed that fluctuates."
-            * bool(shaft)
-        ),
-        equation="M_r z̈ + C_r ż + K_r z = f(t),  q = N(t) z",
-        source=(
-            "link frames joined at the pins; reference engine: linear links by the trapezoidal "
-            "rule, links that stretch by the square of their slopes by Lobatto's method; Exudyn: "
-            "full nonlinear simulation"
-        ),
-        plots=plots,
+    if shaft:
+        plots.append(_shaft_plot(shaft))
+    begun = {STARTS[str(run.dataset.attrs["start"])] for run in runs}
+    return panel_of(
+        "response",
+        plots=tuple(plots),
         readings=tuple(readings),
         tables=(_peak_table(runs, unit),),
         lines=tuple(lines),
-        warnings=tuple(warning for one in said for warning in one.warnings),
+        warnings=tuple(warnings),
         thinned=tuple(thinned),
+        begun=" or ".join(sorted(begun)),
+        free_shaft=(
+            " A free shaft turns away from its prescribed angle, at a speed that fluctuates."
+            * bool(shaft)
+        ),
     )
 
 
 def spectrum_panel(results: Results) -> Panel | None:
     """Amplitude of each link's deflection over frequency."""
-    runs = results.of_kind(Response)
+    runs, unit = results.of_kind(Response), speed_unit_of(results)
     if not runs:
         return None
-    unit = speed_unit_of(results)
-    links = [str(name) for name in runs[0].dataset["link"].values]
-    traces, at_orders = [], False
+    links = names_of(runs[0].dataset, "link")
+    traces, at_orders = list[Trace](), False
     for run in runs:
         data = run.dataset
         stems = bool(data.attrs.get("spectrum_turns"))
         at_orders |= stems
-        frequency = data["spectrum_frequency"].values
         for engine in engine_names(data):
             for number, link in enumerate(links):
                 amplitude = 1e3 * data["spectrum"].sel(engine=engine, link=link).values
-                traces.append(
-                    Trace(
-                        link,
-                        *_spectrum_points(frequency, amplitude, data, stems=stems),
-                        colour=number,
-                        look="points" if stems else "solid",
-                        when=_when(run, engine, unit),
-                    )
-                )
+                points = _spectrum_points(amplitude, data, stems=stems)
+                look: Look = "points" if stems else "solid"
+                traces.append(Trace(link, *points, number, look, when=_when(run, engine, unit)))
     plot = Plot(
         "spectrum",
         "Frequency (Hz)",
@@ -140,20 +114,28 @@ def spectrum_panel(results: Results) -> Panel | None:
         f"Amplitude of the deflection of {', '.join(links)} against frequency, logarithmic",
         height=340,
     )
-    return Panel(
-        name="spectrum",
-        title="Spectrum of the deflection",
-        caption=(
-            "Amplitude of the deflection against frequency"
-            + (
-                ": points stand at the orders of the crank, as periodic motion has no others."
-                * at_orders
-            )
-        ),
-        equation="u(t) = Σ a_n cos(n ω t + φ_n)",
-        source="discrete Fourier transform of whole turns, or with a Hann window",
-        plots=(plot,),
-    )
+    orders = ": points stand at the orders of the crank, as periodic motion has no others."
+    return panel_of("spectrum", plots=(plot,), at_orders=orders * at_orders)
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """A run by one engine over the last turn, and what the reader must have chosen to see it."""
+
+    data: xr.Dataset
+    turn: LastTurn
+    engine: str
+    when: Choice
+
+    @property
+    def own(self) -> xr.Dataset:
+        """Of the engine."""
+        return self.data.sel(engine=self.engine)
+
+    def trace(self, name: str, values: FloatArray, axis: int, colour: int = 0) -> Trace:
+        """A line whose values the cursor's dot follows."""
+        along = self.turn.angle, self.turn.of(values), colour
+        return Trace(name, *along, when=self.when, followed={}, axis=axis, legend=False)
 
 
 def _when(run: Response, engine: str, unit: str) -> Choice:
@@ -161,107 +143,73 @@ def _when(run: Response, engine: str, unit: str) -> Choice:
     return {"engine": engine, "state": state_of(run.dataset.attrs), "speed": speed}
 
 
-def _deflections(data: xr.Dataset, turn: LastTurn, engine: str, when: Choice) -> list[Trace]:
-    return [
-        Trace(
-            link,
-            turn.angle,
-            turn.of(1e3 * data["deflection"].sel(engine=engine, link=link).values),
-            colour=number,
-            when=when,
-            followed={},
-            axis=number,
-            legend=False,
-        )
-        for number, link in enumerate(map(str, data["link"].values))
-    ]
+def _deflections(run: _Shown) -> list[Trace]:
+    deflection = 1e3 * run.own["deflection"].transpose("link", ...).values
+    named = enumerate(zip(names_of(run.data, "link"), deflection, strict=True))
+    return [run.trace(link, values, number, number) for number, (link, values) in named]
 
 
 def _sizes(force: xr.DataArray) -> FloatArray:
     return np.asarray(np.hypot(force.sel(component="x").values, force.sel(component="y").values))
 
 
-def _forces(data: xr.Dataset, turn: LastTurn, engine: str, when: Choice) -> list[Trace]:
-    joints = [str(name) for name in data["joint"].values]
-    own = data.sel(engine=engine)
+def _forces(run: _Shown) -> list[Trace]:
+    """Sizes of the joint forces and the torque, of elastic and of rigid links."""
+    own, data = run.own, run.data
     pairs: list[tuple[FloatArray, FloatArray]] = [
         (_sizes(own["joint_force"].sel(joint=j)), _sizes(data["rigid_joint_force"].sel(joint=j)))
-        for j in joints
+        for j in names_of(data, "joint")
     ]
     pairs.append((own["driving_torque"].values, data["rigid_driving_torque"].values))
     traces = []
-    for number, (elastic, rigid) in enumerate(pairs):
-        traces.append(
-            Trace(
-                *("elastic links", turn.angle, turn.of(elastic), 0),
-                when=when,
-                followed={},
-                axis=number,
-                legend=number == 0,
-            )
-        )
-        traces.append(
-            Trace(
-                *("rigid links", turn.angle, turn.of(rigid), "#8c8c8c", "dash", 1.0),
-                when=when,
-                axis=number,
-                legend=number == 0,
-            )
-        )
+    for axis, (elastic, rigid) in enumerate(pairs):
+        line = run.trace("elastic links", elastic, axis)
+        grey: dict[str, Any] = {"colour": "#8c8c8c", "look": "dash", "width": 1.0, "followed": None}
+        both = line, replace(line, name="rigid links", y=run.turn.of(rigid), **grey)
+        traces += [replace(each, legend=axis == 0) for each in both]
     return traces
 
 
-def _shaft(data: xr.Dataset, turn: LastTurn, engine: str, when: Choice) -> list[Trace]:
+def _shaft(run: _Shown) -> list[Trace]:
     """Rotation and speed of a free shaft against what is prescribed."""
-    if "shaft_rotation" not in data:
+    if "shaft_rotation" not in run.data:
         return []
-    own = data.sel(engine=engine)
-    rotation = np.degrees(own["shaft_rotation"].values)
-    fluctuation = own["crank_speed_fluctuation"].values
+    rotation = np.degrees(run.own["shaft_rotation"].values)
+    fluctuation = run.own["crank_speed_fluctuation"].values
     return [
-        Trace(
-            *("free shaft", turn.angle, turn.of(values), 0),
-            when=when,
-            followed={},
-            axis=number,
-            legend=False,
-        )
-        for number, values in enumerate((rotation, fluctuation))
+        run.trace("free shaft", each, axis) for axis, each in enumerate((rotation, fluctuation))
     ]
 
 
 def _shaft_plot(traces: list[Trace]) -> Plot:
-    return Plot(
+    return over_angle(
         "shaft",
-        "Crank angle (deg)",
         (YAxis("rotation (deg)"), YAxis("speed (rad/s)")),
-        tuple(traces),
-        "Rotation of the free shaft away from its prescribed angle and its speed less the "
+        traces,
+        text="Rotation of the free shaft away from its prescribed angle and its speed less the "
         "prescribed one over the last turn",
-        "angle",
-        tick=60.0,
         height=310,
         title="Free shaft: rotation and speed fluctuation",
     )
 
 
-def _readings(run: Response, turn: LastTurn, engine: str, when: Choice) -> list[Reading]:
-    data = run.dataset
-    own, errors = data.sel(engine=engine), run.errors().sel(engine=engine)
+def _readings(run: Response, shown: _Shown) -> list[Reading]:
+    """Deflections, joint forces and torque with their errors, which are parts of the peaks."""
+    own, errors = shown.own, run.errors().sel(engine=shown.engine)
     found: list[tuple[str, str, str, FloatArray, float]] = []
-    for link in map(str, data["link"].values):
+    for link in names_of(own, "link"):
         values = 1e3 * own["deflection"].sel(link=link).values
         peak = 1e3 * float(own["peak_deflection"].sel(link=link))
         error = peak * float(errors["deflection"].sel(link=link))
         found.append(("Deflection", link, "mm", values, error))
-    for joint in map(str, data["joint"].values):
+    for joint in names_of(own, "joint"):
         values = _sizes(own["joint_force"].sel(joint=joint))
         peak = float(own["peak_joint_force"].sel(joint=joint))
         error = peak * float(errors["joint_force"].sel(joint=joint))
         found.append(("Joint force", joint, "N", values, error))
-    torque, peak = own["driving_torque"].values, float(own["peak_driving_torque"])
-    error = peak * float(errors["driving_torque"])
-    found.append(("Torque", "shaft", "N m", torque, error))
+    error = float(own["peak_driving_torque"]) * float(errors["driving_torque"])
+    found.append(("Torque", "shaft", "N m", own["driving_torque"].values, error))
+    turn, when = shown.turn, shown.when
     return [
         Reading(group, label, unit, turn.angle, turn.of(values), error, when, decimals_of(error))
         for group, label, unit, values, error in found
@@ -269,9 +217,10 @@ def _readings(run: Response, turn: LastTurn, engine: str, when: Choice) -> list[
 
 
 def _spectrum_points(
-    frequency: FloatArray, amplitude: FloatArray, data: xr.Dataset, *, stems: bool
+    amplitude: FloatArray, data: xr.Dataset, *, stems: bool
 ) -> tuple[FloatArray, FloatArray]:
     """Points of a spectrum: of periodic motion those at the orders alone, without round-off."""
+    frequency = data["spectrum_frequency"].values
     shown = (frequency > 0) & (amplitude > 1e-6 * amplitude.max(initial=1e-300))
     if stems:
         order = 2 * np.pi * frequency / abs(float(data.attrs["crank_speed"]))
@@ -285,28 +234,17 @@ def _peak_table(runs: list[Response], unit: str) -> Table:
         data, peaks = run.dataset, run.peaks()
         speed = speed_name(float(data.attrs["crank_speed"]), unit)
         for engine in engine_names(data):
-            own, start = peaks.sel(engine=engine), (state_of(data.attrs), engine, speed)
-            errors = run.errors().sel(engine=engine)
-            found = [
-                (
-                    *(link, "deflection (mm)", 1e3 * float(own["deflection"].sel(link=link))),
-                    float(errors["peak_deflection"].sel(link=link)),
-                )
-                for link in map(str, data["link"].values)
-            ]
-            found += [
-                (
-                    *(joint, "force (N)", float(own["joint_force"].sel(joint=joint))),
-                    float(errors["peak_joint_force"].sel(joint=joint)),
-                )
-                for joint in map(str, data["joint"].values)
-            ]
-            torque = float(own["driving_torque"]), float(errors["peak_driving_torque"])
-            found.append(("shaft", "torque (N m)", *torque))
-            rows += [
-                (*start, of, what, with_error(value, abs(value) * error))
-                for of, what, value, error in found
-            ]
+            own, errors = peaks.sel(engine=engine), run.errors().sel(engine=engine)
+            of_links = [(link, {"link": link}) for link in names_of(data, "link")]
+            of_joints = [(joint, {"joint": joint}) for joint in names_of(data, "joint")]
+            found = [("deflection", "deflection (mm)", 1e3, *each) for each in of_links]
+            found += [("joint_force", "force (N)", 1.0, *each) for each in of_joints]
+            found.append(("driving_torque", "torque (N m)", 1.0, "shaft", {}))
+            for name, what, factor, of, place in found:
+                value = factor * float(own[name].sel(place))
+                error = abs(value) * float(errors[f"peak_{name}"].sel(place))
+                start = state_of(data.attrs), engine, speed
+                rows.append((*start, of, what, with_error(value, error)))
     return Table(
         "Peaks",
         ("state", "engine", "speed", "of", "quantity", "peak"),

@@ -1,17 +1,19 @@
-"""Cross-sections of the links: their layers, and stress through the thickness."""
+"""Cross-sections of the links: their layers, and stress and moisture through the thickness."""
 
 from __future__ import annotations
 
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses import ModelCheck, SectionProfiles
+from flexmech.analyses import ModelCheck, MoistureUptake, SectionProfiles
 from flexmech.analyses.section_profile.tables import property_table
-from flexmech.report.drawing import stack_drawings
-from flexmech.report.panel import Panel, Plot, Trace, YAxis
+from flexmech.plots.reading import names_of
+from flexmech.report.last_turn import thinning
+from flexmech.report.panel import Look, Panel, Plot, Trace, YAxis, panel_of, shows
 from flexmech.report.results import Results
 from flexmech.report.words import state_of
-from flexmech.types import FloatArray
+from flexmech.types import FloatArray, IntArray
+from flexmech.units import from_si
 
 # Variable, number of the unit load, title of the axis, and its units in a Pa.
 LOADS = (
@@ -19,41 +21,46 @@ LOADS = (
     ("normal_stress", 1, "σ by M (MPa)", 1e-6),
     ("shear_stress", 2, "τ by V (kPa)", 1e-3),
 )
+# Uptake by finite volumes and by formulas: variable, what it is by, and look.
+LAWS: tuple[tuple[str, str, Look], ...] = (
+    ("uptake", "", "solid"),
+    ("short_time_uptake", "law of the root of time", "dash"),
+    ("shen_springer_uptake", "Shen and Springer", "dot"),
+)
 # Stresses nearer to each other than this part of the greatest are the same.
 SAME = 1e-9
 
+# Greatest width of a drawing, and least height of a section in it.
+WIDTH, LEAST = 300.0, 3.0
+# Opacity of the ink for each kind of layer: neighbours differ.
+SHADES = (0.12, 0.45, 0.28, 0.65, 0.20, 0.55, 0.36, 0.75)
+# Thinner layers are not outlined: lines would fill them.
+LEAST_OUTLINED = 2.0
+LEGEND = 12.0
 
-def section_panel(results: Results) -> Panel | None:
+Kind = tuple[str, float]
+"""Of a layer: name of its ply, and its angle in degrees."""
+
+
+@shows(SectionProfiles)
+def section_panel(result: SectionProfiles, results: Results) -> Panel:
     """Stacks to scale, stress through the thickness under unit loads, and properties."""
-    result, check = results.first(SectionProfiles), results.first(ModelCheck)
-    if result is None:
-        return None
-    said = result.summary()
+    said, check = result.summary(), results.first(ModelCheck)
     drawings: tuple[tuple[str, str], ...] = ()
     if check is not None and "layer_low" in check.dataset:
         drawings = stack_drawings(check.dataset)
-    return Panel(
-        name="sections",
-        title="Sections with their layers",
-        caption=(
-            "Each link's section to one scale, its in-plane thickness upward, and stress through "
-            "the thickness under unit loads on the pins' axis: N along the link, M that stretches "
-            f"the side of lower y, V along y. State: {state_of(result.dataset.attrs)}."
-        ),
-        equation="N = EA ε₀ + B κ,  M = B ε₀ + EI κ,  V = kGA γ;  τ from equilibrium",
-        source=(
-            "laminated beam, layers stacked through the in-plane thickness; R. M. Jones, "
-            "Mechanics of Composite Materials (1999)"
-        ),
+    return panel_of(
+        "sections",
+        said,
         plots=tuple(_plot(result, link, n) for n, link in enumerate(result.links_with_layers)),
         drawings=drawings,
         tables=tuple(property_table(result.dataset.sel(link=link)) for link in result.links),
         lines=said.lines,
-        warnings=said.warnings,
         thinned=(
             "sections: stresses of every layer are drawn; their tables are what flexmech section "
             "writes to through_thickness.csv",
         ),
+        state=state_of(result.dataset.attrs),
     )
 
 
@@ -99,3 +106,151 @@ def _along(
     gap = np.full((len(places), 1), np.nan)
     x, y = (np.concatenate([part, gap], axis=1).ravel() for part in (places, factor * values))
     return x, y
+
+
+@shows(MoistureUptake)
+def moisture_panel(result: MoistureUptake, results: Results) -> Panel:
+    """Uptake over the root of time, and profiles through the thickness."""
+    data, kept = result.dataset, thinning(result.dataset.sizes["time"])
+    thinned = f"{len(kept)} of {data.sizes['time']} times of the uptake are kept"
+    return panel_of(
+        "moisture",
+        result.summary(),
+        plots=(_uptake(data, kept), _profiles(data)),
+        thinned=(thinned,) if len(kept) < data.sizes["time"] else (),
+    )
+
+
+def _uptake(data: xr.Dataset, kept: IntArray) -> Plot:
+    root = np.sqrt([from_si(float(time), "day") for time in data["time"].values[kept]])
+    traces = [
+        Trace(
+            link if name == LAWS[0][0] else words,
+            root,
+            data[name].sel(link=link).values[kept],
+            number,
+            look,
+            legend=name == LAWS[0][0] or number == 0,
+        )
+        for number, link in enumerate(names_of(data, "link"))
+        for name, words, look in LAWS
+    ]
+    return Plot(
+        "uptake",
+        "Root of time (√day)",
+        (YAxis("Uptake over equilibrium"),),
+        tuple(traces),
+        "Uptake of water of each link against the root of time",
+        height=380,
+        title="Uptake",
+    )
+
+
+def _profiles(data: xr.Dataset) -> Plot:
+    links = names_of(data, "link")
+    traces = []
+    for axis, link in enumerate(links):
+        own = data.sel(link=link)
+        for time in range(own.sizes["profile_time"]):
+            one = own.isel(profile_time=time)
+            days = from_si(float(one["profile_time"]), "day")
+            place, water = 1e3 * one["place"].values, 100 * one["profile"].values
+            known = np.isfinite(place) & np.isfinite(water)
+            name = f"after {days:.3g} d"
+            line = place[known], water[known]
+            traces.append(Trace(name, *line, colour=time, axis=axis, legend=axis == 0))
+    return Plot(
+        "profiles",
+        "Place from the middle (mm)",
+        tuple(YAxis(f"{link} (%)") for link in links),
+        tuple(traces),
+        "Moisture of the resin through the thickness of each link at some times",
+        height=110 + 150 * len(links),
+        title="Moisture through the thickness",
+    )
+
+
+def stack_drawings(data: xr.Dataset) -> tuple[tuple[str, str], ...]:
+    """Sections of all links at one scale, and a key to their layers.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of a ``ModelCheck``: faces, plies and angles of the layers.
+
+    Returns
+    -------
+    tuple of (str, str)
+        SVG without any text, and what it shows in words.
+    """
+    # Rigid links may have no section.
+    data = data.isel(link=np.flatnonzero(np.isfinite(data["in_plane_thickness"].values)))
+    thick = 1e3 * data["in_plane_thickness"].values.astype(float)
+    width = 1e3 * data["out_of_plane_width"].values.astype(float)
+    scale = WIDTH / float(np.nanmax([*width, thick.max()]))
+    kinds = _kinds(data)
+    drawings = []
+    for number in range(data.sizes["link"]):
+        wide = width[number] if np.isfinite(width[number]) else WIDTH / scale
+        size = scale * wide, max(scale * thick[number], LEAST)
+        svg = _section(data.isel(link=number), kinds, size)
+        drawings.append((svg, _words(data.isel(link=number), thick[number], width[number])))
+    for number, (ply, angle) in enumerate(kinds if len(kinds) > 1 else ()):
+        drawings.append(
+            (
+                _svg(2 * LEGEND, LEGEND, _layer(number, 0.0, 2 * LEGEND, LEGEND)),
+                f"{ply} at {angle:g} deg",
+            )
+        )
+    return tuple(drawings)
+
+
+def _kinds(data: xr.Dataset) -> list[Kind]:
+    """Every kind of layer once, in order; a section of one material has one without a name."""
+    found = []
+    for link in range(data.sizes["link"]):
+        one = data.isel(link=link)
+        for layer in np.flatnonzero(np.isfinite(one["layer_low"].values)).tolist():
+            found.append(_kind(one.isel(layer=layer)))
+    return list(dict.fromkeys(found))
+
+
+def _kind(layer: xr.Dataset) -> Kind:
+    return str(layer["ply"].item()), round(float(np.degrees(layer["ply_angle"].item())), 6)
+
+
+def _section(link: xr.Dataset, kinds: list[Kind], size: tuple[float, float]) -> str:
+    """Layers of one section, the lowest y at the bottom, with a frame around them."""
+    wide, height = size
+    low, high = (link[f"layer_{face}"].values.astype(float) for face in ("low", "high"))
+    real = np.flatnonzero(np.isfinite(low)).tolist()
+    bottom, top = float(low[real].min()), float(high[real].max())
+    scale = height / (top - bottom)
+    parts = []
+    for number in real:
+        tall = scale * (high[number] - low[number])
+        kind = kinds.index(_kind(link.isel(layer=number)))
+        parts.append(_layer(kind, scale * (top - high[number]), wide, tall))
+    frame = f'<rect y="0" width="{wide:.2f}" height="{height:.2f}" class="frame"/>'
+    return _svg(wide, height, "".join(parts) + frame)
+
+
+def _layer(kind: int, y: float, wide: float, tall: float) -> str:
+    outline = " outlined" if tall >= LEAST_OUTLINED else ""
+    return (
+        f'<rect y="{y:.2f}" width="{wide:.2f}" height="{tall:.2f}" class="ply{outline}" '
+        f'fill-opacity="{SHADES[kind % len(SHADES)]}"/>'
+    )
+
+
+def _svg(wide: float, height: float, parts: str) -> str:
+    """A drawing of a fixed size, which narrow screens shrink, with room for its frame."""
+    w, h = wide + 2, height + 2
+    return f'<svg viewBox="-1 -1 {w:.1f} {h:.1f}" width="{w:.1f}" class="stack">{parts}</svg>'
+
+
+def _words(link: xr.Dataset, thick: float, width: float) -> str:
+    across = f"{width:.4g} mm wide" if np.isfinite(width) else "width not stated"
+    words = f"{link['link'].item()}: {thick:.4g} mm thick, {across}"
+    stack = str(link["stacking"].item())
+    return f"{words}, {stack}" if stack else words

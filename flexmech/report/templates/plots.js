@@ -50,7 +50,7 @@
       const name = n ? `yaxis${n + 1}` : "yaxis";
       layout[name] = {
         title: { text: axis.title, standoff: 14 }, domain: [top - 1 / count + (n < count - 1 ? 0.03 : 0), top],
-        type: axis.log ? "log" : "linear", zeroline: false, showline: true, ticks: "outside", nticks: count > 1 ? 4 : 7, ticklabeloverflow: "allow",
+        type: axis.logarithmic ? "log" : "linear", zeroline: false, showline: true, ticks: "outside", nticks: count > 1 ? 4 : 7, ticklabeloverflow: "allow",
         exponentformat: "power",
       };
     });

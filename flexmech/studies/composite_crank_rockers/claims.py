@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from flexmech.linkages import synthesize_crank_rocker
 from flexmech.studies.claim import REPRODUCED_WITHIN, Claim, verdict_on, within_a_tenth
-from flexmech.studies.composite_crank_rockers import linkages, published, structure
+from flexmech.studies.composite_crank_rockers import linkages, structure
 from flexmech.types import FloatArray
 
 # Printed limits are held to half a degree.
@@ -48,7 +48,7 @@ def composite_claims(study: xr.Dataset) -> list[Claim]:
     list of Claim
         Ours are the converged frequencies with unidirectional plies.
     """
-    stored, tests, claims = published.stored_table("claims.toml"), _Tests(study), []
+    stored, tests, claims = linkages.stored_table("claims.toml"), _Tests(study), []
     for place, statement, printed, (test, *arguments), reason in stored["claims"]:
         found: _Finding = getattr(tests, test)(printed, *arguments)
         reasons = stored["reasons"] | (stored["reasons_of_misses"] if found.holds is False else {})
@@ -266,7 +266,7 @@ def _numbers(printed: str) -> list[float]:
 
 def _limits(case: int) -> FloatArray:
     """Least and greatest transmission angle of a linkage in degrees."""
-    return np.degrees(published.published_case(case).transmission_angle_limits())
+    return np.degrees(linkages.published_case(case).transmission_angle_limits())
 
 
 def _span(numbers: ArrayLike, decimals: int = 2) -> str:

@@ -13,10 +13,10 @@ from flexmech.analyses.frequencies import natural_frequencies, strain_energy_dam
 from flexmech.linear_system import Engine
 from flexmech.mechanism import Mechanism
 from flexmech.reference import ReferenceEngine
-from flexmech.studies.composite_crank_rockers import linkages, published
+from flexmech.studies.composite_crank_rockers import linkages
 from flexmech.studies.composite_crank_rockers.result import CompositeStudy
 from flexmech.studies.composite_crank_rockers.structure import laminate_factors
-from flexmech.types import LabelledProgress
+from flexmech.types import LabelledProgress, silent
 
 MakeEngine = Callable[[Mechanism, int, str], Engine]
 
@@ -55,24 +55,23 @@ def study_composites(
     coordinates = {
         "plies": list(linkages.PLY_MODELS),
         "beams": list(linkages.BEAMS),
-        "position": [*published.POSITIONS, linkages.SECOND],
-        "laminate": list(published.LAMINATES),
-        "case": list(published.CASES),
+        "position": [*linkages.POSITIONS, linkages.SECOND],
+        "laminate": list(linkages.LAMINATES),
+        "case": list(linkages.CASES),
     }
     unknown = xr.DataArray(np.nan, coordinates, list(coordinates))
     frequency, damping = unknown.copy(), unknown.copy()
-    every = list(product(linkages.PLY_MODELS, published.LAMINATES, published.CASES))
+    every = list(product(linkages.PLY_MODELS, linkages.LAMINATES, linkages.CASES))
     for done, (plies, laminate, case) in enumerate(every, start=1):
         mechanism = linkages.composite_crank_rocker(case, laminate, plies)
-        angles = linkages.position_angles(published.published_case(case))
+        angles = linkages.position_angles(linkages.published_case(case))
         for beams, elements in linkages.BEAMS.items():
             engine = make_engine(mechanism, *elements)
             place = {"plies": plies, "beams": beams, "laminate": laminate, "case": case}
             frequency.loc[place] = natural_frequencies(engine, angles, modes=1)[:, 0]
             if plies != "table 2" and beams != linkages.PAPERS_MESH:
                 damping.loc[place] = strain_energy_damping(engine, angles, modes=1)[:, 0]
-        if progress is not None:
-            progress("linkages", done, len(every))
+        (progress or silent)("linkages", done, len(every))
     versions = {k: v for k, v in provenance([engine]).items() if k.endswith("_version")}
     return CompositeStudy(composite_dataset(frequency, damping).assign_attrs(versions))
 
@@ -91,20 +90,20 @@ def composite_dataset(frequency: xr.DataArray, damping: xr.DataArray) -> xr.Data
     xarray.Dataset
         See :class:`CompositeStudy`.
     """
-    turn, tables = np.radians(np.arange(361.0)), published.published_tables()
+    turn, tables = np.radians(np.arange(361.0)), linkages.published_tables()
     factors = laminate_factors(tables["finite_element"].sel(position=["90", "max"]))
     dataset = tables.assign_coords(crank_angle=turn).assign(
-        frequency=frequency.sel(position=list(published.POSITIONS)),
+        frequency=frequency.sel(position=list(linkages.POSITIONS)),
         other_configuration=frequency.sel(position=linkages.SECOND, drop=True),
-        strain_energy_damping=damping.sel(position=list(published.POSITIONS)),
-        laminate_factor=laminate_factors(frequency.sel(position=list(published.POSITIONS))),
+        strain_energy_damping=damping.sel(position=list(linkages.POSITIONS)),
+        laminate_factor=laminate_factors(frequency.sel(position=list(linkages.POSITIONS))),
         published_laminate_factor=factors,
         transmission_angle=(
             ("case", "crank_angle"),
-            [published.published_case(case).transmission_angle(turn) for case in published.CASES],
+            [linkages.published_case(case).transmission_angle(turn) for case in linkages.CASES],
         ),
     )
-    stored = published.stored_table("variables.toml")
+    stored = linkages.stored_table("variables.toml")
     for name, (unit, words) in stored["variables"].items():
         dataset[name].attrs = {"units": unit, "long_name": words}
     return dataset.assign_attrs(stored["attributes"])

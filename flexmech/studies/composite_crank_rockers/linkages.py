@@ -7,15 +7,70 @@ open which one is meant: three of the plies, three of the beams.
 
 from __future__ import annotations
 
-from typing import Literal
+import io
+import tomllib
+from importlib import resources
+from typing import Any, Literal
 
 import numpy as np
+import pandas as pd
+import xarray as xr
 
 from flexmech.linkages import FourBar
 from flexmech.mechanism import Mechanism
 from flexmech.modelfile import mechanism_from_toml
-from flexmech.studies.composite_crank_rockers import published
 from flexmech.types import FloatArray
+
+
+def stored_text(name: str) -> str:
+    """Text of a file that comes with the study."""
+    folder = resources.files("flexmech.studies.composite_crank_rockers") / "data"
+    return folder.joinpath(name).read_text(encoding="utf-8")
+
+
+def stored_table(name: str) -> dict[str, Any]:
+    """What a TOML file says that comes with the study."""
+    return tomllib.loads(stored_text(name))
+
+
+_PUBLISHED = stored_table("published.toml")
+
+LAMINATES: dict[str, dict[str, Any]] = _PUBLISHED["laminates"]
+"""Table 2: stack, modulus in GPa, Poisson's ratio and density in kg/m^3 of each laminate."""
+
+CASES: dict[int, list[float]] = {int(case): row for case, row in _PUBLISHED["cases"].items()}
+"""Table 3: crank, coupler and rocker over the ground."""
+
+POSITIONS: dict[str, str] = _PUBLISHED["positions"]
+"""Of the transmission angle, each in words."""
+
+
+def published_case(case: int, ground: float = 1.0) -> FourBar:
+    """Linkage of Table 3 with a ground of the given length in m."""
+    crank, coupler, rocker = CASES[case]
+    return FourBar(ground, ground * crank, ground * coupler, ground * rocker)
+
+
+def published_tables() -> xr.Dataset:
+    """Tables 4 to 6.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``finite_element`` and ``measured`` fundamental frequency in Hz and ``damping``
+        factor, over ``position``, ``laminate`` and ``case``.
+
+    Examples
+    --------
+    >>> tables = flexmech.studies.published_tables()
+    >>> tables["finite_element"].sel(position="90", case=2).values
+    array([99.34, 82.45, 70.08, 57.47, 47.7 , 38.34])
+    """
+    rows = pd.read_csv(io.StringIO(stored_text("frequencies.csv")), comment="#")
+    order = {"position": list(POSITIONS), "laminate": list(LAMINATES), "case": list(CASES)}
+    tables: xr.Dataset = rows.set_index(list(order)).to_xarray()
+    return tables.sel(order).assign_coords(order)
+
 
 PlyModel = Literal["unidirectional", "woven", "table 2"]
 PLY_MODELS: dict[PlyModel, str] = {"unidirectional": "", "woven": "_woven", "table 2": "_table_2"}
@@ -55,15 +110,15 @@ def composite_model_file(
     str
         TOML.
     """
-    lengths = published.published_case(case, GROUND).lengths
+    lengths = published_case(case, GROUND).lengths
     name = "crank_rocker_table_2.toml" if plies == "table 2" else "crank_rocker.toml"
-    return published.stored_text(name).format(
+    return stored_text(name).format(
         case=case,
         laminate=laminate,
         weave=plies,
         ply_thickness=1e3 * ply_thickness,
         thickness=5e3 * ply_thickness,
-        **published.LAMINATES[laminate],
+        **LAMINATES[laminate],
         **{link: 1e3 * length for link, length in lengths.items()},
     )
 
@@ -73,8 +128,8 @@ def composite_model_files() -> dict[str, str]:
     return {
         f"case_{case}_{laminate}{ending}.toml": composite_model_file(case, laminate, plies)
         for plies, ending in PLY_MODELS.items()
-        for case in published.CASES
-        for laminate in published.LAMINATES
+        for case in CASES
+        for laminate in LAMINATES
     }
 
 

@@ -35,7 +35,7 @@ class LinkageDynamics:
         self._inertias = [
             LinkInertia.of(model, full, basis)
             for model, full, basis in zip(
-                linkage.links, linkage.engine.links, linkage.bases, strict=True
+                linkage.links, linkage.unreduced, linkage.own_bases, strict=True
             )
         ]
 
@@ -67,7 +67,7 @@ class LinkageDynamics:
             for number, parts in enumerate(elastic)
         ]
         # How what follows moves in its link's frame while z stands still.
-        unit_following = frames.following_rows(unit)
+        unit_following = frames.dependent_rows(unit)
         totals = np.zeros((6, len(time)))
         ends, fields = [], []
         acting = self._acting(time, motion, elastic, unit, coordinates[0])

@@ -1,106 +1,44 @@
-"""What the cases of the verification compute, by the names that their files use."""
+"""What the cases of the verification compute, by the names that their files use.
+
+A method is a public function of a file of this room that takes keyword arguments alone, which the
+files of the cases give, and returns numbers.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from inspect import Parameter, getmembers, isfunction, signature
+from types import ModuleType
 
 from flexmech.types import FloatArray
-from flexmech.verification.methods.composites import (
-    flexural_moduli,
-    khdeir_reddy_beams,
-    laminate_stiffness,
-    lowest_case,
-    order_of_laminates,
+from flexmech.verification.methods import (
+    composites,
+    floating_rod,
+    frequencies,
+    linkages,
+    moisture,
+    periodic_systems,
+    running,
+    still_frames,
 )
-from flexmech.verification.methods.drawn_linkages import (
-    free_shaft_decay_rates,
-    free_shaft_frequencies,
-    rod_peak,
-    running_rod_peak,
-)
-from flexmech.verification.methods.elasticity import four_bar_by_plane_elasticity
-from flexmech.verification.methods.floating_rod import rod_at_end, rod_first_sine
-from flexmech.verification.methods.frequencies import (
-    cantilever_frequencies,
-    four_bar_frequencies,
-    rotating_arm_frequencies,
-)
-from flexmech.verification.methods.linkages import (
-    crank_rocker_proportions,
-    crunodes,
-    cusp_angles,
-    cusp_moistures,
-    swelling_of_angles,
-    transmission_angle_limits,
-)
-from flexmech.verification.methods.moisture import (
-    crank_half_time,
-    diffused_uptake,
-    half_time,
-    mass_balance_errors,
-    series_uptake,
-)
-from flexmech.verification.methods.periodic_systems import (
-    combination_edges,
-    known_exponents,
-    mathieu_boundaries,
-    resonance_modulus,
-)
-from flexmech.verification.methods.running import (
-    periodic_deflection,
-    running_deflection,
-    settled_deflection,
-    spin_up_deflection,
-    spin_up_extension,
-    spin_up_time,
-    stored_deflection,
-)
-from flexmech.verification.methods.still_frames import exact_frame_frequencies, frame_frequencies
 
 __all__ = ["METHODS"]
 
+
+def _methods_of(module: ModuleType) -> Iterator[tuple[str, Callable[..., FloatArray]]]:
+    for name, found in getmembers(module, isfunction):
+        own = found.__module__ == module.__name__ and not name.startswith("_")
+        kinds = {parameter.kind for parameter in signature(found).parameters.values()}
+        if own and kinds <= {Parameter.KEYWORD_ONLY, Parameter.VAR_KEYWORD}:
+            yield name, found
+
+
 METHODS: dict[str, Callable[..., FloatArray]] = {
-    method.__name__: method
-    for method in (
-        cantilever_frequencies,
-        combination_edges,
-        crank_half_time,
-        crank_rocker_proportions,
-        crunodes,
-        cusp_angles,
-        cusp_moistures,
-        diffused_uptake,
-        exact_frame_frequencies,
-        flexural_moduli,
-        four_bar_by_plane_elasticity,
-        four_bar_frequencies,
-        frame_frequencies,
-        free_shaft_decay_rates,
-        free_shaft_frequencies,
-        half_time,
-        khdeir_reddy_beams,
-        known_exponents,
-        laminate_stiffness,
-        lowest_case,
-        mass_balance_errors,
-        mathieu_boundaries,
-        order_of_laminates,
-        periodic_deflection,
-        resonance_modulus,
-        rod_at_end,
-        rod_first_sine,
-        rod_peak,
-        rotating_arm_frequencies,
-        running_rod_peak,
-        running_deflection,
-        series_uptake,
-        settled_deflection,
-        spin_up_deflection,
-        spin_up_extension,
-        spin_up_time,
-        stored_deflection,
-        swelling_of_angles,
-        transmission_angle_limits,
+    name: method
+    for module in (
+        *(composites, floating_rod, frequencies, linkages),
+        *(moisture, periodic_systems, running, still_frames),
     )
+    for name, method in _methods_of(module)
 }
-"""Functions of keyword arguments, which the files give, to numbers."""
+"""Methods by name."""

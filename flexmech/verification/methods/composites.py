@@ -25,7 +25,7 @@ from flexmech.materials import (
 from flexmech.reference import ReferenceEngine
 from flexmech.sections import BeamSection, LaminateSection
 from flexmech.studies import composite_crank_rocker, position_angles, published_case
-from flexmech.studies.composite_crank_rockers.published import CASES, LAMINATES
+from flexmech.studies.composite_crank_rockers.linkages import CASES, LAMINATES
 from flexmech.types import FloatArray
 
 # Khdeir & Reddy: E1 = 40 E2, G12 = G13 = 0.6 E2, G23 = 0.5 E2, nu12 = 0.25.

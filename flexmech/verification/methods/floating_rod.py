@@ -255,6 +255,25 @@ def rod_first_sine(*, excess: float = 0.0, order: int = 2) -> FloatArray:
     return rod_at_end(excess=excess, order=order)[2:]
 
 
+def rod_peak(*, order: int) -> FloatArray:
+    """Greatest first sine of the rod of Simeon's slider-crank, by few functions.
+
+    Parameters
+    ----------
+    order : {3, 4}
+        Of the strain energy in which tension and slopes meet.
+
+    Returns
+    -------
+    ndarray, shape (2,)
+        In m, and its time in s.
+    """
+    rod = FloatingRod.rich() if order == 4 else FloatingRod.of_the_test_set(order=order)
+    time, q = rod.run(tolerance=1e-4)
+    size = np.abs(q[0])
+    return np.array([size.max(), time[size.argmax()]])
+
+
 def _sines(count: int) -> tuple[FloatArray, FloatArray]:
     """Sines at the points and their derivatives."""
     waves = np.arange(1, count + 1)[:, None] * np.pi

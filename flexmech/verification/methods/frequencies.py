@@ -1,19 +1,23 @@
-"""Natural frequencies of linkages and rotating arms, and closed forms."""
+"""Natural frequencies and decay rates of linkages and rotating arms, and closed forms."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import brentq
 
-from flexmech.analyses import natural_frequencies
+from flexmech.analyses import natural_frequencies, solve_modes
 from flexmech.choices import ElementName, EngineName, Prestress
+from flexmech.errors import InputError
 from flexmech.linkages import RotatingArm
 from flexmech.mechanism import Mechanism
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 from flexmech.verification.methods.engines import SLENDER, engine_of_name, example
+
+_FREE_SHAFT = "slider_crank_free_shaft"
 
 
 def four_bar_frequencies(
@@ -154,3 +158,99 @@ def cantilever_frequencies(*, modes: int) -> FloatArray:
         for n in range(modes)
     ]
     return np.square(roots)
+
+
+def four_bar_by_plane_elasticity(
+    *, model: str, crank_angle: float, elements: int, modes: int
+) -> FloatArray:
+    """Natural frequencies of a four-bar at rest by plane stress, its layers in elements.
+
+    Parameters
+    ----------
+    model : str
+        Name of an example with laminated links.
+    crank_angle : float
+        In deg.
+    elements : int
+        Along each link.
+    modes : int
+
+    Returns
+    -------
+    ndarray, shape (modes,)
+        In Hz.
+
+    Raises
+    ------
+    InputError
+        If a link has no layers.
+    """
+    from flexmech.verification.methods.plane_elasticity import fourbar_frequencies, plane_link
+
+    mechanism = example(model)
+    links = mechanism.linkage.topology.links
+    made = []
+    for link in links:
+        layers = mechanism.sections[link.name].layers
+        if layers is None:
+            raise InputError(f"{model}: {link.name} has no layers")
+        made.append(plane_link(layers.laminate, layers.width, link.length, elements))
+    angles = mechanism.linkage.motion(np.radians(crank_angle)).angle.tolist()
+    return fourbar_frequencies(made, angles, [link.length for link in links], modes)
+
+
+def free_shaft_frequencies(
+    *, engine: EngineName, elements: int, crank_angles: Sequence[float], modes: int
+) -> FloatArray:
+    """Natural frequencies of the slider-crank with a free shaft, at rest, without damping.
+
+    Parameters
+    ----------
+    engine : {"reference", "exudyn"}
+    elements : int
+    crank_angles : sequence of float
+        In deg.
+    modes : int
+        Above the free motion.
+
+    Returns
+    -------
+    ndarray, shape (n_angles, modes)
+        In Hz.
+    """
+    damped = example(_FREE_SHAFT)
+    sections = {name: section.with_damping_time(0.0) for name, section in damped.sections.items()}
+    chosen = engine_of_name(
+        engine, replace(damped, sections=sections), elements, element=SLENDER[engine], shaft="free"
+    )
+    return natural_frequencies(chosen, np.radians(crank_angles), modes=modes)
+
+
+def free_shaft_decay_rates(
+    *, engine: EngineName, elements: int, crank_angles: Sequence[float]
+) -> FloatArray:
+    """Least and greatest decay rate of the first two bending modes over crank angles.
+
+    Parameters
+    ----------
+    engine : {"reference", "exudyn"}
+    elements : int
+    crank_angles : sequence of float
+        In deg.
+
+    Returns
+    -------
+    ndarray, shape (2, 2)
+        In 1/s, by mode; the least first.
+    """
+    chosen = engine_of_name(
+        engine,
+        example(_FREE_SHAFT),
+        elements,
+        element=SLENDER[engine],
+        shaft="free",
+        component_modes=False,
+    )
+    system = chosen.linear_system(np.radians(crank_angles))
+    decay = -solve_modes(system, 2).eigenvalues.real
+    return np.stack([decay.min(axis=0), decay.max(axis=0)], axis=1)

@@ -9,11 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from flexmech.errors import ComputationError, InputError
-from flexmech.hygrothermal import (
-    HygrothermalState,
-    coupler_point_in_state,
-    linkage_in_state,
-)
+from flexmech.hygrothermal import HygrothermalState, coupler_point_in_state, linkage_in_state
 from flexmech.linkages import (
     CouplerPoint,
     FiniteDoublePoint,

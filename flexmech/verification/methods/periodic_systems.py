@@ -125,26 +125,9 @@ def combination_edges(*, kind: Combination, damping: float, steps: int) -> Float
     """
 
     def growth(drive: float) -> float:
-        return combination_growth(kind=kind, drive=drive, damping=damping, steps=steps)
+        return float(combination_modes(kind, drive, damping, steps).exponent[0].real)
 
     return _edges(growth, _resonance(kind), AROUND_COMBINATION)
-
-
-def combination_growth(*, kind: Combination, drive: float, damping: float, steps: int) -> float:
-    """Greatest growth rate of two coupled oscillators.
-
-    Parameters
-    ----------
-    kind : {"sum", "difference"}
-    drive, damping : float
-    steps : int
-        Of the propagator in a period.
-
-    Returns
-    -------
-    float
-    """
-    return float(combination_modes(kind, drive, damping, steps).exponent[0].real)
 
 
 def resonance_modulus(*, kind: Combination, resonance: Combination, steps: int) -> FloatArray:

@@ -19,12 +19,10 @@ from flexmech.linkages import CrankDrive
 from flexmech.mechanism import Mechanism
 from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine
-from flexmech.time_domain.equations_of_motion import DrivenLinkage
-from flexmech.time_domain.integrators import linear_run
-from flexmech.time_domain.periodic_motion import periodic_state
-from flexmech.time_domain.recorded_runs import LinkState, Trajectory
+from flexmech.time_domain import DrivenLinkage, LinkState, Trajectory, linear_run, periodic_state
 from flexmech.types import FloatArray
-from flexmech.verification.methods.engines import engine_of_name, example
+from flexmech.verification.methods.engines import SLENDER, engine_of_name, example
+from flexmech.verification.methods.floating_rod import CRANK_SPEED, END_TIME
 
 SAMPLES = 360
 SPIN_UP = CrankDrive(6.0, run_up_time=15.0)
@@ -33,7 +31,7 @@ SPIN_UP_TIME = np.linspace(0.0, 20.0, 4001)
 STEADY_FROM = 16.0
 
 
-def deflection_history() -> pd.DataFrame:
+def _deflection_history() -> pd.DataFrame:
     """Deflection of the aluminium four-bar's coupler by MBDyn and OpenSees, as stored."""
     folder = resources.files("flexmech.verification") / "data"
     text = folder.joinpath("aluminium_20_rad_s_history.csv").read_text(encoding="utf-8")
@@ -54,7 +52,7 @@ def stored_deflection(*, program: str, every: int) -> FloatArray:
     ndarray, shape (n,)
         In mm.
     """
-    column = deflection_history()[f"{program}_mm"].dropna()
+    column = _deflection_history()[f"{program}_mm"].dropna()
     return np.asarray(column.to_numpy(dtype=float)[::every])
 
 
@@ -284,3 +282,27 @@ def spin_up_extension(
     chosen = engine_of_name(engine, example(model), elements, component_modes=False)
     along = _tip(chosen, spin_up_trajectory(chosen, step))[SPIN_UP_TIME > STEADY_FROM, 0]
     return np.array([along.mean()])
+
+
+def running_rod_peak(*, engine: EngineName, elements: int, step: float) -> FloatArray:
+    """Greatest deflection of the rod's middle in an engine's run of Simeon's slider-crank.
+
+    Parameters
+    ----------
+    engine : {"reference", "exudyn"}
+    elements : int
+    step : float
+        In s.
+
+    Returns
+    -------
+    ndarray, shape (1,)
+        In m.
+    """
+    chosen = engine_of_name(engine, example("slider_crank"), elements, element=SLENDER[engine])
+    turns = END_TIME * CRANK_SPEED / (2 * np.pi)
+    request = ResponseRequest(
+        CrankDrive(CRANK_SPEED), turns, samples=1000, start="equilibrium", step=step
+    )
+    found = response(chosen, request).dataset["deflection"].isel(engine=0).sel(link="rod")
+    return np.array([float(np.abs(found).max())])

@@ -1,0 +1,213 @@
+"""A record beside a model with free parameters: what every kind of record has in common."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from flexmech.analyses.comparison.fit import Fit, Parameter
+from flexmech.analyses.comparison.parameters import USUAL_RATIO, free_parameters
+from flexmech.analyses.comparison.request import ComparisonRequest
+from flexmech.errors import InputError
+from flexmech.linear_system import Engine
+from flexmech.measured_data import MeasuredRecord
+from flexmech.types import ComplexArray, FloatArray, IntArray
+
+CURVES = ("measured", "computed", "residual")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RecordProblem(ABC):
+    """The residual of a record by the free parameters of a model.
+
+    Parameters
+    ----------
+    engine : Engine
+        Of the mechanism as its model says.
+    record : ndarray, shape (N,)
+        Real, or complex for a frequency-response function.
+    names : tuple of str
+        Of what is fitted.
+    column : str
+        Of the record.
+    unit : str
+        SI unit of the record; empty for a ratio.
+    quantity : str
+        What is computed, in words or by its column.
+    """
+
+    engine: Engine
+    record: FloatArray | ComplexArray
+    names: tuple[str, ...]
+    column: str = ""
+    unit: str = ""
+    quantity: str = ""
+
+    dimension: ClassVar[str]
+    """What the record is written over."""
+
+    @abstractmethod
+    def curve(self, values: Mapping[str, float]) -> FloatArray | ComplexArray:
+        """Computed record (N,) for values by name."""
+
+    @abstractmethod
+    def labelled(self, dataset: xr.Dataset, fit: Fit) -> xr.Dataset:
+        """The dataset with the coordinates of the record, and what else is known of its kind."""
+
+    @property
+    def first_frequency(self) -> float:
+        """First natural frequency in rad/s, by which damping times become ratios; NaN: none do."""
+        return float("nan")
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Names of the links."""
+        return self.engine.mechanism.linkage.topology.link_names
+
+    @property
+    def parameter_names(self) -> tuple[str, ...]:
+        """Names of all free parameters."""
+        return self.names
+
+    @property
+    def unit_time(self) -> float:
+        """Kelvin-Voigt time in s that damps the first mode by the usual ratio."""
+        return 2 * USUAL_RATIO / self.first_frequency
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """What is fitted, and from where."""
+        size = float(np.std(self.record))
+        return free_parameters(self.parameter_names, self.misfit, self.unit_time, self.unit, size)
+
+    @property
+    def linear_unknowns(self) -> int:
+        """None: the model has no unknown state."""
+        return 0
+
+    @property
+    def measured(self) -> FloatArray:
+        """Record, (1, N), or its real and imaginary part, (2, N)."""
+        return _parts(self.record)
+
+    def computed(self, values: Sequence[float]) -> FloatArray:
+        """Computed record in the form of the measured one, for values of the parameters."""
+        return _parts(self.curve(self.by_name(values)))
+
+    def by_name(self, values: Sequence[float]) -> dict[str, float]:
+        """Values of the parameters by their names."""
+        return dict(zip(self.parameter_names, values, strict=True))
+
+    def misfit(self, values: Mapping[str, float]) -> float:
+        """Sum of squares of the residual for values by name."""
+        return float(np.sum(np.abs(self.record - self.curve(values)) ** 2))
+
+
+def comparison_dataset(
+    problem: RecordProblem, record: MeasuredRecord, request: ComparisonRequest, fit: Fit
+) -> xr.Dataset:
+    """Label measured and computed curves, and the fit.
+
+    Parameters
+    ----------
+    problem : RecordProblem
+    record : MeasuredRecord
+    request : ComparisonRequest
+    fit : Fit
+
+    Returns
+    -------
+    xarray.Dataset
+    """
+    # NetCDF has no complex numbers.
+    endings = ("_real", "_imag") if len(fit.computed) > 1 else ("",)
+    curves = (problem.measured, fit.computed, problem.measured - fit.computed)
+    variables: dict[str, Any] = {
+        f"{name}{ending}": (
+            problem.dimension,
+            part,
+            {"units": problem.unit or "1", "long_name": f"{name}{ending}".replace("_", " ")},
+        )
+        for name, curve in zip(CURVES, curves, strict=True)
+        for ending, part in zip(endings, curve, strict=True)
+    }
+    for name in ("values", "standard_error", "lower", "upper"):
+        variables["fitted" if name == "values" else name] = ("parameter", getattr(fit, name))
+    variables["correlation"] = (("parameter", "with_parameter"), fit.correlation)
+    names = np.array([parameter.name for parameter in fit.parameters], dtype=str)
+    units = np.array([parameter.unit or "1" for parameter in fit.parameters], dtype=str)
+    dataset = xr.Dataset(
+        variables,
+        {"parameter": names, "with_parameter": names, "parameter_unit": ("parameter", units)},
+    )
+    where = (
+        {"crank_angle_locked": request.angle}
+        if request.speed is None
+        else {"crank_speed": request.speed}
+    )
+    dataset = dataset.assign_attrs(
+        abscissa=record.abscissa,
+        record=Path(record.source).name.encode(errors="backslashreplace").decode(),
+        column=problem.column,
+        quantity=problem.quantity,
+        unit=problem.unit,
+        engine=problem.engine.name,
+        element=problem.engine.element,
+        speed_unit=request.speed_unit,
+        unexplained=fit.unexplained,
+        residual_order=fit.order,
+        widened=fit.widened,
+        first_frequency=problem.first_frequency / (2 * np.pi),
+        **where,
+    )
+    return problem.labelled(dataset, fit)
+
+
+def rows_taken_at(
+    record: MeasuredRecord, near: NDArray[np.bool_], own: FloatArray, asked: float, option: str
+) -> IntArray:
+    """Rows of a record that were taken where the request says.
+
+    Parameters
+    ----------
+    record : MeasuredRecord
+    near : ndarray of bool, shape (N,)
+        Which rows were.
+    own : ndarray, shape (N,)
+        Where each row was taken, as messages name it.
+    asked : float
+        Of the request, as messages name it.
+    option : {"speed", "angle"}
+
+    Returns
+    -------
+    ndarray of int
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    rows = np.flatnonzero(near)
+    if not len(rows):
+        known = ", ".join(f"{value:g}" for value in np.unique(own)[:10])
+        unit = "deg" if option == "angle" else "rad/s"
+        raise InputError(
+            f"{record.source}: was taken at crank {option}s of {known} {unit}, not {asked:g}; "
+            f"give one of these with --{option}"
+        )
+    return rows
+
+
+def _parts(values: FloatArray | ComplexArray) -> FloatArray:
+    if np.iscomplexobj(values):
+        return np.stack([values.real, values.imag])
+    return np.asarray(values, dtype=float)[None]

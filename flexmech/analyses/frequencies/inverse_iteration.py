@@ -1,0 +1,147 @@
+"""Eigenvalues of sparse matrices, improved from approximate ones by inverse iteration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+from flexmech.linear_system import LinearSystem, SparseMatrices
+from flexmech.types import FloatArray, IntArray
+
+# Relative change of an eigenvalue below which further steps change it by round-off alone.
+STILL = 1e-10
+
+
+@dataclass(frozen=True)
+class Pencil:
+    """Sparse matrices M, C and K of one position in one pattern, and sums of them.
+
+    Parameters
+    ----------
+    rows : ndarray of int, shape (k,)
+        Of the entries, column by column.
+    starts : ndarray of int, shape (n + 1,)
+        Where each column begins among the entries.
+    entries : ndarray, shape (3, k)
+        Of M, C and K.
+    """
+
+    rows: NDArray[np.intc]
+    starts: NDArray[np.intc]
+    entries: FloatArray
+
+    @classmethod
+    def of(cls, matrices: SparseMatrices) -> Pencil:
+        """That of sparse matrices whose patterns differ."""
+        size = matrices.mass.shape[0]
+        parts = [each.tocoo() for each in vars(matrices).values()]
+        keys = np.concatenate([size * part.col.astype(np.int64) + part.row for part in parts])
+        taken, place = np.unique(keys, return_inverse=True)
+        entries = np.zeros((3, len(taken)))
+        number = np.repeat(np.arange(3), [part.nnz for part in parts])
+        entries[number, place] = np.concatenate([part.data for part in parts])
+        return cls(*_pattern(taken // size, taken % size, size), entries)
+
+    @classmethod
+    def of_positions(cls, system: LinearSystem) -> Iterator[Pencil]:
+        """Those of each position of an unreduced system, most of whose entries are zero."""
+        dense = system.mass, system.damping, system.stiffness
+        taken = np.any([(matrix != 0).any(axis=0) for matrix in dense], axis=0)
+        columns, rows = np.nonzero(taken.T)
+        pattern = _pattern(columns, rows, system.size)
+        for place in range(len(system.mass)):
+            yield cls(*pattern, np.stack([matrix[place, rows, columns] for matrix in dense]))
+
+    def total(self, *factors: complex) -> csc_array:
+        """Sum of M, C and K times factors."""
+        size = len(self.starts) - 1
+        return csc_array((factors @ self.entries, self.rows, self.starts), (size, size))
+
+
+def _pattern(
+    columns: IntArray, rows: IntArray, size: int
+) -> tuple[NDArray[np.intc], NDArray[np.intc]]:
+    """Rows and starts of the columns of entries that stand column by column."""
+    starts = np.searchsorted(columns, np.arange(size + 1))
+    return rows.astype(np.intc), starts.astype(np.intc)
+
+
+def inverse_iteration(
+    pencil: Pencil,
+    eigenvalues: NDArray[np.complex128],
+    shapes: NDArray[Any],
+    *,
+    symmetric: bool,
+    rigid: bool = False,
+    steps: int = 1,
+) -> NDArray[np.complex128]:
+    """Eigenvalues of ``(lambda^2 M + lambda C + K) x = 0`` near approximate ones.
+
+    One step for symmetric matrices without damping is taken in the space of all shapes, whose
+    Ritz values are the result. Else each mode is improved by itself, by Newton's method (Ruhe
+    1973, eq. 3.5), whose linear system is that of inverse iteration about the eigenvalue.
+
+    Parameters
+    ----------
+    pencil : Pencil
+        Of n coordinates.
+    eigenvalues : ndarray, shape (m,)
+        To begin with, in rad/s.
+    shapes : ndarray, shape (n, m)
+        To begin with.
+    symmetric : bool
+        Whether mass and stiffness are symmetric, and nothing is damped.
+    rigid : bool
+        Whether the stiffness may have no inverse because of rigid modes; symmetric matrices are
+        then shifted by the square of the lowest frequency.
+    steps : int
+        At most; the last one is that after which an eigenvalue stays where it is.
+
+    Returns
+    -------
+    ndarray, shape (m,)
+        In rad/s; not a number where a squared frequency is negative by round-off.
+    """
+    if symmetric and steps == 1:
+        return _ritz_values(pencil, shapes, rigid=rigid)
+    pairs = zip(eigenvalues.astype(complex), shapes.T.astype(complex), strict=True)
+    return np.array([_newton(pencil, value, x, steps) for value, x in pairs])
+
+
+def _ritz_values(pencil: Pencil, shapes: FloatArray, *, rigid: bool) -> NDArray[np.complex128]:
+    """After one step of inverse iteration with all shapes (n, m)."""
+    mass, shift = pencil.total(1, 0, 0), 0.0
+    loads = mass @ shapes
+    if rigid:
+        first = shapes[:, 0]
+        shift = float(first @ (pencil.total(0, 0, 1) @ first) / (first @ loads[:, 0]))
+    better = splu(pencil.total(shift, 0, 1)).solve(loads)
+    inertia = better.T @ (mass @ better)
+    squares = scipy.linalg.eigh(better.T @ loads - shift * inertia, inertia, eigvals_only=True)
+    # Round-off of lengths or stiffnesses beyond all proportion: of such a mode nothing is known.
+    return np.asarray(1j * np.sqrt(np.where(squares < 0, np.nan, squares)))
+
+
+def _newton(pencil: Pencil, value: complex, x: NDArray[np.complex128], steps: int) -> complex:
+    """One eigenvalue after so many steps, from its shape (n,)."""
+    mass, damping = pencil.total(1, 0, 0), pencil.total(0, 1, 0)
+    for _ in range(steps):
+        inertia = mass @ x
+        try:
+            factors = splu(pencil.total(value**2, value, 1))
+        except RuntimeError:
+            # Where the matrix is singular the value is an eigenvalue.
+            break
+        better = factors.solve(2 * value * inertia + damping @ x)
+        change = np.vdot(inertia, x) / np.vdot(inertia, better)
+        value, x = value - change, better / np.abs(better).max()
+        if np.abs(change) <= STILL * np.abs(value):
+            break
+    return value

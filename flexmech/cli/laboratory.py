@@ -1,0 +1,235 @@
+"""Commands beside a laboratory: a virtual hammer test, and a measured record."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated, Any
+
+from typer import Option
+
+from flexmech import choices
+from flexmech.cli import options, typed
+from flexmech.cli.deliver import deliver
+from flexmech.cli.engines import make_engines
+from flexmech.cli.failures import naming
+from flexmech.errors import InputError
+
+if TYPE_CHECKING:
+    from flexmech.analyses import Comparison
+    from flexmech.linear_system import LinkPoint
+    from flexmech.types import LabelledProgress
+else:  # Its room is imported where a point is given.
+    LinkPoint = Any
+
+
+def hammer(
+    model: options.Model,
+    angle: Annotated[list[float], typed.LOCKED_ANGLES] = options.ZERO,
+    impact: Annotated[LinkPoint | None, typed.IMPACT] = None,
+    response: Annotated[LinkPoint | None, typed.RESPONSE] = None,
+    direction: choices.LinkDirection = "transverse",
+    averages: Annotated[int, Option(min=1)] = 3,
+    bandwidth: Annotated[float | None, typed.BANDWIDTH] = None,
+    duration: Annotated[float | None, typed.DURATION] = None,
+    pulse: Annotated[float | None, typed.PULSE] = None,
+    noise: Annotated[float, typed.NOISE] = options.ZERO,
+    grid: Annotated[int | None, Option(min=2)] = None,
+    engine: choices.EngineName = "exudyn",
+    element: options.Element = None,
+    elements: options.Elements = choices.ELEMENTS_A_LINK,
+    prestress: choices.Prestress | None = None,
+    damping_ratio: options.DampingRatio = None,
+    running: Annotated[typed.Speeds | None, typed.RUNNING] = None,
+    uff: Annotated[bool, Option("--uff")] = False,
+    seed: Annotated[int, Option(min=0)] = 0,
+    *,
+    output: options.AskedOutput,
+) -> None:
+    """A hammer test of the linkage with its crank locked, as a laboratory does it, or running.
+
+    Force pulse and response in time, coherence, frequency-response function, and natural
+    frequencies and damping ratios identified from it, beside those of the eigen model: a table,
+    CSV and NetCDF files, and pictures.
+
+    Options
+    -------
+    angle : LIST
+        Crank angles in degrees at which the crank is locked: START:STOP:STEP, or a comma list.
+    impact : LINK:FRACTION
+        Where the hammer hits: a link, and a fraction of its length from its first joint. Left out:
+        the middle of the coupler, or of the last link where there is none.
+    response : LINK:FRACTION
+        Where the displacement is measured. Left out: at the same place.
+    direction
+        Of force and displacement: across the frame of the rigid link, or along it.
+    averages
+        Impacts over which spectra are averaged.
+    bandwidth : HZ
+        Greatest frequency. Left out: a quarter above the fourth natural frequency.
+    duration : SECONDS
+        Of a record. Left out: until the vibration has decayed to 1e-4.
+    pulse : SECONDS
+        Duration of the half-sine pulse. Left out: one over the bandwidth.
+    noise : RMS_FRACTION
+        Root mean square of noise over that of the signal, as in 0.01 or "1%".
+    grid : N
+        Rove the impact over so many points of each link: mode shapes and MAC.
+    engine
+        exudyn: its nonlinear transient; reference: the exact answer of the linear equations.
+    prestress
+        none: elastic stiffness alone; axial: with the axial forces of the rigid motion;
+        equilibrium: at the nonlinear quasi-static equilibrium. Left out: none where
+        the crank is locked, equilibrium with --running.
+    running : SPEED
+        Hit the running linkage at this crank speed: rad/s unless a unit is given, as in "300 rpm".
+    uff
+        Write universal files too, for the programs of a laboratory.
+    seed
+        Of the noise: the same seed gives the same noise.
+    """
+    from flexmech.analyses.damping_ratios import with_damping_ratio
+    from flexmech.analyses.hammer import HammerRequest, HammerTest, hammer_test
+    from flexmech.analyses.running_hammer import (
+        RunningHammerRequest,
+        RunningHammerTest,
+        running_hammer_test,
+    )
+    from flexmech.linear_system import LinkPoint
+    from flexmech.measured_data import check_uff
+    from flexmech.modelfile import load_mechanism
+
+    mechanism = load_mechanism(model)
+    topology = mechanism.linkage.topology
+    names = topology.link_names
+    middle = LinkPoint("coupler" if "coupler" in names else names[-1], 0.5)
+    points = {"impact": impact or middle, "response": response or impact or middle}
+    for option, point in points.items():
+        with naming(f"--{option}"):
+            point.index(topology)
+    record: dict[str, Any] = {
+        **points,
+        "direction": direction,
+        "averages": averages,
+        "bandwidth": bandwidth,
+        "duration": duration,
+        "pulse": pulse,
+        "noise": noise,
+        "seed": seed,
+    }
+    with naming("--pulse, --duration, --averages, --noise"):
+        locked = prestress or "none"
+        request = HammerRequest(typed.radians(angle), prestress=locked, grid=grid, **record)
+    if running is not None:
+        _refuse_when_running(angle != [0.0], grid is not None, uff)
+    elif uff:
+        with naming("--uff"):
+            check_uff()
+    chosen = make_engines(mechanism, engine, element, elements)[0]
+    if running is not None:
+        record |= {"prestress": prestress or "equilibrium", "damping_ratio": damping_ratio}
+        hits = RunningHammerRequest(running.single, **record, speed_unit=running.unit)
+        deliver(
+            RunningHammerTest,
+            lambda progress: running_hammer_test(chosen, hits, progress=progress),
+            output,
+            model=model,
+            speeds=running,
+        )
+        return
+    deliver(
+        HammerTest,
+        lambda progress: hammer_test(
+            chosen if damping_ratio is None else with_damping_ratio(chosen, damping_ratio),
+            request,
+            progress=progress,
+        ),
+        output,
+        model=model,
+        further=lambda result, folder, _: result.save_uff(folder) if uff else [],
+    )
+
+
+def _refuse_when_running(angle: bool, grid: bool, uff: bool) -> None:
+    """Refuse options that ask for what a test on the running linkage is not, where given."""
+    for option, is_given, reason in (
+        ("--angle", angle, "the crank is not locked; impacts come at angles all around the turn"),
+        ("--grid", grid, "mode shapes are those of the locked linkage"),
+        ("--uff", uff, "harmonic responses have no place in universal files"),
+    ):
+        if is_given:
+            raise InputError(
+                f"{option} does not go with --running: {reason}; leave one of them out"
+            )
+
+
+def compare(
+    model: options.Model,
+    record: options.GivenPath,
+    speed: Annotated[typed.Speeds | None, typed.SPEED_OR_REST] = None,
+    angle: Annotated[float | None, typed.RECORD_ANGLE] = None,
+    quantity: str | None = None,
+    fit: Annotated[tuple[str, ...] | None, typed.FIT] = None,
+    engine: choices.EngineName = "reference",
+    *,
+    output: options.AskedOutput,
+) -> None:
+    """A measured record beside what is computed.
+
+    Over time the running linkage, over the crank angle natural frequencies, over frequency the
+    response of the locked linkage. Damping times and stiffness are fitted with their intervals,
+    and nothing of that is applied: tables, CSV and NetCDF files and a picture.
+
+    Options
+    -------
+    record : RECORD
+        Measured record: CSV with units in its header, as 'time [s], strain (um/m)', or a universal
+        file (.uff, .unv).
+    speed : W
+        Crank speed at which the record was taken: rad/s unless a unit is given; 0 for natural
+        frequencies at rest.
+    angle : DEG
+        Crank angle in degrees at which the crank was locked, for a frequency-response function.
+    quantity : COLUMN
+        What is computed: a column of response.csv, such as coupler_mid_strain; for a
+        frequency-response function the points of impact and response, as coupler:0.5,rocker:0.5,
+        behind NAME@ where a file holds several. Left out: what the record's column names, else the
+        middle of the coupler.
+    fit : LIST
+        What is fitted, a comma list: damping, damping:LINK, stiffness:LINK, offset, gain; or none.
+        Left out: damping, of a frequency-response function gain too, and nothing for natural
+        frequencies.
+    engine
+        Which engine computes.
+    """
+    if (speed is None) == (angle is None):
+        raise InputError(
+            "--speed, --angle: give one of them: the crank speed at which the record was taken, or "
+            "the angle at which the crank was locked"
+        )
+
+    from flexmech.analyses import Comparison, ComparisonRequest, compare_with_record
+    from flexmech.measured_data import read_record
+    from flexmech.modelfile import load_mechanism
+
+    with naming("--fit"):
+        request = ComparisonRequest(
+            None if speed is None else speed.single,
+            None if angle is None else math.radians(angle),
+            quantity,
+            fit,
+            "rad/s" if speed is None else speed.unit,
+        )
+    mechanism = load_mechanism(model)
+    taken = read_record(record)
+
+    def compute(progress: LabelledProgress | None) -> Comparison:
+        own = make_engines(mechanism, engine)[0]
+        try:
+            return compare_with_record(own, taken, request, progress=progress)
+        except InputError as error:
+            # The library names its arguments, which are options here.
+            if error.message.startswith(("fit: ", "quantity: ")):
+                raise InputError(f"--{error.message}") from error
+            raise
+
+    deliver(Comparison, compute, output, model=model, record=record, speeds=speed)

@@ -1,0 +1,218 @@
+"""Commands that map natural frequencies and stability over the crank speed."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from flexmech import choices
+from flexmech.choices import ELEMENTS_A_LINK, KEPT_MODES, TOLERANCE
+from flexmech.cli import options, typed
+from flexmech.cli.deliver import deliver
+from flexmech.cli.engines import make_engines
+from flexmech.cli.stopping import Stopped, answered_signals
+
+
+def frequencies(
+    model: options.Model,
+    speeds: options.Speeds = None,
+    angles: options.Angles = options.EVERY_5_DEGREES,
+    modes: options.Modes = None,
+    shapes_at: Annotated[list[float] | None, typed.SHAPES_AT] = None,
+    engine: options.Engine = "both",
+    element: options.Element = None,
+    prestress: choices.MapPrestress = "equilibrium",
+    rotation_terms: options.RotationTerms = True,
+    elements: options.PinnedElements = None,
+    shaft: options.Shaft = "prescribed",
+    mass: choices.MassChoice = "distributed",
+    tolerance: options.Tolerance = TOLERANCE,
+    *,
+    environment: options.AskedEnvironment,
+    output: options.AskedOutput,
+) -> None:
+    """Moving natural frequencies of a mechanism.
+
+    Over crank angle and crank speed: a table, CSV and NetCDF files, and pictures; in heat and
+    moisture, beside those of the dry linkage.
+
+    Options
+    -------
+    shapes_at : LIST
+        Crank angles in degrees at which mode shapes are drawn, a picture each. Left out: the
+        first of --angles.
+    prestress
+        none: elastic stiffness alone; axial: with the axial forces of the rigid motion;
+        equilibrium: at the nonlinear quasi-static equilibrium; trajectory: in the
+        states that Exudyn's settled simulation runs through, beside the quasi-static ones.
+    mass
+        distributed: along the links; lumped: in points as Kumar & Chandrakar have it, twelve of a
+        four-bar. Of the reference engine; Exudyn keeps distributed mass.
+    """
+    from flexmech.analyses import MovingFrequencies, moving_frequencies
+    from flexmech.modelfile import load_mechanism
+
+    mechanism = load_mechanism(model)
+    drawn = bool(output.pictures.formats)
+    deliver(
+        MovingFrequencies,
+        lambda progress: moving_frequencies(
+            make_engines(mechanism, engine, element, elements, mass=mass),
+            typed.radians(angles),
+            None if speeds is None else speeds.values,
+            modes=modes,
+            prestress=prestress,
+            rotation_terms=rotation_terms,
+            speed_effect="fastest" if drawn and prestress != "none" else False,
+            environment=environment,
+            speed_unit="rad/s" if speeds is None else speeds.unit,
+            tolerance=tolerance if elements is None else None,
+            shapes_at=None if shapes_at is None else typed.radians(shapes_at),
+            smooth=drawn,
+            shaft=shaft,
+            progress=progress,
+        ),
+        output,
+        model=model,
+        speeds=speeds,
+    )
+
+
+def campbell(
+    model: options.Model,
+    speeds: Annotated[typed.Speeds, typed.SPEEDS],
+    orders: Annotated[list[int], typed.ORDERS] = options.FIRST_ORDERS,
+    angles: options.Angles = options.EVERY_5_DEGREES,
+    modes: options.Modes = None,
+    engine: choices.EngineChoice = "reference",
+    element: options.Element = None,
+    prestress: choices.Prestress = "equilibrium",
+    rotation_terms: options.RotationTerms = True,
+    elements: options.PinnedElements = None,
+    tolerance: options.Tolerance = TOLERANCE,
+    response: Annotated[bool, typer.Option("--response")] = False,
+    *,
+    output: options.AskedOutput,
+) -> None:
+    """Which crank speeds to avoid: a Campbell diagram.
+
+    Each branch's lowest, mean and highest frequency over the turn against crank speed, and the
+    speeds at which multiples of the crank's speed meet them: a table, CSV and NetCDF files, and a
+    picture.
+
+    Options
+    -------
+    speeds : LIST
+        Crank speeds: START:STOP:STEP or a comma list with one unit at the end, as in "0:900:10
+        rpm"; rad/s if there is none.
+    orders : LIST
+        Multiples of the crank's speed: START:STOP, or a comma list such as "1,2,4".
+    engine
+        Which engine computes; exudyn takes ten times as long, both stand side by side.
+    prestress
+        none: elastic stiffness alone; axial: with the axial forces of the rigid motion;
+        equilibrium: at the nonlinear quasi-static equilibrium.
+    response
+        Also the peaks of the periodic motion over the quasi-static ones: from a twentieth of the
+        greatest speed on, at a hundred of the speeds at most; about a third of a second each,
+        longer at low speeds.
+    """
+    from flexmech.analyses import CampbellDiagram
+    from flexmech.analyses.campbell import campbell as analysis
+    from flexmech.modelfile import load_mechanism
+
+    mechanism = load_mechanism(model)
+    deliver(
+        CampbellDiagram,
+        lambda progress: analysis(
+            make_engines(mechanism, engine, element, elements),
+            speeds.values,
+            crank_angles=typed.radians(angles),
+            orders=orders,
+            modes=modes,
+            prestress=prestress,
+            rotation_terms=rotation_terms,
+            response=response,
+            speed_unit=speeds.unit,
+            tolerance=tolerance if elements is None else None,
+            progress=progress,
+        ),
+        output,
+        model=model,
+        speeds=speeds,
+    )
+
+
+def stability(
+    model: options.Model,
+    speeds: Annotated[typed.Speeds, typed.SPEEDS],
+    engine: choices.EngineChoice = "reference",
+    prestress: choices.StabilityPrestress = "equilibrium",
+    frame: choices.MovingFrame = "link",
+    element: options.Element = None,
+    elements: options.Elements = ELEMENTS_A_LINK,
+    shaft: options.Shaft = "prescribed",
+    modes: options.KeptModes = KEPT_MODES,
+    steps: Annotated[int | None, typed.STEPS] = options.AUTO,
+    damping_ratio: options.DampingRatio = None,
+    against: tuple[str, str] | None = None,
+    *,
+    output: options.AskedOutput,
+) -> None:
+    """At which crank speeds the running linkage shakes itself up: a stability map.
+
+    Growth rates and Floquet multipliers over crank speed, and the unstable bands with the errors
+    of their edges and the damping that closes them: a table, CSV and NetCDF files, and pictures.
+    Ctrl-C ends the map early and keeps what is done.
+
+    Options
+    -------
+    speeds : LIST
+        Crank speeds: START:STOP:STEP or a comma list with one unit at the end, as in "50:1100:10
+        rpm"; rad/s if there is none. Not zero, and all of one sign.
+    engine
+        Which engine computes; both stand side by side.
+    prestress
+        About which motion: axial: straight links with the axial forces of the rigid motion;
+        equilibrium: the nonlinear quasi-static equilibrium; trajectory: the periodic motion itself.
+    frame
+        Frame of the coordinates; multipliers are the same in both.
+    modes
+        Natural modes whose Floquet modes are kept.
+    steps : auto|N
+        Steps of the propagator a turn, a multiple of 16; auto: by the fastest mode.
+    against : PARAMETER RANGE
+        Also a map over a second parameter: damping-ratio, moisture, temperature-rise, or a
+        quantity of the model file such as links.coupler.in_plane_thickness; over a comma list or
+        START:STOP:STEPS, as in "damping-ratio 0:2%:20" for 20 equal steps from 0 to 2 %.
+    """
+    from flexmech.analyses.stability import StabilityMap
+    from flexmech.analyses.stability import stability as analysis
+    from flexmech.modelfile import load_mechanism
+
+    mechanism = load_mechanism(model)
+    second = typed.parameter_range(mechanism, against)
+    earlier = len(answered_signals())
+    found = deliver(
+        StabilityMap,
+        lambda progress: analysis(
+            make_engines(mechanism, engine, element, elements),
+            speeds.values,
+            prestress=prestress,
+            frame=frame,
+            modes=modes,
+            steps=steps,
+            damping_ratio=damping_ratio,
+            against=second,
+            speed_unit=speeds.unit,
+            shaft=shaft,
+            progress=progress,
+        ),
+        output,
+        model=model,
+        speeds=speeds,
+    )
+    if found.is_interrupted:
+        signals = answered_signals()[earlier:]
+        raise typer.Exit((Stopped(signals[-1]) if signals else Stopped()).exit_code)

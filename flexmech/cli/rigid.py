@@ -1,0 +1,110 @@
+"""Commands on the rigid linkage: its motion, the path of a point, and its proportions."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated, Any
+
+from flexmech.cli import options, typed
+from flexmech.cli.deliver import deliver
+from flexmech.cli.failures import naming
+from flexmech.errors import InputError
+
+if TYPE_CHECKING:
+    from flexmech.linkages import CouplerPoint
+else:  # Its room is imported where a point is given.
+    CouplerPoint = Any
+
+
+def kinematics(
+    model: options.Model,
+    speed: Annotated[typed.Speeds | None, typed.SPEED_OR_REST] = None,
+    angles: options.Angles = options.EVERY_DEGREE,
+    lumped: Annotated[tuple[int, ...] | None, typed.LUMPED] = None,
+    *,
+    output: options.AskedOutput,
+) -> None:
+    """Motion of the rigid linkage, its joint forces and driving torque.
+
+    Angles, velocities and accelerations of the links, forces and moments at the joints, torque,
+    power and transmission angle over the crank angle: a table, CSV and NetCDF files, and pictures.
+
+    Options
+    -------
+    speed
+        Crank speed: rad/s unless a unit is given, as in "190 rpm". Left out: the first speed at
+        which the model operates; 0 if it names none.
+    lumped : LIST
+        Also with lumped masses: elements of each link, whose mass is halved onto their ends, in
+        the order of the links, as in 1,4,4; or one number for all.
+    """
+    from flexmech.analyses.kinematics import Kinematics, KinematicsRequest
+    from flexmech.analyses.kinematics import kinematics as analysis
+    from flexmech.modelfile import load_mechanism
+
+    given = (None, "rad/s") if speed is None else (speed.single, speed.unit)
+    request = KinematicsRequest(typed.radians(angles), given[0], lumped, given[1])
+    mechanism = load_mechanism(model)
+    deliver(Kinematics, lambda _: analysis(mechanism, request), output, model=model, speeds=speed)
+
+
+def coupler_curve(
+    model: options.Model,
+    environment: options.AskedEnvironment,
+    point: Annotated[CouplerPoint | None, typed.POINT] = None,
+    link: str = "coupler",
+    angles: options.Angles = options.EVERY_DEGREE,
+    *,
+    output: options.AskedOutput,
+) -> None:
+    """Path of a point of the coupler or another link, dry, and in heat and moisture.
+
+    Of a four-bar's coupler with all crossings and cusps.
+
+    Options
+    -------
+    point : e,gamma
+        Distance e from A and angle gamma from A-B, as in "33 mm,320 deg"; from the first joint of
+        another link. Left out: the coupler point of the model file.
+    link : NAME
+        Link that the point is on: the coupler, or any link of any linkage.
+    """
+    from flexmech.analyses.coupler_path import CouplerPaths, coupler_paths
+    from flexmech.modelfile import load_mechanism
+
+    request = load_mechanism(model), typed.radians(angles), point, environment
+    deliver(CouplerPaths, lambda _: coupler_paths(*request, link=link), output, model=model)
+
+
+def synthesize(
+    deviation: float,
+    rocker_angle: float,
+    ground: Annotated[float | None, typed.GROUND] = None,
+    *,
+    output: options.AskedOptionalOutput,
+) -> None:
+    """Proportions of a crank-rocker for a wanted transmission angle, by Elamy et al. 2023.
+
+    Options
+    -------
+    deviation
+        Greatest deviation of the transmission angle from 90 deg, in deg.
+    rocker_angle
+        Angle of the rocker at crank angle zero, in deg.
+    ground : LENGTH
+        Distance of the ground pivots, such as "400 mm": prints a table for a model file.
+    """
+    if not 0 < deviation < 90:
+        raise InputError(
+            f"--deviation: must lie between 0 and 90 deg (both excluded), got {deviation:g} deg"
+        )
+
+    from flexmech.analyses.synthesis import CrankRockerSynthesis, crank_rocker_synthesis
+
+    def compute(_: object) -> CrankRockerSynthesis:
+        with naming("--rocker-angle"):
+            return crank_rocker_synthesis(
+                math.radians(deviation), math.radians(rocker_angle), ground
+            )
+
+    deliver(CrankRockerSynthesis, compute, output)

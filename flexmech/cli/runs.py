@@ -1,0 +1,191 @@
+"""Commands on the running linkage in time: its response, and a script for Exudyn that runs it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, NamedTuple, cast
+
+from typer import Option
+
+from flexmech import choices
+from flexmech.cli import options, typed
+from flexmech.cli.deliver import deliver
+from flexmech.cli.engines import make_engines
+from flexmech.cli.failures import naming, telling
+from flexmech.cli.printing import progress_bar, say
+from flexmech.cli.reading import Together
+from flexmech.errors import InputError, one_line
+from flexmech.files import check_writable, given_path
+
+if TYPE_CHECKING:
+    from flexmech.analyses import Response, ResponseRequest
+    from flexmech.types import LabelledProgress
+
+
+class Run(NamedTuple):
+    """What a run is asked to be, and its crank speed as typed."""
+
+    request: ResponseRequest
+    speed: typed.Speeds
+
+
+def asked_run(
+    speed: Annotated[typed.Speeds, typed.SPEED],
+    revolutions: Annotated[float, typed.REVOLUTIONS] = options.FOUR,
+    start: choices.Start = "rigid",
+    step: Annotated[float | None, typed.STEP] = options.AUTO,
+    samples: Annotated[int, Option(min=8)] = 720,
+    integrator: choices.Integrator = "trapezoidal",
+    run_up: Annotated[float, typed.RUN_UP] = options.ZERO,
+    modes: options.KeptModes = choices.MODES,
+) -> Run:
+    """A run in time.
+
+    Options
+    -------
+    speed
+        Crank speed: rad/s unless a unit is given, as in "300 rpm". Negative turns backwards.
+    revolutions : NUMBER
+        Turns at that speed; may be a fraction.
+    start
+        rigid: undeformed links at the rigid motion's velocities; equilibrium: links bent
+        quasi-statically by the loads; periodic: on the periodic motion of the linear equations.
+    step : auto|SECONDS
+        Time step: s unless a unit is given, as in "0.1 ms"; auto: halved until deflections hold
+        still.
+    samples
+        Samples saved of each turn.
+    integrator
+        Time integration in Exudyn; the reference engine has its own.
+    run_up : SECONDS
+        Duration of a smooth (cycloidal) run-up to the speed, before the turns: s unless a unit is
+        given.
+    modes
+        Natural frequencies of interest: set the time step and the spectra's range.
+    """
+    if start == "periodic" and run_up:
+        raise InputError(
+            "--start periodic needs a constant crank speed; leave --run-up out, or choose "
+            "--start rigid or equilibrium"
+        )
+
+    from flexmech.analyses import ResponseRequest
+    from flexmech.linkages import CrankDrive
+
+    with naming("--revolutions, --samples, --run-up"):
+        request = ResponseRequest(
+            CrankDrive(speed.single, run_up),
+            revolutions,
+            samples,
+            start,
+            modes=modes,
+            integrator=integrator,
+            speed_unit=speed.unit,
+        )
+    with naming("--step"):
+        return Run(replace(request, step=step), speed)
+
+
+AskedRun = Annotated[Run, Together(asked_run)]
+
+
+def response(
+    model: options.Model,
+    run: AskedRun,
+    engine: options.Engine = "both",
+    element: options.Element = None,
+    elements: options.Elements = choices.ELEMENTS_A_LINK,
+    prestress: choices.Prestress = "equilibrium",
+    shaft: options.Shaft = "prescribed",
+    check_mesh: Annotated[bool, Option("--check-mesh")] = False,
+    animate: Annotated[bool, Option("--animate")] = False,
+    store: choices.Store = "needed",
+    *,
+    environment: options.AskedEnvironment,
+    output: options.AskedOutput,
+) -> None:
+    """The running mechanism in time.
+
+    Deflections, strains, driving torque and joint forces at constant crank speed: a table, CSV
+    and NetCDF files, pictures and an animation; dry, or in heat and moisture.
+
+    Options
+    -------
+    prestress
+        Of the reference engine's equations and of the frequencies drawn into the spectrogram: as
+        in frequencies; at equilibrium the running links stretch by the square of their slopes.
+    check_mesh
+        Repeat with twice the elements and compare.
+    animate
+        Write an animation: GIF, and MP4 where ffmpeg exists.
+    store
+        What response.nc holds: needed for pictures, animation and comparisons; or all, with the
+        places and energies of the links at every sample.
+    """
+    from flexmech.analyses import response as analysis
+    from flexmech.modelfile import load_mechanism
+    from flexmech.plots import mp4_available
+
+    mechanism = load_mechanism(model)
+
+    def animations(result: Response, folder: Path, progress: LabelledProgress | None) -> list[Path]:
+        return result.save_animations(folder, progress) if animate else []
+
+    alone = "animation: a GIF alone, for MP4 needs ffmpeg; install it and run again"
+    deliver(
+        analysis.Response,
+        lambda progress: analysis.response(
+            make_engines(mechanism, engine, element, elements, shaft),
+            replace(run.request, prestress=prestress),
+            check_mesh=check_mesh,
+            environment=environment,
+            progress=progress,
+        ),
+        output,
+        model=model,
+        speeds=run.speed,
+        further=animations,
+        remark=alone if animate and not mp4_available() else "",
+        saving={"store": store},
+    )
+
+
+def export(
+    model: options.Model,
+    run: AskedRun,
+    element: options.Element = None,
+    elements: options.Elements = choices.ELEMENTS_A_LINK,
+    *,
+    environment: options.AskedEnvironment,
+    out: options.Out = Path("results"),
+    printing: options.AskedPrinting,
+) -> None:
+    """The running mechanism as a script for Exudyn.
+
+    Writes linkage.py, which needs exudyn and numpy alone and makes, solves and shows the system
+    that response --engine exudyn runs.
+    """
+    from flexmech.analyses import Summary
+    from flexmech.analyses.response import exudyn_system
+    from flexmech.modelfile import load_mechanism
+    from flexmech.multibody import SCRIPT, ExudynEngine
+
+    mechanism = load_mechanism(model)
+    with naming("--out"):
+        out = given_path(out)
+        check_writable(out, [SCRIPT])
+    with progress_bar() as progress, telling(model, run.speed.unit):
+        [engine] = make_engines(mechanism, "exudyn", element, elements)
+        system = exudyn_system(
+            cast(ExudynEngine, engine), run.request, environment=environment, progress=progress
+        )
+    with naming("--out"):
+        [file] = system.save(out)
+    counts = (
+        f"{len(system.nodes)} nodes, {len(system.objects)} elements, bodies and joints, "
+        f"{len(system.sensors)} sensors; {system.steps} steps of {system.step:.4g} s"
+    )
+    named = one_line(str(file), most=len(str(file)))
+    summary = Summary((counts,), f"next: python {named}")
+    say(summary, [file], [f"files: {named}"], [run.speed.remark], printing)

@@ -1,0 +1,356 @@
+"""Differences of natural frequencies over crank angle: by speed, state, vibration and engine."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flexmech.errors import InputError
+from flexmech.plots import angle_panels, scales
+from flexmech.plots.angle_panels import colour_bar, has_many_speeds, speed_lines
+from flexmech.plots.layout import AxesLike, grid, sheet
+from flexmech.plots.reading import (
+    at_highest_speed,
+    degrees,
+    engine_label,
+    mode_label,
+    names_of,
+    speed_texts,
+    values_of,
+)
+from flexmech.plots.style import (
+    MID_GREY,
+    SERIES_STYLES,
+    Look,
+    few_points,
+    line_handle,
+    line_handles,
+    series_handles,
+    series_line,
+    series_style,
+)
+from flexmech.types import FloatArray
+
+# Narrowest y axis in Hz: far below what can be measured, far above round-off.
+LEAST_BAND = 2e-4
+# A term whose greatest change is a smaller part of that of the total in every mode is small.
+SMALL_PART = 0.01
+SMALL: Look = {"color": MID_GREY, "linewidth": 0.8, "linestyle": (0.0, (1.0, 1.0))}
+
+STATE_LINES: tuple[Look, ...] = (
+    {"linestyle": "-", "linewidth": 1.2},
+    {"linestyle": (0.0, (4.0, 1.5)), "linewidth": 1.5},
+)
+
+# Of the engines, where there are several.
+MARKS = "so^D"
+MARK_SIZE = 3.6
+# Narrowest axis of the difference in percent: below it one would look at round-off.
+LEAST_DIFFERENCE = 1e-3
+# Relative difference of frequencies that is round-off.
+SAME = 1e-12
+RUNNING: Look = {"lw": 1.1}
+STILL: Look = {"color": "0.2", "ls": (0, (4.0, 2.0)), "lw": 0.9}
+
+# Zero has no place on a logarithmic axis: equal frequencies are drawn at about machine epsilon.
+FLOOR = 1e-16
+ERROR: Look = {"color": MID_GREY, "linewidth": 0.7, "markersize": 4, "markeredgewidth": 0.8}
+ERRORS: tuple[Look, ...] = (
+    ERROR | {"linestyle": (0.0, (4.0, 2.0)), "marker": "x"},
+    ERROR | {"linestyle": (0.0, (1.0, 1.5)), "marker": "+"},
+)
+
+
+def plot_speed_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the change of each frequency with crank speed, split by term, at the top speed.
+
+    The terms are those of the linkage's equation of motion in link frames: geometric
+    stiffness of the axial forces, shift of configuration to the equilibrium, Coriolis,
+    centripetal and tangential terms, switched on one after another; black is their sum, the
+    frequency at speed minus that at rest. Terms that stay below a hundredth of the total in every
+    mode share one look and one entry of the legend.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``MovingFrequencies`` result made with ``speed_effect=True``; Hz and rad.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a mode. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If the dataset has no ``speed_effect``.
+    """
+    fastest, speed = at_highest_speed(dataset.sortby("crank_angle"))
+    known = "speed_effect" in dataset
+    if not known or fastest["speed_effect"].isnull().any():
+        raise InputError(
+            f"this result does not split the effect of speed by term{f' at {speed}' * known}: "
+            "compute it with moving_frequencies(..., speed_effect=True)"
+        )
+    effect = values_of(fastest["speed_effect"], "mode", "term", "crank_angle")
+    angles = degrees(fastest["crank_angle"])
+    mark = "*" if few_points(angles) else ""
+    total: Look = {"color": "black", "linewidth": 1.8, "marker": mark, "markersize": 5}
+    with angle_panels.mode_panels(fastest, "Change of frequency (Hz)", ax=ax) as drawn:
+        # Coriolis is a name; the others are plain words.
+        terms = [name.replace("coriolis", "Coriolis") for name in names_of(dataset, "term")]
+        title = f"Change of frequency from rest to {speed}, by term"
+        small = _small(effect)
+        handles = [line_handle("total", **total)]
+        for number in sorted(set(range(len(terms))) - set(small)):
+            handles.append(line_handle(terms[number], **series_line(number, angles)))
+        if small:
+            words = ", ".join(terms[number] for number in small)
+            handles.append(line_handle(f"{words} (below 1 % of the total)", **SMALL))
+        drawn.header(handles, title, of=dataset)
+        for axes, changes in zip(drawn.panels, effect, strict=True):
+            axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=1)
+            # Under the terms, so that a term which makes up the whole effect is seen on it.
+            whole = changes.sum(axis=0)
+            axes.plot(angles, whole, **total, zorder=1.9)
+            for number, change in enumerate(changes):
+                if number in small:
+                    axes.plot(angles, change, **SMALL, zorder=1.8)
+                else:
+                    angle_panels.draw_line(axes, angles, change, number)
+            scales.scale_y(axes, np.vstack([changes, whole, 0.0 * angles]), least=LEAST_BAND)
+    return drawn.figure
+
+
+def _small(effect: FloatArray) -> list[int]:
+    """Terms below a hundredth of the total in every mode; shape (mode, term, crank_angle)."""
+    greatest = np.abs(effect.sum(axis=1)).max(axis=-1)
+    parts = np.abs(effect).max(axis=-1)
+    small: list[int] = np.flatnonzero((parts < SMALL_PART * greatest[:, None]).all(axis=0)).tolist()
+    return small
+
+
+def plot_hygrothermal_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the frequencies of both states against crank angle, one panel a mode.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``MovingFrequencies`` result in two states; Hz and rad. Its first engine is drawn,
+        at every speed.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a mode. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If the dataset does not hold two states.
+    """
+    if dataset.sizes.get("state") != len(STATE_LINES):
+        raise InputError("the effect of heat and moisture needs frequencies in two states")
+    dataset = dataset.sortby("crank_angle")
+    angles = degrees(dataset["crank_angle"])
+    order = ("mode", "crank_speed", "state", "crank_angle")
+    frequency = values_of(dataset["frequency"].isel(engine=0), *order)
+    drawn_at, lines = angles, frequency
+    if "frequency_between" in dataset:
+        between = values_of(dataset["frequency_between"], *order[:-1], "between_angle")
+        drawn_at = np.append(angles, degrees(dataset["between_angle"]))
+        sequence = np.argsort(drawn_at, kind="stable")
+        drawn_at = drawn_at[sequence]
+        lines = np.concatenate([frequency, between], axis=-1)[..., sequence]
+    with angle_panels.mode_panels(dataset, "Natural frequency (Hz)", ax=ax) as drawn:
+        handles = [
+            line_handle(label, color=MID_GREY, **line)
+            for label, line in zip(names_of(dataset, "state"), STATE_LINES, strict=True)
+        ]
+        looks = speed_lines(dataset) if has_many_speeds(dataset) else []
+        for number, text in enumerate([] if looks else speed_texts(dataset)):
+            handles.append(line_handle(text, color=series_style(number).color, linewidth=1.5))
+            looks.append(series_line(number, angles))
+        title = "Natural frequencies in two states of heat and moisture"
+        drawn.header(handles, title, of=dataset)
+        for axes, speeds in zip(drawn.panels, lines, strict=True):
+            for states, look in zip(speeds, looks, strict=True):
+                for values, line in zip(states, STATE_LINES, strict=True):
+                    axes.plot(drawn_at, values, **(look | line))
+            scales.scale_y(axes, speeds, least_part=scales.FREQUENCY_BAND)
+        colour_bar(drawn, dataset)
+    return drawn.figure
+
+
+def plot_vibration_effect(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw natural frequencies of the running linkage next to the quasi-static ones.
+
+    For the highest crank speed: a panel a mode with the frequencies about the states that a
+    simulation runs through (solid) and about the quasi-static equilibrium (dashed), and at
+    the bottom their relative difference. Only engines in which the two differ are drawn; in
+    a linear model vibration changes nothing. If none differs, the first engine is drawn.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        With ``frequency`` and ``quasi_static_frequency`` (engine, crank_speed, crank_angle,
+        mode) in Hz, angles in rad and speeds in rad/s.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a mode and one more. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+    """
+    fastest, speed = at_highest_speed(dataset.sortby("crank_angle"))
+    order = ("mode", "engine", "crank_angle")
+    pair = [values_of(fastest[name], *order) for name in ("frequency", "quasi_static_frequency")]
+    engines = _affected(*pair)
+    running, still = (values[:, engines] for values in pair)
+    names = [engine_label(dataset, engine) for engine in engines]
+    angles, modes = degrees(fastest["crank_angle"]), fastest["mode"].values.tolist()
+    tall = max(0.85, 1.5 - 0.1 * len(modes))
+    ratios = [*[tall] * len(modes), 1.4]
+    layout = grid(len(ratios), 1, sum(ratios) + 0.5, sharex=True, height_ratios=ratios)
+    with sheet(layout, ax=ax) as drawn:
+        title = f"Natural frequencies at {speed}, {' and '.join(names)}"
+        drawn.header(_handles(modes, names), title, of=dataset)
+        drawn.label_x("Crank angle (deg)")
+        for mode, axes in enumerate(drawn.panels[:-1]):
+            axes.set(title=mode_label(modes[mode : mode + 1]), ylabel="Frequency\n(Hz)")
+            _draw_frequencies(axes, angles, running[mode], still[mode], series_style(mode).color)
+            scales.scale_y(axes, [running[mode], still[mode]], least_part=scales.FREQUENCY_BAND)
+        _draw_difference(drawn.panels[-1], angles, 100.0 * (running / still - 1.0))
+        for axes in drawn.panels:
+            scales.crank_angle_axis(axes, angles)
+    return drawn.figure
+
+
+def _affected(running: FloatArray, still: FloatArray) -> list[int]:
+    """Engines whose two frequencies differ, or the first engine; shape (mode, engine, angle)."""
+    differ = ~np.isclose(running, still, rtol=SAME, atol=0.0, equal_nan=True)
+    numbers: list[int] = np.flatnonzero(differ.any(axis=(0, 2))).tolist()
+    return numbers or [0]
+
+
+def _draw_frequencies(
+    axes: Axes, angles: FloatArray, running: FloatArray, still: FloatArray, color: str
+) -> None:
+    """Both frequencies of a mode; shape (engine, crank_angle)."""
+    for number in range(len(running)):
+        # One engine needs no marks to be told from others.
+        marked = few_points(angles) or len(running) > 1
+        mark: Look = {"marker": MARKS[number % 4] if marked else "", "ms": MARK_SIZE}
+        mark["markevery"] = angle_panels.staggered(angles, number, len(running))
+        axes.plot(angles, running[number], color=color, **RUNNING, **mark)
+        axes.plot(angles, still[number], **STILL, **mark, mfc="white")
+
+
+def _draw_difference(axes: Axes, angles: FloatArray, percent: FloatArray) -> None:
+    """Relative differences in percent; shape (mode, engine, crank_angle)."""
+    axes.axhline(0.0, color=MID_GREY, lw=0.6, zorder=0)
+    for mode, engines in enumerate(percent):
+        look = RUNNING | _mode_mark(mode)
+        look["markevery"] = angle_panels.staggered(angles, mode, len(percent))
+        for number, values in enumerate(engines):
+            axes.plot(angles, values, ls="-" if number == 0 else ":", **look)
+    scales.scale_y(axes, np.append(percent, 0.0), least=LEAST_DIFFERENCE)
+    axes.set(title="Running against quasi-static", ylabel="Difference\n(%)")
+
+
+def _mode_mark(number: int) -> Look:
+    """Colour and mark of a mode: where the series' styles repeat, the marks are open."""
+    style = series_style(number)
+    fill = style.color if number < len(SERIES_STYLES) else "white"
+    return {"color": style.color, "marker": style.marker, "ms": MARK_SIZE, "mfc": fill}
+
+
+def _handles(modes: list[int], names: list[str]) -> list[Artist]:
+    """Legend entries: the two lines of the upper panels, then a colour and mark a mode."""
+    handles = line_handles({"running": RUNNING | {"color": "0.2"}, "quasi-static": STILL})
+    for number, name in enumerate(names if len(names) > 1 else []):
+        mark = {"ls": "", "marker": MARKS[number % 4], "ms": MARK_SIZE}
+        handles.append(line_handle(name, color="0.2", **mark))
+    handles += [line_handle(f"mode {mode}", **_mode_mark(n)) for n, mode in enumerate(modes)]
+    return handles
+
+
+def plot_agreement(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
+    """Draw the relative difference of two engines against crank angle, one panel a mode.
+
+    Grey are the discretisation errors that the engines estimate of themselves (the largest
+    over the speeds): two engines on the same mesh can agree better than either is right, and
+    they should not differ by much more than the sum of both.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of a ``MovingFrequencies`` result with two engines.
+    ax : Axes or sequence of Axes, optional
+        The user's, one a mode. Left out: a new figure is made.
+
+    Returns
+    -------
+    Figure
+
+    Raises
+    ------
+    InputError
+        If the dataset holds one engine only.
+    """
+    if dataset.sizes["engine"] < 2:
+        raise InputError(
+            "agreement needs two engines and this result has one "
+            f"({engine_label(dataset)}): compute with both"
+        )
+    dataset = dataset.sortby(["crank_angle", "check_angle"])
+    angles, check_angles = (degrees(dataset[name]) for name in ("crank_angle", "check_angle"))
+    difference, error = _relative_difference(dataset), _own_errors(dataset)
+    with angle_panels.mode_panels(dataset, "Relative difference (-)", ax=ax, share_y=True) as drawn:
+        looks = speed_lines(dataset) if has_many_speeds(dataset) else []
+        handles = [] if looks else series_handles(speed_texts(dataset), angles)
+        for engine, line in zip(names_of(dataset, "engine"), ERRORS, strict=False):
+            handles.append(line_handle(f"estimated error of {engine}", **line))
+        first, second = (engine_label(dataset, engine) for engine in (0, 1))
+        drawn.header(handles, f"Frequencies of {second} against {first}", of=dataset)
+        low, high = _decades(np.concatenate([difference.ravel(), error.ravel()]))
+        for mode, axes in enumerate(drawn.panels):
+            for number, values in enumerate(difference[mode]):
+                if looks:
+                    axes.plot(angles, values, **looks[number])
+                else:
+                    angle_panels.draw_line(axes, angles, values, number)
+            for values, line in zip(error[mode], ERRORS, strict=False):
+                axes.plot(check_angles, values, **line, zorder=1.5, clip_on=False)
+            scales.log_scale(axes, low, high)
+        colour_bar(drawn, dataset)
+    return drawn.figure
+
+
+def _relative_difference(dataset: xr.Dataset) -> FloatArray:
+    """|f_b / f_a - 1| of the first two engines; shape (mode, speed, angle)."""
+    frequency = values_of(dataset["frequency"], "engine", "mode", "crank_speed", "crank_angle")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        difference: FloatArray = np.abs(frequency[1] / frequency[0] - 1)
+    return np.where(np.isfinite(difference), np.maximum(difference, FLOOR), np.nan)
+
+
+def _own_errors(dataset: xr.Dataset) -> FloatArray:
+    """Largest discretisation error over the speeds; shape (mode, engine, check_angle)."""
+    order = ("crank_speed", "mode", "engine", "check_angle")
+    # fmax ignores nan: an angle without an estimate at one speed may have it at another.
+    largest = np.fmax.reduce(np.abs(values_of(dataset["discretisation_error"], *order)), axis=0)
+    return np.asarray(np.maximum(largest, FLOOR))
+
+
+def _decades(values: FloatArray) -> tuple[float, float]:
+    """Whole decades around values, at least one; around the floor where there are none."""
+    finite = values[np.isfinite(values)]
+    decades = np.log10(finite if finite.size else [FLOOR])
+    low, high = float(np.floor(decades.min())), float(np.ceil(decades.max()))
+    return 10.0**low, 10.0 ** max(high, low + 1)
