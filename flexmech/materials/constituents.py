@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 from importlib import resources
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from flexmech.errors import InputError
 from flexmech.materials.hygrothermal import Hygrothermal
@@ -338,7 +338,9 @@ def _from_row(row: dict[str, str]) -> Fibre | Matrix:
         "shear_modulus": ("G_MPa", "G_pm_MPa", 1e6),
         "density": ("density_g_cm3", "density_pm_g_cm3", 1e3),
     }
-    values = {name: float(row[column]) * unit for name, (column, _, unit) in columns.items()}
+    values: dict[str, Any] = {
+        name: float(row[column]) * unit for name, (column, _, unit) in columns.items()
+    }
     uncertainty = {
         name: float(row[spread]) * unit
         for name, (_, spread, unit) in columns.items()

@@ -188,8 +188,8 @@ def _general(table: GeneralLinkTable, laminates: Mapping[str, Laminate]) -> Beam
     )
     if times is None:
         return _with_damping(section, table)
-    stated = DampingTimes(**times.model_dump())
-    return replace(section, damping=stated, damping_frequency=table.damping_frequency)
+    own = DampingTimes(**times.model_dump())
+    return replace(section, damping=own, damping_frequency=table.damping_frequency)
 
 
 def _with_damping(section: BeamSection, table: DampedTable) -> BeamSection:
