@@ -13,10 +13,14 @@ import numpy as np
 from flexmech.choices import Integrator
 from flexmech.errors import InputError
 from flexmech.linkages import RigidMotion
+from flexmech.multibody.items import (
+    Setting,
+    applied,
+    solver_settings,
+)
 from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.moving_frames import MovingFrames
-from flexmech.multibody.running_model import RunningModel
-from flexmech.multibody.solver_settings import Setting, applied, solver_settings
+from flexmech.multibody.link_parts import MovingFrames
+from flexmech.multibody.running.model import RunningModel
 from flexmech.time_domain.integrators import UnbalancedStepError
 from flexmech.time_domain.recorded_runs import BlockTaker, LinkState, ShaftMotion, StepBlock
 from flexmech.types import FloatArray
