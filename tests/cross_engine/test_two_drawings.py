@@ -206,7 +206,7 @@ def test_both_have_the_same_receptance(make: type[Engine], tmp_path: Path) -> No
     locked = [LockedLinkage.at(make(m, 4), np.radians(40.0), "equilibrium") for m in mechanisms]
     frequency = np.linspace(1.0, 120.0, 40)
     body, weld = (
-        each.receptance(row, row, frequency)
+        each.modes.receptance(row, row, frequency)
         for each in locked
         for row in [each.rows([LinkPoint("near", 0.5)], "transverse")]
     )
