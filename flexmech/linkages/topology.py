@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
@@ -238,6 +238,11 @@ class Topology:
         pins = tuple(replace(pin, sprung=False) for pin in self.pins)
         pivots = tuple(replace(pivot, sprung=False) for pivot in self.pivots)
         return replace(self, pins=pins, pivots=pivots)
+
+    def with_elastic(self, names: Collection[str]) -> Topology:
+        """The same, with some rigid links as elastic ones."""
+        links = (replace(k, rigid=k.rigid and k.name not in names) for k in self.links)
+        return replace(self, links=tuple(links))
 
     @property
     def pinned_ends(self) -> dict[str, tuple[LinkEnd, LinkEnd | None]]:

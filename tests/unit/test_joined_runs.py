@@ -16,17 +16,23 @@ from tests.cross_engine.test_exudyn_joints import LINKAGES, strips
 
 @pytest.mark.parametrize("name", LINKAGES)
 def test_coordinates_of_a_state_are_those_that_made_it(name: str) -> None:
-    """Slides too, which no link has among its coordinates."""
-    engine = ReferenceEngine(strips(name), 6, "euler")
-    linkage = DrivenLinkage(engine, CrankDrive(20.0), "none", stretches=True)
-    equations = linkage.equations(np.array([0.03]))
+    """Slides too, which no link has among its coordinates, and rigid links, which are bars."""
+    engine = ReferenceEngine(strips(name), 6, "euler", component_modes=False)
+    drive, time = CrankDrive(20.0), 0.03
+    linkage = DrivenLinkage(engine, drive, "none", stretches=True)
+    linear = DrivenLinkage(engine, drive, "none")
     random = np.random.default_rng(0)
-    position, velocity = 1e-3 * random.normal(size=(2, 1, linkage.size))
+    position, velocity = 1e-3 * random.normal(size=(2, 1, linear.size))
     vibration = VibrationState(position, velocity, np.zeros_like(position))
-    state = linkage.link_state(equations, vibration)
-    found = linkage.coordinates(state, 0.03)
-    np.testing.assert_allclose(found[0], position[0], atol=1e-13)
-    np.testing.assert_allclose(found[1], velocity[0], atol=1e-11)
+    state = linear.link_state(linear.equations(np.array([time])), vibration)
+    found = VibrationState(
+        *(part[None] for part in linkage.coordinates(state, time)), np.zeros((1, linkage.size))
+    )
+    again = linkage.link_state(linkage.equations(np.array([time])), found)
+    for one, other in zip(again.displacement, state.displacement, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-13)
+    for one, other in zip(again.rate, state.rate, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-11)
 
 
 @pytest.mark.parametrize("prestress", ["axial", "equilibrium"])

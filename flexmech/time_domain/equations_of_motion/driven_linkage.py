@@ -38,6 +38,7 @@ from flexmech.time_domain.equations_of_motion.driven_shaft import DrivenShaft
 from flexmech.time_domain.equations_of_motion.equations import Equations
 from flexmech.time_domain.equations_of_motion.link_stress import LinkStress
 from flexmech.time_domain.equations_of_motion.linkage_stretch import LinkageStretch
+from flexmech.time_domain.equations_of_motion.natural_coordinates import has_turning_lines
 from flexmech.time_domain.equations_of_motion.reduced_links import (
     DETAIL,
     prestressed_links,
@@ -77,8 +78,11 @@ class DrivenLinkage:
     ----------
     links : tuple of LinkModel
         Reduced.
-    bases : tuple of ndarray, shape (n_full, n)
-        From each reduced link's coordinates to the engine's.
+    unreduced : tuple of LinkModel
+        As the run has them: those of the engine, or in natural coordinates what turns far; see
+        :mod:`flexmech.time_domain.equations_of_motion.natural_coordinates`.
+    bases, own_bases : tuple of ndarray, shape (n_full, n)
+        From each reduced link's coordinates to the engine's, and to those of ``unreduced``.
     frames : LinkFrames
     connectors : DrivenConnectors
         Loads and springs.
@@ -107,30 +111,30 @@ class DrivenLinkage:
             if stretches
             else prestressed_links(engine, drive, prestress, modes, detail)
         )
-        self.links, self.bases = reduced.models, reduced.bases
-        self.frames = LinkFrames(engine.topology, self.links)
+        self.links, self.own_bases = reduced.models, reduced.bases
+        self.unreduced = tuple(link.model for link in reduced.unreduced)
+        self._from_engine = [link.from_engine for link in reduced.unreduced]
+        self.bases = reduced.engine_bases
+        self.frames = LinkFrames(reduced.topology, self.links)
+        self.stretch = LinkageStretch(self.frames, reduced.stretches) if stretches else None
         self.connectors = DrivenConnectors(engine, self.frames, drive)
         self._condensed = np.zeros(self.frames.size, dtype=bool)
         for target, condensed in zip(self.frames.targets, reduced.follows, strict=True):
             self._condensed[target[condensed]] = True
         self.shaft = DrivenShaft.of(engine, drive, self.frames, self.links, self.bases)
-        moving_bodies = bool(self.frames.rigid.size)
+        guided = stretches and has_turning_lines(reduced.topology)
         level: Prestress = prestress
         if stretches:
-            level = "axial" if moving_bodies else "none"
+            level = "axial" if guided else "none"
         self._stress = StressHistory(
             engine,
-            self.bases,
+            self.unreduced,
+            self.own_bases,
             drive,
             level,
             with_energy=with_energy,
-            rigid_links_only=stretches and moving_bodies,
+            rigid_links_only=guided,
         )
-        self.stretch: LinkageStretch | None = None
-        if stretches:
-            assert engine.stretches is not None
-            pairs = zip(engine.stretches, self.bases, strict=True)
-            self.stretch = LinkageStretch(self.frames, [s.projected(basis) for s, basis in pairs])
 
     @property
     def size(self) -> int:
@@ -155,8 +159,8 @@ class DrivenLinkage:
 
     def loads(self, motion: RigidMotion) -> list[FloatArray]:
         """Inertia forces of the rigid motion and weight on each reduced link, (m, n)."""
-        full = inertia_loads(self.engine.links, motion, self.engine.mechanism.gravity)
-        return [load @ basis for load, basis in zip(full, self.bases, strict=True)]
+        full = inertia_loads(self.unreduced, motion, self.engine.mechanism.gravity)
+        return [load @ basis for load, basis in zip(full, self.own_bases, strict=True)]
 
     def equations(
         self,
@@ -301,8 +305,9 @@ class DrivenLinkage:
             Velocity z'.
         """
         nearest = []
-        for number, (full, basis) in enumerate(zip(self.engine.links, self.bases, strict=True)):
+        for number, (full, basis) in enumerate(zip(self.unreduced, self.own_bases, strict=True)):
             both = np.stack([state.displacement[number], state.rate[number]], axis=1)
+            both = self._from_engine[number] @ both
             if not full.rigid:
                 weighted = basis.T @ full.mass
                 both = np.asarray(np.linalg.solve(weighted @ basis, weighted @ both), dtype=float)

@@ -35,7 +35,7 @@ class LinkageDynamics:
         self._inertias = [
             LinkInertia.of(model, full, basis)
             for model, full, basis in zip(
-                linkage.links, linkage.engine.links, linkage.bases, strict=True
+                linkage.links, linkage.unreduced, linkage.own_bases, strict=True
             )
         ]
 

@@ -7,8 +7,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.linear_system import ComponentModes, Engine, LinkModel, Prestress, component_modes
-from flexmech.linkages import CrankDrive
+from flexmech.linear_system import (
+    ComponentModes,
+    Engine,
+    LinkModel,
+    LinkStretch,
+    Prestress,
+    component_modes,
+)
+from flexmech.linkages import CrankDrive, Topology
+from flexmech.time_domain.equations_of_motion.natural_coordinates import (
+    NaturalLink,
+    natural_links,
+    with_turning_bodies,
+)
 from flexmech.types import FloatArray
 
 # A start at speed shakes more than the lowest modes: component modes are kept up to this
@@ -28,13 +40,18 @@ class ReducedLinks:
 
     Parameters
     ----------
+    topology : Topology
+        Where links stretch, moving rigid ones are elastic bars in it.
+    unreduced : tuple of NaturalLink
     models : tuple of LinkModel
     bases : tuple of ndarray, shape (n_full, n)
-        From each reduced link's coordinates to the engine's.
+        From each reduced link's coordinates to those of the unreduced one.
     follows : tuple of ndarray of bool, shape (n,)
         Coordinates that follow the others statically.
     """
 
+    topology: Topology
+    unreduced: tuple[NaturalLink, ...]
     models: tuple[LinkModel, ...]
     bases: tuple[FloatArray, ...]
     follows: tuple[NDArray[np.bool_], ...]
@@ -44,19 +61,35 @@ class ReducedLinks:
         """The engine's links as they are; without mass in places they cannot run in time."""
         engine.check_runs()
         return cls(
+            engine.topology,
+            tuple(map(NaturalLink.of, engine.links)),
             engine.links,
             tuple(np.eye(link.size) for link in engine.links),
             tuple(np.zeros(link.size, dtype=bool) for link in engine.links),
         )
 
     @classmethod
-    def of(cls, reduction: ComponentModes) -> ReducedLinks:
-        """Links whose static shapes turn with the pins."""
+    def of(cls, engine: Engine, reduction: ComponentModes) -> ReducedLinks:
+        """Links of an engine whose static shapes turn with the pins."""
         return cls(
+            engine.topology,
+            tuple(map(NaturalLink.of, engine.links)),
             tuple(replace(model, reduced_ends=None) for model in reduction.models),
             tuple(link.basis for link in reduction.links),
             tuple(link.condensed for link in reduction.links),
         )
+
+    @property
+    def engine_bases(self) -> tuple[FloatArray, ...]:
+        """From each reduced link's coordinates to the engine's, (n_engine, n)."""
+        pairs = zip(self.unreduced, self.bases, strict=True)
+        return tuple(link.to_engine @ basis for link, basis in pairs)
+
+    @property
+    def stretches(self) -> list[LinkStretch]:
+        """Second-order stretch of each reduced link."""
+        pairs = zip(self.unreduced, self.bases, strict=True)
+        return [link.stretch.projected(basis) for link, basis in pairs]
 
 
 def is_reduced(engine: Engine) -> bool:
@@ -124,12 +157,13 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
     -------
     ReducedLinks
     """
-    if not is_reduced(engine):
-        return ReducedLinks.all_of(engine)
-    reduced = ReducedLinks.of(
-        component_modes(
-            engine.topology,
-            engine.links,
+    topology, links = natural_links(engine)
+    models = tuple(link.model for link in links)
+    bases = tuple(np.eye(model.size) for model in models)
+    if is_reduced(engine):
+        reduction = component_modes(
+            topology,
+            models,
             modes,
             0.0,
             couples_axially=True,
@@ -137,9 +171,17 @@ def stretching_links(engine: Engine, modes: int, detail: float) -> ReducedLinks:
             axial_modes=round(STRETCHING_MODES * max(1.0, detail / DETAIL)),
             turning_sections=False,
         )
-    )
-    nothing = tuple(np.zeros(model.size, dtype=bool) for model in reduced.models)
-    return replace(reduced, follows=nothing)
+        reduced = ReducedLinks.of(engine, reduction)
+        models, bases = reduced.models, reduced.bases
+    else:
+        engine.check_runs()
+    found = [
+        with_turning_bodies(engine, number, *link)
+        for number, link in enumerate(zip(links, models, bases, strict=True))
+    ]
+    unreduced, models, bases = zip(*found, strict=True)
+    follows = tuple(np.zeros(model.size, dtype=bool) for model in models)
+    return ReducedLinks(topology, unreduced, models, bases, follows)
 
 
 def prestressed_links(
@@ -166,6 +208,7 @@ def prestressed_links(
     turn = drive.start_angle + np.linspace(0.0, 2 * np.pi, 73)
     motion = engine.mechanism.linkage.motion(turn, drive.speed)
     return ReducedLinks.of(
+        engine,
         component_modes(
             engine.topology,
             engine.links,
@@ -176,5 +219,5 @@ def prestressed_links(
             axial_modes=max(
                 round(AXIAL_MODES * max(1.0, detail / DETAIL)), engine.axial_modes_of_bows
             ),
-        )
+        ),
     )

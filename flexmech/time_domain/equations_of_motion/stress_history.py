@@ -15,7 +15,14 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from flexmech.linear_system import CarriedInertia, Engine, Prestress, StressedLinks, inertia_loads
+from flexmech.linear_system import (
+    CarriedInertia,
+    Engine,
+    LinkModel,
+    Prestress,
+    StressedLinks,
+    inertia_loads,
+)
 from flexmech.linkages import CrankDrive, RigidMotion
 from flexmech.time_domain.equations_of_motion.link_stress import LinkStress, StressShapes
 from flexmech.types import FloatArray
@@ -33,6 +40,8 @@ class StressHistory:
     Parameters
     ----------
     engine : Engine
+    links : sequence of LinkModel
+        Unreduced, as the run has them.
     bases : sequence of ndarray, shape (n_full, n)
         From each reduced link's coordinates to its full ones.
     drive : CrankDrive
@@ -63,6 +72,7 @@ class StressHistory:
     def __init__(
         self,
         engine: Engine,
+        links: Sequence[LinkModel],
         bases: Sequence[FloatArray],
         drive: CrankDrive,
         prestress: Prestress,
@@ -70,7 +80,7 @@ class StressHistory:
         with_energy: bool = True,
         rigid_links_only: bool = False,
     ) -> None:
-        self._engine = engine
+        self._engine, self._links = engine, tuple(links)
         self._rigid_only = rigid_links_only
         self._bases = tuple(bases)
         self._drive = drive
@@ -79,10 +89,10 @@ class StressHistory:
         self.tells_forces = True
         self._sizes = [basis.shape[1] for basis in bases]
         # Damping changes with the stress only where links are bowed.
-        damped = any(link.damping.any() for link in engine.links)
+        damped = any(link.damping.any() for link in links)
         self._damping_varies = damped and prestress == "equilibrium"
         self._damping = [
-            basis.T @ link.damping @ basis for link, basis in zip(engine.links, bases, strict=True)
+            basis.T @ link.damping @ basis for link, basis in zip(links, bases, strict=True)
         ]
         self._guides: FloatArray | None = None
         self._turn: CubicSpline | None = None
@@ -90,7 +100,7 @@ class StressHistory:
         if prestress == "none" and not engine.mechanism.is_free_strained:
             self._shapes = [
                 StressShapes.straight(basis.T @ link.stiffness @ basis, damping)
-                for link, basis, damping in zip(engine.links, bases, self._damping, strict=True)
+                for link, basis, damping in zip(links, bases, self._damping, strict=True)
             ]
             return
         angles = drive.start_angle + np.linspace(0.0, 2 * np.pi, SAMPLES_PER_TURN + 1)
@@ -186,7 +196,7 @@ class StressHistory:
             motion = linkage.motion(*(v[batch] for v in motion_of))
             stressed = self._engine.stressed_links(motion, self._prestress)
             if self._rigid_only:
-                pairs = zip(stressed.tangent, self._engine.links, strict=True)
+                pairs = zip(stressed.tangent, self._links, strict=True)
                 own = [tangent if link.rigid else link.stiffness for tangent, link in pairs]
                 stressed = replace(stressed, tangent=own)
             stressed = self._told(motion, stressed)

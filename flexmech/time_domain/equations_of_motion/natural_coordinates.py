@@ -1,0 +1,333 @@
+"""Rigid bodies of a run in natural coordinates, in which turning far is linear.
+
+A body that is displaced by p and turned by phi moves matter at r from its reference point by
+``p + d_1 r + d_2 J r`` with ``d = (cos(phi) - 1, sin(phi))``: linear in p and d, so that its ties
+to other links, its mass matrix and its dead loads are constant and exact however far it turns
+(Garcia de Jalon & Bayo, *Kinematic and Dynamic Simulation of Multibody Systems*, 1994, ch. 2). One
+condition is left, that lengths stay::
+
+    d_1 + (d_1^2 + d_2^2) / 2 = 0
+
+It is a strain with the squares of two slopes, as that of a bar that bows
+(:class:`flexmech.linear_system.LinkStretch`), and a run in which links stretch has it as one: of a
+bar that is :data:`RIGIDITY` times as stiff along itself as the stiffest elastic link. Moving rigid
+links and bodies off the axis of elastic links are such bars. A weld ties a section's rotation to
+``d_2``, which is exact to the second order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.linalg
+
+from flexmech.linear_system import Engine, LinkMatrix, LinkModel, LinkStretch, body_nodes, whole
+from flexmech.linear_system.link_model import NO_VECTORS, NONE, RigidFields
+from flexmech.linkages import Topology
+from flexmech.types import FloatArray, IntArray
+
+# Stiffness of a rigid body's bar against that of the stiffest elastic link along itself. Between
+# 100 and 1000 deflections beside a rigid coupler change by 4e-6 of their peak, between 10 and 100
+# by 4e-5; a stiffer bar costs digits.
+RIGIDITY = 100.0
+# Part of the inertia about its centre of mass of a link with turning joints that is on its
+# rotation; the rest is on the difference of its ends. They turn alike, so that any part does that
+# leaves both with mass.
+ON_ROTATION = 0.5
+_QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])
+
+
+@dataclass(frozen=True)
+class NaturalLink:
+    """A link of a run, and its coordinates in the engine's.
+
+    Parameters
+    ----------
+    model : LinkModel
+    stretch : LinkStretch
+    to_engine : ndarray, shape (n_engine, n)
+        The engine's coordinates from the link's own.
+    from_engine : ndarray, shape (n, n_engine)
+        The link's own at small displacements.
+    """
+
+    model: LinkModel
+    stretch: LinkStretch
+    to_engine: FloatArray
+    from_engine: FloatArray
+
+    @classmethod
+    def of(cls, model: LinkModel, stretch: LinkStretch | None = None) -> NaturalLink:
+        """A link in the engine's coordinates; it does not stretch by default."""
+        unit = np.eye(model.size)
+        return cls(model, stretch or LinkStretch.none(model.size), unit, unit)
+
+
+def has_turning_lines(topology: Topology) -> bool:
+    """Whether links guide others: a line that turns is not linear in natural coordinates."""
+    return any(slider.guide for slider in topology.sliders)
+
+
+def natural_links(engine: Engine) -> tuple[Topology, list[NaturalLink]]:
+    """Links of a run whose moving rigid ones are bars.
+
+    Where lines turn, all links stay as they are.
+
+    Parameters
+    ----------
+    engine : Engine
+        One that tells how its links stretch.
+
+    Returns
+    -------
+    Topology
+        That of the engine, in which the bars are no rigid links.
+    list of NaturalLink
+    """
+    stretches = engine.stretches
+    assert stretches is not None
+    pairs = zip(engine.links, stretches, strict=True)
+    links = [NaturalLink.of(model, stretch) for model, stretch in pairs]
+    topology = engine.topology
+    if has_turning_lines(topology):
+        return topology, links
+    clamped = {clamp.held.link for clamp in topology.clamps}
+    bars = {link.name for link in topology.links if link.rigid} - clamped
+    stiffness = RIGIDITY * _greatest_stiffness(engine)
+    for number, link in enumerate(topology.links):
+        if link.name in bars:
+            joined = any(end.link == link.name and end.end == "end" for end in topology.joined_ends)
+            turned = joined and _turns(engine, link.name)
+            links[number] = _bar(links[number].model, link.length, stiffness, joined, turned)
+    return topology.with_elastic(bars), links
+
+
+def with_turning_bodies(
+    engine: Engine, number: int, link: NaturalLink, reduced: LinkModel, basis: FloatArray
+) -> tuple[NaturalLink, LinkModel, FloatArray]:
+    """An elastic link whose bodies off the axis turn with their sections however far.
+
+    Each such body adds its ``d_1`` to the link's coordinates; ``d_2`` is the section's rotation.
+
+    Parameters
+    ----------
+    engine : Engine
+    number : int
+        Of the link.
+    link : NaturalLink
+        Unreduced.
+    reduced : LinkModel
+    basis : ndarray, shape (n, m)
+        Of its component modes, or of all its coordinates.
+
+    Returns
+    -------
+    NaturalLink
+        With k more coordinates, one a body.
+    LinkModel
+        Likewise.
+    ndarray, shape (n + k, m + k)
+    """
+    full, readings = engine.links[number], engine.links[number].readings
+    as_they_are = full.rigid or has_turning_lines(engine.topology)
+    bodies = () if as_they_are else engine.mechanism.link_masses_in_order[number].bodies
+    for body, node in zip(bodies, body_nodes(readings.nodes, bodies), strict=True):
+        arm = float(np.hypot(*body.offset))
+        if not arm:
+            continue
+        place = readings.per_node * int(node) + np.array([0, 1, readings.slope])
+        offset = np.array(body.offset)
+        matter = _Matter(body.mass, body.mass * offset, body.inertia + body.mass * arm**2)
+        stiffness = RIGIDITY * _greatest_stiffness(engine) * arm**2
+        time = link.stretch.damping_time
+        link = _link_with_body(link, place, matter, stiffness)
+        reduced = _with_body(reduced, basis[place], matter, stiffness, time)
+        basis = scipy.linalg.block_diag(basis, 1.0)
+    return link, reduced, basis
+
+
+@dataclass(frozen=True)
+class _Matter:
+    """Mass of a body, its first moment (2,) and its polar second moment about a point."""
+
+    total: float
+    first: FloatArray
+    second: float
+
+    def weighted(self, turn: FloatArray) -> FloatArray:
+        """``rho N^T turn N`` of ``u = p + d_1 r + d_2 J r``, integrated, (4, 4) by (p, d).
+
+        Parameters
+        ----------
+        turn : ndarray, shape (2, 2)
+            One, or a quarter turn.
+        """
+        x, y = self.first
+        moment = x * np.eye(2) + y * _QUARTER
+        return np.block([[self.total * turn, turn @ moment], [moment.T @ turn, self.second * turn]])
+
+
+def _greatest_stiffness(engine: Engine) -> float:
+    """Of the elastic links along themselves, in N/m."""
+    links = engine.mechanism.linkage.topology.links
+    sections = engine.mechanism.sections
+    return max(
+        sections[each.name].axial_stiffness / each.length for each in links if not each.rigid
+    )
+
+
+def _turns(engine: Engine, name: str) -> bool:
+    """Whether a joint of a link holds or springs its rotation."""
+    topology = engine.topology
+    welded = any(name in (weld.leader.link, weld.follower.link) for weld in topology.welds)
+    sprung = {spring.joint for spring in engine.mechanism.joint_springs}
+    pairs = {
+        joint: {end.link for end in ends if end is not None}
+        for joint, ends in topology.pinned_ends.items()
+    }
+    return welded or any(name in pairs.get(joint, set()) for joint in sprung)
+
+
+def _bar(
+    rigid: LinkModel, length: float, stiffness: float, joined: bool, turned: bool
+) -> NaturalLink:
+    """A rigid link as a bar.
+
+    Its coordinates are the displacements of both ends, and its rotation where joints turn with it;
+    of a link that nothing joins at its end that of the start, the rotation and the stretch.
+    """
+    mass = whole(rigid.mass)
+    matter = _Matter(mass[0, 0], np.array([mass[1, 2], -mass[0, 2]]), mass[2, 2])
+    at_start, stretch, turn = np.eye(4)[:2], np.eye(4)[2], np.eye(4)[3]
+    if joined:
+        at_end = at_start + length * np.eye(4)[2:]
+        rotation = [turn] if turned else []
+        to_own = np.vstack([at_start, *rotation, at_end])
+        inverse = np.hstack([np.eye(2), np.zeros((2, len(rotation) + 2))])
+        difference = np.hstack([-np.eye(2), np.zeros((2, len(rotation))), np.eye(2)]) / length
+        from_own = np.vstack([inverse, difference])
+    else:
+        to_own = np.vstack([at_start, turn, stretch])
+        from_own = np.linalg.inv(to_own)
+    size = len(to_own)
+    start, end = np.array([0, 1]), np.array([size - 2, size - 1]) if joined else NONE.copy()
+    turning = np.array([2]) if turned or not joined else NONE.copy()
+    rotates = np.eye(size)[2] if len(turning) else from_own[3]
+    own = matter.second - float(matter.first @ matter.first) / matter.total if mass[0, 0] else 0.0
+    shared = ON_ROTATION * own if joined and turned else 0.0
+    spread = replace(matter, second=matter.second - shared)
+    inertia = from_own.T @ spread.weighted(np.eye(2)) @ from_own
+    translational = inertia.copy()
+    inertia += shared * np.outer(rotates, rotates)
+    axial = length**2 * stiffness
+    shear = rotates - from_own[3]
+    nodes = np.vstack([from_own[:2], rotates, from_own[:2] + length * from_own[2:], rotates])
+    model = LinkModel(
+        name=rigid.name,
+        mass=inertia,
+        gyroscopic=from_own.T @ spread.weighted(_QUARTER) @ from_own,
+        translational_mass=translational,
+        first_moment=np.zeros((2, size)),
+        stiffness=axial * (np.outer(from_own[2], from_own[2]) + np.outer(shear, shear)),
+        damping=np.zeros((size, size)),
+        is_axial=np.abs(to_own[:, [0, 2]]).sum(axis=1) > 0,
+        start=start,
+        end=end,
+        start_rotation=turning,
+        end_rotation=turning,
+        readings=replace(rigid.readings, basis=nodes),
+        fields=RigidFields(*to_own[:, [0, 1, 2, 3]].T),
+        vectors=NO_VECTORS.copy(),
+    )
+    to_engine = np.vstack([from_own[:2], rotates])
+    from_engine = to_own @ np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 0], [0, 0, 1]])
+    return NaturalLink(model, _rigid_arm(from_own[2], from_own[3], axial), to_engine, from_engine)
+
+
+def _rigid_arm(stretch: FloatArray, turn: FloatArray, stiffness: float) -> LinkStretch:
+    """The condition of a body whose d are two rows (n,) by a link's coordinates."""
+    rows = np.stack([stretch, turn])
+    root = float(np.sqrt(stiffness))
+    return LinkStretch(root * rows[:1], rows, root * np.ones((1, 2)), 0.0)
+
+
+def _link_with_body(
+    link: NaturalLink, place: IntArray, matter: _Matter, stiffness: float
+) -> NaturalLink:
+    """A link with a body at a node, whose displacement and rotation are three coordinates."""
+    size, count = link.model.size, len(link.to_engine)
+    rows = np.eye(size)[place]
+    unit = np.eye(size + 1)
+    before, arm = link.stretch, _rigid_arm(unit[size], unit[place[2]], stiffness)
+    stretch = replace(
+        before,
+        gradient=np.vstack([_wider(before.gradient), arm.gradient]),
+        slopes=np.vstack([_wider(before.slopes), arm.slopes]),
+        weights=scipy.linalg.block_diag(before.weights, arm.weights),
+    )
+    return NaturalLink(
+        _with_body(link.model, rows, matter, stiffness, before.damping_time),
+        stretch,
+        _wider(link.to_engine),
+        np.vstack([link.from_engine, np.zeros((1, count))]),
+    )
+
+
+def _with_body(
+    link: LinkModel,
+    rows: FloatArray,
+    matter: _Matter,
+    stiffness: float,
+    damping_time: float,
+) -> LinkModel:
+    """A link of n + 1 coordinates, the last of which is ``d_1`` of a body on it.
+
+    Parameters
+    ----------
+    link : LinkModel
+        Whose mass has the body with ``d_1 = 0``.
+    rows : ndarray, shape (3, n)
+        Displacement and rotation of the body's section.
+    matter : _Matter
+        About the section.
+    stiffness : float
+        Of the body's bar against ``d_1``, in N m.
+    damping_time : float
+        Of the link's strains, among which that of the bar is.
+    """
+    by = np.vstack([rows[:2], np.zeros_like(rows[2]), rows[2]])
+    mass, coriolis = matter.weighted(np.eye(2)), matter.weighted(_QUARTER)
+
+    def bordered(matrix: LinkMatrix, added: FloatArray) -> FloatArray:
+        column, row = by.T @ added[:, 2:3], added[2:3] @ by
+        return np.block([[whole(matrix), column], [row, added[2:3, 2:3]]])
+
+    held = np.diag([0.0, 0.0, stiffness, 0.0])
+    centrifugal = bordered(link.translational_mass, mass)
+    centrifugal[:-1, :-1] += matter.second * np.outer(rows[2], rows[2])
+    # What the field of centripetal accelerations says of the body's place from now on.
+    moved = np.stack([-_QUARTER @ matter.first, matter.first]) @ rows[:2]
+    fields = link.fields
+    return replace(
+        link,
+        mass=bordered(link.mass, mass),
+        gyroscopic=bordered(link.gyroscopic, coriolis),
+        translational_mass=centrifugal,
+        first_moment=_wider(link.first_moment - moved),
+        stiffness=bordered(link.stiffness, held),
+        damping=bordered(link.damping, damping_time * held),
+        is_axial=np.append(link.is_axial, True),
+        readings=link.readings.projected(np.eye(link.size, link.size + 1)),
+        fields=RigidFields(
+            np.append(fields.along, 0.0),
+            np.append(fields.across, 0.0),
+            np.append(fields.centripetal, 1.0),
+            np.append(fields.tangential, 0.0),
+        ),
+    )
+
+
+def _wider(matrix: FloatArray) -> FloatArray:
+    """With a column of zeros at the end."""
+    return np.hstack([matrix, np.zeros((len(matrix), 1))])
