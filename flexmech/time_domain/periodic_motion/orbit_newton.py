@@ -28,7 +28,9 @@ logger = logging.getLogger(__name__)
 
 # The iteration ends at this residual, over the loads; see OrbitEquations.error.
 TOLERANCE = 1e-9
+# A run that converges takes three to five passes; with shortened steps a dozen.
 MOST_PASSES = 14
+# Shorter steps mean that another way, by continuation, costs less.
 SHORTEST_STEP = 1 / 64
 # A correction with the same matrices must be shorter than the step by this part of its length.
 SHORTENED = 0.25
