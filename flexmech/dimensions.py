@@ -1,7 +1,9 @@
-"""The kinds of physical quantities that users give, each with its SI unit and examples."""
+"""The kinds of physical quantities that users give, and messages on units that are not theirs."""
 
 from __future__ import annotations
 
+import difflib
+import reprlib
 from dataclasses import dataclass
 
 __all__ = [
@@ -33,6 +35,9 @@ __all__ = [
     "TORSIONAL_DAMPING",
     "TORSIONAL_STIFFNESS",
     "Dimension",
+    "shown",
+    "unknown_unit",
+    "wrong_dimension",
 ]
 
 
@@ -89,3 +94,74 @@ TORQUE = Dimension("a torque", "N m", ("1.5 N m", "200 N mm"))
 TORSIONAL_DAMPING = Dimension("a torsional damping", "N m s/rad", ("1e-3 N m s/rad",))
 TORSIONAL_STIFFNESS = Dimension("a torsional stiffness", "N m/rad", ("2 N m/rad", "0.03 N m/deg"))
 RATIO = Dimension("a ratio", "", ("0.01", "1 %"))
+
+# What files and options hold may be longer than anybody reads.
+_REPR = reprlib.Repr()
+_REPR.maxstring = _REPR.maxother = 100
+
+
+def shown(text: object) -> str:
+    """What was given, as a message shows it."""
+    return _REPR.repr(text)
+
+
+def unknown_unit(text: str, unit: str, dimension: Dimension) -> str:
+    """Message on a unit that there is not.
+
+    Parameters
+    ----------
+    text : str
+        As it was given.
+    unit : str
+        In it.
+    dimension : Dimension
+        What it must be.
+
+    Returns
+    -------
+    str
+    """
+    known = {example.split(maxsplit=1)[-1]: example for example in dimension.examples}
+    by_lower_case = {name.lower(): name for name in known}
+    close = difflib.get_close_matches(unit.lower(), by_lower_case, n=1)
+    remedy = f"did you mean {by_lower_case[close[0]]!r}?" if close else "write"
+    example = known[by_lower_case[close[0]]] if close else dimension.examples[0]
+    joint = " For example" if close else f" {dimension.name}, for example"
+    return (
+        f"got {shown(text)}, in which the unit {shown(unit)} is unknown; "
+        f'{remedy}{joint} "{example}"'
+    )
+
+
+def wrong_dimension(text: str, unit: str, base: str, dimension: Dimension) -> str:
+    """Message on a unit of another dimension.
+
+    Parameters
+    ----------
+    text : str
+        As it was given.
+    unit, base : str
+        Unit in it, and the same in base units.
+    dimension : Dimension
+        What it must be.
+
+    Returns
+    -------
+    str
+    """
+    if dimension is ANGULAR_SPEED and base == "1 / second":
+        number = text[: text.rfind(unit)].strip() or "5"
+        return (
+            f"got {shown(text)}, which is a frequency and not an angular speed; write turns per "
+            f'second as "{number} rps", turns per minute as "300 rpm", or an angle per time '
+            'as "20 rad/s"'
+        )
+    if dimension is FREQUENCY and base == "radian / second":
+        return (
+            f"got {shown(text)}, which is an angular speed and not a frequency; write cycles per "
+            f"second, for example {dimension.example}"
+        )
+    return (
+        f"got {shown(text)}, whose unit {shown(unit)} ({base}) is not that of {dimension.name}; "
+        f"write {dimension.name}, for example {dimension.example}"
+    )

@@ -43,10 +43,12 @@ from flexmech.dimensions import (
     TORSIONAL_DAMPING,
     TORSIONAL_STIFFNESS,
     Dimension,
+    shown,
+    unknown_unit,
+    wrong_dimension,
 )
 from flexmech.errors import InputError
 from flexmech.unit_registry import ZERO_CELSIUS, base_units, zero_of_scale
-from flexmech.unit_words import shown, unknown_unit, wrong_dimension
 
 __all__ = [
     "ACCELERATION",
@@ -140,10 +142,6 @@ def parse_number(text: str) -> Decimal:
         rounded = math.inf
     if not math.isfinite(rounded):
         raise InputError(f"got {shown(text.strip())}, which is too large; write a smaller number")
-    if number and not rounded:
-        raise InputError(
-            f"got {shown(text.strip())}, which is too small; write 0, or a larger number"
-        )
     return number
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import fields
 from functools import cache
 from importlib import resources
 from importlib.metadata import version
-from typing import Any
+from operator import attrgetter
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -101,6 +103,98 @@ def table_over(*dims: str, **columns: xr.DataArray) -> pd.DataFrame:
 def _unsigned_zeros(values: NDArray[Any]) -> NDArray[Any]:
     """The same, with 0 in the place of -0; what is no number stays."""
     return values + 0.0 if values.dtype.kind == "f" else values
+
+
+def table_of(dataset: xr.Dataset, dims: Sequence[str], columns: Mapping[str, str]) -> pd.DataFrame:
+    """Variables of a dataset side by side, as :func:`table_over`.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+    dims : sequence of str
+    columns : mapping of str to str
+        Variables by the names of their columns.
+
+    Returns
+    -------
+    pandas.DataFrame
+    """
+    return table_over(*dims, **{column: dataset[name] for column, name in columns.items()})
+
+
+Row = TypeVar("Row")
+Column = tuple[type, str | Callable[[Row], Any]]
+"""Type of a column, and the attribute of a row or the function of it that is the value."""
+PLAIN_TYPES = {"int": np.intp, "float": float, "bool": bool, "str": str}
+
+
+def columns_of(kind: type) -> dict[str, Column[Any]]:
+    """Columns for the fields of a data class, each a number, a flag or a text."""
+    return {field.name: (PLAIN_TYPES[str(field.type)], field.name) for field in fields(kind)}
+
+
+def records(
+    dimension: str, rows: Sequence[tuple[Engine, Row]], columns: Mapping[str, Column[Row]]
+) -> dict[str, tuple[str, NDArray[Any]]]:
+    """Variables over a dimension, one for each column, named like ``band_order``.
+
+    Parameters
+    ----------
+    dimension : str
+    rows : sequence of tuple of Engine and object
+        Each with the engine that it is of, which is the column ``engine``.
+    columns : mapping of str to tuple
+
+    Returns
+    -------
+    dict of str to tuple of str and ndarray
+    """
+    names = np.array([engine.name for engine, _ in rows], dtype=str)
+    found: dict[str, tuple[str, NDArray[Any]]] = {f"{dimension}_engine": (dimension, names)}
+    for name, (kind, value) in columns.items():
+        read = attrgetter(value) if isinstance(value, str) else value
+        found[f"{dimension}_{name}"] = dimension, np.array([read(row) for _, row in rows], kind)
+    return found
+
+
+def filled(
+    shape: tuple[int, ...], entries: Iterable[tuple[tuple[int, ...], Any]], otherwise: Any = np.nan
+) -> NDArray[Any]:
+    """Array with entries at places, each at the beginning of the dimensions that are left.
+
+    Parameters
+    ----------
+    shape : tuple of int
+    entries : iterable of tuple
+        Places, of the first dimensions, and values there: numbers, arrays or texts.
+    otherwise : float or str
+        Where there is none.
+
+    Returns
+    -------
+    ndarray
+
+    Examples
+    --------
+    >>> filled((2, 3), [((1,), np.array([5.0, 6.0]))]).tolist()
+    [[nan, nan, nan], [5.0, 6.0, nan]]
+    """
+    kind = object if isinstance(otherwise, str) else float
+    array = np.full(shape, otherwise, dtype=kind)
+    for place, value in entries:
+        found = np.asarray(value, dtype=kind)
+        index: tuple[int | slice, ...] = (*place, *(slice(size) for size in found.shape))
+        array[index] = found
+    return array.astype(str) if kind is object else array
+
+
+def engine_coordinates(engines: Sequence[Engine]) -> dict[str, Any]:
+    """Names of the engines, and the elements of each."""
+    return {
+        "engine": [engine.name for engine in engines],
+        "element": ("engine", [engine.element for engine in engines]),
+        "elements": ("engine", [engine.elements for engine in engines]),
+    }
 
 
 def rigid_positions(engine: Engine, motion: RigidMotion) -> FloatArray:

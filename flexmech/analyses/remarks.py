@@ -8,6 +8,7 @@ from typing import Any
 from flexmech.analyses.requests import environment_of
 from flexmech.hygrothermal import Environment, inert_links, resin_retention, swollen_links
 from flexmech.mechanism import Mechanism
+from flexmech.units import from_si
 
 
 def state_name(environment: Environment) -> str:
@@ -97,3 +98,9 @@ def left_out_warnings(attributes: Mapping[Any, Any]) -> tuple[str, ...]:
         f"loads over time are left out here: {attributes[LEFT_OUT]}; they have no value at a crank "
         "angle, and flexmech response counts them",
     )
+
+
+def crank_speed_text(attributes: Mapping[Any, Any]) -> str:
+    """Crank speed of a result, in the unit in which it speaks of speeds."""
+    unit = str(attributes["speed_unit"])
+    return f"{from_si(float(attributes['crank_speed']), unit):.6g} {unit}"

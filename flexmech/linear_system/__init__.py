@@ -33,7 +33,6 @@ from flexmech.linear_system.constant_turn import (
     unchanged,
 )
 from flexmech.linear_system.engine import Engine
-from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.joint_couples import has_dampers
 from flexmech.linear_system.link_bodies import (
     BodyMatrices,
@@ -43,12 +42,12 @@ from flexmech.linear_system.link_bodies import (
 )
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel, RigidFields, inertia_loads
+from flexmech.linear_system.link_place import DependentRows
 from flexmech.linear_system.link_points import LinkPoint, displacement_row, point_rows
 from flexmech.linear_system.link_readings import LinkReadings
 from flexmech.linear_system.link_stretch import LinkStretch
 from flexmech.linear_system.mass_root import inverse_mass_root
 from flexmech.linear_system.mode_errors import OverdampedError, TooManyModesError
-from flexmech.linear_system.posed_ties import PosedTies
 from flexmech.linear_system.position_errors import (
     LESS_LOADED,
     RefusedPositionsError,
@@ -63,13 +62,14 @@ from flexmech.linear_system.quasi_static import (
     free_load,
     refuse_large_displacements,
 )
+from flexmech.linear_system.rigid_coordinates import PoseStiffness
 from flexmech.linear_system.rigid_link import (
     dead_virial,
     off_axis_inertia,
     rigid_link,
     rigid_tangent,
 )
-from flexmech.linear_system.rigid_pose import PoseStiffness
+from flexmech.linear_system.rigid_pose import DisplacedTies
 from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linear_system.sparse_positions import SparseMatrices, SparsePositions
 from flexmech.linear_system.straight_links import (
@@ -114,8 +114,9 @@ __all__ = [
     "ComponentModes",
     "ConnectedMatrices",
     "Connectors",
+    "DependentRows",
+    "DisplacedTies",
     "Engine",
-    "FollowingRows",
     "LinearSystem",
     "LinkDamping",
     "LinkFrames",
@@ -126,7 +127,6 @@ __all__ = [
     "LinkStretch",
     "OverdampedError",
     "PoseStiffness",
-    "PosedTies",
     "Prestress",
     "Push",
     "RefusedPositionsError",

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.link_frames import LinkFrames
 from flexmech.linear_system.link_model import LinkModel
+from flexmech.linear_system.link_place import DependentRows
 from flexmech.linkages import Load, RigidMotion
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray
@@ -223,7 +223,7 @@ class MovedPoint:
         point: AttachedPoint,
         frames: LinkFrames,
         motion: RigidMotion,
-        following: Sequence[FollowingRows],
+        following: Sequence[DependentRows],
     ) -> MovedPoint:
         """Map of a point.
 
@@ -234,7 +234,7 @@ class MovedPoint:
         frames : LinkFrames
         motion : RigidMotion
             Batch of shape (B,).
-        following : sequence of FollowingRows
+        following : sequence of DependentRows
             Of the point's link.
         """
         batch, link = len(motion.crank_angle), point.link

@@ -76,7 +76,7 @@ def connected_matrices(
     ConnectedMatrices
         In the coordinates of ``frames``.
     """
-    following = frames.following_rows(motion)
+    following = frames.dependent_rows(motion)
     maps: dict[tuple[int, float], MovedPoint] = {}
 
     def moved(point: AttachedPoint) -> MovedPoint:

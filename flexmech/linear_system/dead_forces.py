@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.linear_system.link_model import LinkModel
-from flexmech.linear_system.posed_ties import PosedTies
-from flexmech.linear_system.rigid_pose import PoseStiffness
+from flexmech.linear_system.rigid_coordinates import PoseStiffness
+from flexmech.linear_system.rigid_pose import DisplacedTies
 from flexmech.linkages import RigidMotion
 from flexmech.types import FloatArray, IntArray
 
@@ -80,7 +80,7 @@ class DeadForces:
             moment=self.moment[which],
         )
 
-    def unbalanced(self, posed: PosedTies, inner: Sequence[FloatArray]) -> list[FloatArray]:
+    def unbalanced(self, posed: DisplacedTies, inner: Sequence[FloatArray]) -> list[FloatArray]:
         """Outer less inner forces (B, n_link) on displaced links."""
         forces = [load - force for load, force in zip(self.loads, inner, strict=True)]
         for link in self.rigid:
@@ -90,6 +90,6 @@ class DeadForces:
             forces[link] = np.column_stack([forces[link][:, :2], turned])
         return forces
 
-    def stiffness(self, posed: PosedTies, inner: Sequence[FloatArray]) -> PoseStiffness:
+    def stiffness(self, posed: DisplacedTies, inner: Sequence[FloatArray]) -> PoseStiffness:
         """Stiffness of rigid links and sliders by them and by the forces of the joints."""
         return posed.stiffness(self.unbalanced(posed, inner), self.virial, self.moment)

@@ -1,4 +1,4 @@
-"""The rigid motion in which rigid links are displaced, and what their frames and lines do in it."""
+"""The rigid motion in which rigid links are displaced, and links as bodies in it."""
 
 from __future__ import annotations
 
@@ -8,9 +8,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.linear_system.moving_matrix import MovingMatrix
 from flexmech.linkages import RigidMotion, Topology
-from flexmech.types import FloatArray, IntArray
+from flexmech.linkages.body_motion import BodyMotion, dot
+from flexmech.linkages.connection_forces import slider_line
+from flexmech.types import ComplexArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -60,70 +61,48 @@ class DisplacedMotion(RigidMotion):
         return type(self)(*(getattr(self, field.name)[which] for field in fields(self)))
 
 
-def frame_rotation(motion: RigidMotion, link: int) -> MovingMatrix:
-    """From a link's frame to ground axes.
+def link_bodies(motion: RigidMotion, topology: Topology) -> tuple[BodyMotion, ComplexArray]:
+    """Links as bodies, and where sliders are in the axes of the links that guide them.
 
     Parameters
     ----------
     motion : RigidMotion
-        Batch of shape (B,).
-    link : int
-
-    Returns
-    -------
-    MovingMatrix
-        Of shape (B, 2, 2).
-    """
-    return MovingMatrix.rotation(
-        motion.angle[:, link],
-        motion.angular_velocity[:, link],
-        motion.angular_acceleration[:, link],
-    )
-
-
-def slider_lever(motion: RigidMotion, topology: Topology, number: int) -> MovingMatrix:
-    """Where the point of a slider is in the frame of its guide.
-
-    Parameters
-    ----------
-    motion : RigidMotion
-        Batch of shape (B,).
+        Batch of shape (B,); its rigid links may be displaced.
     topology : Topology
-    number : int
-        Of the slider; it is guided by a link.
 
     Returns
     -------
-    MovingMatrix
-        Of shape (B, 2, 1), in m.
+    bodies : BodyMotion
+        Of shape (B, n_links + 1), the ground last.
+    slid : ndarray of complex, shape (3, B, n_sliders)
+        Places in m, and their first and second time derivative: an acceleration of the rigid
+        motion along the line. On the ground the displacement alone.
     """
-    slider = topology.sliders[number]
-    guide, held = topology.index(slider.guide), topology.index(slider.held.link)
-    x = 0.0 if slider.held.end == "start" else topology.links[held].length
-    angle, moved = motion.angle, np.zeros(len(motion.crank_angle))
-    if isinstance(motion, DisplacedMotion):
-        angle, moved = motion.angle - motion.turn, motion.slide[:, number]
-        motion = DisplacedMotion.of(motion, -motion.turn, motion.slide)
-    back = MovingMatrix.rotation(
-        -angle[:, guide],
-        -motion.angular_velocity[:, guide],
-        -motion.angular_acceleration[:, guide],
-    )
-    distance = MovingMatrix(
-        (motion.position(held, x) - motion.origin[:, guide])[..., None],
-        (motion.velocity(held, x) - motion.origin_velocity[:, guide])[..., None],
-        np.zeros((len(angle), 2, 1)),
-        (motion.acceleration(held, x) - motion.origin_acceleration[:, guide])[..., None],
-    )
-    lever = back @ distance
-    along = np.array([np.cos(slider.direction), np.sin(slider.direction)])
-    # The point stays on its line: what round-off leaves across it is not motion. The lever's
-    # second derivative is an acceleration of the rigid motion along the line.
-    sliding = [
-        (part[..., 0] @ along)[:, None, None] * along[:, None] for part in (lever.rate, lever.twice)
-    ]
-    displaced = lever.value + moved[:, None, None] * along[:, None]
-    return MovingMatrix(displaced, sliding[0], np.zeros_like(displaced), sliding[1])
+    bodies = drawn = BodyMotion.of_links(motion)
+    slid = np.zeros((3, len(motion.crank_angle), len(topology.sliders)), dtype=complex)
+    lines = [slider_line(topology, slider) for slider in topology.sliders]
+    if isinstance(motion, DisplacedMotion) and lines:
+        slid[0] = motion.slide * np.array([line.along for line in lines])
+        drawn = BodyMotion.of_links(motion.undisplaced)
+    for number, (slider, line) in enumerate(zip(topology.sliders, lines, strict=True)):
+        if slider.guide:
+            held, guide, at = (
+                drawn.of(line.first.body),
+                drawn.of(line.second.body),
+                line.first.place,
+            )
+            back, turning = np.conj(guide.turn), 1j * guide.turn_1
+            apart = held.point(at) - guide.place
+            apart_1 = held.point_1(at) - guide.place_1
+            apart_2 = held.point_2(at) - guide.place_2
+            changing = turning**2 - 1j * guide.turn_2
+            rate = back * (apart_1 - turning * apart)
+            second = back * (apart_2 - 2 * turning * apart_1 + changing * apart)
+            slid[0][:, number] += back * apart
+            # The point stays on its line: what round-off leaves across it is not motion.
+            slid[1][:, number] = line.along * dot(line.along, rate)
+            slid[2][:, number] = line.along * dot(line.along, second)
+    return bodies, slid
 
 
 def general_position(topology: Topology) -> RigidMotion:

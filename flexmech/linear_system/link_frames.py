@@ -24,13 +24,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.linear_system.chains import LinkMatrix, whole
-from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.link_model import LinkModel, WholeLink
-from flexmech.linear_system.link_place import LinkPlace
+from flexmech.linear_system.link_place import DependentRows, LinkPlace
 from flexmech.linear_system.link_ties import LinkTies
-from flexmech.linear_system.posed_ties import PosedTies
 from flexmech.linear_system.rigid_coordinates import RigidCoordinates
-from flexmech.linear_system.rigid_pose import RigidPose
+from flexmech.linear_system.rigid_pose import DisplacedTies, RigidPose
 from flexmech.linear_system.rotation_terms import LinkDamping, RotationTerms, SystemMatrices
 from flexmech.linear_system.steady_links import SteadyLinks
 from flexmech.linkages import RigidMotion, Topology
@@ -87,7 +85,7 @@ class LinkFrames:
         """Coordinates of a link that are independent ones of the linkage, and lead themselves."""
         return self._ties.own(link)
 
-    def following_rows(self, motion: RigidMotion) -> list[list[FollowingRows]]:
+    def dependent_rows(self, motion: RigidMotion) -> list[list[DependentRows]]:
         """What follows in each link, and its time derivatives.
 
         Parameters
@@ -97,17 +95,17 @@ class LinkFrames:
 
         Returns
         -------
-        list of list of FollowingRows
+        list of list of DependentRows
             A list for each link.
         """
-        return self._ties.following_rows(motion)
+        return self._ties.dependent_rows(motion)
 
     @property
     def rigid(self) -> RigidCoordinates:
         """Coordinates of rigid links and sliders."""
         return self._ties.rigid
 
-    def posed(self, motion: RigidMotion, w: FloatArray) -> PosedTies:
+    def displaced_ties(self, motion: RigidMotion, w: FloatArray) -> DisplacedTies:
         """Ties where the rigid links are displaced by finite amounts.
 
         Parameters
@@ -120,13 +118,17 @@ class LinkFrames:
 
         Returns
         -------
-        PosedTies
+        DisplacedTies
         """
-        return self._ties.posed(motion, RigidPose.settled(self.rigid, motion, w))
+        return self._ties.displaced_ties(
+            motion, RigidPose.solve_position_constraints(self.rigid, motion, w)
+        )
 
-    def posed_by(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> PosedTies:
+    def displaced_ties_by(
+        self, motion: RigidMotion, displacement: Sequence[FloatArray]
+    ) -> DisplacedTies:
         """Ties where the links have displacements (B, n_link) in the rigid motion's frames."""
-        return self._ties.posed(motion, self._ties.pose_of(motion, displacement))
+        return self._ties.displaced_ties(motion, self._ties.pose_of(motion, displacement))
 
     def displaced(
         self, motion: RigidMotion, displacement: Sequence[FloatArray] | None
@@ -179,7 +181,7 @@ class LinkFrames:
         self._steady.mass.write(mass, factors)
         steady = {n: tangents[n] for n in self._steady.numbers if tangents[n].ndim == 2}
         self._steady.sum_of_tangents(steady).write(total, factors)
-        following: list[list[FollowingRows]] | None = None
+        following: list[list[DependentRows]] | None = None
         for number, (link, tangent, (damping_matrix, damped_ends)) in enumerate(
             zip(links, tangents, resisting, strict=True)
         ):
@@ -187,7 +189,7 @@ class LinkFrames:
             if number in steady and not damped and not terms.any:
                 continue
             if following is None:
-                following = self.following_rows(motion)
+                following = self.dependent_rows(motion)
             place, pairs = self._places[number], following[number]
             speed = motion.angular_velocity[:, number, None, None]
             if number not in self._steady.numbers:
@@ -222,7 +224,7 @@ class LinkFrames:
         guiding : ndarray, shape (B, n_sliders)
             In N/rad; see :class:`flexmech.linear_system.StressedLinks`.
         """
-        first = len(self.rigid.independent)
+        first = len(self.rigid.independent_coordinates)
         total = np.zeros((len(guiding), self.size, self.size))
         total[:, :first, :first] = self._ties.guided(motion, guiding)
         return total
@@ -251,7 +253,7 @@ class LinkFrames:
         """
         result = []
         for number, (link, following) in enumerate(
-            zip(self.links, self.following_rows(motion), strict=True)
+            zip(self.links, self.dependent_rows(motion), strict=True)
         ):
             target = self.targets[number]
             free = target >= 0
@@ -280,7 +282,7 @@ class LinkFrames:
             own = self.own(number)
             z[:, self.targets[number][own]] = q[:, own]
         if self.topology.sliders:
-            first = len(self.rigid.independent)
+            first = len(self.rigid.independent_coordinates)
             z[:, :first] += self._ties.slides(motion, displacement)
         return z
 
@@ -307,7 +309,7 @@ class LinkFrames:
         """
         result = []
         for number, (link, following) in enumerate(
-            zip(self.links, self.following_rows(motion), strict=True)
+            zip(self.links, self.dependent_rows(motion), strict=True)
         ):
             target = self.targets[number]
             free = target >= 0
@@ -335,7 +337,7 @@ class LinkFrames:
         """
         total = np.zeros((len(motion.crank_angle), self.size))
         for number, (load, following) in enumerate(
-            zip(loads, self.following_rows(motion), strict=True)
+            zip(loads, self.dependent_rows(motion), strict=True)
         ):
             target = self.targets[number].copy()
             for led in following:

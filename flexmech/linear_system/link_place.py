@@ -1,4 +1,4 @@
-"""Where the matrix of one link goes in those of the linkage."""
+"""Dependent coordinates of a link, and where its matrix goes in those of the linkage."""
 
 from __future__ import annotations
 
@@ -8,10 +8,63 @@ from itertools import pairwise
 
 import numpy as np
 
-from flexmech.linear_system.following_rows import FollowingRows
+from flexmech.linear_system.rotation_terms import RotationTerms
+from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.types import FloatArray, IntArray
 
 Numbers = slice | IntArray
+
+
+@dataclass(frozen=True)
+class DependentRows:
+    """Dependent coordinates of a link: ``q[rows] = turn @ z[columns]``.
+
+    A pinned end follows its leader's end, turned from the leader's frame: two rows, two columns.
+    An end on a line follows the slide, one on a rigid link that link's three coordinates.
+
+    Parameters
+    ----------
+    rows : ndarray of int, shape (r,)
+        Coordinates of the link.
+    columns : ndarray of int, shape (c,)
+        Independent coordinates of the linkage, all different.
+    turn : ndarray, shape (B, r, c)
+    rate : ndarray, shape (B, r, c)
+        Time derivative of ``turn``.
+    centripetal, tangential : ndarray, shape (B, r, c)
+        Second time derivative of ``turn``: the parts in squares and products of velocities of
+        the rigid motion, and in its accelerations.
+    """
+
+    rows: IntArray
+    columns: IntArray
+    turn: FloatArray
+    rate: FloatArray
+    centripetal: FloatArray
+    tangential: FloatArray
+
+    @classmethod
+    def of(cls, rows: IntArray, columns: IntArray, matrix: MatrixWithRates) -> DependentRows:
+        """Rows that depend by a matrix with rates.
+
+        Parameters
+        ----------
+        rows : ndarray of int, shape (r,)
+        columns : ndarray of int, shape (c,)
+        matrix : MatrixWithRates
+            Of shape (B, r, c).
+        """
+        return cls(rows, columns, matrix.value, matrix.rate, matrix.centripetal, matrix.tangential)
+
+    def acceleration(self, terms: RotationTerms) -> FloatArray:
+        """Second time derivative of ``turn`` of the terms that count, (B, r, c)."""
+        if terms.centripetal and terms.tangential:
+            return self.centripetal + self.tangential
+        return self.centripetal if terms.centripetal else self.tangential
+
+    def leading(self, forces: FloatArray) -> FloatArray:
+        """Forces (B, c) on the columns of forces (B, r) on the rows."""
+        return np.asarray(np.einsum("bij,bi->bj", self.turn, forces))
 
 
 @dataclass(frozen=True)
@@ -48,7 +101,7 @@ class LinkPlace:
         return cls(_runs(free, own[free]), places)
 
     def add(
-        self, total: FloatArray, matrix: FloatArray, following: Sequence[FollowingRows]
+        self, total: FloatArray, matrix: FloatArray, following: Sequence[DependentRows]
     ) -> None:
         """Add ``Q' X Q`` to a matrix of the linkage; only what follows turns.
 
@@ -56,7 +109,7 @@ class LinkPlace:
         ----------
         total : ndarray, shape (B, size, size)
         matrix : ndarray, shape (n, n) or (B, n, n)
-        following : sequence of FollowingRows
+        following : sequence of DependentRows
         """
         self.add_resting(total, matrix)
         self.add_turning(total, matrix, following)
@@ -68,7 +121,7 @@ class LinkPlace:
                 total[..., to_row, to_column] += matrix[..., row, column]
 
     def add_turning(
-        self, total: FloatArray, matrix: FloatArray, following: Sequence[FollowingRows]
+        self, total: FloatArray, matrix: FloatArray, following: Sequence[DependentRows]
     ) -> None:
         """Add the rest of ``Q' X Q``.
 
@@ -76,7 +129,7 @@ class LinkPlace:
         ----------
         total : ndarray, shape (B, size, size)
         matrix : ndarray, shape (n, n) or (B, n, n)
-        following : sequence of FollowingRows
+        following : sequence of DependentRows
         """
         for (rows, to_rows), led in zip(self.following, following, strict=True):
             for column, to_column in self.runs:
@@ -88,7 +141,7 @@ class LinkPlace:
         self,
         total: FloatArray,
         matrix: FloatArray,
-        following: Sequence[FollowingRows],
+        following: Sequence[DependentRows],
         right: Sequence[FloatArray],
     ) -> None:
         """Add ``Q' X P``, where P holds what follows alone.
@@ -97,7 +150,7 @@ class LinkPlace:
         ----------
         total : ndarray, shape (B, size, size)
         matrix : ndarray, shape (n, n) or (B, n, n)
-        following : sequence of FollowingRows
+        following : sequence of DependentRows
         right : sequence of ndarray, shape (B, r, c)
             ``P`` of each.
         """

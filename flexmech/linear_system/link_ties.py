@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.joint_points import (
     JointPoint,
     TurningJoint,
@@ -18,12 +17,23 @@ from flexmech.linear_system.joint_points import (
     turning_joints,
 )
 from flexmech.linear_system.link_model import LinkModel
-from flexmech.linear_system.moving_frames import MovingFrames
-from flexmech.linear_system.moving_matrix import MovingMatrix
-from flexmech.linear_system.posed_ties import CoordinateRows, PointRows, PosedRows, PosedTies
-from flexmech.linear_system.rigid_coordinates import RigidCoordinates
-from flexmech.linear_system.rigid_pose import RigidPose
+from flexmech.linear_system.link_place import DependentRows
+from flexmech.linear_system.rigid_coordinates import (
+    DEPENDENT,
+    PoseStiffness,
+    RigidCoordinates,
+)
+from flexmech.linear_system.rigid_pose import (
+    CoordinateRows,
+    DisplacedRows,
+    DisplacedTies,
+    PointRows,
+    RigidPose,
+)
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
+from flexmech.linkages.body_motion import BodyPoint
+from flexmech.linkages.connection_forces import end_point
+from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.linkages.motion import direction, normal
 from flexmech.types import FloatArray, IntArray
 
@@ -51,7 +61,7 @@ class _LedEnd:
 
     rows: IntArray
     columns: IntArray
-    point: JointPoint
+    point: BodyPoint
 
 
 @dataclass(frozen=True)
@@ -64,6 +74,36 @@ class _RigidRows:
 
 
 _Tie = _TurningEnd | _EqualRows | _LedEnd | _RigidRows
+
+
+class _MovingFrames:
+    """Frames of links, and points that rigid links or lines lead, over a batch of positions."""
+
+    def __init__(self, rigid: RigidCoordinates, motion: RigidMotion) -> None:
+        self.rigid, self.motion = rigid, motion
+        self._points: dict[BodyPoint, MatrixWithRates] = {}
+
+    @cached_property
+    def coordinates(self) -> MatrixWithRates:
+        """All coordinates of rigid links and sliders from the independent ones, (B, size, n)."""
+        return self.rigid.dependence(self.motion)
+
+    def point(self, point: BodyPoint) -> MatrixWithRates:
+        """Displacement of a point in ground axes, (B, 2, n)."""
+        if point not in self._points:
+            rows = self.rigid.displacement_rows(self.motion, [point])
+            self._points[point] = rows @ self.coordinates
+        return self._points[point]
+
+    def turned(self, link: int, leader: int | None = None) -> MatrixWithRates:
+        """To the frame of a link from that of another, or from ground axes, (B, 2, 2)."""
+        m = self.motion
+        of_link = [own[:, link] for own in (m.angle, m.angular_velocity, m.angular_acceleration)]
+        if leader is None:
+            return MatrixWithRates.rotation(*(-own for own in of_link))
+        others = (m.angle, m.angular_velocity, m.angular_acceleration)
+        led = zip(others, of_link, strict=True)
+        return MatrixWithRates.rotation(*(other[:, leader] - own for other, own in led))
 
 
 class LinkTies:
@@ -122,14 +162,14 @@ class LinkTies:
             own[rows] = False
         return np.flatnonzero(own)
 
-    def following_rows(self, motion: RigidMotion) -> list[list[FollowingRows]]:
+    def dependent_rows(self, motion: RigidMotion) -> list[list[DependentRows]]:
         """What follows in each link over a batch of shape (B,)."""
-        moving = MovingFrames(self.rigid, motion)
+        moving = _MovingFrames(self.rigid, motion)
         return [
             [self._led(moving, link, tie) for tie in ties] for link, ties in enumerate(self._ties)
         ]
 
-    def posed(self, motion: RigidMotion, pose: RigidPose) -> PosedTies:
+    def displaced_ties(self, motion: RigidMotion, pose: RigidPose) -> DisplacedTies:
         """Ties where the rigid links are displaced.
 
         Parameters
@@ -140,19 +180,19 @@ class LinkTies:
 
         Returns
         -------
-        PosedTies
+        DisplacedTies
         """
-        moving = MovingFrames(self.rigid, motion)
-        rows: list[list[PosedRows]] = []
+        moving = _MovingFrames(self.rigid, motion)
+        rows: list[list[DisplacedRows]] = []
         at_points, at_coordinates = [], []
         for link, ties in enumerate(self._ties):
             rows.append([])
             for tie in ties:
                 place = None
                 if isinstance(tie, _LedEnd):
-                    back = moving.to_frame(link).value
-                    turn = (back @ pose.rows(tie.point) @ pose.coordinates)[:, :, tie.columns]
-                    place = (back @ pose.point(tie.point)[..., None])[..., 0]
+                    back = moving.turned(link).value
+                    turn = (back @ pose.rows([tie.point]) @ pose.coordinates)[:, :, tie.columns]
+                    place = (back @ pose.displacement([tie.point])[:, 0, :, None])[..., 0]
                     at_points.append(PointRows(link, tie.rows, tie.point))
                 elif isinstance(tie, _RigidRows):
                     turn = pose.coordinates[:, tie.among][:, :, tie.columns]
@@ -161,28 +201,22 @@ class LinkTies:
                         at_coordinates.append(CoordinateRows(link, tie.rows, tie.among))
                 else:
                     turn = self._led(moving, link, tie).turn
-                rows[-1].append(PosedRows(tie.rows, tie.columns, turn, place))
+                rows[-1].append(DisplacedRows(tie.rows, tie.columns, turn, place))
             if link in self.rigid.links:
                 among = self.rigid.of_link(link)
                 at_coordinates.append(CoordinateRows(link, np.arange(3), among))
                 continue
             free = self.own(link)
-            led = free[self.targets[link][free] < len(self.rigid.independent)]
-            among = self.rigid.independent[self.targets[link][led]]
+            led = free[self.targets[link][free] < len(self.rigid.independent_coordinates)]
+            among = self.rigid.independent_coordinates[self.targets[link][led]]
             at_coordinates.append(CoordinateRows(link, led, among))
-        return PosedTies(pose, rows, at_points, at_coordinates)
+        return DisplacedTies(pose, rows, at_points, at_coordinates)
 
     def guided(self, motion: RigidMotion, guiding: FloatArray) -> FloatArray:
         """Stiffness between guides' rotations and slides, by the independent coordinates."""
-        rigid = self.rigid
-        matrix = np.zeros((len(guiding), rigid.size, rigid.size))
-        for number, slider in enumerate(self.topology.sliders):
-            if slider.guide:
-                turn = rigid.of_link(self.topology.index(slider.guide))[2]
-                slide = 3 * len(rigid.links) + number
-                matrix[:, turn, slide] = matrix[:, slide, turn] = guiding[:, number]
-        moved = rigid.moving(motion).value
-        return np.asarray(np.swapaxes(moved, 1, 2) @ matrix @ moved)
+        still = np.zeros((len(guiding), len(self.topology.links)))
+        dependence = self.rigid.dependence(motion).value
+        return self.rigid.projected(PoseStiffness(still, guiding), dependence)
 
     def slides(self, motion: RigidMotion, displacement: Sequence[NDArray[Any]]) -> NDArray[Any]:
         """Slides by the displacements (B, n_link, m) of all links, at their places among w."""
@@ -195,18 +229,17 @@ class LinkTies:
         for point in self._points:
             if point.slider is None:
                 continue
-            line = rigid.point(motion, point)
-            assert line is not None
-            slide = 3 * len(rigid.links) + point.slider
-            link = self.topology.index(point.ends[0].link)
-            if rigid.is_rigid(point.ends[0]):
-                moved = rigid.end_rows(motion, point.ends[0]).value @ y
+            line, end = rigid.point_on_line(point.slider), point.ends[0]
+            rows = rigid.displacement_rows(motion, [line, end_point(self.topology, end)]).value
+            slide, link = 3 * len(rigid.links) + point.slider, self.topology.index(end.link)
+            if rigid.is_rigid(end):
+                moved = rows[:, 2:] @ y
             else:
-                to_ground = np.swapaxes(MovingFrames(rigid, motion).to_frame(link).value, 1, 2)
-                moved = to_ground @ displacement[link][:, self._rows(point.ends[0])]
-            along = line.value[:, :, slide]
-            found[:, slide] = np.einsum("bc,bcm->bm", along, moved - line.value @ y)
-        return found[:, rigid.independent]
+                to_ground = np.swapaxes(_MovingFrames(rigid, motion).turned(link).value, 1, 2)
+                moved = to_ground @ displacement[link][:, self._rows(end)]
+            along = rows[:, :2, slide]
+            found[:, slide] = np.einsum("bc,bcm->bm", along, moved - rows[:, :2] @ y)
+        return found[:, rigid.independent_coordinates]
 
     def pose_of(self, motion: RigidMotion, displacement: Sequence[FloatArray]) -> RigidPose:
         """Where rigid links and sliders are, by the displacements (B, n_link) of all links."""
@@ -219,17 +252,17 @@ class LinkTies:
                 held[number] = q[:, :1] * direction(angle) + q[:, 1:] * normal(angle)
         return RigidPose.displaced_by(self.rigid, motion, displacement, held)
 
-    def _led(self, moving: MovingFrames, link: int, tie: _Tie) -> FollowingRows:
+    def _led(self, moving: _MovingFrames, link: int, tie: _Tie) -> DependentRows:
         motion = moving.motion
         if isinstance(tie, _TurningEnd):
-            matrix = moving.turned(tie.leader, link)
+            matrix = moving.turned(link, tie.leader)
         elif isinstance(tie, _EqualRows):
-            matrix = MovingMatrix.constant(np.ones((len(tie.rows), 1)), len(motion.crank_angle))
+            matrix = MatrixWithRates.constant(np.ones((len(tie.rows), 1)), len(motion.crank_angle))
         elif isinstance(tie, _LedEnd):
-            matrix = (moving.to_frame(link) @ moving.point(tie.point)).columns(tie.columns)
+            matrix = (moving.turned(link) @ moving.point(tie.point)).columns(tie.columns)
         else:
             matrix = moving.coordinates.rows(tie.among).columns(tie.columns)
-        return FollowingRows.of(tie.rows, tie.columns, matrix)
+        return DependentRows.of(tie.rows, tie.columns, matrix)
 
     def _rows(self, end: LinkEnd) -> IntArray:
         return self._links[self.topology.index(end.link)].end_displacement(end.end)
@@ -238,14 +271,16 @@ class LinkTies:
         return self._links[self.topology.index(end.link)].end_rotation_of(end.end)
 
     @cached_property
-    def _general(self) -> MovingFrames:
+    def _general(self) -> _MovingFrames:
         """Matrices in a general position: they tell what depends on what."""
-        return MovingFrames(self.rigid, self.rigid.general_position)
+        return _MovingFrames(self.rigid, self.rigid.general_position)
 
     def _number_rigid(self) -> None:
         """Number the independent coordinates of rigid links; the others follow them."""
         place = np.full(self.rigid.size, -1, dtype=np.intp)
-        place[self.rigid.independent] = np.arange(len(self.rigid.independent))
+        place[self.rigid.independent_coordinates] = np.arange(
+            len(self.rigid.independent_coordinates)
+        )
         for link in self.rigid.links:
             among = self.rigid.of_link(link)
             self.targets[link][:] = place[among]
@@ -257,7 +292,7 @@ class LinkTies:
         if not led.any():
             return
         rows, among = rows[led], among[led]
-        columns = self._general.columns(self._general.coordinates.rows(among))
+        columns = _depends_on(self._general.coordinates.rows(among))
         if len(columns):
             self._ties[link].append(_RigidRows(rows, columns, among))
 
@@ -283,7 +318,7 @@ class LinkTies:
 
     def _number(self, last: Sequence[NDArray[np.bool_]]) -> int:
         """Number the free coordinates, those of the links' ends and of a free shaft first."""
-        count = len(self.rigid.independent)
+        count = len(self.rigid.independent_coordinates)
         ends = [~late for late in last]
         for number, (link, end) in enumerate(zip(self._links, ends, strict=True)):
             elsewhere = np.ones(link.size, dtype=bool)
@@ -322,9 +357,11 @@ class LinkTies:
                 if self.rigid.is_rigid(end) or not len(rows):
                     continue
                 if by_rigid:
-                    columns = self._general.columns(self._general.point(point))
+                    leader = self.rigid.leader(point)
+                    assert leader is not None
+                    columns = _depends_on(self._general.point(leader))
                     if len(columns):
-                        self._ties[link].append(_LedEnd(rows, columns, point))
+                        self._ties[link].append(_LedEnd(rows, columns, leader))
                 else:
                     self._follow_end(link, rows, point.ends[0])
         for turn in self._turns:
@@ -356,3 +393,8 @@ class LinkTies:
                 self.targets[link][rows[:1]] = column
             if len(rows) > 1:
                 self._ties[link].append(_EqualRows(rows[1:], column))
+
+
+def _depends_on(matrix: MatrixWithRates) -> IntArray:
+    """Which of the independent coordinates a matrix (1, r, n) in a general position depends on."""
+    return np.flatnonzero(np.abs(matrix.value[0]).max(axis=0, initial=0.0) > DEPENDENT)

@@ -9,27 +9,42 @@ rigid ones never follow them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flexmech.linear_system.displaced_motion import (
-    frame_rotation,
-    general_position,
-    slider_lever,
-)
+from flexmech.linear_system.displaced_motion import general_position, link_bodies
 from flexmech.linear_system.joint_points import JointPoint, joint_points, turning_joints
-from flexmech.linear_system.moving_matrix import MovingMatrix
 from flexmech.linear_system.position_errors import refuse_positions
 from flexmech.linkages import LinkEnd, RigidMotion, Topology
+from flexmech.linkages.body_motion import GROUND_AFTER_LINKS, BodyPoint
+from flexmech.linkages.connection_forces import end_point, slider_line
+from flexmech.linkages.constraints import Coincidence, Constraints, EqualAngle
+from flexmech.linkages.matrix_with_rates import MatrixWithRates
 from flexmech.types import FloatArray, IntArray
 
 # Singular values of the conditions, relative to the greatest, that count as none.
 DEPENDENT = 1e-9
 # Part of a column that is none of those before it, below which it adds nothing to the rank.
 ADDS = 1e-7
+
+
+@dataclass(frozen=True)
+class PoseStiffness:
+    """Stiffness of rigid links and sliders from forces that keep their direction.
+
+    Parameters
+    ----------
+    turning : ndarray, shape (B, n_links)
+        Of each rigid link against its rotation in N m/rad; zero of flexible ones.
+    guiding : ndarray, shape (B, n_sliders)
+        Between the rotation of a slider's guide and its slide, in N/rad; zero on the ground.
+    """
+
+    turning: FloatArray
+    guiding: FloatArray
 
 
 class RigidCoordinates:
@@ -45,19 +60,22 @@ class RigidCoordinates:
         Numbers of the rigid links; link ``links[k]`` has the coordinates ``3 k`` to ``3 k + 2``.
     size : int
         Number of all coordinates y: those of the links, then one a slider.
-    independent, dependent : ndarray of int, shape (n,), (size - n,)
+    independent_coordinates, dependent_coordinates : ndarray of int, shape (n,), (size - n,)
         Which of them are w, and which follow.
+    constraints : Constraints
+        All ties, also those that others imply.
+    rows : ndarray of int, shape (size - n,)
+        Which of their equations determine the dependent coordinates.
     """
 
     def __init__(self, topology: Topology) -> None:
         self.topology = topology
         self.links = tuple(n for n, link in enumerate(topology.links) if link.rigid)
         self.size = 3 * len(self.links) + len(topology.sliders)
-        self._points = [point for point in joint_points(topology) if self._is_tied(point)]
-        self._turns = [
-            turn for turn in turning_joints(topology) if any(map(self.is_rigid, turn.ends))
-        ]
-        self.independent, self.dependent, self._rows = self._choose()
+        self.constraints = Constraints(
+            [*self._coincidences(), *self._equal_angles()], self.links, len(topology.sliders)
+        )
+        self.independent_coordinates, self.dependent_coordinates, self.rows = self._choose()
 
     def is_rigid(self, end: LinkEnd) -> bool:
         """Whether an end is that of a rigid link."""
@@ -67,7 +85,7 @@ class RigidCoordinates:
         """The three coordinates of a rigid link among y."""
         return 3 * self.links.index(link) + np.arange(3)
 
-    def moving(self, motion: RigidMotion) -> MovingMatrix:
+    def dependence(self, motion: RigidMotion) -> MatrixWithRates:
         """``Y``: all coordinates from the independent ones, (B, size, n).
 
         Parameters
@@ -77,106 +95,70 @@ class RigidCoordinates:
 
         Returns
         -------
-        MovingMatrix
+        MatrixWithRates
 
         Raises
         ------
         ComputationError
-            Where the independent ones do not settle the others; names the crank angle.
+            Where the independent ones do not determine the others; names the crank angle.
         """
-        batch, count = len(motion.crank_angle), len(self.independent)
+        batch, count = len(motion.crank_angle), len(self.independent_coordinates)
         chosen = np.zeros((self.size, count))
-        chosen[self.independent, np.arange(count)] = 1.0
-        if not len(self.dependent):
-            return MovingMatrix.constant(chosen, batch)
-        conditions = self.conditions(motion)
-        across = conditions.columns(self.dependent)
+        chosen[self.independent_coordinates, np.arange(count)] = 1.0
+        if not len(self.dependent_coordinates):
+            return MatrixWithRates.constant(chosen, batch)
+        jacobian = self.constraint_jacobian(motion)
+        across = jacobian.columns(self.dependent_coordinates)
         self.refuse_locked(motion, across.value)
-        led = across.solve(-conditions.columns(self.independent))
-        value, rate, centripetal, tangential = np.zeros((4, batch, self.size, count))
-        value += chosen
-        value[:, self.dependent] = led.value
-        rate[:, self.dependent] = led.rate
-        centripetal[:, self.dependent] = led.centripetal
-        tangential[:, self.dependent] = led.tangential
-        return MovingMatrix(value, rate, centripetal, tangential)
+        solved = across.solve(-jacobian.columns(self.independent_coordinates))
+        parts = np.zeros((4, batch, self.size, count))
+        parts[0] += chosen
+        parts[:, :, self.dependent_coordinates] = solved.parts
+        return MatrixWithRates(*parts)
 
-    def point(self, motion: RigidMotion, point: JointPoint) -> MovingMatrix | None:
-        """Displacement of a point in ground axes by y, (B, 2, size).
+    def leader(self, point: JointPoint) -> BodyPoint | None:
+        """Point of a line or of a rigid link that others at a joint follow.
+
+        Parameters
+        ----------
+        point : JointPoint
+
+        Returns
+        -------
+        BodyPoint or None
+            None of a point that is held, or that no rigid link and no line leads.
+        """
+        if point.slider is not None:
+            return self.point_on_line(point.slider)
+        leads = [end for end in point.ends if self.is_rigid(end)]
+        return None if point.held or not leads else end_point(self.topology, leads[0])
+
+    def point_on_line(self, number: int) -> BodyPoint:
+        """The point of its line at which a slider is."""
+        line = slider_line(self.topology, self.topology.sliders[number])
+        return BodyPoint(line.second.body, slide=number, along=line.along)
+
+    def displacement_rows(
+        self, motion: RigidMotion, points: Sequence[BodyPoint]
+    ) -> MatrixWithRates:
+        """Displacement of points of rigid links and lines in ground axes by y, (B, 2 P, size).
 
         Parameters
         ----------
         motion : RigidMotion
             Batch of shape (B,).
-        point : JointPoint
-
-        Returns
-        -------
-        MovingMatrix or None
-            None of a point that is held, or that no rigid link and no line leads.
+        points : sequence of BodyPoint
         """
-        if point.slider is not None:
-            return self._on_line(motion, point.slider)
-        leads = [end for end in point.ends if self.is_rigid(end)]
-        return None if point.held or not leads else self.end_rows(motion, leads[0])
-
-    def lever(self, motion: RigidMotion, slider: int) -> FloatArray:
-        """Where the point of a slider is in the frame of its guide, (B, 2) in m."""
-        return slider_lever(motion, self.topology, slider).value[..., 0]
-
-    def moves(self, rows: MovingMatrix) -> NDArray[np.bool_]:
-        """Which of w a matrix (1, r, n) in a general position depends on."""
-        value = np.abs(rows.value[0])
-        return np.asarray(value.max(axis=0, initial=0.0) > DEPENDENT, dtype=bool)
+        bodies, slid = link_bodies(motion, self.topology)
+        return self.constraints.points(points).jacobian_with_rates(bodies, slid)
 
     @cached_property
     def general_position(self) -> RigidMotion:
         """A motion of one position in which no links are in line, and which need not close."""
         return general_position(self.topology)
 
-    def _is_tied(self, point: JointPoint) -> bool:
-        return any(map(self.is_rigid, point.ends))
-
-    def end_rows(self, motion: RigidMotion, end: LinkEnd) -> MovingMatrix:
-        """Displacement of a rigid link's end in ground axes by y, (B, 2, size).
-
-        Parameters
-        ----------
-        motion : RigidMotion
-            Batch of shape (B,).
-        end : LinkEnd
-        """
-        link = self.topology.index(end.link)
-        x = 0.0 if end.end == "start" else self.topology.links[link].length
-        local = np.zeros((2, self.size))
-        local[:, self.of_link(link)] = [[1.0, 0.0, 0.0], [0.0, 1.0, x]]
-        return frame_rotation(motion, link) @ MovingMatrix.constant(local, len(motion.crank_angle))
-
-    def _on_line(self, motion: RigidMotion, number: int) -> MovingMatrix:
-        """Displacement of the point that slides on a line, in ground axes by y."""
-        slider = self.topology.sliders[number]
-        along = np.array([np.cos(slider.direction), np.sin(slider.direction)])
-        batch, place = len(motion.crank_angle), 3 * len(self.links) + number
-        local = np.zeros((2, self.size))
-        local[:, place] = along
-        if not slider.guide:
-            return MovingMatrix.constant(local, batch)
-        guide = self.topology.index(slider.guide)
-        own = self.of_link(guide)
-        local[:, own[:2]] = np.eye(2)
-        moving = MovingMatrix.constant(local, batch)
-        lever = slider_lever(motion, self.topology, number)
-        quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
-        parts = {"value": lever.value, "rate": lever.rate, "tangential": lever.tangential}
-        turned = {name: part[..., 0] @ quarter.T for name, part in parts.items()}
-        local_parts = [
-            _with_column(getattr(moving, name), own[2], turned.get(name))
-            for name in ("value", "rate", "centripetal", "tangential")
-        ]
-        return frame_rotation(motion, guide) @ MovingMatrix(*local_parts)
-
-    def conditions(self, motion: RigidMotion) -> MovingMatrix:
-        """``G``: ties that settle the dependent coordinates, (B, size - n, size).
+    def constraint_jacobian(self, motion: RigidMotion) -> MatrixWithRates:
+        """``G``: ties that determine the dependent coordinates, (B, size - n, size).
 
         Parameters
         ----------
@@ -185,126 +167,60 @@ class RigidCoordinates:
 
         Returns
         -------
-        MovingMatrix
+        MatrixWithRates
             Displacements in ground axes in m, rotations in rad.
         """
-        every = self._every_condition(motion)
-        assert every is not None
-        return MovingMatrix(
-            *(
-                part[:, self._rows]
-                for part in (every.value, every.rate, every.centripetal, every.tangential)
-            )
-        )
+        bodies, slid = link_bodies(motion, self.topology)
+        return self.constraints.jacobian_with_rates(bodies, slid).rows(self.rows)
 
-    def _every_condition(self, motion: RigidMotion) -> MovingMatrix | None:
-        """All ties, (B, conditions, size), also those that others imply."""
-        batch, parts = len(motion.crank_angle), []
-        for end, point in self._tied_ends:
-            own, leader = self.end_rows(motion, end), self.point(motion, point)
-            parts.append(own if leader is None else own - leader)
-        for one, other in self._tied_turns:
-            row = self._turn_row(one)
-            row = row if other is None else row - self._turn_row(other)
-            parts.append(MovingMatrix.constant(row, batch))
-        return MovingMatrix.stacked(parts) if parts else None
-
-    def gaps(
-        self, displacement: Callable[[JointPoint | LinkEnd], FloatArray], y: FloatArray
-    ) -> FloatArray:
-        """By how much :meth:`conditions` are not satisfied, (B, size - n).
+    def projected(self, stiffness: PoseStiffness, dependence: FloatArray) -> FloatArray:
+        """A stiffness by the independent coordinates, (B, n, n).
 
         Parameters
         ----------
-        displacement : callable
-            Of a rigid link's end and of what leads a point, in ground axes, (B, 2).
-        y : ndarray, shape (B, size)
-
-        Returns
-        -------
-        ndarray
+        stiffness : PoseStiffness
+        dependence : ndarray, shape (B, size, n)
+            Derivative of y by the independent coordinates.
         """
-        parts = []
-        for end, point in self._tied_ends:
-            own = displacement(end)
-            parts.append(own if self._is_held(point) else own - displacement(point))
-        for one, other in self._tied_turns:
-            row = self._turn_row(one)
-            row = row if other is None else row - self._turn_row(other)
-            parts.append(y @ row.T)
-        return np.concatenate(parts, axis=1)[:, self._rows]
+        total = np.zeros((len(dependence), self.size, self.size))
+        for link in self.links:
+            turn = self.of_link(link)[2]
+            total[:, turn, turn] = stiffness.turning[:, link]
+        for number, slider in enumerate(self.topology.sliders):
+            if slider.guide:
+                turn = self.of_link(self.topology.index(slider.guide))[2]
+                slide = 3 * len(self.links) + number
+                total[:, turn, slide] = total[:, slide, turn] = stiffness.guiding[:, number]
+        return np.asarray(np.swapaxes(dependence, 1, 2) @ total @ dependence)
 
-    def tie_forces(
-        self, forces: FloatArray, at_points: Mapping[JointPoint, FloatArray]
-    ) -> Iterator[tuple[LinkEnd | int, FloatArray]]:
-        """Forces on ends of rigid links and on lines, in ground axes.
-
-        Parameters
-        ----------
-        forces : ndarray, shape (B, size - n)
-            Of :meth:`conditions`.
-        at_points : mapping of JointPoint to ndarray, shape (B, 2)
-            Forces of flexible links on points that lead them.
-
-        Yields
-        ------
-        tuple of LinkEnd or int and ndarray, shape (B, 2)
-            An end, or the number of a slider, and the force on it.
-        """
-        every = np.zeros((len(forces), 2 * len(self._tied_ends) + len(self._tied_turns)))
-        every[:, self._rows] = forces
-        leading = {point: force.copy() for point, force in at_points.items()}
-        for number, (end, point) in enumerate(self._tied_ends):
-            force = every[:, 2 * number : 2 * number + 2]
-            yield end, force
-            if not self._is_held(point):
-                leading[point] = leading.get(point, 0.0) - force
-        for point, force in leading.items():
-            if point.slider is not None:
-                yield point.slider, force
-            else:
-                yield next(end for end in point.ends if self.is_rigid(end)), force
-
-    def _is_held(self, point: JointPoint) -> bool:
-        return point.held and point.slider is None
-
-    @cached_property
-    def _tied_ends(self) -> list[tuple[LinkEnd, JointPoint]]:
+    def _coincidences(self) -> Iterator[Coincidence]:
         """Ends of rigid links, and the points that they are tied to and do not lead."""
-        tied = []
-        for point in self._points:
+        for point in joint_points(self.topology):
             rigid = [end for end in point.ends if self.is_rigid(end)]
-            leads = not point.held and point.slider is None
-            tied += [(end, point) for end in rigid[1 if leads else 0 :]]
-        return tied
+            leader = self.leader(point)
+            leads = leader is not None and leader.slide is None
+            for end in rigid[1 if leads else 0 :]:
+                held = BodyPoint(GROUND_AFTER_LINKS) if leader is None else leader
+                yield Coincidence(end_point(self.topology, end), held)
 
-    @cached_property
-    def _tied_turns(self) -> list[tuple[LinkEnd, LinkEnd | None]]:
-        """Ends of rigid links that turn with others; None with the shaft."""
-        tied: list[tuple[LinkEnd, LinkEnd | None]] = []
-        for turn in self._turns:
-            rigid = [end for end in turn.ends if self.is_rigid(end)]
-            if turn.held:
-                tied += [(end, None) for end in rigid]
-            else:
-                tied += [(end, rigid[0]) for end in rigid[1:]]
-        return tied
-
-    def _turn_row(self, end: LinkEnd) -> FloatArray:
-        row = np.zeros((1, self.size))
-        row[0, self.of_link(self.topology.index(end.link))[2]] = 1.0
-        return row
+    def _equal_angles(self) -> Iterator[EqualAngle]:
+        """Rigid links that turn with others or with the shaft."""
+        for turn in turning_joints(self.topology):
+            rigid = [self.topology.index(end.link) for end in turn.ends if self.is_rigid(end)]
+            others = rigid if turn.held else rigid[1:]
+            leader = GROUND_AFTER_LINKS if turn.held else rigid[0] if rigid else 0
+            yield from (EqualAngle(other, leader) for other in others)
 
     def _choose(self) -> tuple[IntArray, IntArray, IntArray]:
-        """Independent and dependent coordinates, and the conditions that settle the latter.
+        """Independent and dependent coordinates, and the conditions that determine the latter.
 
         Chosen once, in a general position: who comes first and adds to the rank depends.
         """
-        every = self._every_condition(self.general_position) if self.size else None
-        if every is None:
-            none = np.zeros(0, dtype=np.intp)
+        none = np.zeros(0, dtype=np.intp)
+        if not self.constraints.count:
             return np.arange(self.size), none, none
-        conditions = every.value[0]
+        bodies, slid = link_bodies(self.general_position, self.topology)
+        conditions = self.constraints.jacobian_with_rates(bodies, slid).value[0]
         order = self._order()
         dependent = np.sort(order[_adding_to_the_rank(conditions[:, order])])
         rows = _adding_to_the_rank(conditions[:, dependent].T)
@@ -324,7 +240,7 @@ class RigidCoordinates:
         return np.concatenate([displacements, every[3 * count :], rotations[::-1]])
 
     def refuse_locked(self, motion: RigidMotion, across: FloatArray) -> None:
-        """Refuse positions where the ties do not settle the dependent coordinates.
+        """Refuse positions where the ties do not determine the dependent coordinates.
 
         Parameters
         ----------
@@ -362,11 +278,3 @@ def _adding_to_the_rank(matrix: FloatArray) -> IntArray:
             chosen.append(number)
             basis = np.column_stack([basis, rest / size])
     return np.array(chosen, dtype=np.intp)
-
-
-def _with_column(matrix: FloatArray, column: int, values: FloatArray | None) -> FloatArray:
-    if values is None:
-        return matrix
-    changed = matrix.copy()
-    changed[:, :, column] = values
-    return changed

@@ -10,38 +10,23 @@ tension P gets ``P / L`` between its ends.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Self
 
 import numpy as np
 
-from flexmech.linear_system.displaced_motion import DisplacedMotion
-from flexmech.linear_system.joint_points import JointPoint
-from flexmech.linear_system.rigid_coordinates import RigidCoordinates
-from flexmech.linkages import LinkEnd, RigidMotion
-from flexmech.linkages.motion import direction, normal
-from flexmech.types import FloatArray
+from flexmech.linear_system.displaced_motion import DisplacedMotion, link_bodies
+from flexmech.linear_system.rigid_coordinates import PoseStiffness, RigidCoordinates
+from flexmech.linkages import RigidMotion
+from flexmech.linkages.body_motion import BodyMotion, BodyPoint, dot
+from flexmech.linkages.connection_forces import end_point
+from flexmech.types import ComplexArray, FloatArray, IntArray
 
+# Newton's method takes five to eight from the straight linkage; more is out of reach.
 ITERATIONS = 30
-# Of conditions in m, to the size of the longest link, and of angles in rad.
+# Of conditions in m, to the size of the longest link, and of angles in rad: round-off.
 CLOSED = 1e-14
-
-
-@dataclass(frozen=True)
-class PoseStiffness:
-    """Stiffness of rigid links and sliders from forces that keep their direction.
-
-    Parameters
-    ----------
-    turning : ndarray, shape (B, n_links)
-        Of each rigid link against its rotation in N m/rad; zero of flexible ones.
-    guiding : ndarray, shape (B, n_sliders)
-        Between the rotation of a slider's guide and its slide, in N/rad; zero on the ground.
-    """
-
-    turning: FloatArray
-    guiding: FloatArray
 
 
 class RigidPose:
@@ -65,7 +50,9 @@ class RigidPose:
         self.displaced = DisplacedMotion.of(motion, turn, y[:, 3 * count :])
 
     @classmethod
-    def settled(cls, rigid: RigidCoordinates, motion: RigidMotion, w: FloatArray) -> Self:
+    def solve_position_constraints(
+        cls, rigid: RigidCoordinates, motion: RigidMotion, w: FloatArray
+    ) -> Self:
         """Rigid links and sliders at given independent coordinates, by Newton's method.
 
         Parameters
@@ -77,22 +64,21 @@ class RigidPose:
             Where no place satisfies the ties, those of the pose are out of reach: not a number.
         """
         y = np.zeros((len(w), rigid.size))
-        y[:, rigid.independent] = w
+        y[:, rigid.independent_coordinates] = w
         pose = cls(rigid, motion, y)
-        if not len(rigid.dependent):
+        if not len(rigid.dependent_coordinates):
             return pose
-        rigid.refuse_locked(motion, pose._conditions[:, :, rigid.dependent])
+        rigid.refuse_locked(motion, pose._jacobian[:, :, rigid.dependent_coordinates])
         length = max(link.length for link in rigid.topology.links)
         for _ in range(ITERATIONS):
-            gap = rigid.gaps(pose.point, y)
+            gap = pose._gap()
             if np.nanmax(np.abs(gap), initial=0.0) <= CLOSED * max(1.0, length):
                 return pose
-            across = pose._conditions[:, :, rigid.dependent]
+            across = pose._jacobian[:, :, rigid.dependent_coordinates]
             y = y.copy()
-            y[:, rigid.dependent] -= np.linalg.solve(across, gap[..., None])[..., 0]
+            y[:, rigid.dependent_coordinates] -= np.linalg.solve(across, gap[..., None])[..., 0]
             pose = cls(rigid, motion, y)
-        gap = np.abs(rigid.gaps(pose.point, y)).max(axis=1)
-        y = np.where((gap <= 1e-9 * length)[:, None], y, np.nan)
+        y = np.where((np.abs(pose._gap()).max(axis=1) <= 1e-9 * length)[:, None], y, np.nan)
         return cls(rigid, motion, y)
 
     @classmethod
@@ -121,45 +107,46 @@ class RigidPose:
             y[:, rigid.of_link(link)] = displacement[link]
         pose = cls(rigid, motion, y)
         for number, slider in enumerate(rigid.topology.sliders):
-            moved = held[number] if number in held else pose._end(slider.held)
-            along = direction(np.array(slider.direction))
-            if slider.guide:
-                guide = rigid.topology.index(slider.guide)
-                along = direction(pose.displaced.angle[:, guide] + slider.direction)
-                moved = moved - pose._on_line(number)  # whose slide is not there yet
-            y[:, 3 * len(rigid.links) + number] = np.sum(moved * along, axis=1)
+            line = rigid.point_on_line(number)
+            moved = (
+                held[number]
+                if number in held
+                else pose.displacement([end_point(rigid.topology, slider.held)])[:, 0]
+            )
+            moved = moved - pose.displacement([line])[:, 0]  # whose slide is not there yet
+            along = line.along * pose._after[0].turn[:, line.body]
+            y[:, 3 * len(rigid.links) + number] = dot(along, moved[:, 0] + 1j * moved[:, 1])
         return cls(rigid, motion, y)
 
-    def point(self, point: JointPoint | LinkEnd) -> FloatArray:
-        """Displacement of a point of rigid links or of a line in ground axes, (B, 2)."""
-        if isinstance(point, LinkEnd):
-            return self._end(point)
-        if point.slider is not None:
-            return self._on_line(point.slider)
-        return self._end(next(end for end in point.ends if self.rigid.is_rigid(end)))
+    def displacement(self, points: Sequence[BodyPoint]) -> FloatArray:
+        """Displacement of points of rigid links or of lines in ground axes, (B, P, 2)."""
+        own = self.rigid.constraints.points(points)
+        moved = own.places(*self._after) - own.places(*self._before)
+        return np.stack([moved.real, moved.imag], axis=-1)
 
-    def rows(self, point: JointPoint) -> FloatArray:
-        """Derivative of the displacement of a point by y, (B, 2, size)."""
-        matrix = self.rigid.point(self.displaced, point)
-        assert matrix is not None
-        return matrix.value @ self._to_frames
+    def rows(self, points: Sequence[BodyPoint]) -> FloatArray:
+        """Derivative of the displacement of points by y, (B, 2 P, size)."""
+        bodies, slid = self._after
+        own = self.rigid.constraints.points(points)
+        return own.jacobian(bodies, self._before[0].turn, slid)
 
     @cached_property
     def coordinates(self) -> FloatArray:
         """Derivative of y by the independent coordinates, (B, size, n)."""
         rigid = self.rigid
-        moved = np.zeros((len(self.y), rigid.size, len(rigid.independent)))
-        moved[:, rigid.independent, np.arange(len(rigid.independent))] = 1.0
-        if len(rigid.dependent):
+        moved = np.zeros((len(self.y), rigid.size, len(rigid.independent_coordinates)))
+        moved[:, rigid.independent_coordinates, np.arange(len(rigid.independent_coordinates))] = 1.0
+        if len(rigid.dependent_coordinates):
             across, along = (
-                self._conditions[:, :, w] for w in (rigid.dependent, rigid.independent)
+                self._jacobian[:, :, w]
+                for w in (rigid.dependent_coordinates, rigid.independent_coordinates)
             )
-            moved[:, rigid.dependent] = -np.linalg.solve(across, along)
+            moved[:, rigid.dependent_coordinates] = -np.linalg.solve(across, along)
         return moved
 
     def stiffness(
         self,
-        at_points: Mapping[JointPoint, FloatArray],
+        at_points: Mapping[BodyPoint, FloatArray],
         forces: FloatArray,
         virial: FloatArray,
     ) -> PoseStiffness:
@@ -167,7 +154,7 @@ class RigidPose:
 
         Parameters
         ----------
-        at_points : mapping of JointPoint to ndarray, shape (B, 2)
+        at_points : mapping of BodyPoint to ndarray, shape (B, 2)
             Forces of flexible links on points that lead them, in ground axes in N.
         forces : ndarray, shape (B, size)
             All other forces, by y.
@@ -179,83 +166,179 @@ class RigidPose:
         -------
         PoseStiffness
         """
-        rigid = self.rigid
-        total = forces.copy()
-        for point, force in at_points.items():
-            total += np.einsum("bci,bc->bi", self.rows(point), force)
-        ties: FloatArray = np.zeros((len(total), len(rigid.dependent)))
-        if len(rigid.dependent):
-            across = np.swapaxes(self._conditions[:, :, rigid.dependent], 1, 2)
-            led = total[:, rigid.dependent, None]
-            ties = -np.asarray(np.linalg.solve(across, led), dtype=float)[..., 0]
-        turning, guiding = virial.copy(), np.zeros((len(total), len(rigid.topology.sliders)))
-        for place, force in rigid.tie_forces(ties, at_points):
-            if isinstance(place, LinkEnd):
-                link = rigid.topology.index(place.link)
-                turning[:, link] += np.sum(force * self._arm(place), axis=1)
-                continue
-            slider = rigid.topology.sliders[place]
-            if slider.guide:
-                guide = rigid.topology.index(slider.guide)
-                along = direction(self.displaced.angle[:, guide] + slider.direction)
-                across_it = normal(self.displaced.angle[:, guide] + slider.direction)
-                arm, moved = self._lever(place)
-                turning[:, guide] += np.sum(force * (arm + moved[:, None] * along), axis=1)
-                guiding[:, place] -= np.sum(force * across_it, axis=1)
+        rigid, (bodies, slid) = self.rigid, self._after
+        turning, guiding = virial.copy(), np.zeros(slid.shape)
+        total, found = forces, []
+        if at_points:
+            points = list(at_points)
+            given = np.concatenate(list(at_points.values()), axis=1)
+            total = total + np.einsum("bci,bc->bi", self.rows(points), given)
+            led = rigid.constraints.points(points)
+            found.append(led.turning_stiffness(bodies, slid, given[:, ::2] + 1j * given[:, 1::2]))
+        if len(rigid.dependent_coordinates):
+            across = np.swapaxes(self._jacobian[:, :, rigid.dependent_coordinates], 1, 2)
+            ties = np.zeros((len(total), rigid.constraints.count))
+            ties[:, rigid.rows] = -np.linalg.solve(
+                across, total[:, rigid.dependent_coordinates, None]
+            )[..., 0]
+            found.append(rigid.constraints.turning_stiffness(bodies, slid, ties))
+        for by_arm, by_line in found:
+            turning += by_arm[:, :-1]
+            guiding += by_line
         return PoseStiffness(turning, guiding)
 
+    def _gap(self) -> FloatArray:
+        """By how much the ties that determine the dependent coordinates are not satisfied."""
+        constraints = self.rigid.constraints
+        gap = constraints.gap(*self._after) - constraints.gap(*self._before)
+        return (gap + constraints.turned(self.y))[:, self.rigid.rows]
+
     @cached_property
-    def _conditions(self) -> FloatArray:
+    def _jacobian(self) -> FloatArray:
         """Derivative of the ties by y, (B, conditions, size)."""
-        return self.rigid.conditions(self.displaced).value @ self._to_frames
+        bodies, slid = self._after
+        jacobian = self.rigid.constraints.jacobian(bodies, self._before[0].turn, slid)
+        return jacobian[:, self.rigid.rows]
 
     @cached_property
-    def _to_frames(self) -> FloatArray:
-        """From y to the coordinates in the frames of the displaced links, (B, size, size)."""
-        matrix = np.broadcast_to(np.eye(self.rigid.size), (len(self.y), *2 * (self.rigid.size,)))
-        matrix = matrix.copy()
-        for number in range(len(self.rigid.links)):
-            first = 3 * number
-            cosine, sine = np.cos(self.y[:, first + 2]), np.sin(self.y[:, first + 2])
-            matrix[:, first, first] = matrix[:, first + 1, first + 1] = cosine
-            matrix[:, first, first + 1], matrix[:, first + 1, first] = sine, -sine
-        return matrix
+    def _before(self) -> tuple[BodyMotion, ComplexArray]:
+        """Bodies before they are displaced, from their places, and where sliders are on them."""
+        bodies, slid = link_bodies(self.motion, self.rigid.topology)
+        return replace(bodies, place=np.zeros_like(bodies.place)), slid[0]
 
-    def _start(self, link: int) -> FloatArray:
-        """Displacement of a rigid link's start in ground axes, (B, 2)."""
-        u = self.y[:, self.rigid.of_link(link)]
-        angle = self.motion.angle[:, link]
-        return u[:, :1] * direction(angle) + u[:, 1:2] * normal(angle)
+    @cached_property
+    def _after(self) -> tuple[BodyMotion, ComplexArray]:
+        """Displaced bodies, from the places before, and where sliders are on them."""
+        bodies, slid = link_bodies(self.displaced, self.rigid.topology)
+        place, links = np.zeros_like(bodies.place), list(self.rigid.links)
+        u, v = (self.y[:, first : 3 * len(links) : 3] for first in (0, 1))
+        place[:, links] = self._before[0].turn[:, links] * (u + 1j * v)
+        return replace(bodies, place=place), slid[0]
 
-    def _arm(self, end: LinkEnd) -> FloatArray:
-        """From the start of a displaced rigid link to an end in ground axes, (B, 2)."""
-        link = self.rigid.topology.index(end.link)
-        x = 0.0 if end.end == "start" else self.rigid.topology.links[link].length
-        return x * direction(self.displaced.angle[:, link])
 
-    def _end(self, end: LinkEnd) -> FloatArray:
-        link = self.rigid.topology.index(end.link)
-        x = 0.0 if end.end == "start" else self.rigid.topology.links[link].length
-        turned = self._arm(end) - x * direction(self.motion.angle[:, link])
-        return self._start(link) + turned
+@dataclass(frozen=True)
+class DisplacedRows:
+    """Rows of a link that follow, where the linkage is displaced.
 
-    def _lever(self, number: int) -> tuple[FloatArray, FloatArray]:
-        """Arm of a slider on its guide without its slide, turned with the guide; the slide."""
-        slider = self.rigid.topology.sliders[number]
-        guide = self.rigid.topology.index(slider.guide)
-        lever = self.rigid.lever(self.motion, number)
-        angle = self.displaced.angle[:, guide]
-        arm = lever[:, :1] * direction(angle) + lever[:, 1:] * normal(angle)
-        return arm, self.displaced.slide[:, number]
+    Parameters
+    ----------
+    rows, columns : ndarray of int, shape (r,), (c,)
+        As of :class:`flexmech.linear_system.DependentRows`.
+    turn : ndarray, shape (B, r, c)
+        Derivative of the rows by the columns.
+    place : ndarray, shape (B, r), or None
+        The rows themselves, where they are not linear in the columns.
+    """
 
-    def _on_line(self, number: int) -> FloatArray:
-        slider = self.rigid.topology.sliders[number]
-        slide = self.displaced.slide[:, number, None]
-        if not slider.guide:
-            return slide * direction(np.array(slider.direction))
-        guide = self.rigid.topology.index(slider.guide)
-        arm, _ = self._lever(number)
-        lever, angle = self.rigid.lever(self.motion, number), self.motion.angle[:, guide]
-        before = lever[:, :1] * direction(angle) + lever[:, 1:] * normal(angle)
-        along = direction(self.displaced.angle[:, guide] + slider.direction)
-        return self._start(guide) + arm + slide * along - before
+    rows: IntArray
+    columns: IntArray
+    turn: FloatArray
+    place: FloatArray | None
+
+
+@dataclass(frozen=True)
+class PointRows:
+    """Rows (r,) of a link that are the displacement of a point in the link's frame."""
+
+    link: int
+    rows: IntArray
+    point: BodyPoint
+
+
+@dataclass(frozen=True)
+class CoordinateRows:
+    """Rows (r,) of a link that are coordinates ``among`` those of rigid links."""
+
+    link: int
+    rows: IntArray
+    among: IntArray
+
+
+class DisplacedTies:
+    """Ties over a batch of positions at given coordinates of the rigid links.
+
+    Parameters
+    ----------
+    pose : RigidPose
+    rows : list of list of DisplacedRows
+        For each link.
+    at_points, at_coordinates : list
+        What of the links leads to the rigid links and lines.
+    """
+
+    def __init__(
+        self,
+        pose: RigidPose,
+        rows: list[list[DisplacedRows]],
+        at_points: list[PointRows],
+        at_coordinates: list[CoordinateRows],
+    ) -> None:
+        self.pose, self.rows = pose, rows
+        self._at_points, self._at_coordinates = at_points, at_coordinates
+
+    def link_displacement(
+        self, z: FloatArray, targets: Sequence[IntArray], sizes: Sequence[int]
+    ) -> list[FloatArray]:
+        """Coordinates of each link.
+
+        Parameters
+        ----------
+        z : ndarray, shape (B, size)
+        targets : sequence of ndarray of int, shape (n_link,)
+        sizes : sequence of int
+
+        Returns
+        -------
+        list of ndarray, shape (B, n_link)
+        """
+        result = []
+        for target, size, following in zip(targets, sizes, self.rows, strict=True):
+            q, free = np.zeros((len(z), size)), target >= 0
+            q[:, free] = z[:, target[free]]
+            for led in following:
+                q[:, led.rows] = (
+                    (led.turn @ z[:, led.columns, None])[..., 0] if led.place is None else led.place
+                )
+            result.append(q)
+        return result
+
+    def stiffness(
+        self, forces: Sequence[FloatArray], virial: FloatArray, moment: FloatArray
+    ) -> PoseStiffness:
+        """Stiffness of rigid links and sliders from forces that keep their direction.
+
+        Parameters
+        ----------
+        forces : sequence of ndarray, shape (B, n_link)
+            Outer less inner ones on each link in its frame.
+        virial, moment : ndarray, shape (B, n_links)
+            Products of force and place, and moments about the start, of what acts on each rigid
+            link besides its joints, in its undisplaced place, in N m.
+
+        Returns
+        -------
+        PoseStiffness
+        """
+        pose = self.pose
+        motion, rigid = pose.motion, pose.rigid
+        at_points: dict[BodyPoint, FloatArray] = {}
+        for led in self._at_points:
+            force = forces[led.link][:, led.rows]
+            angle = motion.angle[:, led.link, None]
+            cosine, sine = np.cos(angle), np.sin(angle)
+            x, y = force[:, :1], force[:, 1:]
+            ground = np.concatenate([cosine * x - sine * y, sine * x + cosine * y], axis=1)
+            at_points[led.point] = at_points.get(led.point, 0.0) + ground
+        by_y = np.zeros_like(pose.y)
+        for own in self._at_coordinates:
+            for row, coordinate in zip(own.rows, own.among, strict=True):
+                by_y[:, coordinate] += forces[own.link][:, row]
+        turned = np.zeros_like(virial)
+        for link in rigid.links:
+            turn = pose.displaced.turn[:, link]
+            turned[:, link] = np.cos(turn) * virial[:, link] + np.sin(turn) * moment[:, link]
+        return pose.stiffness(at_points, by_y, turned)
+
+    def matrix(self, stiffness: PoseStiffness) -> FloatArray:
+        """A stiffness of the pose by the independent coordinates, (B, n, n)."""
+        return self.pose.rigid.projected(stiffness, self.pose.coordinates)

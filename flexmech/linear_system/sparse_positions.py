@@ -13,8 +13,8 @@ import numpy as np
 from scipy.sparse import coo_array, csc_array
 
 from flexmech.linear_system.chains import ChainMatrix, LinkMatrix, in_positions
-from flexmech.linear_system.following_rows import FollowingRows
 from flexmech.linear_system.link_frames import LinkFrames
+from flexmech.linear_system.link_place import DependentRows
 from flexmech.linear_system.rotation_terms import RotationTerms
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linkages import RigidMotion
@@ -53,7 +53,7 @@ class SparsePositions:
     ) -> None:
         self._frames, self._stressed, self.terms = frames, stressed, terms
         self._motion = frames.displaced(motion, stressed.displacement)
-        self._following = frames.following_rows(self._motion)
+        self._following = frames.dependent_rows(self._motion)
         self._steady = [
             tuple(map(_sparse, (link.mass, link.gyroscopic, link.translational_mass)))
             for link in frames.links
@@ -137,7 +137,7 @@ def _sparse(matrix: LinkMatrix) -> csc_array:
 def _map(
     shape: tuple[int, int],
     own: tuple[IntArray, IntArray],
-    following: Sequence[FollowingRows],
+    following: Sequence[DependentRows],
     name: str,
     position: int,
 ) -> csc_array:

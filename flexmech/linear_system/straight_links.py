@@ -16,8 +16,8 @@ from flexmech.linear_system.chains import LinkMatrix
 from flexmech.linear_system.connectors import Connectors
 from flexmech.linear_system.dead_forces import DeadForces
 from flexmech.linear_system.link_frames import LinkFrames
+from flexmech.linear_system.rigid_coordinates import PoseStiffness
 from flexmech.linear_system.rigid_link import dead_virial, rigid_tangent
-from flexmech.linear_system.rigid_pose import PoseStiffness
 from flexmech.linear_system.stressed_links import StressedLinks
 from flexmech.linear_system.tension import forces_of_links, static_displacement
 from flexmech.linkages import RigidMotion
@@ -91,7 +91,9 @@ def straight_forces(
     virial = dead_virial(frames.links, motion, mechanism.gravity)
     if connectors is not None:
         virial = virial + connectors.virial(motion)
-    posed = frames.posed(motion, np.zeros((len(virial), len(frames.rigid.independent))))
+    posed = frames.displaced_ties(
+        motion, np.zeros((len(virial), len(frames.rigid.independent_coordinates)))
+    )
     inner = [q @ link.stiffness for q, link in zip(displacement, frames.links, strict=True)]
     dead = DeadForces.of(frames.links, motion, loads, virial)
     return StraightForces(loads, forces, dead.stiffness(posed, inner))

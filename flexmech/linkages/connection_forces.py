@@ -2,13 +2,26 @@
 
 from __future__ import annotations
 
+import cmath
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.linkages.motion import RigidMotion, direction, normal
+from flexmech.linkages.body_motion import (
+    GROUND_AFTER_LINKS,
+    BodyMotion,
+    BodyPoint,
+)
+from flexmech.linkages.constraints import (
+    Coincidence,
+    Condition,
+    Constraints,
+    EqualAngle,
+    PointOnLine,
+)
+from flexmech.linkages.motion import RigidMotion, normal
 from flexmech.linkages.topology import LinkEnd, Slider, Topology
 from flexmech.types import FloatArray
 
@@ -59,6 +72,40 @@ def connections(topology: Topology) -> tuple[Connection, ...]:
     return tuple(found)
 
 
+def end_point(topology: Topology, end: LinkEnd) -> BodyPoint:
+    """Point of a link end, by the link's number."""
+    link = topology.index(end.link)
+    return BodyPoint(link, 0.0 if end.end == "start" else topology.links[link].length)
+
+
+def slider_line(topology: Topology, slider: Slider) -> PointOnLine:
+    """Condition of a slider; links are numbered as in the topology."""
+    guide = topology.index(slider.guide) if slider.guide else GROUND_AFTER_LINKS
+    along = cmath.rect(1.0, slider.direction)
+    line = BodyPoint(guide, 1j * slider.offset * along)
+    return PointOnLine(end_point(topology, slider.held), line, along)
+
+
+@lru_cache(maxsize=64)
+def _constraints(topology: Topology) -> Constraints:
+    """Conditions of all joints, a row for each of the connections."""
+    found: list[Condition] = []
+    for one in connections(topology):
+        if one.slider is not None:
+            found.append(slider_line(topology, one.slider))
+        elif one.component == 0:
+            other = (
+                BodyPoint(GROUND_AFTER_LINKS)
+                if one.other is None
+                else end_point(topology, one.other)
+            )
+            found.append(Coincidence(end_point(topology, one.place), other))
+        elif one.component == 2:
+            leader = GROUND_AFTER_LINKS if one.other is None else topology.index(one.other.link)
+            found.append(EqualAngle(topology.index(one.place.link), leader))
+    return Constraints(found, range(len(topology.links)))
+
+
 def guide_place(
     topology: Topology, motion: RigidMotion, slider: Slider
 ) -> tuple[FloatArray, FloatArray]:
@@ -76,12 +123,10 @@ def guide_place(
     tuple of ndarray, shape (...)
         Along and across the guide's frame in m.
     """
-    link, guide = topology.index(slider.held.link), topology.index(slider.guide)
-    x = 0.0 if slider.held.end == "start" else topology.links[link].length
-    line = motion.position(link, x) - motion.origin[..., guide, :]
-    angle = motion.angle[..., guide]
-    along, across = direction(angle), normal(angle)
-    return np.sum(line * along, axis=-1), np.sum(line * across, axis=-1)
+    line, guide = end_point(topology, slider.held), topology.index(slider.guide)
+    there = motion.position(line.body, line.place.real) - motion.origin[..., guide, :]
+    place = (there[..., 0] + 1j * there[..., 1]) * np.exp(-1j * motion.angle[..., guide])
+    return place.real, place.imag
 
 
 def line_normal(topology: Topology, motion: RigidMotion, slider: Slider) -> FloatArray:
@@ -103,6 +148,8 @@ def line_normal(topology: Topology, motion: RigidMotion, slider: Slider) -> Floa
 def connection_matrix(topology: Topology, motion: RigidMotion) -> FloatArray:
     """Force and moment about its start that each unknown of unit size gives each link.
 
+    It is the Jacobian of the joints' conditions, transposed.
+
     Parameters
     ----------
     topology : Topology
@@ -113,51 +160,10 @@ def connection_matrix(topology: Topology, motion: RigidMotion) -> FloatArray:
     ndarray, shape (..., 3 * n_links, n_unknowns)
         Rows of a link: force along ground x and y, moment.
     """
-    unknowns = connections(topology)
-    lengths = np.array([link.length for link in topology.links])
-    arms = lengths[:, None] * direction(motion.angle)
-    matrix = np.zeros((*motion.crank_angle.shape, 3 * len(lengths), len(unknowns)))
-    for number, unknown in enumerate(unknowns):
-        column = matrix[..., number]
-        if unknown.slider is not None:
-            _add_line_force(column, topology, motion, unknown.slider, arms)
-            continue
-        for place, sign in ((unknown.place, 1.0), (unknown.other, -1.0)):
-            if place is None:
-                continue
-            link = topology.index(place.link)
-            column[..., 3 * link + unknown.component] += sign
-            if unknown.component < 2 and place.end == "end":
-                arm = arms[..., link, :]
-                lever = -arm[..., 1] if unknown.component == 0 else arm[..., 0]
-                column[..., 3 * link + 2] += sign * lever
-    return matrix
-
-
-def _add_line_force(
-    column: FloatArray,
-    topology: Topology,
-    motion: RigidMotion,
-    slider: Slider,
-    arms: FloatArray,
-) -> None:
-    """A unit force across a slider's line: on the held end, and back on the guide."""
-    across = line_normal(topology, motion, slider)
-    link = topology.index(slider.held.link)
-    column[..., 3 * link : 3 * link + 2] += across
-    at_end = slider.held.end == "end"
-    if at_end:
-        column[..., 3 * link + 2] += _cross(arms[..., link, :], across)
-    if slider.guide:
-        guide = topology.index(slider.guide)
-        place = motion.origin[..., link, :] - motion.origin[..., guide, :]
-        place = place + arms[..., link, :] if at_end else place
-        column[..., 3 * guide : 3 * guide + 2] -= across
-        column[..., 3 * guide + 2] -= _cross(place, across)
-
-
-def _cross(arm: FloatArray, force: FloatArray) -> FloatArray:
-    return np.asarray(arm[..., 0] * force[..., 1] - arm[..., 1] * force[..., 0])
+    batch = motion.crank_angle.shape
+    flat = motion.at(np.ones(batch, dtype=bool))
+    matrix = _constraints(topology).jacobian(BodyMotion.of_links(flat))
+    return np.swapaxes(matrix, -1, -2).reshape(*batch, -1, matrix.shape[-2])
 
 
 def solve_connections(topology: Topology, motion: RigidMotion, load: FloatArray) -> FloatArray:

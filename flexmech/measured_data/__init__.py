@@ -1,9 +1,12 @@
 """Measured records: curves with units over time, frequency or crank angle, read from files."""
 
-from flexmech.measured_data.csv_files import read_csv_record
-from flexmech.measured_data.files import read_record
-from flexmech.measured_data.record import Abscissa, MeasuredQuantity, MeasuredRecord
-from flexmech.measured_data.sampling import sampling_interval
+from flexmech.measured_data.files import read_csv_record, read_record
+from flexmech.measured_data.record import (
+    Abscissa,
+    MeasuredQuantity,
+    MeasuredRecord,
+    sampling_interval,
+)
 from flexmech.measured_data.uff_contents import (
     UffDegreeOfFreedom,
     UffFile,
@@ -13,8 +16,7 @@ from flexmech.measured_data.uff_contents import (
     UffNodes,
     UffTrace,
 )
-from flexmech.measured_data.uff_files import check_uff, read_uff, write_uff
-from flexmech.measured_data.uff_records import read_uff_record
+from flexmech.measured_data.uff_files import check_uff, read_uff, read_uff_record, write_uff
 
 __all__ = [
     "Abscissa",

@@ -4,20 +4,22 @@ This room knows arrays alone and nothing of mechanisms: windows, averages and no
 frequency-response functions, and the modes that are identified from them.
 """
 
-from flexmech.modal_testing.estimate import FrfEstimate, estimate_frf, with_noise
-from flexmech.modal_testing.harmonic_orders import HarmonicEstimate, estimate_harmonics
-from flexmech.modal_testing.identified import IdentifiedModes
-from flexmech.modal_testing.identify import (
-    ORDERS,
-    IdentificationMethod,
-    best_method,
-    identify,
+from flexmech.modal_testing.estimate import (
+    ExponentialWindow,
+    ForceWindow,
+    FrfEstimate,
+    estimate_frf,
+    with_noise,
 )
-from flexmech.modal_testing.lscf import check_lscf, has_lscf
+from flexmech.modal_testing.harmonic_orders import (
+    HarmonicEstimate,
+    estimate_harmonics,
+    without_synchronous_average,
+)
+from flexmech.modal_testing.identified import IdentifiedModes
+from flexmech.modal_testing.identify import ORDERS, IdentificationMethod, best_method, identify
+from flexmech.modal_testing.lscf import StabilisationChart, check_lscf, has_lscf
 from flexmech.modal_testing.shapes import complexity_factor, mac
-from flexmech.modal_testing.stabilisation import StabilisationChart
-from flexmech.modal_testing.synchronous import without_synchronous_average
-from flexmech.modal_testing.windows import ExponentialWindow, ForceWindow
 
 __all__ = [
     "ORDERS",

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.modal_testing.stabilisation import StabilisationChart
+from flexmech.modal_testing.lscf import StabilisationChart
 from flexmech.types import ComplexArray, FloatArray
 
 UPPER_TERMS = 2

@@ -1,19 +1,36 @@
-"""Poles by the least-squares complex-frequency method of sdypy-EMA (extra ``modal-test``)."""
+"""Poles by the least-squares complex-frequency method of sdypy-EMA (extra ``modal-test``).
+
+Models of rising order give them; the stabilisation chart tells which come back from order to order,
+and which are chosen. Poles of the structure stay where they are when the order of the model rises;
+those that only serve noise wander. Source: P. Verboven, Frequency-domain system identification for
+modal analysis, Vrije Universiteit Brussel (2002), section 5.3.
+"""
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
 from importlib.util import find_spec
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flexmech.errors import InputError
-from flexmech.types import ComplexArray, FloatArray
+from flexmech.types import ComplexArray, FloatArray, IntArray
 
 EXTRA = (
     'identification by LSCF needs sdypy-EMA, which is not installed: pip install "flexmech'
     '[modal-test]", or choose method="circle-fit"'
 )
+
+FREQUENCY_TOLERANCE = 0.005
+"""Relative: by so much at most a stable pole's frequency differs from the order before."""
+DAMPING_TOLERANCE = 0.05
+"""Relative, of the damping ratio, the window's included."""
+PART_OF_ORDERS = 0.2
+"""In which a pole must be stable to be that of a mode."""
+LEAST_ORDERS = 3
 
 
 def has_lscf() -> bool:
@@ -96,3 +113,120 @@ def lscf_poles(
         hertz = abs(poles) / (2 * np.pi)
         found.append(poles[(poles.imag > 0.0) & (hertz >= band[0]) & (hertz <= band[1])])
     return found
+
+
+@dataclass(frozen=True, eq=False)
+class StabilisationChart:
+    """Poles of models of rising order.
+
+    Parameters
+    ----------
+    order : ndarray of int, shape (n,)
+        Modes of the model that each pole belongs to.
+    pole : ndarray of complex, shape (n,)
+        In 1/s with positive imaginary part, free of what a window added.
+    stable_frequency : ndarray of bool, shape (n,)
+        The order before has a pole of the same frequency.
+    stable : ndarray of bool, shape (n,)
+        The order before has a pole of the same frequency and damping.
+    chosen : ndarray of int, shape (k,)
+        Poles that were taken for modes, sorted by frequency.
+    """
+
+    order: IntArray
+    pole: ComplexArray
+    stable_frequency: NDArray[np.bool_]
+    stable: NDArray[np.bool_]
+    chosen: IntArray
+
+    @property
+    def frequency(self) -> FloatArray:
+        """In Hz, shape (n,)."""
+        return np.asarray(abs(self.pole) / (2 * np.pi))
+
+    @property
+    def damping_ratio(self) -> FloatArray:
+        """Shape (n,)."""
+        return np.asarray(-self.pole.real / abs(self.pole))
+
+
+def stabilisation_chart(poles: Sequence[ComplexArray], added_damping: float) -> StabilisationChart:
+    """Compare the poles of each order with those of the order before, and choose those of modes.
+
+    Parameters
+    ----------
+    poles : sequence of ndarray of complex
+        Of the orders 1, 2, ... in 1/s, as identified: with what a window added, with positive
+        imaginary part, and in the band.
+    added_damping : float
+        Decay rate of the exponential window in 1/s.
+
+    Returns
+    -------
+    StabilisationChart
+    """
+    same_frequency, same_pole = [], []
+    before = np.zeros(0, dtype=complex)
+    for now in poles:
+        near = _relative(_size(now)[:, None], _size(before)) < FREQUENCY_TOLERANCE
+        alike = _relative(_ratio(now)[:, None], _ratio(before)) < DAMPING_TOLERANCE
+        same_frequency.append(near.any(axis=1))
+        # What grows is no mode of a structure that was hit.
+        same_pole.append((near & alike).any(axis=1) & (now.real < 0.0))
+        before = now
+    order = np.repeat(np.arange(1, len(poles) + 1), [each.size for each in poles])
+    pole = np.concatenate(poles) if poles else before
+    stable = np.concatenate(same_pole) if poles else np.zeros(0, dtype=bool)
+    return StabilisationChart(
+        order,
+        pole + added_damping,
+        np.concatenate(same_frequency) if poles else stable,
+        stable,
+        _chosen(order, pole, stable, len(poles)),
+    )
+
+
+def _chosen(
+    order: IntArray, pole: ComplexArray, stable: NDArray[np.bool_], orders: int
+) -> IntArray:
+    """One pole for each column of stable ones that runs through enough orders."""
+    least = max(LEAST_ORDERS, int(np.ceil(PART_OF_ORDERS * orders)))
+    left = np.flatnonzero(stable)
+    chosen: list[int] = []
+    while left.size >= least:
+        columns = [_column(order[left], _size(pole[left]), of) for of in range(left.size)]
+        longest = max(columns, key=len)
+        if len(longest) < least:
+            break
+        members = left[longest]
+        chosen.append(int(members[_middle(pole[members])]))
+        left = np.delete(left, longest)
+    return np.array(sorted(chosen, key=lambda one: float(abs(pole[one]))), dtype=np.intp)
+
+
+def _column(order: IntArray, frequency: FloatArray, of: int) -> IntArray:
+    """Of each order the pole nearest to one pole, where one is near; indices."""
+    distance = _relative(frequency, frequency[of])
+    near = np.flatnonzero(distance < FREQUENCY_TOLERANCE)
+    near = near[np.argsort(distance[near], kind="stable")]
+    _, first = np.unique(order[near], return_index=True)
+    return np.asarray(near[first])
+
+
+def _middle(poles: ComplexArray) -> int:
+    """The pole nearest to the median of frequency and damping."""
+    median = np.median(poles.real) + 1j * np.median(poles.imag)
+    return int(np.argmin(abs(poles - median)))
+
+
+def _size(poles: ComplexArray) -> FloatArray:
+    return np.asarray(abs(poles), dtype=float)
+
+
+def _ratio(poles: ComplexArray) -> FloatArray:
+    return np.asarray(-poles.real / abs(poles))
+
+
+def _relative(values: FloatArray, others: FloatArray) -> FloatArray:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(abs(values - others) / abs(others))

@@ -18,20 +18,12 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from flexmech.errors import InputError
-from flexmech.plots import style
+from flexmech.plots import reading, style
 from flexmech.plots.layout import grid, height_of, round_enlargement, sheet
 from flexmech.plots.linkage import part_handles
 from flexmech.plots.linkage_parts import LinkageParts, extent_of, parts_of
 from flexmech.plots.linkage_sketch import RIGID, LinkageSketch
 from flexmech.plots.linkage_symbols import add_symbols, move_symbols
-from flexmech.plots.reading import (
-    chosen,
-    engine_label,
-    mechanism_name,
-    names_of,
-    speed_text,
-    values_of,
-)
 from flexmech.plots.style import Look, line_handle, publication_style, series_style
 from flexmech.types import FloatArray, StepProgress, silent
 
@@ -107,18 +99,18 @@ class EnlargedMotion:
             # A stored run holds the places of some samples of this turn alone.
             names = {"frame_time": "time", "frame_angle": "crank_angle"}
             dataset = dataset.drop_dims("time").rename(names)
-        angle = values_of(dataset["crank_angle"], "time")
+        angle = reading.values_of(dataset["crank_angle"], "time")
         # Round-off must not lose the sample a full turn before the last one.
         shown = np.abs(angle[-1] - angle) <= 2 * np.pi * (1 + 1e-9)
         turn = dataset.isel(engine=0, time=shown)
         order = ("time", "link", "station", "component")
-        rigid = values_of(turn["rigid_position"], *order)
-        elastic = values_of(turn["displacement"], *order)
+        rigid = reading.values_of(turn["rigid_position"], *order)
+        elastic = reading.values_of(turn["displacement"], *order)
         if enlargement is None:
             enlargement = round_enlargement(elastic, extent_of(rigid), ENLARGED_TO)
-        links = names_of(turn, "link")
+        links = reading.names_of(turn, "link")
         path, traced = _true_path(turn, rigid + elastic, links)
-        run = f"{mechanism_name(dataset)} at {speed_text(dataset)}"
+        run = f"{reading.mechanism_name(dataset)} at {reading.speed_text(dataset)}"
         return cls(
             time=turn["time"].values.astype(float),
             angle=angle[shown],
@@ -127,7 +119,7 @@ class EnlargedMotion:
             parts=parts_of(dataset, rigid, _at_rest(rigid)),
             path=path,
             trace_name=f"true path of the {traced}",
-            run_name=f"{run}, {engine_label(dataset)}",
+            run_name=f"{run}, {reading.engine_label(dataset)}",
             enlargement=enlargement,
         )
 
@@ -314,7 +306,7 @@ def write_animation(
         raise InputError(f"enlargement must be a positive number, not {enlargement:g}")
     target = Path(path)
     write = _writer(target)
-    one = dataset.isel(engine=[-1]) if engine is None else chosen(dataset, engine=engine)
+    one = dataset.isel(engine=[-1]) if engine is None else reading.chosen(dataset, engine=engine)
     motion = EnlargedMotion.of(one, enlargement)
     with publication_style():
         write(target, _pictures(motion, progress or silent))

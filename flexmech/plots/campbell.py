@@ -9,16 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from flexmech.plots import scales, style
+from flexmech.plots import reading, scales, style
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
-from flexmech.plots.reading import (
-    engine_label,
-    link_label,
-    names_of,
-    speed_unit,
-    speeds_of,
-    values_of,
-)
 from flexmech.plots.style import (
     Look,
     line_handle,
@@ -31,6 +23,7 @@ from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray
 from flexmech.units import from_si
 
+# Of the panel of bands, which is read closely, and of that of peaks, in inches.
 BANDS_HEIGHT, PEAKS_HEIGHT = 3.9, 1.7
 NARROW_BANDS_HEIGHT = 3.0
 # The two axes of speed, in inches.
@@ -46,6 +39,7 @@ POINT: Look = {"color": "0.1", "marker": "o", "ms": 3.2, "ls": "", "zorder": 4}
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.75", "hatch": "////", "lw": 0}
 OTHER_ENGINE: Look = {"color": "0.25", "lw": 0.7, "ls": (0.0, (4.0, 2.0)), "zorder": 3}
 PEAK_GREYS = ("0.1", "0.35", "0.55")
+# Smaller than the numbers along the axes, in points.
 LABEL_POINTS = 7.0
 # Least distance of two labels of orders as parts of the axes.
 APART_UP, APART_ALONG = 0.033, 0.028
@@ -75,7 +69,7 @@ def plot_campbell(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    factor, peaks = from_si(1.0, speed_unit(dataset)), "peak_ratio" in dataset
+    factor, peaks = from_si(1.0, reading.speed_unit(dataset)), "peak_ratio" in dataset
     with sheet(_layout(peaks), ax=ax, fewer=BOTH) as drawn:
         drawn.header(_handles(dataset, peaks), "Campbell diagram", of=dataset)
         bands = drawn.panels[0]
@@ -90,7 +84,7 @@ def plot_campbell(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
             _draw_gaps(axes, dataset, labelled=axes is bands)
         if peaks:
             _draw_peaks(drawn.panels[1], dataset)
-        drawn.label_x(f"Crank speed ({speed_unit(dataset)})")
+        drawn.label_x(f"Crank speed ({reading.speed_unit(dataset)})")
         scales.second_speed_axis(bands, dataset)
     return drawn.figure
 
@@ -127,9 +121,9 @@ def _layout(peaks: bool) -> Layout:
 
 
 def _draw_bands(axes: Axes, dataset: xr.Dataset) -> None:
-    speed = speeds_of(dataset)
+    speed = reading.speeds_of(dataset)
     lowest, mean, highest = (
-        values_of(dataset[f"{name}_frequency"], "engine", "branch", "crank_speed")
+        reading.values_of(dataset[f"{name}_frequency"], "engine", "branch", "crank_speed")
         for name in ("lowest", "mean", "highest")
     )
     for branch in range(lowest.shape[1]):
@@ -176,8 +170,10 @@ def _draw_critical(axes: Axes, dataset: xr.Dataset, factor: float) -> None:
 
 def _draw_gaps(axes: Axes, dataset: xr.Dataset, *, labelled: bool) -> None:
     """Speeds without a result by the first engine, as far as the next ones with one."""
-    exists = np.isfinite(values_of(dataset["lowest_frequency"], "engine", "crank_speed", "branch"))
-    exists, speed = exists[0, :, 0], speeds_of(dataset)
+    exists = np.isfinite(
+        reading.values_of(dataset["lowest_frequency"], "engine", "crank_speed", "branch")
+    )
+    exists, speed = exists[0, :, 0], reading.speeds_of(dataset)
     for run in unbroken_runs(~exists):
         left, right = speed[max(run.start - 1, 0)], speed[min(run.stop, len(speed) - 1)]
         axes.axvspan(left, right, **GAP, zorder=0)
@@ -191,8 +187,8 @@ def _draw_gaps(axes: Axes, dataset: xr.Dataset, *, labelled: bool) -> None:
 
 def _draw_peaks(axes: Axes, dataset: xr.Dataset) -> None:
     """Peaks of the periodic motion over the quasi-static ones, on a logarithmic axis."""
-    speed = speeds_of(dataset, "response_speed")
-    ratio = values_of(dataset["peak_ratio"], "link", "response_speed")
+    speed = reading.speeds_of(dataset, "response_speed")
+    ratio = reading.values_of(dataset["peak_ratio"], "link", "response_speed")
     for number, values in enumerate(ratio):
         axes.plot(speed, values, **_link_look(number))
     axes.set_ylabel("Peak deflection over\nquasi-static peak")
@@ -208,9 +204,9 @@ def _handles(dataset: xr.Dataset, peaks: bool) -> list[Artist]:
     handles.append(Patch(color=style.MID_GREY, **BAND, label="lowest to highest"))
     handles += line_handles({"order": RAY, "critical speed": CRITICAL})
     for other in range(1, dataset.sizes["engine"]):
-        handles.append(line_handle(engine_label(dataset, other), **OTHER_ENGINE))
-    for number, link in enumerate(names_of(dataset, "link") if peaks else ()):
-        handles.append(line_handle(link_label(dataset, link).lower(), **_link_look(number)))
+        handles.append(line_handle(reading.engine_label(dataset, other), **OTHER_ENGINE))
+    for number, link in enumerate(reading.names_of(dataset, "link") if peaks else ()):
+        handles.append(line_handle(reading.link_label(dataset, link).lower(), **_link_look(number)))
     return handles
 
 

@@ -6,17 +6,8 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from flexmech.plots import scales
+from flexmech.plots import reading, scales
 from flexmech.plots.layout import AxesLike, Sheet, grid, sheet
-from flexmech.plots.reading import (
-    LENGTH_UNITS,
-    Units,
-    complex_values,
-    degrees,
-    fitting_unit,
-    mode_label,
-    speed_text,
-)
 from flexmech.plots.style import SERIES_STYLES, Look, line_handle, line_handles, series_style
 
 # The computed curve lies on the measured one, which is seen on both sides of it.
@@ -28,15 +19,15 @@ CURVES = {"measured": MEASURED, "computed": COMPUTED, "residual": RESIDUAL}
 # Of a panel and of the axes in inches.
 PANEL_HEIGHT, AXES_HEIGHT = 1.35, 1.5
 # Units in which values are read, by the SI unit.
-READ: dict[str, Units] = {
+READ: dict[str, reading.Units] = {
     "": ((1e6, "µm/m"),),
-    "m": LENGTH_UNITS,
+    "m": reading.LENGTH_UNITS,
     "Hz": ((1.0, "Hz"),),
     "m/N": ((1e3, "mm/N"), (1e6, "µm/N"), (1e9, "nm/N")),
     "m/(N s)": ((1.0, "m/(N s)"), (1e3, "mm/(N s)"), (1e6, "µm/(N s)")),
     "m/(N s^2)": ((1.0, "m/(N s²)"),),
 }
-PARAMETER_UNITS: dict[str, Units] = {"s": ((1e6, "µs"), (1e9, "ns"))}
+PARAMETER_UNITS: dict[str, reading.Units] = {"s": ((1e6, "µs"), (1e9, "ns"))}
 # Marks at the first and last crank angle hang over the edge by less than this part of the width.
 MARK_ROOM = 0.02
 # Depth of a spectrum below its peak that is drawn.
@@ -79,7 +70,7 @@ def _title(dataset: xr.Dataset) -> str:
     """What is compared where, and the fitted parameters."""
     attrs = dataset.attrs
     if "crank_speed" in attrs:
-        where = f"at {speed_text(dataset)}"
+        where = f"at {reading.speed_text(dataset)}"
     else:
         where = f"crank locked at {np.degrees(attrs['crank_angle_locked']):.4g} deg"
     fitted = [_fitted(dataset.isel(parameter=n)) for n in range(dataset.sizes["parameter"])]
@@ -92,7 +83,9 @@ def _fitted(own: xr.Dataset) -> str:
     """A parameter with half of its 95 % interval."""
     name, unit = str(own["parameter"].item()), str(own["parameter_unit"].item())
     value, half = float(own["fitted"]), float(own["upper"] - own["lower"]) / 2
-    factor, read = fitting_unit(np.array([value]), PARAMETER_UNITS.get(unit, ((1.0, unit),)))
+    factor, read = reading.fitting_unit(
+        np.array([value]), PARAMETER_UNITS.get(unit, ((1.0, unit),))
+    )
     digits = max(0, 1 - int(np.floor(np.log10(factor * half)))) if half > 0 else 4
     told = f"{name.replace('_', ' ')} {factor * value:.{digits}f} ± {factor * half:.{digits}f}"
     return told if read == "1" else f"{told} {read}"
@@ -109,8 +102,8 @@ def _draw_time(drawn: Sheet, dataset: xr.Dataset) -> None:
     time = dataset["time"].values
     drawn.header(line_handles(CURVES), _title(dataset), of=dataset)
     units = READ[str(dataset.attrs["unit"])]
-    factor, unit = fitting_unit(dataset["measured"].values, units)
-    of_residual, unit_of_residual = fitting_unit(dataset["residual"].values, units)
+    factor, unit = reading.fitting_unit(dataset["measured"].values, units)
+    of_residual, unit_of_residual = reading.fitting_unit(dataset["residual"].values, units)
     for axes in (curves, residual):
         axes.set_xlim(float(time[0]), float(time[-1]))
         scales.zero_line(axes)
@@ -136,9 +129,9 @@ def _draw_function(drawn: Sheet, dataset: xr.Dataset) -> None:
     amplitude, phase, residual = drawn.panels
     frequency = dataset["frequency"].values
     drawn.header(line_handles(CURVES), _title(dataset), of=dataset)
-    curves = {name: complex_values(dataset, name) for name in CURVES}
+    curves = {name: reading.complex_values(dataset, name) for name in CURVES}
     sizes = {name: np.abs(values) for name, values in curves.items()}
-    factor, unit = fitting_unit(sizes["measured"], READ[str(dataset.attrs["unit"])])
+    factor, unit = reading.fitting_unit(sizes["measured"], READ[str(dataset.attrs["unit"])])
     for name in ("measured", "computed"):
         amplitude.plot(frequency, factor * sizes[name], **CURVES[name])
         phase.plot(frequency, np.degrees(np.angle(curves[name])), **CURVES[name])
@@ -163,15 +156,17 @@ def _draw_frequencies(drawn: Sheet, dataset: xr.Dataset) -> None:
     for number, mode in enumerate(modes):
         own = dataset.isel(sample=np.flatnonzero(dataset["mode"].values == mode))
         own = own.sortby("crank_angle")
-        angle, look = degrees(own["crank_angle"]), series_style(number)
+        angle, look = reading.degrees(own["crank_angle"]), series_style(number)
         upper.plot(angle, own["measured"].values, color=look.color, **POINTS)
         upper.plot(angle, own["computed"].values, color=look.color, ls=look.linestyle, lw=0.9)
         lower.plot(angle, own["residual"].values, color=look.color, **POINTS)
-        handles.append(line_handle(mode_label([int(mode)]).lower(), color=look.color, lw=2.0))
+        handles.append(
+            line_handle(reading.mode_label([int(mode)]).lower(), color=look.color, lw=2.0)
+        )
     drawn.header(handles, _title(dataset), of=dataset)
     scales.zero_line(lower)
     for axes, label in ((upper, "Natural frequency (Hz)"), (lower, "Residual (Hz)")):
-        scales.crank_angle_axis(axes, np.unique(degrees(dataset["crank_angle"])))
+        scales.crank_angle_axis(axes, np.unique(reading.degrees(dataset["crank_angle"])))
         axes.margins(x=MARK_ROOM)
         axes.autoscale(axis="x")
         scales.plain_numbers(axes)

@@ -13,9 +13,11 @@ from flexmech.plots.reading import names_of, values_of
 from flexmech.plots.style import Look, line_handle, series_handle, series_line, series_style
 from flexmech.types import FloatArray
 
+# Of one position, three of which fit a page, in inches.
 PANEL = 1.9
 # From dark to light, so that the order shows without colour as well.
 SHADES = ("#08306b", "#08519c", "#2171b5", "#4292c6", "#9ecae1", "#deebf7")
+# A fifth of the distance between two groups is left free between them.
 BAR_WIDTH = 0.8 / len(SHADES)
 # Middle of each laminate's bar from the middle of its group.
 OFFSETS = (np.arange(len(SHADES)) - (len(SHADES) - 1) / 2) * BAR_WIDTH

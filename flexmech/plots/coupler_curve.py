@@ -17,8 +17,9 @@ from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.style import line_handle, series_handles, series_line, series_style, told_apart
 from flexmech.types import FloatArray
 
-HEIGHT, HEIGHT_OF_THREE = 3.6, 2.45
-ANGLE_HEIGHT = 4.2
+# Of two square panels beside each other, of three, and of four panels of angles, in inches.
+HEIGHT, HEIGHT_OF_THREE, ANGLE_HEIGHT = 3.6, 2.45, 4.2
+# Of a close-up over the extent of the loops: what leads into them is seen.
 CLOSE_UP_ROOM = 1.5
 # Marks of masses and bodies over those in a picture of one linkage.
 SMALL = 0.6

@@ -45,9 +45,8 @@ STATE_LINES: tuple[Look, ...] = (
     {"linestyle": (0.0, (4.0, 1.5)), "linewidth": 1.5},
 )
 
-# Of the engines, where there are several.
-MARKS = "so^D"
-MARK_SIZE = 3.6
+# Of the engines, where there are several, and the size in points at which they stay apart.
+MARKS, MARK_SIZE = "so^D", 3.6
 # Narrowest axis of the difference in percent: below it one would look at round-off.
 LEAST_DIFFERENCE = 1e-3
 # Relative difference of frequencies that is round-off.

@@ -10,19 +10,9 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError
-from flexmech.plots import angle_panels, scales, style
+from flexmech.plots import angle_panels, reading, scales, style
 from flexmech.plots.angle_panels import Between, colour_bar, has_many_speeds, speed_lines
 from flexmech.plots.layout import AxesLike, sheet
-from flexmech.plots.reading import (
-    MAP,
-    cell_edges,
-    degrees,
-    engine_label,
-    mode_label,
-    speed_texts,
-    spread,
-    values_of,
-)
 from flexmech.plots.style import Look, line_handle
 from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray
@@ -63,23 +53,25 @@ def plot_frequencies(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     Figure
     """
     dataset = dataset.sortby("crank_angle")
-    groups, angles = mode_groups(dataset), degrees(dataset["crank_angle"])
-    frequency, branch = (values_of(dataset[name], *MAP) for name in ("frequency", "branch_of_mode"))
-    veering = dataset["veering"].transpose(*MAP).values.astype(bool)[0]
+    groups, angles = mode_groups(dataset), reading.degrees(dataset["crank_angle"])
+    frequency, branch = (
+        reading.values_of(dataset[name], *reading.MAP) for name in ("frequency", "branch_of_mode")
+    )
+    veering = dataset["veering"].transpose(*reading.MAP).values.astype(bool)[0]
     layout = angle_panels.angle_layout([len(group) for group in groups])
     with sheet(layout, ax=ax, fewer=angle_panels.ONE_MODE) as drawn:
         looks = speed_lines(dataset) if has_many_speeds(dataset) else []
         if looks:
-            handles = [line_handle(engine_label(dataset), color=style.MID_GREY)]
+            handles = [line_handle(reading.engine_label(dataset), color=style.MID_GREY)]
         else:
-            handles = angle_panels.series_and_engines(dataset, speed_texts(dataset))
+            handles = angle_panels.series_and_engines(dataset, reading.speed_texts(dataset))
         if veering.any():
             handles.append(Patch(**STRIP, label="veering"))
         drawn.header(handles, of=dataset)
         angle_panels.label_angles(drawn, angles, "Frequency (Hz)")
         between = points_between(dataset)
         for axes, group in zip(drawn.panels, groups, strict=True):
-            axes.set_title(mode_label(dataset["mode"].values[group].tolist()))
+            axes.set_title(reading.mode_label(dataset["mode"].values[group].tolist()))
             scales.scale_y(axes, frequency[..., group], least_part=scales.FREQUENCY_BAND)
             _mark_veering(axes, angles, veering[..., group])
             of_group = [_of_modes(each, group) for each in between]
@@ -105,8 +97,8 @@ def mode_groups(dataset: xr.Dataset) -> list[list[int]]:
     list of list of int
         Positions along the mode dimension, ascending.
     """
-    branch = dataset["branch_of_mode"].transpose(*MAP).values
-    frequency = dataset["frequency"].transpose(*MAP).values
+    branch = dataset["branch_of_mode"].transpose(*reading.MAP).values
+    frequency = dataset["frequency"].transpose(*reading.MAP).values
     before, after = branch[:, :, :-1], branch[:, :, 1:]
     highest, lowest = np.nanmax(frequency, axis=2), np.nanmin(frequency, axis=2)
     near = np.any(lowest[..., 1:] <= NEAR_BANDS * highest[..., :-1], axis=(0, 1))
@@ -125,7 +117,7 @@ def mode_groups(dataset: xr.Dataset) -> list[list[int]]:
 def _mark_veering(axes: Axes, angles: FloatArray, veering: NDArray[np.bool_]) -> None:
     """Grey strip along the axis where a mode veers at any speed; (speed, angle, mode)."""
     # A flagged angle stands for the interval half way to its neighbours.
-    edges = np.clip(cell_edges(angles), angles[0], angles[-1])
+    edges = np.clip(reading.cell_edges(angles), angles[0], angles[-1])
     height = VEERING_STRIP / veering.shape[-1]
     for run in unbroken_runs(np.any(veering, axis=(0, 2))):
         axes.axvspan(edges[run.start], edges[run.stop], ymax=height, **STRIP, zorder=0)
@@ -149,8 +141,10 @@ def points_between(dataset: xr.Dataset) -> list[Between]:
         nothing = np.zeros((0, modes))
         return [Between(np.zeros(0), nothing, nothing)] * count
     order = ("crank_speed", "between_angle", "mode")
-    values, branch = (values_of(dataset[f"{n}_between"], *order) for n in ("frequency", "branch"))
-    angles = degrees(dataset["between_angle"])
+    values, branch = (
+        reading.values_of(dataset[f"{n}_between"], *order) for n in ("frequency", "branch")
+    )
+    angles = reading.degrees(dataset["between_angle"])
     return [Between(angles, *each) for each in zip(values, branch, strict=True)]
 
 
@@ -192,7 +186,7 @@ def _number_branches(axes: Axes, lines: dict[int, FloatArray]) -> None:
     ends = sorted((float(line[-1]), number) for number, line in lines.items())
     there = [(end, number) for end, number in ends if np.isfinite(end)]
     least = 0.07 * float(np.ptp(axes.get_ylim()))
-    heights = spread(np.array([end for end, _ in there]), least)
+    heights = reading.spread(np.array([end for end, _ in there]), least)
     look: Look = {"xycoords": ("axes fraction", "data"), "textcoords": "offset points"}
     look |= {"va": "center", "fontsize": 7, "color": style.MID_GREY}
     for height, (_, number) in zip(heights, there, strict=True):
@@ -253,17 +247,19 @@ def plot_damping_ratio(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
 
 def _draw_damping(dataset: xr.Dataset, name: str, title: str, ax: AxesLike | None) -> Figure:
     dataset = _few_speeds(dataset.sortby("crank_angle"))
-    percent = 100.0 * values_of(dataset[name], *MAP)
-    branch = values_of(dataset["branch_of_mode"], *MAP)[0]
+    percent = 100.0 * reading.values_of(dataset[name], *reading.MAP)
+    branch = reading.values_of(dataset["branch_of_mode"], *reading.MAP)[0]
     _, n_speeds, _, n_modes = percent.shape
-    angles = degrees(dataset["crank_angle"])
+    angles = reading.degrees(dataset["crank_angle"])
     layout = angle_panels.angle_layout([1] * n_speeds, share_y=True)
     with sheet(layout, ax=ax, fewer="choose one speed (speeds=...)") as drawn:
         modes = [f"mode {mode}" for mode in dataset["mode"].values]
         handles = angle_panels.series_and_engines(dataset, modes)
         drawn.header(handles, title, of=dataset)
         angle_panels.label_angles(drawn, angles, "Damping ratio (%)")
-        for speed, (axes, text) in enumerate(zip(drawn.panels, speed_texts(dataset), strict=True)):
+        for speed, (axes, text) in enumerate(
+            zip(drawn.panels, reading.speed_texts(dataset), strict=True)
+        ):
             axes.set_title(text)
             scales.scale_y(axes, percent, least_part=LEAST_BAND)
             for mode in range(n_modes):

@@ -27,6 +27,7 @@ RESPONSES = (
     ("Mobility", "m/(N s)", 1),
     ("Accelerance", "m/(N s²)", 2),
 )
+# Colours that both figures share.
 MEASURED, IDENTIFIED = (series_style(number).color for number in (0, 1))
 CURVES: dict[str, tuple[str, Look]] = {
     "exact_receptance": ("eigen model, exact", {"color": "0.75", "lw": 2.6}),

@@ -19,14 +19,6 @@ from flexmech.plots.frf import (
 )
 from flexmech.plots.layout import AxesLike, grid, sheet, tiles
 from flexmech.plots.reading import LENGTH_UNITS, complex_values, fitting_unit, names_of
-from flexmech.plots.style import (
-    Look,
-    line_handle,
-    line_handles,
-    series_handle,
-    series_line,
-    series_style,
-)
 
 # Of the records, of a circle, of the chart and of a shape, in inches.
 HEIGHT, CIRCLE_HEIGHT, CHART_HEIGHT, SHAPE_HEIGHT = 4.6, 2.3, 3.0, 1.5
@@ -34,22 +26,22 @@ HEIGHT, CIRCLE_HEIGHT, CHART_HEIGHT, SHAPE_HEIGHT = 4.6, 2.3, 3.0, 1.5
 MOST_RECORDS = MOST_MODES = 6
 # What is drawn of the force's record, in pulse durations about its start.
 BEFORE_PULSE, AFTER_PULSE = 2.0, 4.0
-PULSE: Look = {"color": "0.75", "lw": 2.6}
-DOTS: Look = {"marker": ".", "markersize": 4.0}
+PULSE: style.Look = {"color": "0.75", "lw": 2.6}
+DOTS: style.Look = {"marker": ".", "markersize": 4.0}
 THREE = "give three Axes"
 
-CIRCLE_DOTS: Look = {"marker": ".", "ms": 3.5, "ls": ""}
+CIRCLE_DOTS: style.Look = {"marker": ".", "ms": 3.5, "ls": ""}
 
 # Of the orders' axis, that the receptance behind the poles takes.
 BEHIND = 0.9
-CURVE: Look = {"color": style.MID_GREY, "lw": 0.8, "zorder": 1}
-EIGEN: Look = {"color": "0.1", "lw": 0.8, "ls": (0, (1, 2)), "zorder": 1.5}
-BLUE, ORANGE, GREEN = (series_style(number).color for number in range(3))
-POLE: Look = {"ls": "none", "marker": "o", "ms": 3.5, "color": BLUE}
+CURVE: style.Look = {"color": style.MID_GREY, "lw": 0.8, "zorder": 1}
+EIGEN: style.Look = {"color": "0.1", "lw": 0.8, "ls": (0, (1, 2)), "zorder": 1.5}
+BLUE, ORANGE, GREEN = (style.series_style(number).color for number in range(3))
+POLE: style.Look = {"ls": "none", "marker": "o", "ms": 3.5, "color": BLUE}
 # On the axis: modes that the fit keeps, since noise does not explain them as well.
 IDENTIFIED = POLE | {"marker": "^", "ms": 6.5, "color": GREEN, "clip_on": False, "zorder": 5}
 # Poles by their state: label and look.
-STATES: dict[str, tuple[str, Look]] = {
+STATES: dict[str, tuple[str, style.Look]] = {
     "new": ("new pole", POLE | {"marker": ".", "ms": 2.5, "color": "0.6", "mew": 0.0}),
     "frequency": ("stable in frequency", POLE | {"mfc": "white", "mew": 0.8}),
     "stable": ("stable in damping as well", POLE),
@@ -63,10 +55,10 @@ NO_CHART = (
     'install flexmech[modal-test] and ask for method="lscf"'
 )
 
-EIGEN_SHAPE: Look = {"color": "0.35", "lw": 1.0}
+EIGEN_SHAPE: style.Look = {"color": "0.35", "lw": 1.0}
 FOUND = POLE | {"ms": 4}
 IMAGINARY = POLE | {"marker": "x", "color": ORANGE}
-JOINT: Look = {"color": "0.8", "lw": 0.6, "zorder": 0}
+JOINT: style.Look = {"color": "0.8", "lw": 0.6, "zorder": 0}
 NO_GRID = "this hammer test has no grid of impacts; ask for it by grid=N (--grid N)"
 
 
@@ -91,15 +83,15 @@ def plot_hammer(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     with sheet(grid(3, 1, HEIGHT), ax=ax, fewer=THREE) as drawn:
         # Impacts without noise are the same.
         count = count if data.attrs["noise"] else 1
-        handles = [line_handle("force of the hammer", **PULSE)]
+        handles = [style.line_handle("force of the hammer", **PULSE)]
         for number in range(count):
-            handles.append(series_handle(number, f"impact {number + 1}, as recorded", **DOTS))
+            handles.append(style.series_handle(number, f"impact {number + 1}, as recorded", **DOTS))
         drawn.header(handles, hammer_title(dataset), of=dataset)
         force, response, coherence = drawn.panels
         scale, unit = fitting_unit(data["response"].values, LENGTH_UNITS)
         force.plot(1e3 * data["pulse_time"].values, data["pulse_force"].values, **PULSE)
         for number in reversed(range(count)):
-            look = series_line(number) | {"lw": 0.8}
+            look = style.series_line(number) | {"lw": 0.8}
             force.plot(1e3 * time, data["force"].values[number], **(look | DOTS))
             response.plot(time, scale * data["response"].values[number], **look)
         force.set_xlim(1e3 * (start - BEFORE_PULSE * pulse), 1e3 * (start + AFTER_PULSE * pulse))
@@ -107,7 +99,7 @@ def plot_hammer(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         force.ticklabel_format(axis="y", style="sci", scilimits=(-2, 3))
         response.set_xlim(0.0, float(time[-1]))
         response.set(xlabel="Time (s)", ylabel=f"Displacement ({unit})")
-        look = series_line(0) | {"lw": 0.8}
+        look = style.series_line(0) | {"lw": 0.8}
         coherence.plot(data["frequency"].values, data["coherence"].values, **look)
         coherence.set_xlim(0.0, float(data["frequency"].values[-1]))
         coherence.set_ylim(min(0.0, float(np.nanmin(data["coherence"]))), 1.05)
@@ -204,7 +196,9 @@ def plot_stabilisation(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     words = dict(STATES.values()) | {"identified": IDENTIFIED}
     words |= {"receptance, logarithmic": CURVE, "eigen model": EIGEN}
     with sheet(grid(1, 1, CHART_HEIGHT), ax=ax) as drawn:
-        drawn.header(line_handles(words), f"Stabilisation chart {_where(dataset)}", of=dataset)
+        drawn.header(
+            style.line_handles(words), f"Stabilisation chart {_where(dataset)}", of=dataset
+        )
         _draw_chart(drawn.panels[0], first_angle(dataset))
         drawn.label_x("Frequency (Hz)")
         drawn.label_y("Modes of the model")
@@ -273,7 +267,7 @@ def plot_impact_shapes(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fi
     }
     layout = tiles(len(modes), 2, SHAPE_HEIGHT, extra=0.3)
     with sheet(layout, ax=ax, fewer="give one Axes a mode") as drawn:
-        drawn.header(line_handles(words), f"Mode shapes {_where(dataset)}", of=dataset)
+        drawn.header(style.line_handles(words), f"Mode shapes {_where(dataset)}", of=dataset)
         for axes, mode in zip(drawn.panels, modes, strict=True):
             _draw_shape(axes, data.isel(mode=int(mode)))
         drawn.label_x("Link")

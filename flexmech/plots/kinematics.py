@@ -8,29 +8,11 @@ from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from flexmech.plots import angle_panels, scales, style
+from flexmech.plots import angle_panels, reading, scales, style
 from flexmech.plots.layout import AxesLike, grid, sheet
-from flexmech.plots.reading import (
-    FORCE_UNITS,
-    TORQUE_UNITS,
-    Units,
-    degrees,
-    fitting_unit,
-    names_of,
-    speed_text,
-    values_of,
-)
-from flexmech.plots.style import (
-    Look,
-    line_handle,
-    series_handles,
-    series_line,
-    series_style,
-    told_apart,
-)
 from flexmech.types import FloatArray
 
-POWER: Units = ((1.0, "W"), (1e3, "mW"), (1e6, "µW"))
+POWER: reading.Units = ((1.0, "W"), (1e3, "mW"), (1e6, "µW"))
 # Motion of a link: variable, what it is, factor from the SI unit, and unit.
 MOTIONS = (
     ("angle", "Angle", np.degrees(1.0), "deg"),
@@ -40,7 +22,7 @@ MOTIONS = (
 # Beyond the number of styles, lines are wider at each further round.
 STYLES, WIDTHS = 6, (1.1, 2.2, 3.3)
 # Around forces by distributed masses, which they hardly leave.
-LUMPED: Look = {"color": "0.25", "linestyle": (0.0, (1.0, 1.4)), "lw": 1.3}
+LUMPED: style.Look = {"color": "0.25", "linestyle": (0.0, (1.0, 1.4)), "lw": 1.3}
 
 TITLE = "Transmission angle over a turn of the crank"
 
@@ -60,10 +42,10 @@ def plot_kinematics(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figur
     -------
     Figure
     """
-    angles, links = degrees(dataset["crank_angle"]), names_of(dataset, "link")
+    angles, links = reading.degrees(dataset["crank_angle"]), reading.names_of(dataset, "link")
     with sheet(grid(3, 1, 5.4, sharex=True), ax=ax) as drawn:
-        handles = [line_handle(name, **_link_line(n)) for n, name in enumerate(links)]
-        drawn.header(handles, f"Motion of the links at {speed_text(dataset)}", of=dataset)
+        handles = [style.line_handle(name, **_link_line(n)) for n, name in enumerate(links)]
+        drawn.header(handles, f"Motion of the links at {reading.speed_text(dataset)}", of=dataset)
         for axes, (name, words, factor, unit) in zip(drawn.panels, MOTIONS, strict=True):
             values = dataset[name].transpose("link", "crank_angle").values
             scales.zero_line(axes)
@@ -90,12 +72,12 @@ def plot_joint_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Fig
     -------
     Figure
     """
-    angles, joints = degrees(dataset["crank_angle"]), names_of(dataset, "joint")
-    components = names_of(dataset, "component")
-    factor, unit = fitting_unit(dataset["joint_force"].values, FORCE_UNITS)
+    angles, joints = reading.degrees(dataset["crank_angle"]), reading.names_of(dataset, "joint")
+    components = reading.names_of(dataset, "component")
+    factor, unit = reading.fitting_unit(dataset["joint_force"].values, reading.FORCE_UNITS)
     with sheet(angle_panels.angle_layout([1] * len(joints)), ax=ax) as drawn:
-        handles = series_handles(f"along {name}" for name in components)
-        title = f"Joint forces at {speed_text(dataset)}"
+        handles = style.series_handles(f"along {name}" for name in components)
+        title = f"Joint forces at {reading.speed_text(dataset)}"
         drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
         for axes, joint in zip(drawn.panels, joints, strict=True):
             axes.set_title(f"{joint} ({dataset['joint_kind'].sel(joint=joint).item()})")
@@ -126,16 +108,19 @@ def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    angles = degrees(dataset["crank_angle"])
+    angles = reading.degrees(dataset["crank_angle"])
     both = "transmission_angle" in dataset
     rows = 3 if both else 2
     with sheet(grid(rows, 1, 1.7 * rows + 0.3, sharex=True), ax=ax) as drawn:
-        title = f"Drive at {speed_text(dataset)}"
-        handles = series_handles(("crank drives", "rocker drives") if both else ())
+        title = f"Drive at {reading.speed_text(dataset)}"
+        handles = style.series_handles(("crank drives", "rocker drives") if both else ())
         drawn.header([*handles, *_lumped_handle(dataset)], title, of=dataset)
-        shown = (("driving_torque", "Torque", TORQUE_UNITS), ("driving_power", "Power", POWER))
+        shown = (
+            ("driving_torque", "Torque", reading.TORQUE_UNITS),
+            ("driving_power", "Power", POWER),
+        )
         for axes, (name, words, units) in zip(drawn.panels, shown, strict=False):
-            factor, unit = fitting_unit(dataset[name].values, units)
+            factor, unit = reading.fitting_unit(dataset[name].values, units)
             scales.zero_line(axes)
             angle_panels.draw_line(axes, angles, factor * dataset[name].values, 0)
             if f"lumped_{name}" in dataset:
@@ -154,16 +139,19 @@ def plot_drive(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     return drawn.figure
 
 
-def _link_line(number: int, points: FloatArray | None = None) -> Look:
+def _link_line(number: int, points: FloatArray | None = None) -> style.Look:
     """Line of a link: a style of its own, wider for those beyond the styles."""
     width = WIDTHS[min(number // STYLES, len(WIDTHS) - 1)]
-    return series_line(number, points) | {"lw": width, "color": series_style(number).color}
+    return style.series_line(number, points) | {
+        "lw": width,
+        "color": style.series_style(number).color,
+    }
 
 
 def _lumped_handle(dataset: xr.Dataset) -> list[Artist]:
     if "lumped_joint_force" not in dataset:
         return []
-    return [line_handle(f"{dataset.sizes['lump']} lumped masses", **LUMPED)]
+    return [style.line_handle(f"{dataset.sizes['lump']} lumped masses", **LUMPED)]
 
 
 def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -189,12 +177,12 @@ def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) 
     InputError
         If there are no linkages, or more than there are styles to tell them apart.
     """
-    names = told_apart(names_of(dataset, "linkage"))
-    curves = np.degrees(values_of(dataset["transmission_angle"], "linkage", "crank_angle"))
-    angles, attrs = degrees(dataset["crank_angle"]), dataset.attrs
+    names = style.told_apart(reading.names_of(dataset, "linkage"))
+    curves = np.degrees(reading.values_of(dataset["transmission_angle"], "linkage", "crank_angle"))
+    angles, attrs = reading.degrees(dataset["crank_angle"]), dataset.attrs
     with sheet(grid(1, 1, 3.2), ax=ax) as drawn:
         (axes,) = drawn.panels
-        handles = series_handles(names)
+        handles = style.series_handles(names)
         if "wanted_least" in attrs:
             wanted = np.degrees([attrs["wanted_least"], attrs["wanted_greatest"]])
             axes.axhspan(*wanted, color=style.LIGHT_GREY, zorder=0)
@@ -203,6 +191,6 @@ def plot_transmission_angle(dataset: xr.Dataset, *, ax: AxesLike | None = None) 
         drawn.header(handles, str(attrs.get("title", TITLE)), of=dataset)
         axes.axhline(90.0, color=style.MID_GREY, lw=0.6, zorder=1)
         for number, values in enumerate(curves):
-            axes.plot(angles, values, **series_line(number))
+            axes.plot(angles, values, **style.series_line(number))
         angle_panels.label_angles(drawn, angles, "Transmission angle (deg)")
     return drawn.figure

@@ -18,6 +18,7 @@ from flexmech.types import FloatArray
 OUTLINE = "0.35"
 GRAVITY_COLOR = "0.5"
 THIN: Look = {"color": OUTLINE, "lw": 0.5}
+# Of the strokes of the driven shaft in rad: those of the ground below it lean alike.
 HATCH_ANGLE = np.radians(-135.0)
 # Turns of a spring between points and of one in a joint, and share of a spring that is straight.
 COILS, SPIRAL_TURNS, STRAIGHT = 6, 2.0, 0.15

@@ -20,6 +20,7 @@ from flexmech.plots.reading import degrees, names_of, values_of
 from flexmech.plots.style import Look, line_handle, series_style
 from flexmech.types import FloatArray
 
+# Least and greatest height of the posture, and height of a row below it, in inches.
 POSTURE_HEIGHT = (1.7, 3.4)
 ROW_HEIGHT = 2.2
 # What the numbers along the transmission angle take of the width.
@@ -43,6 +44,7 @@ MASS_COLOR = series_style(1).color
 PLY_GREYS = ("0.92", "0.72", "0.52", "0.82", "0.62")
 WHOLE_FRAME: Look = {"fc": "none", "ec": "0.35", "lw": 0.7}
 UNKNOWN_WIDTH: Look = {"fc": "none", "ec": "0.35", "lw": 0.7, "ls": (0.0, (3.0, 2.0))}
+# Size of the words beside sections in points, and a line of them in inches.
 TEXT_POINTS, LINE_INCHES = 7.0, 0.13
 # Of the panel of sections: share of the width that sections have, and height of the scale bar.
 DRAWN, BAR_INCHES = 0.42, 0.32

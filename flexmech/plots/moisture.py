@@ -15,6 +15,7 @@ from flexmech.plots.reading import names_of
 from flexmech.plots.style import line_handle, series_handle, series_line
 from flexmech.units import ZERO_CELSIUS, from_si
 
+# Of a link's two panels in inches; on a narrow page they stand under each other.
 ROW_HEIGHT, NARROW_ROW_HEIGHT = 2.1, 1.6
 # Formulas beside the finite volumes, by the numbers of their styles.
 LAWS = {1: ("short_time_uptake", "root of time"), 3: ("shen_springer_uptake", "Shen & Springer")}

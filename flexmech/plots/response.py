@@ -8,27 +8,14 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flexmech.plots import scales
+from flexmech.plots import reading, scales
 from flexmech.plots.layout import AxesLike, sheet
-from flexmech.plots.reading import (
-    FORCE_UNITS,
-    LENGTH_UNITS,
-    TORQUE_UNITS,
-    Units,
-    bending_links,
-    engine_label,
-    fitting_unit,
-    link_label,
-    names_of,
-    run_title,
-    values_of,
-)
 from flexmech.plots.style import Look, line_handle, series_handles, series_line
 from flexmech.types import FloatArray
 
-STRAIN_UNITS: Units = ((1e6, "µm/m"),)
-ROTATION_UNITS: Units = ((np.degrees(1.0), "deg"),)
-SPEED_UNITS: Units = ((1.0, "rad/s"), (1e3, "mrad/s"), (1e6, "µrad/s"))
+STRAIN_UNITS: reading.Units = ((1e6, "µm/m"),)
+ROTATION_UNITS: reading.Units = ((np.degrees(1.0), "deg"),)
+SPEED_UNITS: reading.Units = ((1.0, "rad/s"), (1e3, "mrad/s"), (1e6, "µrad/s"))
 
 # Thinner than the engines' lines, which it covers where the links are as good as rigid.
 RIGID: Look = {"color": "0.25", "lw": 0.6}
@@ -37,8 +24,7 @@ RIGID: Look = {"color": "0.25", "lw": 0.6}
 LINE_WIDTHS = ((80, 1.1), (350, 0.7), (np.inf, 0.5))
 # Opacity of a line that turns at more than this part of its samples, which are many.
 VEIL = 0.6
-MOST_TURNING = 0.33
-LEAST_VEILED = 100
+MOST_TURNING, LEAST_VEILED = 0.33, 100
 
 
 def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
@@ -60,12 +46,16 @@ def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     -------
     Figure
     """
-    links = bending_links(dataset)
+    links = reading.bending_links(dataset)
     strained = [name for name in links if dataset["probe"].sel(link=name) == "middle"]
-    watched = [("deflection", name, LENGTH_UNITS) for name in links]
+    watched = [("deflection", name, reading.LENGTH_UNITS) for name in links]
     watched += [("strain", name, STRAIN_UNITS) for name in strained]
     shown = [
-        (dataset[quantity].sel(link=name), units, f"{link_label(dataset, name)}\n{quantity}")
+        (
+            dataset[quantity].sel(link=name),
+            units,
+            f"{reading.link_label(dataset, name)}\n{quantity}",
+        )
         for quantity, name, units in watched
     ]
     if "shaft_rotation" in dataset:
@@ -75,7 +65,7 @@ def plot_response(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
         ]
     fewer = "choose one link that is watched at its tip (links=...)"
     with sheet(scales.time_layout(len(shown)), ax=ax, fewer=fewer) as drawn:
-        drawn.header(engine_lines(dataset), run_title(dataset), of=dataset)
+        drawn.header(engine_lines(dataset), reading.run_title(dataset), of=dataset)
         scales.label_times(drawn, dataset)
         for axes, (quantity, units, what) in zip(drawn.panels, shown, strict=True):
             draw_engines(axes, quantity, units, what)
@@ -101,18 +91,18 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     Figure
     """
     torque = dataset["driving_torque"], dataset["rigid_driving_torque"]
-    shown = [(*torque, TORQUE_UNITS, "Driving\ntorque")]
+    shown = [(*torque, reading.TORQUE_UNITS, "Driving\ntorque")]
     pins = dataset["joint"].values[dataset["joint_kind"].values == "pin"]
     for joint in pins if pins.size else dataset["joint"].values:
-        for component in names_of(dataset, "component"):
+        for component in reading.names_of(dataset, "component"):
             there = dataset.sel(joint=joint, component=component)
             forces = there["joint_force"], there["rigid_joint_force"]
-            shown.append((*forces, FORCE_UNITS, f"Force at {joint},\n{component}"))
+            shown.append((*forces, reading.FORCE_UNITS, f"Force at {joint},\n{component}"))
     with sheet(scales.time_layout(len(shown)), ax=ax) as drawn:
         handles = [*engine_lines(dataset), line_handle("rigid links", **RIGID)]
         band = dataset.attrs.get("force_band")
         up_to = "" if band is None else f", forces up to {band:.4g} Hz"
-        drawn.header(handles, run_title(dataset) + up_to, of=dataset)
+        drawn.header(handles, reading.run_title(dataset) + up_to, of=dataset)
         scales.label_times(drawn, dataset)
         for axes, (elastic, rigid, units, what) in zip(drawn.panels, shown, strict=True):
             factor = draw_engines(axes, elastic, units, what)
@@ -122,10 +112,10 @@ def plot_forces(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
 
 def engine_lines(dataset: xr.Dataset) -> list[Artist]:
     """Legend entries of engines that are all drawn as lines."""
-    return series_handles(engine_label(dataset, n) for n in range(dataset.sizes["engine"]))
+    return series_handles(reading.engine_label(dataset, n) for n in range(dataset.sizes["engine"]))
 
 
-def draw_engines(axes: Axes, quantity: xr.DataArray, units: Units, what: str) -> float:
+def draw_engines(axes: Axes, quantity: xr.DataArray, units: reading.Units, what: str) -> float:
     """Draw a quantity of all engines against time, and scale the y axis to all of it.
 
     Lines become thinner the more vibrations stand side by side, and translucent where they
@@ -146,8 +136,8 @@ def draw_engines(axes: Axes, quantity: xr.DataArray, units: Units, what: str) ->
     float
         Factor from the SI unit to that of the axis.
     """
-    factor, unit = fitting_unit(quantity.values, units)
-    lines = factor * values_of(quantity, "engine", "time")
+    factor, unit = reading.fitting_unit(quantity.values, units)
+    lines = factor * reading.values_of(quantity, "engine", "time")
     scales.zero_line(axes)
     for number, line in enumerate(lines):
         width, opacity = _line_look(line)

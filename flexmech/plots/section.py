@@ -19,13 +19,16 @@ from flexmech.plots.reading import spread, values_of
 from flexmech.plots.style import Look, line_handle, series_handle, series_line
 from flexmech.types import FloatArray
 
+# Two rows and the legend fill half a page, in inches.
 PANEL_HEIGHT = 2.2
 # More layers than this are named by their shades in the legend, not one by one.
 MOST_NAMES = 22
+# Of a layer's name in points, where there is room.
 NAME_SIZE = 7.0
 # Height of a panel's inside in points, and of a line of text over the size of its letters.
 INSIDE = 140.0
 LINE = 1.3
+# Letters of a name that the panel of layers holds.
 LONGEST_NAME = 24
 # Greys of the plies: light enough for the lines on them, apart enough to be told.
 LIGHTEST, DARKEST = 0.96, 0.80
@@ -36,6 +39,7 @@ TIMES = "\N{MULTIPLICATION SIGN}"
 SAME = 1e-6
 # Right edge of the drawn stack and left edge of its names, over the panel's width.
 STACK_EDGE, NAME_EDGE = 0.20, 0.30
+# Numbers of the styles of lines.
 COUPLED, UNCOUPLED, THIRD_ORDER = 0, 1, 2
 NEUTRAL_AXIS: Look = {"ls": (0.0, (8.0, 2.0, 1.5, 2.0)), "color": "black", "lw": 0.9}
 MASS_AXIS = NEUTRAL_AXIS | {"ls": (0.0, (1.5, 1.5))}

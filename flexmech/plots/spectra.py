@@ -11,20 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from flexmech.errors import InputError
-from flexmech.plots import scales, style
+from flexmech.plots import reading, scales, style
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
-from flexmech.plots.reading import (
-    LENGTH_UNITS,
-    bending_links,
-    cell_edges,
-    engine_label,
-    fitting_unit,
-    link_label,
-    names_of,
-    run_title,
-    spread,
-    values_of,
-)
 from flexmech.plots.response import engine_lines
 from flexmech.plots.style import Look, line_handle, series_line, series_style
 from flexmech.types import FloatArray
@@ -44,8 +32,8 @@ HEADROOM = 0.14
 BAND_COLOR = "#F5E6BE"
 BAND_EDGE = "#DDB450"
 ORDER_STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500)
-MOST_ORDERS = 16
-MOST_ORDER_LINES = 100
+# Orders with numbers, and orders with ticks: more would touch each other.
+MOST_ORDERS, MOST_ORDER_LINES = 16, 100
 # Least distance of two labels in inches.
 LABEL_ROOM = 0.15
 # Least distance of the names of two lines over the height of a panel.
@@ -80,7 +68,7 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
     """
     limit = _highest_frequency(dataset, "spectrum_frequency")
     within = dataset.sel(spectrum_frequency=slice(0.0, limit))
-    bands, links = _bands(dataset), bending_links(dataset)
+    bands, links = _bands(dataset), reading.bending_links(dataset)
     with sheet(_layout(len(links), 1.5, 2.2), ax=ax, fewer=ONE_LINK) as drawn:
         turns = int(dataset.attrs.get("spectrum_turns", 0))
         handles = engine_lines(dataset)
@@ -90,14 +78,14 @@ def plot_spectrum(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figure:
                 handles[number] = line_handle(of_engine, **_stem_mark(number))
         if bands:
             handles.append(Patch(color=BAND_COLOR, lw=0, label="predicted natural frequencies"))
-        drawn.header(handles, run_title(dataset), of=dataset)
+        drawn.header(handles, reading.run_title(dataset), of=dataset)
         for axes, link in zip(drawn.panels, links, strict=True):
             axes.set_xlim(0.0, limit)
             for band in bands.values():
                 # The edge line keeps a frequency that hardly moves visible.
                 axes.axvspan(*band, fc=BAND_COLOR, ec=BAND_EDGE, lw=0.5, zorder=0)
             unit = _draw_spectra(axes, within["spectrum"].sel(link=link), turns)
-            axes.set_ylabel(f"{link_label(dataset, link)}\namplitude ({unit})")
+            axes.set_ylabel(f"{reading.link_label(dataset, link)}\namplitude ({unit})")
         _label_bands(drawn.panels[0], bands)
         _order_axis(drawn.panels, abs(float(dataset.attrs["crank_speed"])) / (2 * np.pi), limit)
         drawn.label_x("Frequency (Hz)")
@@ -125,22 +113,22 @@ def plot_spectrogram(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     """
     if "spectrogram" not in dataset:
         raise InputError("this response is too short for a spectrogram: ask for more revolutions")
-    first, links = dataset.isel(engine=0), bending_links(dataset)
+    first, links = dataset.isel(engine=0), reading.bending_links(dataset)
     time = first["window_time"].values
     with sheet(_layout(len(links), 1.75, 2.4), ax=ax, fewer=ONE_LINK) as drawn:
-        title = f"{run_title(dataset)}, by {engine_label(dataset)}"
+        title = f"{reading.run_title(dataset)}, by {reading.engine_label(dataset)}"
         if note := dataset.attrs.get("spectrogram_note"):
             title += f"; {note}"
         handles = [line_handle("predicted natural frequencies", **PREDICTION)]
         drawn.header(handles, title, of=dataset)
         for axes, link in zip(drawn.panels, links, strict=True):
             mesh = _draw_levels(axes, first["spectrogram"].sel(link=link))
-            predicted = values_of(first["natural_frequency"], "window_time", "mode")
+            predicted = reading.values_of(first["natural_frequency"], "window_time", "mode")
             axes.plot(time, predicted, **PREDICTION, marker="." if time.size == 1 else "")
             axes.set_ylim(0.0, _highest_frequency(dataset, "window_frequency"))
             scales.plain_numbers(axes)
-            _name_lines(axes, predicted[-1], names_of(dataset, "mode"))
-            axes.set_ylabel(f"{link_label(dataset, link)}\nfrequency (Hz)")
+            _name_lines(axes, predicted[-1], reading.names_of(dataset, "mode"))
+            axes.set_ylabel(f"{reading.link_label(dataset, link)}\nfrequency (Hz)")
         scales.angle_axis(drawn.panels[0], dataset)
         drawn.label_x("Time (s)")
         of_what = "each panel's maximum" if len(links) > 1 else "maximum"
@@ -154,7 +142,7 @@ def _name_lines(axes: Axes, ends: FloatArray, modes: list[str]) -> None:
     low, high = axes.get_ylim()
     inside = [(end, mode) for end, mode in zip(ends, modes, strict=True) if low < end < high]
     least = NAME_ROOM * (high - low)
-    places = spread(np.array([end for end, _ in inside]), least)
+    places = reading.spread(np.array([end for end, _ in inside]), least)
     look: Look = {"ha": "right", "va": "center", "fontsize": 7, "color": "white", "zorder": 5}
     look |= {"xycoords": ("axes fraction", "data"), "annotation_clip": False}
     for place, (_, mode) in zip(places, inside, strict=True):
@@ -211,7 +199,9 @@ def _label_bands(axes: Axes, bands: dict[int, tuple[float, float]]) -> None:
     wanted = np.array([(low + high) / 2 / limit for low, high in bands.values()])
     look: Look = {"ha": "center", "va": "top", "fontsize": 8, "color": "0.25"}
     for place, mode in zip(
-        spread(wanted, LABEL_ROOM / (style.figure_width() - BESIDE_PANELS)), bands, strict=True
+        reading.spread(wanted, LABEL_ROOM / (style.figure_width() - BESIDE_PANELS)),
+        bands,
+        strict=True,
     ):
         axes.text(place, 0.985, f"$f_{{{mode}}}$", transform=axes.transAxes, **look)
 
@@ -231,9 +221,9 @@ def _draw_spectra(axes: Axes, spectrum: xr.DataArray, turns: int) -> str:
     -------
     str
     """
-    amplitude = values_of(spectrum, "engine", "spectrum_frequency")
+    amplitude = reading.values_of(spectrum, "engine", "spectrum_frequency")
     frequency = spectrum["spectrum_frequency"].values
-    factor, unit = fitting_unit(amplitude, LENGTH_UNITS)
+    factor, unit = reading.fitting_unit(amplitude, reading.LENGTH_UNITS)
     highest = factor * float(np.nanmax(amplitude, initial=0.0)) or 1.0
     # Of stems the first is order 1, and what is between them does not count for the axis.
     amplitude, frequency = factor * amplitude[:, turns:], frequency[turns:]
@@ -288,11 +278,11 @@ def _order_axis(panels: list[Axes], turning: float, limit: float) -> None:
 
 def _draw_levels(axes: Axes, amplitude: xr.DataArray) -> QuadMesh:
     """Level in dB below the panel's maximum; the mesh, for the colour bar."""
-    values = values_of(amplitude, "window_frequency", "window_time")
+    values = reading.values_of(amplitude, "window_frequency", "window_time")
     highest = float(np.nanmax(values, initial=0.0)) or 1.0
     level = 20 * np.log10(np.maximum(values / highest, 10.0 ** (-2 * DECIBELS / 20)))
     time, frequency = (
-        cell_edges(amplitude[f"window_{name}"].values) for name in ("time", "frequency")
+        reading.cell_edges(amplitude[f"window_{name}"].values) for name in ("time", "frequency")
     )
     look: Look = {"vmin": -DECIBELS, "vmax": 0.0, "cmap": "viridis", "rasterized": True}
     mesh = axes.pcolormesh(time, frequency, level, **look)

@@ -10,21 +10,15 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import NullLocator
 
-from flexmech.plots import scales, style
+from flexmech.plots import reading, scales, style
 from flexmech.plots.layout import AxesLike, Layout, grid, sheet
-from flexmech.plots.reading import (
-    link_label,
-    names_of,
-    speed_unit,
-    speeds_of,
-    subscripts,
-    values_of,
-)
 from flexmech.plots.spectra import ONE_LINK
 from flexmech.plots.style import Look, line_handle, series_line, series_style
 from flexmech.units import from_si
 
+# Millimetres in a metre.
 MILLI = 1e3
+# Of a link in inches.
 PANEL_HEIGHT = 1.5
 # The two axes of speed, in inches.
 AXES_HEIGHT = 1.0
@@ -35,6 +29,7 @@ LABEL_POINTS = 7.0
 MEAN_LETTER = 0.5
 # What the panels leave of the figure's width in inches, on the safe side.
 BESIDE_PANELS = 0.85
+# Bands of several modes lie over each other, and the curve over all of them.
 BAND_OPACITY = 0.18
 ENDS = ["critical_speed_low", "critical_speed_high"]
 SETTLED: Look = {"ls": "", "marker": "s", "ms": 4.2, "mfc": "white", "mec": series_style(1).color}
@@ -66,8 +61,8 @@ def plot_speed_sweep(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
     -------
     Figure
     """
-    dataset, unit = dataset.sortby("crank_speed"), speed_unit(dataset)
-    factor, links = from_si(1.0, unit), names_of(dataset, "link")
+    dataset, unit = dataset.sortby("crank_speed"), reading.speed_unit(dataset)
+    factor, links = from_si(1.0, unit), reading.names_of(dataset, "link")
     # Markers of simulations do not hang over the edges.
     limits = scales.speed_limits(dataset, 0.015 if "settled_peak" in dataset else 0.0)
     bands = _bands(dataset, factor, limits)
@@ -79,7 +74,7 @@ def plot_speed_sweep(dataset: xr.Dataset, *, ax: AxesLike | None = None) -> Figu
                 for low, high in _merged(bands[mode]):
                     axes.axvspan(low, high, color=_color(row), alpha=BAND_OPACITY, lw=0, zorder=0)
             _draw_peaks(axes, dataset.sel(link=link))
-            axes.set_ylabel(f"{link_label(dataset, link)}\npeak deflection (mm)")
+            axes.set_ylabel(f"{reading.link_label(dataset, link)}\npeak deflection (mm)")
         drawn.label_x(f"Crank speed ({unit})")
         top = drawn.figure.axes[0] if drawn.is_new else drawn.panels[0]
         if drawn.is_new:
@@ -98,12 +93,16 @@ def _layout(links: int, modes: int) -> Layout:
 def _bands(dataset: xr.Dataset, factor: float, limits: tuple[float, float]) -> Bands:
     """Bands within the limits; one that only reaches into the range is cut off at the edge."""
     ordered, bands = dataset[ENDS].sortby("order"), Bands()
-    lows, highs = (factor * values_of(ordered[end], "mode", "order") for end in ENDS)
+    lows, highs = (factor * reading.values_of(ordered[end], "mode", "order") for end in ENDS)
     for row, mode in enumerate(ordered["mode"].values.tolist()):
         for column, order in enumerate(ordered["order"].values.tolist()):
             low, high = float(lows[row, column]), float(highs[row, column])
             if high > limits[0] and low < limits[1]:
-                cut = f"f{subscripts(mode)}/{order}", max(low, limits[0]), min(high, limits[1])
+                cut = (
+                    f"f{reading.subscripts(mode)}/{order}",
+                    max(low, limits[0]),
+                    min(high, limits[1]),
+                )
                 bands.setdefault(mode, []).append(cut)
     return bands
 
@@ -149,12 +148,12 @@ def _draw_strip(axes: Axes, bands: Bands) -> None:
 
 def _draw_peaks(axes: Axes, link: xr.Dataset) -> None:
     """Peaks of one link in mm, on a logarithmic axis if they allow it."""
-    speed = speeds_of(link)
+    speed = reading.speeds_of(link)
     drawn = [MILLI * link["peak_deflection"].values.astype(float)]
     axes.plot(speed, drawn[0], **series_line(0, speed))
     if "settled_peak" in link:
         drawn.append(MILLI * link["settled_peak"].values.astype(float))
-        axes.plot(speeds_of(link, "settled_speed"), drawn[1], **SETTLED, zorder=3)
+        axes.plot(reading.speeds_of(link, "settled_speed"), drawn[1], **SETTLED, zorder=3)
     values = np.concatenate(drawn)
     positive = values[np.isfinite(values) & (values > 0)]
     if positive.size == 0:
@@ -170,5 +169,5 @@ def _handles(dataset: xr.Dataset, bands: Bands) -> list[Artist]:
         handles.append(line_handle("settled simulation", **SETTLED))
     for row, mode in enumerate(bands):
         look: Look = {"color": _color(row), "alpha": 2 * BAND_OPACITY, "lw": 0}
-        handles.append(Patch(**look, label=f"f{subscripts(mode)}/order"))
+        handles.append(Patch(**look, label=f"f{reading.subscripts(mode)}/order"))
     return handles

@@ -30,6 +30,7 @@ KINDS = {
 }
 GAP: Look = {"facecolor": "0.94", "edgecolor": "0.7", "hatch": "////", "lw": 0}
 NOTHING = "this map has no Floquet multipliers: there is no equilibrium at any speed"
+# Of names of bands, which stand upright side by side, in points.
 LABEL_POINTS = 6.5
 # Part of the axes' width that the name of a band takes, upright; less on a wide page.
 NAME_WIDTH, NARROW_NAME_WIDTH = 0.024, 0.045

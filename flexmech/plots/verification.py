@@ -10,6 +10,7 @@ from flexmech.plots.layout import AxesLike, grid, sheet, wrapped
 from flexmech.plots.reading import names_of
 from flexmech.plots.style import Look, line_handle
 
+# Of a subject, whose name may have two lines, in inches.
 ROW = 0.3
 # Deviations below this part of the tolerance, and none at all, stand at the left end.
 LEAST = 1e-6

@@ -204,7 +204,7 @@ class Equilibrium:
         -------
         PoseStiffness
         """
-        posed = self.frames.posed_by(motion, displacement)
+        posed = self.frames.displaced_ties_by(motion, displacement)
         inner = [each.T.copy() for each in force]
         turning = self._springs.resist(motion, [q.T for q in displacement], inner)
         dead = DeadForces.of(self.frames.links, motion, loads, virial)

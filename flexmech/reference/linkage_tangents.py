@@ -86,7 +86,7 @@ class LinkageTangents:
             link: (len(own.elements.length), relative, relative) for link, own in links.items()
         }
         # Independent coordinates of rigid links and sliders are the first ones.
-        self._rigid_count = len(frames.rigid.independent)
+        self._rigid_count = len(frames.rigid.independent_coordinates)
         self._turning = self._turning_elements()
         entries = self._entries()
         self.order, self._width = _narrow_band(frames.size, entries)
@@ -114,10 +114,10 @@ class LinkageTangents:
         if not self.ties_move:
             turns = [
                 [np.ascontiguousarray(np.moveaxis(led.turn, 0, -1)) for led in following]
-                for following in self._frames.following_rows(motion)
+                for following in self._frames.dependent_rows(motion)
             ]
             return Ties(turns, None)
-        posed = self._frames.posed(motion, z[: self._rigid_count].T)
+        posed = self._frames.displaced_ties(motion, z[: self._rigid_count].T)
         turns = [[np.moveaxis(led.turn, 0, -1) for led in rows] for rows in posed.rows]
         return Ties(turns, posed)
 
@@ -147,8 +147,8 @@ class LinkageTangents:
         for link, (target, q) in enumerate(zip(self._frames.targets, displacement, strict=True)):
             own = self._frames.own(link)
             z[target[own]] = q.T[own]
-        pose = self._frames.posed_by(motion, displacement).pose
-        z[: self._rigid_count] = pose.y[:, self._frames.rigid.independent].T
+        pose = self._frames.displaced_ties_by(motion, displacement).pose
+        z[: self._rigid_count] = pose.y[:, self._frames.rigid.independent_coordinates].T
         return z
 
     def gather(self, forces: Sequence[FloatArray], ties: Ties) -> FloatArray:

@@ -127,7 +127,7 @@ class RadialSprings:
         found = [np.zeros(0, dtype=np.intp)]
         for end in ends:
             if end.rigid:
-                found.append(np.arange(len(self._frames.rigid.independent)))
+                found.append(np.arange(len(self._frames.rigid.independent_coordinates)))
                 continue
             target = self._frames.targets[end.link][end.rows]
             found.append(target[target >= 0])

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.linear_system import PosedTies
+from flexmech.linear_system import DisplacedTies
 from flexmech.types import FloatArray, IntArray
 
 
@@ -20,12 +20,12 @@ class Ties:
     ----------
     turns : list of list of ndarray, shape (r, c, B)
         Of each link: derivative of the rows of each tie by what they follow.
-    posed : PosedTies, optional
+    posed : DisplacedTies, optional
         Where rigid links and lines are, if there are any.
     """
 
     turns: list[list[FloatArray]]
-    posed: PosedTies | None
+    posed: DisplacedTies | None
 
     def at(self, which: NDArray[np.bool_] | IntArray) -> Ties:
         """Those of some positions, of ties that do not move."""

@@ -22,6 +22,7 @@ from flexmech.report.results import Results
 from flexmech.report.words import engine_names, speed_name, speed_unit_of, state_of, with_error
 from flexmech.units import from_si
 
+# Orders that are told one by one: higher ones excite little.
 LOWEST_ORDERS = 3
 Ranges = list[tuple[float, float]]
 

@@ -34,12 +34,12 @@ from flexmech.types import FloatArray, LabelledProgress
 
 # The Campbell diagram goes beyond the greatest speed asked for by this factor.
 BEYOND = 2.0
+# As many as make a smooth band; between angles of the map a line is straight to the eye.
 CAMPBELL_SPEEDS = 13
 MAP_ANGLES = np.radians(np.arange(0.0, 361.0, 5.0))
 PATH_ANGLES = np.radians(np.arange(0.0, 361.0))
-# Mode shapes are stored at so many crank angles at most.
-MOST_SHAPES = 72
-MOST_CAMPBELL_ANGLES = 36
+# Crank angles at which mode shapes are stored, and over which bands are taken, at most.
+MOST_SHAPES, MOST_CAMPBELL_ANGLES = 72, 36
 
 
 @dataclass(frozen=True)

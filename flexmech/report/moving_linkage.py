@@ -27,6 +27,7 @@ from flexmech.report.words import crank_degrees, engine_names, speed_name, speed
 from flexmech.runs import unbroken_runs
 from flexmech.types import FloatArray
 
+# Of a run's turn: the script interpolates between samples every three degrees.
 MOST_FRAMES = 120
 # Largest displacement as drawn, over the linkage's extent.
 ENLARGED_TO = 0.12

@@ -12,6 +12,7 @@ from flexmech.report.results import Results
 from flexmech.types import FloatArray
 from flexmech.units import from_si
 
+# More decimals are below the solver's own tolerance.
 MOST_DECIMALS = 6
 DRY = "dry"
 

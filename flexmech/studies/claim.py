@@ -1,4 +1,4 @@
-"""A claim of a paper, what was found of it, and how that is told."""
+"""A claim of a paper, what was found of it, and its line in a report."""
 
 from __future__ import annotations
 

@@ -21,7 +21,7 @@ DeviationKind = Literal["relative", "relative to the largest", "absolute"]
 """What a difference is divided by: the expected number, the largest expected one, or nothing."""
 
 # Packages of extras by the names that Python imports them by.
-EXTRAS = {"skfem": "scikit-fem, of the extra 'verify'"}
+_EXTRAS = {"skfem": "scikit-fem, of the extra 'verify'"}
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ class VerificationCase:
         """
         nothing = np.full(1, np.nan)
         if self.lacking:
-            lacking = ", ".join(EXTRAS[name] for name in self.lacking)
+            lacking = ", ".join(_EXTRAS[name] for name in self.lacking)
             return Outcome(self, nothing, nothing, f"not installed: {lacking}")
         try:
             expected = self.expected_values()
@@ -175,7 +175,7 @@ class Outcome:
 
 
 # In the order in which they are told.
-FILES = (
+_FILES = (
     "four_bars",
     "rotating_arm",
     "drawn_linkages",
@@ -187,13 +187,13 @@ FILES = (
     "transmission_angles",
     "moisture",
 )
-BOTH_ENGINES = ("reference", "exudyn")
+_BOTH_ENGINES = ("reference", "exudyn")
 
 
 @cache
 def _all_cases() -> tuple[VerificationCase, ...]:
     folder = resources.files("flexmech.verification") / "data" / "cases"
-    texts = (folder.joinpath(f"{name}.toml").read_text(encoding="utf-8") for name in FILES)
+    texts = (folder.joinpath(f"{name}.toml").read_text(encoding="utf-8") for name in _FILES)
     return tuple(case for text in texts for case in _cases_of(tomllib.loads(text)))
 
 
@@ -249,7 +249,7 @@ def _by_engine(table: Mapping[str, Any]) -> Iterator[VerificationCase]:
     if not given.pop("each_engine", False):
         yield _case(given)
         return
-    for engine in BOTH_ENGINES:
+    for engine in _BOTH_ENGINES:
         measured = {**given["measured_by"], "engine": engine}
         yield _case({**given, "name": f"{given['name']}, {engine}", "measured_by": measured})
 

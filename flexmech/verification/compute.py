@@ -22,7 +22,7 @@ def verify(
     thorough: bool = False,
     progress: LabelledProgress | None = None,
 ) -> Verification:
-    """Hold what flexmech computes on this machine against numbers from elsewhere.
+    """Compare what flexmech computes on this machine with numbers from elsewhere.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def _dataset(outcomes: Sequence[Outcome]) -> xr.Dataset:
         },
         {"case": np.array([case.title for case in cases]), "number": np.arange(1, most + 1)},
     )
-    for name, (unit, words) in VARIABLES.items():
+    for name, (unit, words) in _VARIABLES.items():
         dataset[name].attrs = {"long_name": words} | ({"units": unit} if unit else {})
     machine = f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
     return dataset.assign_attrs(versions("exudyn") | {"machine": machine})
@@ -108,7 +108,7 @@ def _label(case: VerificationCase, number: int, count: int) -> str:
 
 
 # Units and words; numbers are in the unit that their case names.
-VARIABLES = {
+_VARIABLES = {
     "expected": ("", "expected number, in the unit of its case"),
     "measured": ("", "number that flexmech computed, in the unit of its case"),
     "deviation": ("", "size of the difference as the case counts it"),

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-DIGITS = 6
-FARTHEST = "of each case the number that is farthest off; verification.csv has all of them"
+_DIGITS = 6
+_FARTHEST = "of each case the number that is farthest off; verification.csv has all of them"
 
 
 class Verification(Result):
@@ -56,7 +56,7 @@ class Verification(Result):
 
     def summary(self) -> Summary:
         """Each case with the number that is farthest off, under its source; then the count."""
-        parts: list[Table | str] = [FARTHEST]
+        parts: list[Table | str] = [_FARTHEST]
         for (subject, source), cases in groupby(
             self._cases(), lambda case: (case["subject"].item(), case["source"].item())
         ):
@@ -134,8 +134,8 @@ def _row(subject: str, case: xr.Dataset) -> tuple[str, ...]:
     measured, expected = (float(case[name].values[worst]) for name in ("measured", "expected"))
     return (
         name,
-        f"{measured:.{DIGITS}g}",
-        f"{expected:.{DIGITS}g}",
+        f"{measured:.{_DIGITS}g}",
+        f"{expected:.{_DIGITS}g}",
         f"{float(deviation[worst]):.1e}",
         tolerance,
         verdict,

@@ -85,7 +85,7 @@ def test_exact_receptances_of_shearing_links_meet_with_the_mesh(elements, most):
     for kind in ENGINES.values():
         locked = LockedLinkage.at(kind(mechanism, elements), float(ANGLE[0]), "none")
         row = locked.rows([COUPLER], "transverse")
-        receptances.append(locked.receptance(row, row, lines)[:, 0, 0])
+        receptances.append(locked.modes.receptance(row, row, lines)[:, 0, 0])
     one, other = receptances
     assert np.abs(one - other).max() < most * np.abs(one).max()
 

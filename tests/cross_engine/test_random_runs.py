@@ -46,7 +46,7 @@ def test_errors_told_by_the_step_are_true_or_bounds(seed: int) -> None:
     engine, request = ReferenceEngine(case.mechanism, 4), case.request
     assert request.start == "rigid"
     plan = planned([engine], request)
-    run = run_engine(engine, request, plan.time, plan.highest, plan.band, lambda *told: None)
+    run = run_engine(engine, request, plan, lambda *told: None)
     linkage = DrivenLinkage(engine, request.drive, modes=request.modes, stretches=True)
     state, nothing = linkage.unstressed(), np.zeros(linkage.size)
     coarse, told = run.trajectory, run.step_error
@@ -56,6 +56,6 @@ def test_errors_told_by_the_step_are_true_or_bounds(seed: int) -> None:
     bent = np.abs(expected).max(axis=0)
     true = np.abs(curves - expected).max(axis=0) / np.where(bent > 0, bent, 1.0)
     assert true.max() > NEGLIGIBLE
-    assert (true <= np.maximum(2 * told.deflection, NEGLIGIBLE)).all()
+    assert (true <= np.maximum(2 * told.of["deflection"], NEGLIGIBLE)).all()
     true = apart / fine.peak_joint_force
-    assert (true <= np.maximum(2 * told.force, NEGLIGIBLE)).all()
+    assert (true <= np.maximum(2 * told.of["force"], NEGLIGIBLE)).all()

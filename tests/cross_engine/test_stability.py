@@ -8,8 +8,8 @@ import pytest
 from flexmech import stability
 from flexmech.analyses.damping_ratios import lowest_frequency, with_damping_time
 from flexmech.analyses.stability.engine_map import map_engine
-from flexmech.analyses.stability.kept_modes import matched
 from flexmech.analyses.stability.request import StabilityRequest
+from flexmech.analyses.stability.selected_modes import matched
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.multibody import ExudynEngine
 from flexmech.reference import ReferenceEngine

@@ -13,9 +13,9 @@ from flexmech.analyses.stability import (
     BandEdge,
     CheckedErrors,
     EngineStability,
-    FollowedSpeed,
     NoEquilibrium,
     StabilityRequest,
+    TrackedSpeed,
 )
 from flexmech.analyses.stability.dataset import dataset_of
 from flexmech.example_models import example_model
@@ -68,7 +68,7 @@ def bands() -> list[Band]:
     ]
 
 
-def followed(speed: float, growth: float = -DECAY, **more: Any) -> FollowedSpeed:
+def followed(speed: float, growth: float = -DECAY, **more: Any) -> TrackedSpeed:
     """Pairs of conjugate modes, of which the first grows or decays as said."""
     frequency = 2 * np.pi * np.repeat(FREQUENCIES, 2)
     decay = np.repeat(DECAY * np.arange(1.0, len(FREQUENCIES) + 1), 2)
@@ -83,7 +83,7 @@ def followed(speed: float, growth: float = -DECAY, **more: Any) -> FollowedSpeed
         "liouville_defect": 2e-13,
         "steps": 256,
     }
-    return FollowedSpeed(speed, exponent, **known | more)
+    return TrackedSpeed(speed, exponent, **known | more)
 
 
 def growth_at(speed: float) -> float:
@@ -93,7 +93,7 @@ def growth_at(speed: float) -> float:
     return 2.0 * (speed - 97.0) if speed > 97.0 else -DECAY
 
 
-def solved(speed: float, **more: Any) -> FollowedSpeed | NoEquilibrium:
+def solved(speed: float, **more: Any) -> TrackedSpeed | NoEquilibrium:
     if abs(speed) >= REFUSED_FROM:
         return NoEquilibrium(speed, f"no equilibrium at {speed:g} rad/s: the coupler buckles")
     buckled = np.radians(22.5) if abs(speed) >= BUCKLED_FROM else None

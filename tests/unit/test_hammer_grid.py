@@ -74,7 +74,7 @@ def test_shapes_are_what_links_do_at_the_points_of_the_grid():
     locked = LockedLinkage.at(damped_engine(), float(ANGLES[1]), "none")
     seen = locked.rows([points[place]], "transverse")
     rows, lines = locked.rows(points, "transverse"), data["frequency"].values
-    exact = locked.receptance(seen, rows, lines)[:, 0].T
+    exact = locked.modes.receptance(seen, rows, lines)[:, 0].T
     found = complex_of(data, "grid_receptance")[1]
     assert abs(found - exact).max() < 0.01 * abs(exact).max()
     assert np.all(abs(found - exact).max(axis=1) < 0.01 * abs(exact).max(axis=1))
@@ -178,7 +178,7 @@ def test_what_a_window_adds_is_taken_off_what_is_written(tmp_path):
     assert rate / (2 * np.pi * data["eigen_frequency"].values[0]) > 0.5 * eigen[0]
     locked = LockedLinkage.at(damped_engine(), float(ANGLES[1]), "none")
     row = locked.rows([LinkPoint("coupler", 0.5)], "transverse")
-    exact = locked.receptance(row, row, lines)[:, 0, 0]
+    exact = locked.modes.receptance(row, row, lines)[:, 0, 0]
     frf = result.frf()
     written = frf["receptance_real_m_N"].to_numpy() + 1j * frf["receptance_imag_m_N"].to_numpy()
     assert abs(written - exact).max() < 0.01 * abs(exact).max()

@@ -30,7 +30,6 @@ ORDER = [
     "threads",
     "files",
     "dimensions",
-    "unit_words",
     "units",
     "plausible",
     "numbers",

@@ -160,7 +160,7 @@ def models(topology: Topology, element: str = "euler") -> list[LinkModel]:
 def well_posed(topology: Topology, course: Course) -> bool:
     """Whether the rigid links are not near a locked position, where everything is large."""
     rigid = RigidCoordinates(topology)
-    moved = rigid.moving(course.at(0.0)).value
+    moved = rigid.dependence(course.at(0.0)).value
     return bool(np.abs(moved).max(initial=0.0) < 30)
 
 

@@ -53,8 +53,10 @@ def without_dyads(linkage: PlanarLinkage) -> PlanarLinkage:
     assembly = again._assembly
     order = _Order(again.drawing, assembly.bodies, assembly.drawn_at)
     assume(order.unknown)
-    constraints = order._on(tuple(order.unknown))
-    assembly.steps = (NewtonGroup(assembly.bodies, constraints, assembly.drawn_at),)
+    unknown = tuple(order.unknown)
+    joints = order._on(unknown)
+    group = NewtonGroup(again.drawing, assembly.bodies, joints, unknown, assembly.drawn_at)
+    assembly.steps = (group,)
     return again
 
 

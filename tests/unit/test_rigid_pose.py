@@ -17,15 +17,15 @@ from tests.unit.test_link_ties import Course, topologies
 FloatArray = NDArray[np.float64]
 
 
-def settled(
+def solved(
     topology: Topology, seed: int, scale: float
 ) -> tuple[RigidCoordinates, RigidMotion, FloatArray, RigidPose]:
     """A pose at random independent coordinates that is not near a locked one."""
     rigid, motion = RigidCoordinates(topology), Course(topology, seed).at(0.0)
-    assume(len(rigid.independent) > 0 and len(rigid.links) > 0)
+    assume(len(rigid.independent_coordinates) > 0 and len(rigid.links) > 0)
     random = np.random.default_rng(seed)
-    w = scale * random.normal(size=(1, len(rigid.independent)))
-    pose = RigidPose.settled(rigid, motion, w)
+    w = scale * random.normal(size=(1, len(rigid.independent_coordinates)))
+    pose = RigidPose.solve_position_constraints(rigid, motion, w)
     assume(np.isfinite(pose.y).all() and np.abs(pose.coordinates).max() < 10)
     return rigid, motion, w, pose
 
@@ -33,19 +33,21 @@ def settled(
 @settings(max_examples=60, deadline=None)
 @given(topologies(), st.integers(0, 1000))
 def test_how_a_pose_can_move_is_its_derivative(topology: Topology, seed: int) -> None:
-    rigid, motion, w, pose = settled(topology, seed, 0.02)
+    rigid, motion, w, pose = solved(topology, seed, 0.02)
     step = 1e-5
-    points = [p for p in joint_points(topology) if rigid.point(motion, p) is not None]
+    points = [p for p in map(rigid.leader, joint_points(topology)) if p is not None]
     for number in range(w.shape[1]):
         ahead, back = (
-            RigidPose.settled(rigid, motion, w + sign * step * np.eye(w.shape[1])[number])
+            RigidPose.solve_position_constraints(
+                rigid, motion, w + sign * step * np.eye(w.shape[1])[number]
+            )
             for sign in (1, -1)
         )
         rate = (ahead.y - back.y)[0] / (2 * step)
         np.testing.assert_allclose(pose.coordinates[0, :, number], rate, atol=1e-6)
         for point in points:
-            moved = (ahead.point(point) - back.point(point))[0] / (2 * step)
-            found = pose.rows(point)[0] @ pose.coordinates[0, :, number]
+            moved = (ahead.displacement([point]) - back.displacement([point]))[0, 0] / (2 * step)
+            found = pose.rows([point])[0] @ pose.coordinates[0, :, number]
             np.testing.assert_allclose(found, moved, atol=1e-6)
 
 
@@ -55,15 +57,15 @@ def test_stiffness_is_the_second_derivative_of_the_work_of_dead_forces(
     topology: Topology, seed: int
 ) -> None:
     """Forces on points that lead flexible links, and on places of the rigid links."""
-    rigid, motion, w, pose = settled(topology, seed, 0.02)
+    rigid, motion, w, pose = solved(topology, seed, 0.02)
     random = np.random.default_rng(seed + 1)
-    points = [p for p in joint_points(topology) if rigid.point(motion, p) is not None]
+    points = [p for p in map(rigid.leader, joint_points(topology)) if p is not None]
     at_points = {point: random.normal(size=(1, 2)) for point in points}
     # In the frame of each rigid link: a force, its place, and what is left as a generalized one.
     acting = {n: (random.normal(size=2), random.normal(size=2)) for n in rigid.links}
 
     def work(at: RigidPose) -> float:
-        total = sum(float(np.sum(f * at.point(p))) for p, f in at_points.items())
+        total = sum(float(np.sum(f * at.displacement([p])[:, 0])) for p, f in at_points.items())
         for link, (force, place) in acting.items():
             u, v, phi = at.y[0, rigid.of_link(link)]
             turn = np.array([[np.cos(phi), -np.sin(phi)], [np.sin(phi), np.cos(phi)]])
@@ -93,7 +95,7 @@ def test_stiffness_is_the_second_derivative_of_the_work_of_dead_forces(
 
     def at(a: int, b: int, i: float, j: float) -> float:
         moved = w + step * (i * numbers[a] + j * numbers[b])
-        return work(RigidPose.settled(rigid, motion, moved))
+        return work(RigidPose.solve_position_constraints(rigid, motion, moved))
 
     def second(a: int, b: int, h: float) -> float:
         if a == b:
@@ -119,9 +121,9 @@ def test_a_bar_in_tension_resists_with_its_force_over_its_length() -> None:
         pins=(Pin("A", LinkEnd("bar", "end"), LinkEnd("rope", "start")),),
     )
     rigid, motion = RigidCoordinates(topology), Course(topology, 2).at(0.0)
-    pose = RigidPose.settled(rigid, motion, np.zeros((1, 1)))
+    pose = RigidPose.solve_position_constraints(rigid, motion, np.zeros((1, 1)))
     angle = motion.angle[0, 0]
     force = pull * np.array([[np.cos(angle), np.sin(angle)]])
-    point = next(p for p in joint_points(topology) if not p.held)
+    point = next(p for p in map(rigid.leader, joint_points(topology)) if p is not None)
     found = pose.stiffness({point: force}, np.zeros((1, 3)), np.zeros((1, 2)))
     assert found.turning[0, 0] / length**2 == pytest.approx(pull / length, rel=1e-12)

@@ -9,8 +9,8 @@ import pytest
 from flexmech.analyses.damping_ratios import with_damping_ratio
 from flexmech.analyses.stability import against, edges, speed_range
 from flexmech.analyses.stability.collisions import Meeting
-from flexmech.analyses.stability.following import usual_frequencies
 from flexmech.analyses.stability.growth import Sample, runs_of_growth, speeds_between
+from flexmech.analyses.stability.mode_tracking import usual_frequencies
 from flexmech.analyses.stability.naming import BandName, band_name, signatures_of
 from flexmech.analyses.stability.parallel import FEW, in_order
 from flexmech.analyses.stability.request import StabilityRequest
@@ -173,7 +173,7 @@ def test_a_second_parameter_is_mapped_by_windows_where_these_are_cheaper(alumini
     own = against.LinkageSolver.moving
 
     def counting(self, crank_speed):
-        built.append(any(window.holds(crank_speed) for window in self.windows))
+        built.append(any(window.contains(crank_speed) for window in self.windows))
         return own(self, crank_speed)
 
     monkeypatch.setattr(against, "in_order", lambda task, items: map(task, items))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from flexmech.analyses import moving_frequencies, natural_frequencies
 from flexmech.analyses.frequencies.formulation import Systems
-from flexmech.analyses.frequencies.reduction import settled
+from flexmech.analyses.frequencies.reduction import converged_modes
 from flexmech.analyses.frequencies.refinement import (
     Between,
     Positions,
@@ -343,10 +343,10 @@ def test_frequencies_at_positions_do_not_depend_on_their_batches(
         assert own is not None
         for found, expected in zip(stressed.displacement, own, strict=True):
             np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
-        return settled(systems, crank_angle, *rest, stressed=stressed)
+        return converged_modes(systems, crank_angle, *rest, stressed=stressed)
 
     large = natural_frequencies(ReferenceEngine(fourbar(), 4), angles, 20.0, modes=3)
-    monkeypatch.setattr("flexmech.analyses.frequencies.positions.settled", with_its_stress)
+    monkeypatch.setattr("flexmech.analyses.frequencies.positions.converged_modes", with_its_stress)
     small = natural_frequencies(SmallBatches(fourbar(), 4), angles, 20.0, modes=3)
     assert small == pytest.approx(large, rel=1e-9)
 

@@ -219,7 +219,6 @@ def test_the_default_unit_is_that_of_the_option() -> None:
         ("0:1:-1", r"STEP must be positive"),
         ("2:1:1", r"STOP must not be less than START"),
         ("0:1:1e-4", r"choose a STEP that gives at most 100 values"),
-        ("0:1:1e-9999999", r"too small; write 0, or a larger number"),
         ("0:1e300:1e-300", r"at most 100 values"),
         ("0,5 Hz", r"is a frequency and not an angular speed"),
         ("0,nan", r"got 'nan', which does not begin with a number"),

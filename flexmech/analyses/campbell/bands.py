@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.analyses.frequencies.extremes import extremes_of_speeds
+from flexmech.analyses.frequencies.extremes import extremes_between
 from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.errors import ComputationError
@@ -142,7 +142,7 @@ class BandSolver:
 
     def _turns(self, crank_speeds: FloatArray) -> Bands:
         frequency = self._positions(self.crank_angles, crank_speeds)
-        extremes = extremes_of_speeds(
+        extremes = extremes_between(
             self.systems,
             self.crank_angles,
             crank_speeds,

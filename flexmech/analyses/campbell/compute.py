@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from typing import Any, cast
+from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 import xarray as xr
@@ -20,7 +20,14 @@ from flexmech.analyses.campbell.steady_response import (
     response_speeds,
     steady_response,
 )
-from flexmech.analyses.datasets import provenance, with_units
+from flexmech.analyses.datasets import (
+    columns_of,
+    engine_coordinates,
+    filled,
+    provenance,
+    records,
+    with_units,
+)
 from flexmech.analyses.frequencies import Formulation
 from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import as_many_modes, engines_of
@@ -29,7 +36,7 @@ from flexmech.choices import PRESTRESS_LEVELS, Prestress
 from flexmech.linear_system import Engine
 from flexmech.numbers import POSITIVE, check_choice, check_flag, check_number, checked_array
 from flexmech.threads import one_thread
-from flexmech.types import FloatArray, IntArray, LabelledProgress, silent
+from flexmech.types import IntArray, LabelledProgress, silent
 
 
 def dataset_of(
@@ -53,6 +60,14 @@ def dataset_of(
     engines = [diagram.engine for diagram in diagrams]
     checked = np.unique(np.concatenate([each.checked_speeds for each in diagrams]))
     over = ("engine", "crank_speed", "branch")
+    mesh_error = filled(
+        (len(diagrams), len(checked), request.formulation.modes),
+        (
+            ((number, int(np.searchsorted(checked, speed))), error)
+            for number, each in enumerate(diagrams)
+            for speed, error in zip(each.checked_speeds, each.mesh_error, strict=True)
+        ),
+    )
     values = np.stack([each.sampled.values[each.places] for each in diagrams])
     dataset = xr.Dataset(
         {
@@ -60,20 +75,21 @@ def dataset_of(
             "mean_frequency": (over, values[:, :, 1]),
             "highest_frequency": (over, values[:, :, 2]),
             "solved": (over[:2], np.stack([_solved(each) for each in diagrams])),
-            "discretisation_error": (
-                ("engine", "check_speed", "branch"),
-                _by_checked_speed(diagrams, checked),
-            ),
+            "discretisation_error": (("engine", "check_speed", "branch"), mesh_error),
             "fit_error": ("engine", [each.sampled.fit_error for each in diagrams]),
             "projection_error": ("engine", [each.projection_error for each in diagrams]),
             "crossing_error": ("engine", [each.crossing_error for each in diagrams]),
         }
-        | _table("critical", CriticalSpeed, [(d, c) for d in diagrams for c in d.critical])
-        | _table("gap", Gap, [(d, g) for d in diagrams for g in d.gaps]),
+        | records(
+            "critical",
+            [(each.engine, found) for each in diagrams for found in each.critical],
+            columns_of(CriticalSpeed),
+        )
+        | records(
+            "gap", [(each.engine, gap) for each in diagrams for gap in each.gaps], columns_of(Gap)
+        ),
         coords={
-            "engine": [engine.name for engine in engines],
-            "element": ("engine", [engine.element for engine in engines]),
-            "elements": ("engine", [engine.elements for engine in engines]),
+            **engine_coordinates(engines),
             "crank_speed": request.crank_speeds,
             "check_speed": checked,
             "branch": np.arange(1, request.formulation.modes + 1),
@@ -99,39 +115,10 @@ def dataset_of(
     )
 
 
-def _by_checked_speed(diagrams: Sequence[EngineDiagram], checked: FloatArray) -> FloatArray:
-    """Errors by the mesh, (engine, speed, branch); not a number where one was not checked."""
-    every = np.full((len(diagrams), len(checked), diagrams[0].mesh_error.shape[1]), np.nan)
-    for number, each in enumerate(diagrams):
-        every[number, np.searchsorted(checked, each.checked_speeds)] = each.mesh_error
-    return every
-
-
 def _solved(diagram: EngineDiagram) -> NDArray[np.bool_]:
     """Which of the crank speeds asked for were solved for rather than fitted."""
     sampled = diagram.sampled
     return np.isin(sampled.crank_speed[diagram.places], sampled.solved.crank_speed)
-
-
-def _table(
-    dimension: str, kind: type, rows: Sequence[tuple[EngineDiagram, object]]
-) -> dict[str, tuple[str, NDArray[Any]]]:
-    """Variables over a dimension, one for each field, named like ``critical_order``."""
-    columns: dict[str, list[Any]] = {"engine": [diagram.engine.name for diagram, _ in rows]}
-    for each in fields(kind):
-        columns[each.name] = [getattr(row, each.name) for _, row in rows]
-    types: dict[str, Any] = {
-        "engine": str,
-        "reason": str,
-        "order": np.intp,
-        "branch": np.intp,
-        "count": np.intp,
-    }
-    types |= {"starts_inside": bool, "ends_inside": bool}
-    return {
-        f"{dimension}_{name}": (dimension, np.array(values, dtype=types.get(name, float)))
-        for name, values in columns.items()
-    }
 
 
 # Every five degrees of a turn.

@@ -24,7 +24,7 @@ from flexmech.types import FloatArray, IntArray
 logger = logging.getLogger(__name__)
 
 # Relative change of the speed in the last round, and relative distance of ray and band then.
-SETTLED = 1e-8
+CONVERGED = 1e-8
 MOST_ROUNDS = 20
 # Of the crank angles around an extreme, in steps of the grid: at first, and at last.
 FIRST_ASIDE, LAST_ASIDE = 0.5, 0.04
@@ -41,7 +41,7 @@ OUTSIDE, AT_END = 0.5, 1e-6
 
 @dataclass
 class _Search:
-    """Speeds and crank angles of c extremes that are followed to where they meet a ray.
+    """Speeds and crank angles of c extremes that are tracked to where they meet a ray.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class _Search:
         Speed and frequency of the round before; not a number before the first.
     off : ndarray, shape (c,)
         Relative distance of ray and extreme.
-    settled : ndarray of bool, shape (c,)
+    converged : ndarray of bool, shape (c,)
     """
 
     owner: IntArray
@@ -75,11 +75,11 @@ class _Search:
     aside: FloatArray
     last: FloatArray
     off: FloatArray
-    settled: NDArray[np.bool_]
+    converged: NDArray[np.bool_]
 
     def advance(self, systems: Systems, least_aside: float) -> None:
-        """One round of those that have not settled."""
-        these = np.flatnonzero(~self.settled)
+        """One round of those that have not converged."""
+        these = np.flatnonzero(~self.converged)
         extreme, certain = self._narrowed(systems, these, least_aside)
         speed, ray_slope = self.speed[these], self.order[these] / (2 * np.pi)
         target = ray_slope * np.abs(speed)
@@ -93,11 +93,11 @@ class _Search:
         new = np.clip(speed + change, self.low[these] - width, self.high[these] + width)
         self.speed[these] = np.where(certain, new, speed)
         self.off[these] = np.abs(extreme / target - 1)
-        small = np.abs(new - speed) <= SETTLED * np.abs(new)
+        small = np.abs(new - speed) <= CONVERGED * np.abs(new)
         narrow = self.aside[these] <= least_aside
-        # One that would meet the ray far from this step only is not followed.
+        # One that would meet the ray far from this step only is left.
         left = (new == speed) & (np.abs(change) > width)
-        self.settled[these] = left | (certain & small & narrow & (self.off[these] <= SETTLED))
+        self.converged[these] = left | (certain & small & narrow & (self.off[these] <= CONVERGED))
 
     def _narrowed(
         self, systems: Systems, these: IntArray, least_aside: float
@@ -147,14 +147,14 @@ def exact_edges(
     step = float(np.max(np.diff(solver.crank_angles), initial=np.radians(1.0)))
     search = _begin(solver, sampled, edges, FIRST_ASIDE * step)
     for _ in range(MOST_ROUNDS):
-        if search.settled.all():
+        if search.converged.all():
             break
         search.advance(solver.systems, LAST_ASIDE * step)
     margin = AT_END * (search.high - search.low)
     inside = (search.speed >= search.low - margin) & (search.speed <= search.high + margin)
     found, off = {}, 0.0
     for number, edge in enumerate(edges):
-        own = np.flatnonzero((search.owner == number) & search.settled & inside)
+        own = np.flatnonzero((search.owner == number) & search.converged & inside)
         if not len(own):
             logger.info("%s is searched for over all crank angles", edge)
             found[edge] = _by_whole_turns(solver, sampled.crank_speed, edge)
@@ -192,7 +192,7 @@ def _begin(solver: BandSolver, sampled: SampledBands, edges: list[Edge], aside: 
         aside=asides,
         last=np.full((2, len(owner)), np.nan),
         off=np.full(len(owner), np.inf),
-        settled=np.zeros(len(owner), dtype=bool),
+        converged=np.zeros(len(owner), dtype=bool),
     )
 
 
@@ -241,4 +241,4 @@ def _by_whole_turns(solver: BandSolver, grid: FloatArray, edge: Edge) -> float:
     if at_low * at_high > 0:
         # The fit put it into this step, and the solution has it at one of the ends.
         return float(low if abs(at_low) < abs(at_high) else high)
-    return float(brentq(distance, low, high, xtol=SETTLED * high))
+    return float(brentq(distance, low, high, xtol=CONVERGED * high))

@@ -11,7 +11,7 @@ import pandas as pd
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
 from flexmech.analyses.campbell import words
-from flexmech.analyses.datasets import table_over
+from flexmech.analyses.datasets import table_of, table_over
 from flexmech.analyses.remarks import left_out_warnings
 from flexmech.analyses.requests import fewer_modes_lines
 from flexmech.analyses.result import Result
@@ -19,6 +19,25 @@ from flexmech.analyses.summary import Summary, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+# Columns of the tables, and their variables.
+BANDS = {
+    "engine": "engine",
+    "crank_speed_rad_s": "crank_speed",
+    "branch": "branch",
+    "lowest_Hz": "lowest_frequency",
+    "mean_Hz": "mean_frequency",
+    "highest_Hz": "highest_frequency",
+}
+CRITICAL_SPEEDS = {
+    "engine": "critical_engine",
+    "order": "critical_order",
+    "branch": "critical_branch",
+    "from_rad_s": "critical_start",
+    "to_rad_s": "critical_end",
+    "nearest_relative_gap": "critical_gap",
+}
 
 
 class CampbellDiagram(Result):
@@ -53,17 +72,8 @@ class CampbellDiagram(Result):
         -------
         pandas.DataFrame
         """
-        data = self.dataset
-        table = table_over(
-            *("engine", "crank_speed", "branch"),
-            engine=data["engine"],
-            crank_speed_rad_s=data["crank_speed"],
-            branch=data["branch"],
-            lowest_Hz=data["lowest_frequency"],
-            mean_Hz=data["mean_frequency"],
-            highest_Hz=data["highest_frequency"],
-        )
-        return table.dropna(ignore_index=True)
+        over = ("engine", "crank_speed", "branch")
+        return table_of(self.dataset, over, BANDS).dropna(ignore_index=True)
 
     def critical_speeds(self) -> pd.DataFrame:
         """Ranges of speed in which an order of the crank meets a branch, one row for each.
@@ -75,16 +85,7 @@ class CampbellDiagram(Result):
         -------
         pandas.DataFrame
         """
-        columns = {
-            "engine": "engine",
-            "order": "order",
-            "branch": "branch",
-            "from_rad_s": "start",
-            "to_rad_s": "end",
-            "nearest_relative_gap": "gap",
-        }
-        data = self.dataset
-        return pd.DataFrame({name: data[f"critical_{of}"].values for name, of in columns.items()})
+        return table_of(self.dataset, ("critical",), CRITICAL_SPEEDS)
 
     def tables(self) -> dict[str, pd.DataFrame]:
         """``campbell``, ``critical_speeds``, and ``response_peaks`` if there are any."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from contextlib import suppress
+from itertools import pairwise
 
 import numpy as np
 import xarray as xr
@@ -53,7 +54,7 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
     -------
     ModelCheck
         Without frequencies where the linkage cannot stand at crank angle 0 or has rigid links
-        alone, and without a posture where it stands at no angle that was tried.
+        alone, and without a posture where it can be assembled at no angle that was tried.
 
     Raises
     ------
@@ -104,7 +105,7 @@ def check_mechanism(engine: Engine, crank_angle: float | None = None) -> ModelCh
             raise
         # Not every linkage can stand at crank angle zero; what is known of it is right even so.
         dataset.attrs["without_frequencies"] = str(error)
-    with suppress(InputError):  # it stands at no angle that is tried: there is nothing to draw
+    with suppress(InputError):  # assembled at no angle that is tried: there is nothing to draw
         posture = shown_crank_angle(mechanism.linkage) if crank_angle is None else at
         drawn = drawn_mechanism(mechanism, posture)
         dataset = dataset.merge(drawn).assign_attrs(drawn.attrs)
@@ -146,8 +147,8 @@ def _hygrothermal_lines(mechanism: Mechanism) -> list[str]:
 
 # Crank angles of paths and of the transmission angle.
 TURN = np.radians(np.arange(0.0, 361.0))
-ENDS: tuple[End, End] = ("start", "end")
-COUPLER_POINT, COUPLER_MIDDLE = "coupler point", "coupler's middle"
+_ENDS: tuple[End, End] = ("start", "end")
+_COUPLER_POINT, _COUPLER_MIDDLE = "coupler point", "coupler's middle"
 
 
 def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
@@ -209,22 +210,22 @@ def drawn_mechanism(mechanism: Mechanism, crank_angle: float) -> xr.Dataset:
 def _paths(mechanism: Mechanism, angles: FloatArray) -> dict[str, FloatArray]:
     """Places of what moves at crank angles, by name; shape (angle, 2) each."""
     linkage, topology = mechanism.linkage, mechanism.linkage.topology
-    stands = standing(linkage, angles)
-    motion = linkage.motion(angles[stands])
+    assembled = standing(linkage, angles)
+    motion = linkage.motion(angles[assembled])
     found = {}
     for name, place in _moving_ends(topology).items():
         number = topology.index(place.link)
         distance = 0.0 if place.end == "start" else topology.links[number].length
         found[name] = motion.position(number, distance)
     if (point := mechanism.coupler_point) is not None and isinstance(linkage, FourBar):
-        found[COUPLER_POINT] = CouplerCurve(linkage, point).position(angles[stands])
+        found[_COUPLER_POINT] = CouplerCurve(linkage, point).position(angles[assembled])
     elif "coupler" in topology.link_names:
         number = topology.index("coupler")
-        found[COUPLER_MIDDLE] = motion.position(number, topology.links[number].length / 2)
+        found[_COUPLER_MIDDLE] = motion.position(number, topology.links[number].length / 2)
     whole = {}
     for name, places in found.items():
         whole[name] = np.full((len(angles), 2), np.nan)
-        whole[name][stands] = places
+        whole[name][assembled] = places
     return whole
 
 
@@ -233,15 +234,15 @@ def _moving_ends(topology: Topology) -> dict[str, LinkEnd]:
     pins = {tie.joint: topology.leader_of(tie.leader) for tie in topology.pins}
     places = {place: joint for joint, place in reversed(pins.items())}
     found = {joint: place for joint, place in pins.items() if places[place] == joint}
-    ends = [LinkEnd(link.name, end) for link in topology.links for end in ENDS]
+    ends = [LinkEnd(link.name, end) for link in topology.links for end in _ENDS]
     tips = [end for end in ends if end not in topology.joined_ends]
     return found | {"tip" if len(tips) == 1 else f"tip of {end.link}": end for end in tips}
 
 
 def _transmission_angle(linkage: FourBar) -> FloatArray:
-    stands = standing(linkage, TURN)
+    assembled = standing(linkage, TURN)
     angle = np.full(TURN.size, np.nan)
-    angle[stands] = linkage.transmission_angle(TURN[stands])
+    angle[assembled] = linkage.transmission_angle(TURN[assembled])
     return angle
 
 
@@ -278,9 +279,6 @@ def _layers(section: BeamSection | None) -> list[tuple[str, float, float, float]
     half = section.in_plane_thickness / 2
     if section.layers is None or len(section.layers.laminate.layers) == 1:
         return [("", 0.0, -half, half)]
-    layers = section.layers.laminate.layers
-    tops = np.cumsum([layer.thickness for layer in layers]) - half
-    return [
-        (layer.ply.name, layer.angle, float(top) - layer.thickness, float(top))
-        for layer, top in zip(layers, tops, strict=True)
-    ]
+    laminate = section.layers.laminate
+    places = zip(laminate.layers, pairwise(laminate.boundaries.tolist()), strict=True)
+    return [(layer.ply.name, layer.angle, *faces) for layer, faces in places]

@@ -19,25 +19,25 @@ from flexmech.types import FloatArray
 from flexmech.units import ZERO_CELSIUS
 
 # Ashby, Materials Selection in Mechanical Design: foams and soft rubber, diamond.
-LEAST_MODULUS, MOST_MODULUS = 1e6, 1.1e12
+_LEAST_MODULUS, _MOST_MODULUS = 1e6, 1.1e12
 # Polymer foams, osmium.
-LEAST_DENSITY, MOST_DENSITY = 10.0, 2.3e4
+_LEAST_DENSITY, _MOST_DENSITY = 10.0, 2.3e4
 # Of longitudinal waves in a bar, m/s: rubber, diamond.
-LEAST_WAVE_SPEED, MOST_WAVE_SPEED = 10.0, 1.9e4
+_LEAST_WAVE_SPEED, _MOST_WAVE_SPEED = 10.0, 1.9e4
 # Below it shear and the ends govern: a link is no beam. Above it its own weight bends it.
-LEAST_SLENDERNESS, MOST_SLENDERNESS = 5.0, 1000.0
+_LEAST_SLENDERNESS, _MOST_SLENDERNESS = 5.0, 1000.0
 USUAL_TRANSMISSION_ANGLE = (40.0, 140.0)
 """In degrees; Alt's limits, as in Balli & Chand 2002, Mechanism and Machine Theory 37, 175-195."""
-MOST_LENGTH_RATIO = 20.0
-NEARLY_IN_LINE = 1e-3
+_MOST_LENGTH_RATIO = 20.0
+_NEARLY_IN_LINE = 1e-3
 # Point masses over the mass of all links.
-MOST_ADDED = 20.0
-LEAST_GRAVITY, MOST_GRAVITY = 1.0, 30.0
-LEAST_TEMPERATURE, MOST_TEMPERATURE = 200.0, 500.0
+_MOST_ADDED = 20.0
+_LEAST_GRAVITY, _MOST_GRAVITY = 1.0, 30.0
+_LEAST_TEMPERATURE, _MOST_TEMPERATURE = 200.0, 500.0
 # Turns a second over the first natural frequency, and strain by inertia along a link.
-MOST_SPEED_RATIO, MOST_INERTIA_STRAIN = 1 / 3, 2e-3
+_MOST_SPEED_RATIO, _MOST_INERTIA_STRAIN = 1 / 3, 2e-3
 # Of the first mode.
-MOST_DAMPING_RATIO = 0.2
+_MOST_DAMPING_RATIO = 0.2
 
 
 def remarks(mechanism: Mechanism, frequency: FloatArray | None = None) -> tuple[str, ...]:
@@ -75,19 +75,19 @@ def _on_material(section: BeamSection) -> Iterator[str]:
     """On modulus and density, or on what a section without a width tells of them."""
     if section.layers is None:
         speed = math.sqrt(section.axial_stiffness / section.mass_per_length)
-        if not LEAST_WAVE_SPEED <= speed <= MOST_WAVE_SPEED:
+        if not _LEAST_WAVE_SPEED <= speed <= _MOST_WAVE_SPEED:
             yield (
                 f"EA and rho A are those of a material in which sound travels at {speed:.3g} m/s, "
-                f"usual are {LEAST_WAVE_SPEED:g} to {MOST_WAVE_SPEED:g} m/s; check their units"
+                f"usual are {_LEAST_WAVE_SPEED:g} to {_MOST_WAVE_SPEED:g} m/s; check their units"
             )
         return
     area = section.layers.width * section.in_plane_thickness
     modulus, density = section.axial_stiffness / area, section.mass_per_length / area
-    if not LEAST_MODULUS <= modulus <= MOST_MODULUS:
-        than = "softer than rubber" if modulus < LEAST_MODULUS else "stiffer than diamond"
+    if not _LEAST_MODULUS <= modulus <= _MOST_MODULUS:
+        than = "softer than rubber" if modulus < _LEAST_MODULUS else "stiffer than diamond"
         yield f"Young's modulus {modulus:.4g} Pa is {than}; check its unit"
-    if not LEAST_DENSITY <= density <= MOST_DENSITY:
-        than = "lighter than foam" if density < LEAST_DENSITY else "heavier than any metal"
+    if not _LEAST_DENSITY <= density <= _MOST_DENSITY:
+        than = "lighter than foam" if density < _LEAST_DENSITY else "heavier than any metal"
         yield f"density {density:.4g} kg/m^3 is {than}; check its unit"
 
 
@@ -95,15 +95,15 @@ def _on_shape(section: BeamSection, length: float) -> Iterator[str]:
     """On thickness and width against the length, and thickness against the stiffness."""
     thickness = section.in_plane_thickness
     slenderness, size = length / thickness, f"{_mm(thickness)} thick at a length of {_mm(length)}"
-    if slenderness < LEAST_SLENDERNESS:
+    if slenderness < _LEAST_SLENDERNESS:
         yield (
             f"{size} is no slender beam (length over thickness {slenderness:.2g}, below "
-            f"{LEAST_SLENDERNESS:g}): beam theory says little of it"
+            f"{_LEAST_SLENDERNESS:g}): beam theory says little of it"
         )
-    elif slenderness > MOST_SLENDERNESS:
+    elif slenderness > _MOST_SLENDERNESS:
         yield (
             f"{size} is a string rather than a beam (length over thickness {slenderness:.4g}, "
-            f"above {MOST_SLENDERNESS:g})"
+            f"above {_MOST_SLENDERNESS:g})"
         )
     if section.layers is not None and section.layers.width > length:
         yield (
@@ -130,7 +130,7 @@ def _on_masses(mechanism: Mechanism) -> Iterator[str]:
         f"{point.link} at {_mm(point.position)}": point.mass for point in mechanism.link_masses
     }
     for where, mass in masses.items():
-        if mass > MOST_ADDED * own:
+        if mass > _MOST_ADDED * own:
             yield (
                 f"{where}: a point mass of {mass:.4g} kg is {mass / own:.3g} times the mass of all "
                 "links; check its unit"
@@ -139,10 +139,10 @@ def _on_masses(mechanism: Mechanism) -> Iterator[str]:
 
 def _on_environment(mechanism: Mechanism) -> Iterator[str]:
     gravity = math.hypot(*mechanism.gravity)
-    if gravity and not LEAST_GRAVITY <= gravity <= MOST_GRAVITY:
+    if gravity and not _LEAST_GRAVITY <= gravity <= _MOST_GRAVITY:
         yield f"gravity of {gravity:.4g} m/s^2: on earth it is 9.81 m/s^2; check its unit"
     kelvin = mechanism.reference_temperature
-    if not LEAST_TEMPERATURE <= kelvin <= MOST_TEMPERATURE:
+    if not _LEAST_TEMPERATURE <= kelvin <= _MOST_TEMPERATURE:
         yield f"reference temperature {kelvin - ZERO_CELSIUS:.4g} degC is unusual; check its unit"
 
 
@@ -163,13 +163,13 @@ def _on_four_bar(linkage: FourBar, speeds: tuple[float, ...]) -> Iterator[str]:
             "large forces in the pins and little motion for them; see flexmech synthesize"
         )
     lengths = sorted(linkage.lengths.values())
-    if lengths[-1] > MOST_LENGTH_RATIO * lengths[0]:
+    if lengths[-1] > _MOST_LENGTH_RATIO * lengths[0]:
         yield (
             f"lengths from {_mm(lengths[0])} to {_mm(lengths[-1])}: a ratio of "
             f"{lengths[-1] / lengths[0]:.3g}; check their units"
         )
     apart = abs(lengths[0] + lengths[-1] - lengths[1] - lengths[2])
-    if apart < NEARLY_IN_LINE * lengths[-1]:
+    if apart < _NEARLY_IN_LINE * lengths[-1]:
         yield "all links come into one line, or nearly: small errors of lengths decide how it moves"
 
 
@@ -177,7 +177,7 @@ def _on_first_frequency(mechanism: Mechanism, first: float) -> Iterator[str]:
     """On crank speeds against the first natural frequency, and its damping."""
     speed = max((abs(each) for each in mechanism.operating_speeds), default=0.0)
     turns = speed / (2 * math.pi)
-    if turns > MOST_SPEED_RATIO * first:
+    if turns > _MOST_SPEED_RATIO * first:
         yield (
             f"operating speed {speed:.6g} rad/s turns the crank {turns:.4g} times a second, the "
             f"first natural frequency is {first:.4g} Hz: below three times as much linkages ring "
@@ -188,17 +188,17 @@ def _on_first_frequency(mechanism: Mechanism, first: float) -> Iterator[str]:
         if section is None or link.rigid:
             continue
         strain = section.mass_per_length * (speed * link.length) ** 2 / section.axial_stiffness / 2
-        if strain > MOST_INERTIA_STRAIN:
+        if strain > _MOST_INERTIA_STRAIN:
             yield (
                 f"{link.name}: stretched by {100 * strain:.2g} % at {speed:.6g} rad/s by its own "
                 "inertia, more than materials bear"
             )
     times = [section.damping.bending for section in mechanism.sections.values()]
     ratio = float(np.max(times, initial=0.0)) * math.pi * first
-    if ratio > MOST_DAMPING_RATIO:
+    if ratio > _MOST_DAMPING_RATIO:
         yield (
             f"damping of up to {100 * ratio:.3g} % of critical in the first mode, usual is below "
-            f"{100 * MOST_DAMPING_RATIO:g} %; check the damping time"
+            f"{100 * _MOST_DAMPING_RATIO:g} %; check the damping time"
         )
 
 

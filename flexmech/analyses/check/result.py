@@ -60,7 +60,7 @@ class ModelCheck(Result):
         return tuple(str(self.dataset.attrs.get("remarks", "")).splitlines())
 
     def figures(self) -> dict[str, Figure]:
-        """The mechanism, if it can stand anywhere."""
+        """The mechanism, if it can be assembled at any crank angle."""
         return {"check": self.plot()} if "rigid_position" in self.dataset else {}
 
     def plot(self, *, ax: plots.AxesLike | None = None) -> Figure:

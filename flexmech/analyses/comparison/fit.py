@@ -22,17 +22,19 @@ import scipy.stats
 from flexmech.errors import ComputationError
 from flexmech.types import FloatArray, StepProgress
 
-CONFIDENCE = 0.95
+# Of the intervals, as laboratories state them.
+_CONFIDENCE = 0.95
 # Orders among which the autoregressive process is chosen: at most this part of the samples.
-MOST_ORDER = 40
-SAMPLES_AN_ORDER = 8
-# Of a parameter's scale: step of the central differences.
-DIFFERENCE = 1e-4
-MOST_EVALUATIONS = 100
+_MOST_ORDER = 40
+_SAMPLES_AN_ORDER = 8
+# Of a parameter's scale: step of the central differences, whose error is far below noise.
+_DIFFERENCE = 1e-4
+# Up to which progress counts; a fit of a few parameters takes fewer.
+_MOST_EVALUATIONS = 100
 # Of the slopes, each divided by its size, beyond which parameters do the same.
-MOST_CONDITION = 1e6
+_MOST_CONDITION = 1e6
 # At which the spectrum of an autoregressive process is added up.
-FREQUENCIES = 8192
+_FREQUENCIES = 8192
 
 
 @dataclass(frozen=True)
@@ -136,7 +138,7 @@ def fitted(problem: Problem, progress: StepProgress | None = None) -> Fit:
         nonlocal done
         done += 1
         if progress is not None:
-            progress(min(done, MOST_EVALUATIONS), MOST_EVALUATIONS)
+            progress(min(done, _MOST_EVALUATIONS), _MOST_EVALUATIONS)
         return np.asarray((measured - problem.computed((x * scale).tolist())).ravel() / size)
 
     x = np.array([p.start for p in parameters]) / scale
@@ -206,7 +208,7 @@ def _judged(
 
 def _quantile(freedom: float) -> float:
     """Half the width of a confidence interval in standard errors."""
-    return float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, max(freedom, 1.0)))
+    return float(scipy.stats.t.ppf((1 + _CONFIDENCE) / 2, max(freedom, 1.0)))
 
 
 def _white_covariance(
@@ -217,7 +219,7 @@ def _white_covariance(
         return np.zeros((0, 0))
     sizes = np.linalg.norm(jacobian, axis=0)
     # Slopes that are differences have half as many digits.
-    if not sizes.all() or np.linalg.cond(jacobian / sizes) > MOST_CONDITION:
+    if not sizes.all() or np.linalg.cond(jacobian / sizes) > _MOST_CONDITION:
         raise ComputationError(
             f"this record does not tell {', '.join(p.name for p in parameters)} apart: one changes "
             "the computed curve as the others together do, or not at all; fit fewer of them"
@@ -259,7 +261,7 @@ def _coloured_covariance(
 
 def _independent_samples(process: FloatArray) -> float:
     """Independent samples for each one: one over the sum of squares of the autocorrelation."""
-    _, response = scipy.signal.freqz([1.0], np.concatenate([[1.0], -process]), FREQUENCIES)
+    _, response = scipy.signal.freqz([1.0], np.concatenate([[1.0], -process]), _FREQUENCIES)
     spectrum = np.abs(response) ** 2
     return float(spectrum.mean() ** 2 / np.mean(spectrum**2))
 
@@ -280,7 +282,7 @@ def autoregression(residual: FloatArray) -> FloatArray:
     -------
     ndarray, shape (q,)
     """
-    most = min(MOST_ORDER, residual.shape[1] // SAMPLES_AN_ORDER)
+    most = min(_MOST_ORDER, residual.shape[1] // _SAMPLES_AN_ORDER)
     power = float(np.mean(residual**2))
     own, chosen = np.zeros(0), np.zeros(0)
     if power <= 0:
@@ -312,8 +314,8 @@ def _central(function: object, x: FloatArray, least: FloatArray) -> FloatArray:
     columns = []
     for index in range(len(x)):
         step = np.zeros(len(x))
-        step[index] = DIFFERENCE
-        back = x - step if x[index] - DIFFERENCE >= least[index] else x
+        step[index] = _DIFFERENCE
+        back = x - step if x[index] - _DIFFERENCE >= least[index] else x
         columns.append((function(x + step) - function(back)) / (x + step - back)[index])
     return np.stack(columns, axis=1)
 

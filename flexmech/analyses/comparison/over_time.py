@@ -164,7 +164,7 @@ class TimeProblem(RecordProblem):
 
     @cached_property
     def _moved(self) -> Callable[[ForcedModes, tuple[float, ...]], FreeAndForced]:
-        """Free and forced motion, kept for the last damping: for other crank angles."""
+        """Free and forced motion; that of the last damping serves other crank angles."""
         last: list[tuple[int, tuple[float, ...], FreeAndForced]] = []
 
         def moved(model: ForcedModes, damping: tuple[float, ...]) -> FreeAndForced:

@@ -67,7 +67,7 @@ class Gauge:
 
 
 def gauges(engine: Engine) -> tuple[Gauge, ...]:
-    """What can be laid beside a record over time, as ``flexmech response`` names it."""
+    """Gauges with which a record over time can be compared, as ``flexmech response`` names it."""
     found = []
     names = engine.mechanism.linkage.topology.link_names
     for link, place in zip(names, probes(engine), strict=True):

@@ -14,17 +14,16 @@ from flexmech import plots
 from flexmech.analyses.comparison.parameters import DAMPING, STIFFNESS
 from flexmech.analyses.comparison.problem import CURVES
 from flexmech.analyses.datasets import DEGREES, table_over
-from flexmech.analyses.remarks import left_out_warnings
+from flexmech.analyses.remarks import crank_speed_text, left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
 from flexmech.errors import InputError, suggestion
-from flexmech.units import from_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # Units behind the names of columns.
-SUFFIXES = {"m": "_m", "Hz": "_Hz", "m/N": "_m_N", "m/(N s)": "_m_Ns", "m/(N s^2)": "_m_Ns2"}
+_SUFFIXES = {"m": "_m", "Hz": "_Hz", "m/N": "_m_N", "m/(N s)": "_m_Ns", "m/(N s^2)": "_m_Ns2"}
 
 
 @dataclass(frozen=True)
@@ -104,7 +103,7 @@ class Comparison(Result):
     def tables(self) -> dict[str, pd.DataFrame]:
         """The curves, and the fitted parameters."""
         data = self.dataset
-        suffix = SUFFIXES.get(str(data.attrs["unit"]), "")
+        suffix = _SUFFIXES.get(str(data.attrs["unit"]), "")
         parts = ("_real", "_imag") if "measured_real" in data else ("",)
         curves = {
             f"{curve}{part}{suffix}": data[f"{curve}{part}"] for curve in CURVES for part in parts
@@ -196,7 +195,7 @@ def _fit_table(data: xr.Dataset) -> Table | None:
 
 
 def _record_lines(data: xr.Dataset) -> list[str]:
-    """What was laid beside what, and how it was aligned."""
+    """What was compared, and how the record was aligned."""
     attrs = data.attrs
     column, quantity = attrs["column"], attrs["quantity"]
     lines = [f"compared: {column!r} of {attrs['record']} with {quantity} of the {_engine(attrs)}"]
@@ -210,7 +209,7 @@ def _record_lines(data: xr.Dataset) -> list[str]:
         )
         lines += [
             f"record: {data.sizes['time']} samples, {length:.4g} s, {turns:.4g} turns at "
-            f"{_speed(attrs)}",
+            f"{crank_speed_text(attrs)}",
             f"aligned: the record begins at crank angle {angle:.4g} deg, {by}",
             f"its free vibration begins in the state that fits best: {attrs['free_states']} "
             "numbers, found for every value of the parameters",
@@ -221,7 +220,7 @@ def _record_lines(data: xr.Dataset) -> list[str]:
         word = "modes" if "," in modes else "mode"
         lines.append(
             f"record: {data.sizes['sample']} natural frequencies of {word} {modes} ({by}) at "
-            f"{_speed(attrs)}"
+            f"{crank_speed_text(attrs)}"
         )
     else:
         frequency = data["frequency"].values
@@ -277,25 +276,20 @@ def _residual_lines(data: xr.Dataset) -> list[str]:
     ]
     if not data.sizes["parameter"]:
         return lines
-    wider = f"{attrs['widened']:.3g} times wider than for white noise"
-    if not attrs["residual_order"] and attrs["widened"] < _LITTLE_WIDER:
+    order, widened = attrs["residual_order"], attrs["widened"]
+    if not order and widened < _LITTLE_WIDER:
         return [*lines, "the residual looks like white noise: the intervals hold for that"]
-    if not attrs["residual_order"]:
-        return [
-            *lines,
-            "the residual is larger where the record tells most, so that the intervals are up to "
-            f"{wider}; what the model lacks may shift the values by more than that",
-        ]
-    told = (
-        f"the intervals are up to {wider}"
-        if attrs["widened"] > 1.0
-        else "the intervals of white noise cover that"
-    )
+    intervals = "the intervals of white noise cover that"
+    if widened > 1.0:
+        intervals = f"the intervals are up to {widened:.3g} times wider than for white noise"
+    lacks = "hat the model lacks may shift the values by more than that"
+    if not order:
+        where = f"larger where the record tells most, so that {intervals}; w{lacks}"
+        return [*lines, f"the residual is {where}"]
     return [
         *lines,
-        "the residual is no white noise (autoregressive of order "
-        f"{attrs['residual_order']}): the model lacks something, or the noise is coloured; {told}. "
-        "What the model lacks may shift the values by more than that",
+        f"the residual is no white noise (autoregressive of order {order}): the model lacks "
+        f"something, or the noise is coloured; {intervals}. W{lacks}",
     ]
 
 
@@ -358,8 +352,3 @@ def _part(data: xr.Dataset) -> float:
 
 def _engine(attrs: dict[str, object]) -> str:
     return f"{attrs['engine']} engine ({attrs['element']})"
-
-
-def _speed(attrs: dict[str, object]) -> str:
-    unit = str(attrs["speed_unit"])
-    return f"{from_si(float(str(attrs['crank_speed'])), unit):.6g} {unit}"

@@ -286,7 +286,7 @@ def _dataset(paths: Mapping[str, _Path], crank_angles: FloatArray) -> xr.Dataset
 
 
 def _link_named(linkage: Linkage, link: str) -> str:
-    """Link of the topology that a name stands for: of a chain of beams, its first one."""
+    """Link of the topology by its name, or the first one of a chain of beams."""
     check_instance(link, str, "link", "give the name of a link, such as 'coupler'")
     chains = {}
     if isinstance(linkage, PlanarLinkage):

@@ -160,7 +160,7 @@ def moving_frequencies(
         all positions.
     prestress : {"none", "axial", "equilibrium", "trajectory"}
         With ``trajectory`` engines that simulate are linearized in the states of their
-        settled motion, and the result holds the quasi-static frequencies besides; other
+        periodic motion, and the result holds the quasi-static frequencies besides; other
         engines give the quasi-static ones alone.
     rotation_terms : bool
         Terms of the turning link frames; off gives the frozen inertial form. With them,

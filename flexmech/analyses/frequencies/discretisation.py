@@ -69,7 +69,7 @@ def mesh_error(systems: Systems, crank_angles: FloatArray, crank_speed: float) -
     ``1 - r^-p`` of the error, from ``1 - 1/r`` in first order to nearly all of it in fourth:
     ``d / sqrt(1 - 1/r)`` is right within 15 % for r = 4 and within a factor of 1.4 for r = 2.
 
-    Both meshes have many component modes. Where the difference is greatest they are held against
+    Both meshes have many component modes. Where the difference is greatest they are compared with
     unreduced matrices; if they have a part in it, as those of links that springs bend, eigenvalues
     of the unreduced matrices are compared.
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from flexmech.analyses.frequencies.quadratic_eigenproblem import (
     QuadraticModes,
-    quadratic_eigenvalues,
     quadratic_modes,
 )
 from flexmech.linear_system import (
@@ -117,7 +116,7 @@ def solve_eigenvalues(system: LinearSystem, count: int) -> NDArray[np.complex128
     """
     _require(system, count)
     if not system.is_conservative:
-        found = quadratic_eigenvalues(system, count)
+        found = quadratic_modes(system, count, shapes=False)
         _refuse_unsteady(system, found, count)
         return found.eigenvalues
     if system.rigid_modes:
@@ -145,15 +144,15 @@ def _conservative(system: LinearSystem, count: int) -> Modes:
     rigid = system.rigid_modes
     vectors = vectors[:, :, : rigid + count]
     vectors[:, : unit_mass.shape[1]] = unit_mass @ vectors[:, : unit_mass.shape[1]]
-    still, shapes = vectors[:, :, :rigid], np.ascontiguousarray(vectors[:, :, rigid:])
+    rigid_shapes, shapes = vectors[:, :, :rigid], np.ascontiguousarray(vectors[:, :, rigid:])
     values = every[:, rigid : rigid + count].copy()
-    _sharpen(_held(system, still, every[:, -1]), every[:, rigid:], values, shapes)
+    _sharpen(_with_springs(system, rigid_shapes, every[:, -1]), every[:, rigid:], values, shapes)
     _refuse_unstable(system, values)
-    return Modes(1j * np.sqrt(values), shapes, _rigid_eigenvalues(system, still))
+    return Modes(1j * np.sqrt(values), shapes, _rigid_eigenvalues(system, rigid_shapes))
 
 
-def _held(system: LinearSystem, shapes: FloatArray, square: FloatArray) -> LinearSystem:
-    """The system with shapes (B, n, r) of unit mass held by springs that make them as fast."""
+def _with_springs(system: LinearSystem, shapes: FloatArray, square: FloatArray) -> LinearSystem:
+    """The system with springs that give shapes (B, n, r) of unit mass a squared frequency."""
     if not shapes.shape[2]:
         return system
     inertia = system.mass @ shapes

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,7 @@ from flexmech.analyses.frequencies.formulation import Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along, systems_at
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
 from flexmech.analyses.frequencies.pictured import scaled_parts
-from flexmech.analyses.frequencies.reduction import ReductionError, settled
+from flexmech.analyses.frequencies.reduction import ReductionError, converged_modes
 from flexmech.analyses.frequencies.refinement import Positions, same_shapes
 from flexmech.analyses.frequencies.request import FrequencyRequest
 from flexmech.analyses.frequencies.shaft_mode import shaft_readings
@@ -37,7 +37,7 @@ logger = logging.getLogger(__name__)
 
 MOST_ELEMENTS = 32
 """On each link, to which a map refines the mesh by itself."""
-# Modes followed besides those asked for, so that a branch may dip out and come back.
+# Modes tracked besides those asked for, so that a branch may dip out and come back.
 SPARE_MODES = 2
 
 OVER_CHECKS = ("check_angle", "mode", "part", "link", "station", "component")
@@ -122,7 +122,7 @@ def _checked_speeds(engine: Engine, request: FrequencyRequest) -> list[_CheckedS
     """Reductions and errors at each speed."""
     asked, angles, checks = _answered_by(engine, request), _check_angles(request), []
     for speed in asked.crank_speeds.tolist():
-        checked = settled(systems_at(engine, asked, speed), angles, speed, SPARE_MODES)
+        checked = converged_modes(systems_at(engine, asked, speed), angles, speed, SPARE_MODES)
         checks.append(
             _CheckedSpeed(
                 checked.systems,
@@ -258,9 +258,9 @@ def _extremes(
     extremes = extremes_between(
         systems,
         request.crank_angles,
-        crank_speed,
-        found["frequency"].values,
+        np.array([crank_speed]),
+        found["frequency"].values[None],
         known_error(found).values,
         full_turn=request.full_turn,
     )
-    return {field.name: ("mode", getattr(extremes, field.name)) for field in fields(extremes)}
+    return {name: ("mode", values[0]) for name, values in vars(extremes).items()}

@@ -10,7 +10,7 @@ for the bend of a curve where modes veer.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -24,7 +24,7 @@ from flexmech.analyses.requests import without_end
 from flexmech.types import FloatArray, IntArray
 
 # The change of an extreme by the last round over the error that is reported of it.
-SETTLED = 0.1
+SHARE_OF_ERROR = 0.1
 # Round-off of a frequency: no extreme is refined further, however small its error is said to be.
 LEAST_ERROR = 1e-8
 MOST_ROUNDS = 12
@@ -72,44 +72,6 @@ def known_error(dataset: xr.Dataset) -> xr.DataArray:
 def extremes_between(
     systems: Systems,
     crank_angles: FloatArray,
-    crank_speed: float,
-    frequency: FloatArray,
-    error: FloatArray,
-    *,
-    full_turn: bool,
-) -> Extremes:
-    """Extremes over a range of crank angles, from their grid values.
-
-    Parameters
-    ----------
-    systems : Systems
-        As those of the grid.
-    crank_angles : ndarray, shape (A,)
-        Increasing, rad.
-    crank_speed : float
-        rad/s.
-    frequency : ndarray, shape (A, m)
-        At these angles, ascending, in Hz.
-    error : ndarray, shape (m,)
-        Relative error of the frequencies: extremes are refined until they change by a tenth of
-        it.
-    full_turn : bool
-        Whether the last angle leads back to the first.
-
-    Returns
-    -------
-    Extremes
-    """
-    speeds = np.array([crank_speed])
-    found = extremes_of_speeds(
-        systems, crank_angles, speeds, frequency[None], error, full_turn=full_turn
-    )
-    return Extremes(*(getattr(found, field.name)[0] for field in fields(found)))
-
-
-def extremes_of_speeds(
-    systems: Systems,
-    crank_angles: FloatArray,
     crank_speeds: FloatArray,
     frequency: FloatArray,
     error: FloatArray,
@@ -120,11 +82,19 @@ def extremes_of_speeds(
 
     Parameters
     ----------
-    systems, crank_angles, error, full_turn
-        As of :func:`extremes_between`.
+    systems : Systems
+        As those of the grid.
+    crank_angles : ndarray, shape (A,)
+        Increasing, rad.
     crank_speeds : ndarray, shape (S,)
         rad/s.
     frequency : ndarray, shape (S, A, m)
+        At these angles, ascending, in Hz.
+    error : ndarray, shape (m,)
+        Relative error of the frequencies: extremes are refined until they change by a tenth of
+        it.
+    full_turn : bool
+        Whether the last angle leads back to the first.
 
     Returns
     -------
@@ -144,7 +114,7 @@ def extremes_of_speeds(
     )
     brackets = _Brackets.on_grid(crank_angles, sign * frequency[row, :, mode].T, full_turn)
     sign, row, mode = (each[brackets.curve] for each in (sign, row, mode))
-    allowed = SETTLED * np.maximum(error, LEAST_ERROR)[mode] * np.abs(brackets.value[1])
+    allowed = SHARE_OF_ERROR * np.maximum(error, LEAST_ERROR)[mode] * np.abs(brackets.value[1])
     # A parabola over whole steps may be wrong: each is tried once, unless the curve is flat.
     gained = np.where(brackets.has_width & brackets.may_fall(), np.inf, 0.0)
 

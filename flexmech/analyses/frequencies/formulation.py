@@ -20,15 +20,15 @@ from flexmech.time_domain.integrators import simulator
 from flexmech.time_domain.periodic_motion import simulated_orbit
 from flexmech.types import FloatArray
 
-# The settled motion moves frequencies by a part of what speed does; a step of an eighth of a
-# degree makes 1e-3 of the deflection.
+# Vibration moves frequencies by a part of what speed does; a step of an eighth of a degree makes
+# 1e-3 of the deflection.
 STEPS_PER_TURN = 2880
 SAMPLES_PER_TURN = 720
 
 
 @dataclass(frozen=True)
 class RunningStates:
-    """Elastic displacements along the settled, periodic motion at one crank speed.
+    """Elastic displacements along the periodic motion at one crank speed.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ class Formulation:
     Parameters
     ----------
     prestress : {"none", "axial", "equilibrium", "trajectory"}
-        ``trajectory``: in the states of the simulated, settled motion.
+        ``trajectory``: in the states of the simulated periodic motion.
     rotation_terms : bool or RotationTerms
         Terms of the turning link frames.
     modes : int

@@ -9,7 +9,7 @@ from flexmech.analyses.frequencies.discretisation import check_angle_indices
 from flexmech.analyses.frequencies.formulation import Formulation, Systems
 from flexmech.analyses.frequencies.frequency_map import frequencies_along
 from flexmech.analyses.frequencies.modal_damping import StrainEnergyDamping
-from flexmech.analyses.frequencies.reduction import settled
+from flexmech.analyses.frequencies.reduction import converged_modes
 from flexmech.analyses.requests import as_many_modes, engine_of, in_radians
 from flexmech.choices import Prestress
 from flexmech.errors import InputError
@@ -98,7 +98,7 @@ def frequencies_at(
         known = np.union1d(np.arange(first.stop), some)
         stressed = systems.stressed(flat_angle[known], flat_speed[known])
         there = stressed.at(np.searchsorted(known, some))
-        checked = settled(systems, flat_angle[some], flat_speed[some], stressed=there)
+        checked = converged_modes(systems, flat_angle[some], flat_speed[some], stressed=there)
         if len(some) == angle.size:
             return checked.modes.frequency.reshape(*angle.shape, formulation.modes)
         found = frequencies_along(checked.systems, flat_angle, flat_speed, stressed.at(first))
@@ -169,7 +169,7 @@ def _strain_energy_damping(
     level = formulation.quasi_static_prestress
 
     def in_batch(batch: slice) -> FloatArray:
-        checked = settled(systems, angle.ravel()[batch], speed.ravel()[batch])
+        checked = converged_modes(systems, angle.ravel()[batch], speed.ravel()[batch])
         return loss.ratio(checked.system, checked.modes, level)
 
     with one_thread():

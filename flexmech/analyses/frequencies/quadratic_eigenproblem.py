@@ -26,28 +26,7 @@ from flexmech.linear_system import LinearSystem, inverse_mass_root
 from flexmech.types import FloatArray, IntArray
 
 
-def inverse_companion(system: LinearSystem) -> tuple[FloatArray, FloatArray]:
-    """Matrices whose eigenvalues are a unit over those of the system.
-
-    The lowest modes are their largest eigenvalues. In units of time of the slowest mode both
-    blocks are of order one.
-
-    Parameters
-    ----------
-    system : LinearSystem
-        Batch of B positions, n coordinates.
-
-    Returns
-    -------
-    ndarray, shape (B, 2 n, 2 n)
-        Eigenvalues ``unit / lambda``.
-    ndarray, shape (B, 1)
-        The units.
-    """
-    return _companion(system.mass, system.damping, system.stiffness)
-
-
-def without_rigid_modes(
+def _without_rigid_modes(
     system: LinearSystem,
 ) -> tuple[NDArray[Any], NDArray[Any], FloatArray, NDArray[np.complex128]]:
     """Eigenvalues and states of a system with rigid modes; those of these are set to zero.
@@ -72,7 +51,7 @@ def without_rigid_modes(
     shift, count = about[:, None, None], 2 * system.rigid_modes
     damping = system.damping + 2 * shift * system.mass
     stiffness = system.stiffness + shift * system.damping + shift**2 * system.mass
-    companion, unit = _companion(system.mass, damping, stiffness)
+    companion, unit = _inverse_companion(system.mass, damping, stiffness)
     inverse, states = np.linalg.eig(companion)
     eigenvalues = about[:, None] + unit / inverse.astype(complex)
     moved = states[:, : system.size]
@@ -85,9 +64,14 @@ def without_rigid_modes(
     return unit / eigenvalues, states, unit, found
 
 
-def _companion(
+def _inverse_companion(
     mass: FloatArray, damping: FloatArray, stiffness: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
+    """Matrices (B, 2 n, 2 n) whose eigenvalues are ``unit / lambda``, and the units (B, 1).
+
+    The lowest modes are their largest eigenvalues. In units of time of the slowest mode both
+    blocks are of order one.
+    """
     size = mass.shape[1]
     flexible = np.linalg.solve(stiffness, np.concatenate([damping, mass], axis=2))
     unit = 1 / np.sqrt(np.abs(flexible[:, :, size:]).sum(axis=2).max(axis=1))[:, None]
@@ -146,7 +130,9 @@ class QuadraticModes:
     rigid: NDArray[np.complex128]
 
 
-def quadratic_modes(system: LinearSystem, count: int, spare: int = 0) -> QuadraticModes:
+def quadratic_modes(
+    system: LinearSystem, count: int, spare: int = 0, *, shapes: bool = True
+) -> QuadraticModes:
     """Lowest modes of a system.
 
     Parameters
@@ -157,65 +143,40 @@ def quadratic_modes(system: LinearSystem, count: int, spare: int = 0) -> Quadrat
         Modes that must oscillate.
     spare : int
         Further modes.
+    shapes : bool
+        Whether mode shapes are wanted; without them it takes half the time.
 
     Returns
     -------
     QuadraticModes
         ``count + spare`` of them.
     """
+    most, size, states = count + spare, system.size, None
+    rigid = np.zeros((len(system.mass), 0), dtype=complex)
     if system.rigid_modes:
-        inverse, states, unit, rigid = without_rigid_modes(system)
+        inverse, states, unit, rigid = _without_rigid_modes(system)
     else:
-        companion, unit = inverse_companion(system)
-        inverse, states = np.linalg.eig(companion)
-        rigid = _no_modes(system)
-    order, unclear = _clear_modes(inverse, count + spare)
+        companion, unit = _inverse_companion(system.mass, system.damping, system.stiffness)
+        if shapes:
+            inverse, states = np.linalg.eig(companion)
+        else:
+            inverse = np.linalg.eigvals(companion)
+    order, unclear = _oscillating_modes(inverse, most)
     eigenvalues = _of(unit, inverse, order)
-    vectors = np.asarray(
-        np.take_along_axis(states[:, : system.size], order[:, None, :], axis=2), dtype=complex
-    )
+    vectors = np.zeros((len(unit), size, 0), dtype=complex)
+    if states is not None:
+        vectors = np.take_along_axis(states[:, :size], order[:, None, :], axis=2).astype(complex)
     oscillating = np.full(len(unclear), count)
     for place in np.flatnonzero(unclear).tolist():
-        shapes = states[place, : system.size]
-        found, which, creeping = _sorted_out(system, place, unit[place], inverse[place], shapes)
-        eigenvalues[place] = found[: count + spare]
-        vectors[place] = shapes[:, which[: count + spare]]
+        one, own = (
+            np.linalg.eig(companion[place]) if states is None else (inverse[place], states[place])
+        )
+        found, which, creeping = _sorted_out(system, place, unit[place], one, own[:size])
+        eigenvalues[place] = found[:most]
+        if states is not None:
+            vectors[place] = own[:size, which[:most]]
         oscillating[place] = _until_one(creeping[:count])
     return QuadraticModes(eigenvalues, vectors, oscillating, _diverges(inverse), rigid)
-
-
-def quadratic_eigenvalues(system: LinearSystem, count: int) -> QuadraticModes:
-    """Lowest modes of a system without their shapes, in half the time.
-
-    Parameters
-    ----------
-    system : LinearSystem
-        Batch of B positions.
-    count : int
-
-    Returns
-    -------
-    QuadraticModes
-    """
-    if system.rigid_modes:
-        return quadratic_modes(system, count)
-    companion, unit = inverse_companion(system)
-    inverse = np.linalg.eigvals(companion)
-    order, unclear = _clear_modes(inverse, count)
-    eigenvalues = _of(unit, inverse, order)
-    oscillating = np.full(len(unclear), count)
-    for place in np.flatnonzero(unclear).tolist():
-        one, states = np.linalg.eig(companion[place])
-        shapes = states[: system.size]
-        found, _, creeping = _sorted_out(system, place, unit[place], one, shapes)
-        eigenvalues[place] = found[:count]
-        oscillating[place] = _until_one(creeping[:count])
-    none = np.zeros((len(unclear), system.size, 0), dtype=complex)
-    return QuadraticModes(eigenvalues, none, oscillating, _diverges(inverse), _no_modes(system))
-
-
-def _no_modes(system: LinearSystem) -> NDArray[np.complex128]:
-    return np.zeros((len(system.mass), 0), dtype=complex)
 
 
 def _of(unit: FloatArray, inverse: NDArray[Any], order: IntArray) -> NDArray[np.complex128]:
@@ -225,7 +186,7 @@ def _of(unit: FloatArray, inverse: NDArray[Any], order: IntArray) -> NDArray[np.
         return np.asarray(unit / np.where(chosen == 0, np.finfo(float).tiny, chosen))
 
 
-def _clear_modes(inverse: NDArray[Any], count: int) -> tuple[IntArray, NDArray[np.bool_]]:
+def _oscillating_modes(inverse: NDArray[Any], count: int) -> tuple[IntArray, NDArray[np.bool_]]:
     """Lowest modes that oscillate beyond doubt, and where others might be as low.
 
     Parameters

@@ -89,7 +89,7 @@ class CheckedModes:
     reduction_error: ReductionError
 
 
-def settled(
+def converged_modes(
     systems: Systems,
     crank_angle: FloatArray,
     crank_speed: FloatArray | float,
@@ -138,12 +138,12 @@ def settled(
             error.frequency.max(),
             error.damping_ratio.max(),
         )
-    return settled(unreduced, crank_angle, crank_speed, spare, stressed)
+    return converged_modes(unreduced, crank_angle, crank_speed, spare, stressed)
 
 
 @dataclass(frozen=True)
 class UnreducedPositions:
-    """Unreduced systems in B positions, few of which are held at a time: they are large.
+    """Unreduced systems in B positions, few of which are in memory at a time: they are large.
 
     Parameters
     ----------

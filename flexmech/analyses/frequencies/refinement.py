@@ -100,9 +100,9 @@ logger = logging.getLogger(__name__)
 Mask = NDArray[np.bool_]
 
 # A mode that keeps this part of its kinetic energy in one shape is that shape.
-CLEAR_MAC = 0.8
+UNAMBIGUOUS_MAC = 0.8
 CROSSING_WIDTH = np.radians(0.25)
-# Steps are divided at whole degrees, so that coarse maps follow the modes along the positions of
+# Steps are divided at whole degrees, so that coarse maps track the modes along the positions of
 # the map of one degree; and below where modes exchange over about as much, to the least step.
 USUAL_STEP, LEAST_STEP = np.radians(1.0), np.radians(1 / 16)
 # A shape of which no mode of the other position has more than this was not there.
@@ -134,7 +134,7 @@ Between = Callable[[FloatArray], Positions]
 
 @dataclass(frozen=True)
 class Chain:
-    """Positions along which modes are followed.
+    """Positions along which modes are tracked.
 
     Parameters
     ----------
@@ -163,7 +163,7 @@ class Chain:
         """Positions in the middle of a crossing.
 
         Their modes are mixtures, like neither those before nor those after, which are like each
-        other: the modes are followed from before to after.
+        other: the modes are tracked from before to after.
 
         Parameters
         ----------
@@ -186,7 +186,7 @@ class Chain:
             if place - 1 in found or place + 1 in found:
                 continue
             across = cross_amplitude(shapes[place - 1 : place], shapes[place + 1 : place + 2])
-            if is_clear(across, assign(across), angle[place + 1] - angle[place - 1]).all():
+            if is_unambiguous(across, assign(across), angle[place + 1] - angle[place - 1]).all():
                 found[place] = across[0]
         return found
 
@@ -215,7 +215,7 @@ class Chain:
         return np.radians(np.where(inside, whole, middle))
 
 
-def is_clear(amplitude: FloatArray, origin: IntArray, step: FloatArray) -> Mask:
+def is_unambiguous(amplitude: FloatArray, origin: IntArray, step: FloatArray) -> Mask:
     """Whether it is clear which mode at the start of a step each one at its end is.
 
     Parameters
@@ -235,11 +235,11 @@ def is_clear(amplitude: FloatArray, origin: IntArray, step: FloatArray) -> Mask:
     # A mode that has changed its place in the order may have crossed another or veered from it.
     crossing = square / (square + (2 * CROSSING_WIDTH) ** 2)
     moved = origin != np.arange(origin.shape[1])
-    needed = np.where(moved, np.maximum(crossing, CLEAR_MAC), CLEAR_MAC)
+    needed = np.where(moved, np.maximum(crossing, UNAMBIGUOUS_MAC), UNAMBIGUOUS_MAC)
     return np.asarray(score >= needed)
 
 
-def unclear_modes(amplitude: FloatArray, step: FloatArray) -> tuple[Mask, Mask]:
+def ambiguous_modes(amplitude: FloatArray, step: FloatArray) -> tuple[Mask, Mask]:
     """Modes at the end of each step that are not clearly one of those at its start.
 
     Parameters
@@ -254,7 +254,7 @@ def unclear_modes(amplitude: FloatArray, step: FloatArray) -> tuple[Mask, Mask]:
         among m modes the highest comes and goes.
     """
     origin = assign(amplitude)
-    unclear = ~is_clear(amplitude, origin, step)
+    unclear = ~is_unambiguous(amplitude, origin, step)
     alike = amplitude**2
     lost = np.take_along_axis(alike.max(axis=2), origin, axis=1) < NEW_SHAPE
     return unclear, unclear & lost & (alike.max(axis=1) < NEW_SHAPE)
@@ -273,7 +273,7 @@ def refined(chain: Chain, between: Between) -> Chain:
     Chain
     """
     while True:
-        unclear, replaced = unclear_modes(chain.amplitude(), chain.step)
+        unclear, replaced = ambiguous_modes(chain.amplitude(), chain.step)
         possible = ~np.isin(chain.middles(), chain.unsolved)
         wide = (chain.step > USUAL_STEP + ROUND_OFF) & possible
         steps = wide & unclear.any(axis=1)

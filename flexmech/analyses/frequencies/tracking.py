@@ -19,9 +19,9 @@ from flexmech.analyses.frequencies.refinement import (
     Between,
     Chain,
     Positions,
+    ambiguous_modes,
     assign,
     refined,
-    unclear_modes,
 )
 from flexmech.types import FloatArray, IntArray
 
@@ -167,7 +167,7 @@ class Tracker:
             Whether the last angle leads back to the first.
         between : callable, optional
             Solves for the modes at other angles, where the modes asked for are too far apart to
-            be followed.
+            be tracked.
 
         Returns
         -------
@@ -190,7 +190,7 @@ class Tracker:
         return _branches(chain, self._numbering, full_turn)
 
 
-class _Followed(NamedTuple):
+class _Tracked(NamedTuple):
     """Modes along a chain of P positions: numbers (P, m), scores and doubts about them."""
 
     branch: IntArray
@@ -199,12 +199,12 @@ class _Followed(NamedTuple):
     passed_over: list[int]
 
 
-def _followed(chain: Chain, amplitude: FloatArray, numbering: IntArray | None) -> _Followed:
+def _tracked(chain: Chain, amplitude: FloatArray, numbering: IntArray | None) -> _Tracked:
     """Number the modes, each position by the one before, or by that before a mixed one."""
     places, count = chain.positions.frequency.shape
     branch, score = np.empty((places, count), dtype=np.intp), np.ones((places, count))
     unclear = np.zeros((places, count), dtype=bool)
-    unclear[1:] = unclear_modes(amplitude, chain.step)[0]
+    unclear[1:] = ambiguous_modes(amplitude, chain.step)[0]
     passed = chain.passed_over(unclear[1:])
     before, likeness = np.arange(places) - 1, amplitude.copy()
     for place, across in passed.items():
@@ -215,18 +215,18 @@ def _followed(chain: Chain, amplitude: FloatArray, numbering: IntArray | None) -
     for place, source in enumerate(origin, start=1):
         branch[place] = branch[before[place]][source]
     score[1:] = np.take_along_axis(likeness, origin[:, None, :], axis=1)[:, 0] ** 2
-    return _Followed(branch, score, unclear, list(passed))
+    return _Tracked(branch, score, unclear, list(passed))
 
 
 def _branches(chain: Chain, numbering: IntArray | None, full_turn: bool) -> Branches:
-    """Branches at the angles asked for, from what was followed along all of a chain."""
+    """Branches at the angles asked for, from what was tracked along all of a chain."""
     amplitude, asked = chain.amplitude(), chain.asked
-    found = _followed(chain, amplitude, numbering)
+    found = _tracked(chain, amplitude, numbering)
     order = np.argsort(found.branch, axis=1)
     frequency = np.take_along_axis(chain.positions.frequency, order, axis=1)
     score = np.take_along_axis(found.score, order, axis=1)
     torn = np.take_along_axis(found.unclear, order, axis=1)
-    # A mixture that nothing was followed by is no low score, unless it was asked for.
+    # A mixture by which nothing was tracked is no low score, unless it was asked for.
     score[[place for place in found.passed_over if not asked[place]]] = 1.0
     steps = np.arange(len(amplitude))[:, None, None]
     turned = amplitude[steps, order[:-1, :, None], order[1:, None, :]]

@@ -2,20 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
 from flexmech.analyses.beam_theory import theory_attributes
-from flexmech.analyses.datasets import with_units
-from flexmech.analyses.hammer.dataset import dataset_of
+from flexmech.analyses.datasets import attributes_of, complex_parts, padded, provenance, with_units
 from flexmech.analyses.hammer.locked_linkage import LockedLinkage
-from flexmech.analyses.hammer.measurement import measured
-from flexmech.analyses.hammer.plan import planned_record
+from flexmech.analyses.hammer.measurement import Measurement, grid_points, measured
+from flexmech.analyses.hammer.plan import LEFT, RecordPlan, planned_record
 from flexmech.analyses.hammer.request import HammerRequest
 from flexmech.analyses.hammer.result import HammerTest
+from flexmech.analyses.hammer.uff import geometry_variables
 from flexmech.analyses.remarks import left_out_attributes
 from flexmech.analyses.requests import engine_of
 from flexmech.linear_system import Engine
+from flexmech.modal_testing import StabilisationChart
 from flexmech.numbers import check_instance
 from flexmech.threads import one_thread
-from flexmech.types import LabelledProgress, silent
+from flexmech.types import ComplexArray, FloatArray, LabelledProgress, silent
 
 
 def hammer_test(
@@ -71,3 +79,197 @@ def hammer_test(
     dataset.attrs |= theory_attributes([engine], request.modes)
     dataset.attrs |= left_out_attributes(engine.mechanism)
     return HammerTest(with_units(dataset, "hammer"))
+
+
+_OVER_LINES = ("crank_angle", "frequency")
+_OVER_MODES = ("crank_angle", "mode")
+_OVER_RECORDS = ("crank_angle", "average", "time")
+
+# Places of the half-sine's curve over its duration, and of a circle's points over the distance
+# from the natural frequency: denser about it.
+_PULSE_PLACES = np.linspace(0.0, 1.0, 101)
+_CIRCLE_PLACES = np.linspace(-1.0, 1.0, 161) ** 3
+# Half the range of frequencies of a circle, in halves of the half-power bandwidth: it closes to a
+# fourteenth of its circumference.
+_REACH = 8.0
+# Bandwidth over the least frequency of a circle, which has none at zero and below.
+_LARGEST = 1e4
+
+# Receptances of a measurement, and what it knows of each mode.
+_OF_LINES: dict[str, Callable[[Measurement], ComplexArray]] = {
+    "receptance": lambda each: each.estimate.h1,
+    "receptance_h2": lambda each: each.estimate.h2,
+    "unwindowed_receptance": lambda each: each.unwindowed[0],
+    "exact_receptance": lambda each: each.exact,
+    "superposed_receptance": lambda each: each.superposed,
+    "identified_receptance": lambda each: each.modes.receptance(
+        each.estimate.frequency, each.estimate.added_damping
+    )[0],
+}
+_OF_MODES: dict[str, Callable[[Measurement], FloatArray]] = {
+    "identified_frequency": lambda each: each.modes.frequency,
+    "identified_damping_ratio": lambda each: each.modes.damping_ratio,
+    "identified_residue_real": lambda each: each.modes.residue[0].real,
+    "identified_residue_imag": lambda each: each.modes.residue[0].imag,
+    "eigen_frequency": lambda each: np.abs(each.poles) / (2 * np.pi),
+    "eigen_damping_ratio": lambda each: -each.poles.real / np.abs(each.poles),
+}
+_OF_ANGLES: dict[str, Callable[[Measurement], float]] = {
+    "simulation_error": lambda each: _gap(each.estimate.h1, each.exact),
+    "superposition_error": lambda each: _gap(each.superposed, each.exact),
+    "direct_difference": lambda each: each.direct_difference,
+    "residual_term": lambda each: each.residual,
+    "identification_misfit": lambda each: each.modes.misfit,
+}
+
+
+def dataset_of(
+    engine: Engine, request: HammerRequest, plan: RecordPlan, found: Sequence[Measurement]
+) -> xr.Dataset:
+    """Put the measurements of all crank angles together.
+
+    Parameters
+    ----------
+    engine : Engine
+    request : HammerRequest
+    plan : RecordPlan
+    found : sequence of Measurement
+        At the request's crank angles.
+
+    Returns
+    -------
+    xarray.Dataset
+        Modes of an angle that has fewer than another are not numbers.
+    """
+    variables: dict[str, Any] = {
+        "force": (_OVER_RECORDS, np.stack([each.force for each in found])),
+        "response": (_OVER_RECORDS, np.stack([each.response for each in found])),
+        "coherence": (_OVER_LINES, np.stack([each.estimate.coherence for each in found])),
+    }
+    for name, of_lines in _OF_LINES.items():
+        variables |= complex_parts(name, _OVER_LINES, np.stack([of_lines(each) for each in found]))
+    modes = max(len(each.poles) for each in found)
+    for name, of_modes in _OF_MODES.items():
+        variables[name] = (_OVER_MODES, padded([of_modes(each) for each in found], modes))
+    variables |= _circles(found, plan, modes)
+    # A single pair of points has no mode shape: the grid of impacts has.
+    variables["mac"] = (_OVER_MODES, np.full((len(found), modes), np.nan))
+    if request.grid is not None:
+        variables |= _roved(found, modes)
+    variables |= _charts([each.modes.chart for each in found])
+    variables |= geometry_variables(engine, request.angles)
+    pulse_time = plan.pulse.start + plan.pulse.duration * _PULSE_PLACES
+    variables["pulse_force"] = ("pulse_time", plan.pulse.force(pulse_time))
+    for name, of_angle in _OF_ANGLES.items():
+        variables[name] = ("crank_angle", [of_angle(each) for each in found])
+    dataset = xr.Dataset(
+        variables,
+        coords={
+            "crank_angle": request.angles,
+            "average": np.arange(1, request.averages + 1),
+            "time": plan.time,
+            "frequency": found[0].estimate.frequency,
+            "mode": np.arange(1, modes + 1),
+            "pulse_time": pulse_time,
+            "link": list(engine.mechanism.linkage.topology.link_names),
+            **_grid_coordinates(engine, request),
+        },
+    )
+    return dataset.assign_attrs(
+        provenance([engine])
+        | attributes_of(request, "direction", "prestress", "noise", "seed")
+        | attributes_of(plan, "bandwidth", "sampling_rate", "duration", "step"),
+        engine=engine.name,
+        element=engine.element,
+        impact=str(request.impact),
+        response_point=str(request.response),
+        pulse=plan.pulse.duration,
+        pulse_start=plan.pulse.start,
+        peak_force=plan.pulse.peak_force,
+        simulates=int(engine.simulates),
+        window_decay_rate=plan.decay_rate,
+        left_at_the_end=LEFT,
+        method=found[0].modes.method,
+    )
+
+
+def _roved(found: Sequence[Measurement], modes: int) -> dict[str, Any]:
+    """Receptances and mode shapes of a grid of impacts, over crank angle and point."""
+    shapes = [each.grid for each in found if each.grid is not None]
+    receptance = np.stack([each.unwindowed[1:] for each in found])
+    over = ("crank_angle", "point", "frequency")
+    variables: dict[str, Any] = complex_parts("grid_receptance", over, receptance)
+    for name in ("shape", "eigen_shape"):
+        shape = padded([getattr(each, name) for each in shapes], modes)
+        variables |= complex_parts(name, ("crank_angle", "point", "mode"), shape)
+    for name in ("mac", "complexity_factor", "eigen_complexity_factor"):
+        variables[name] = (_OVER_MODES, padded([getattr(each, name) for each in shapes], modes))
+    return variables
+
+
+def _grid_coordinates(engine: Engine, request: HammerRequest) -> dict[str, Any]:
+    if request.grid is None:
+        return {}
+    points = grid_points(engine, request.grid)
+    return {
+        "point": np.arange(1, len(points) + 1),
+        "point_link": ("point", [point.link for point in points]),
+        "point_fraction": ("point", [point.fraction for point in points]),
+    }
+
+
+def _circles(found: Sequence[Measurement], plan: RecordPlan, modes: int) -> dict[str, Any]:
+    """Receptances about each mode, exact and identified, closely enough to draw circles."""
+    shape = (len(found), modes, len(_CIRCLE_PLACES))
+    frequency = np.full(shape, np.nan)
+    exact, identified = np.full((2, *shape), np.nan, dtype=complex)
+    for angle, each in enumerate(found):
+        natural = np.abs(each.poles) / (2 * np.pi)
+        half = _REACH * natural * -each.poles.real / np.abs(each.poles)
+        half += _REACH * plan.decay_rate / (2 * np.pi)
+        # Up to the middle between neighbouring modes.
+        apart = np.diff(natural, prepend=-np.inf, append=np.inf)
+        half = np.minimum(half, np.minimum(apart[:-1], apart[1:]) / 2)
+        for mode, (middle, width) in enumerate(zip(natural, half, strict=True)):
+            around = np.maximum(middle + width * _CIRCLE_PLACES, plan.bandwidth / _LARGEST)
+            frequency[angle, mode] = around
+            exact[angle, mode] = each.exact_at(around)
+            identified[angle, mode] = each.modes.receptance(around, plan.decay_rate)[0]
+    over = (*_OVER_MODES, "circle_point")
+    return {
+        "circle_frequency": (over, frequency),
+        **complex_parts("circle_exact_receptance", over, exact),
+        **complex_parts("circle_identified_receptance", over, identified),
+    }
+
+
+def _gap(values: ComplexArray, exact: ComplexArray) -> float:
+    """Greatest difference over the peak."""
+    return float(np.abs(values - exact).max() / np.abs(exact).max())
+
+
+def _charts(charts: Sequence[StabilisationChart | None]) -> dict[str, Any]:
+    """Stabilisation charts over crank angle and pole; none where none was made.
+
+    A pole is ``new``, stable in its ``frequency`` alone, ``stable`` (in damping as well), or
+    ``chosen`` for a mode; beyond the last pole of an angle the state is empty.
+    """
+    if not any(charts):
+        return {}
+    nothing, over = np.empty(0), ("crank_angle", "pole")
+    size = max(chart.order.size for chart in charts if chart)
+    variables: dict[str, Any] = {}
+    for name in ("order", "frequency", "damping_ratio"):
+        rows = [getattr(chart, name) if chart else nothing for chart in charts]
+        variables[f"chart_{name}"] = (over, padded(rows, size))
+    states = [_states(chart).tolist() if chart else [] for chart in charts]
+    texts = np.array([row + [""] * (size - len(row)) for row in states], dtype=str)
+    return {**variables, "chart_state": (over, texts)}
+
+
+def _states(chart: StabilisationChart) -> NDArray[np.str_]:
+    known = np.select(
+        [chart.stable, chart.stable_frequency], ["stable", "frequency"], default="new"
+    )
+    known[chart.chosen] = "chosen"
+    return known

@@ -12,7 +12,6 @@ from flexmech.choices import LinkDirection, Prestress
 from flexmech.dynamical_systems import (
     HalfSinePulse,
     StateModes,
-    direct_receptance,
     pulse_response,
     state_modes,
 )
@@ -21,13 +20,13 @@ from flexmech.linear_system import Engine, LinearSystem, LinkPoint, point_rows
 from flexmech.types import ComplexArray, FloatArray
 
 # Unreduced systems beyond so many coordinates take longer than their last digits are worth.
-MOST_COORDINATES = 400
+_MOST_COORDINATES = 400
 # Of the component modes that are taken instead.
-DETAIL = 8.0
+_DETAIL = 8.0
 # A mode of a lesser damping ratio never decays: it is round-off.
-LEAST_DAMPING = 1e-8
-# Of the force's mode in the displacement, to count a point as held.
-HELD = 1e-12
+_LEAST_DAMPING = 1e-8
+# Greatest entry of a point's row below which a joint holds it: round-off of link frames.
+_FIXED = 1e-12
 
 
 @dataclass(frozen=True)
@@ -71,17 +70,16 @@ class LockedLinkage:
         ComputationError
             If there is no equilibrium.
         """
-        whole = sum(link.size for link in engine.links) <= MOST_COORDINATES
+        whole = sum(link.size for link in engine.links) <= _MOST_COORDINATES
         chosen = engine.unreduced() if whole else engine
-        detail = 1.0 if whole else DETAIL
+        detail = 1.0 if whole else _DETAIL
         system = chosen.linear_system([angle], 0.0, prestress=prestress, detail=detail)
         return cls(engine, angle, prestress, system)
 
     @cached_property
     def modes(self) -> StateModes:
         """Poles and damped modes."""
-        mass, damping, stiffness = self._matrices
-        return state_modes(mass, damping, stiffness)
+        return state_modes(*self.matrices)
 
     def poles(self, bandwidth: float) -> ComplexArray:
         """Poles that oscillate below a frequency.
@@ -103,7 +101,7 @@ class LockedLinkage:
         """
         every = self.modes.poles[self.modes.below(bandwidth)]
         found = every[every.imag > 0]
-        if np.any(-found.real < LEAST_DAMPING * np.abs(found)):
+        if np.any(-found.real < _LEAST_DAMPING * np.abs(found)):
             raise InputError(
                 "the linkage is not damped, so that a record never decays; give a damping ratio "
                 '(--damping-ratio, such as "0.5%"), or damping in the model file'
@@ -134,51 +132,13 @@ class LockedLinkage:
         """
         rows = np.stack([point_rows(self.system, point, direction)[0] for point in points])
         for point, row in zip(points, rows, strict=True):
-            if np.abs(row).max() <= HELD:
+            if np.abs(row).max() <= _FIXED:
                 raise InputError(
                     f"the point {point} is held by a joint and does not move {direction}ly; give a "
                     "point inside the link, such as "
                     f"{point.link}:0.5"
                 )
         return rows
-
-    def receptance(
-        self, response: FloatArray, force: FloatArray, frequency: FloatArray, shift: float = 0.0
-    ) -> ComplexArray:
-        """Exact receptance by superposition of all modes.
-
-        Parameters
-        ----------
-        response : ndarray, shape (r, n)
-        force : ndarray, shape (p, n)
-        frequency : ndarray, shape (F,)
-            In Hz.
-        shift : float
-            Of an exponential window in 1/s: the receptance is that at ``s = shift + 2 pi i f``.
-
-        Returns
-        -------
-        ndarray of complex, shape (F, r, p)
-        """
-        return self.modes.receptance(response, force, frequency, shift=shift)
-
-    def direct(
-        self, response: FloatArray, force: FloatArray, frequency: FloatArray
-    ) -> ComplexArray:
-        """Exact receptance by direct solution.
-
-        Parameters
-        ----------
-        response : ndarray, shape (r, n)
-        force : ndarray, shape (p, n)
-        frequency : ndarray, shape (F,)
-            In Hz.
-
-        Returns
-        -------
-        ndarray of complex, shape (F, r, p)
-        """
-        return direct_receptance(*self._matrices, response, force, frequency)
 
     def motion(
         self, response: FloatArray, force: FloatArray, pulse: HalfSinePulse, time: FloatArray
@@ -207,5 +167,6 @@ class LockedLinkage:
         return np.asarray(moved.reshape(self.system.size, -1).T)
 
     @property
-    def _matrices(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def matrices(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Mass, damping and stiffness, (n, n) each."""
         return self.system.mass[0], self.system.damping[0], self.system.stiffness[0]

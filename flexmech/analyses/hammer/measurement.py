@@ -17,6 +17,7 @@ from flexmech.analyses.hammer.plan import RecordPlan
 from flexmech.analyses.hammer.request import HammerRequest
 from flexmech.analyses.hammer.transient import taken_record
 from flexmech.choices import LinkDirection
+from flexmech.dynamical_systems import direct_receptance
 from flexmech.linear_system import Engine, LinkPoint
 from flexmech.modal_testing import (
     ORDERS,
@@ -60,7 +61,7 @@ class GridShapes:
 
 
 def grid_points(engine: Engine, count: int) -> list[LinkPoint]:
-    """Points at the middles of as many equal parts of each link: none is held by a joint.
+    """Points at the middles of as many equal parts of each link: none is at a joint.
 
     Parameters
     ----------
@@ -168,7 +169,8 @@ class Measurement:
     def exact_at(self, frequency: FloatArray) -> ComplexArray:
         """Exact receptance at frequencies (F,) in Hz, with what the window adds; (F,)."""
         shift = self.estimate.added_damping
-        return self.locked.receptance(self.seen, self.hit, frequency, shift)[:, 0, 0]
+        modes = self.locked.modes
+        return modes.receptance(self.seen, self.hit, frequency, shift=shift)[:, 0, 0]
 
 
 def measured(
@@ -205,11 +207,12 @@ def measured(
     seen = locked.rows([request.response], request.direction)
     force, response, estimate = _estimated(locked, plan, request, request.impact, [number], report)
     lines, shift = estimate.frequency, plan.decay_rate
-    exact = locked.receptance(seen, hit, lines, shift)[:, 0, 0]
+    exact = locked.modes.receptance(seen, hit, lines, shift=shift)[:, 0, 0]
     kept = locked.modes.below(_SUPERPOSED * plan.bandwidth)
     superposed = locked.modes.receptance(seen, hit, lines, kept, shift=shift)[:, 0, 0]
     some = lines[:: max(1, len(lines) // _CHECKED_LINES)]
-    gap = locked.direct(seen, hit, some) - locked.receptance(seen, hit, some)
+    gap = direct_receptance(*locked.matrices, seen, hit, some)
+    gap = gap - locked.modes.receptance(seen, hit, some)
     poles = locked.poles(plan.bandwidth)
     points = [] if request.grid is None else grid_points(locked.engine, request.grid)
     roved = [

@@ -14,29 +14,29 @@ from flexmech.errors import InputError
 from flexmech.modal_testing import ExponentialWindow, ForceWindow
 from flexmech.types import FloatArray
 
-ABOVE_MODES = 1.25
+_ABOVE_MODES = 1.25
 """Bandwidth over the highest natural frequency wanted."""
-SAMPLES_A_HERTZ = 2.56
+_SAMPLES_A_HERTZ = 2.56
 """Sampling rate over bandwidth, as analysers have it: the anti-aliasing filter falls between."""
 LEFT = 1e-4
 """Of the slowest vibration at the end of a record, its exponential window included."""
 # Spectral lines of a record: analysers have twice as many from setting to setting.
-FEWEST_LINES, MOST_LINES = 200, 6400
+_FEWEST_LINES, _MOST_LINES = 200, 6400
 # Of a given duration.
-LEAST_SAMPLES = 128
+_LEAST_SAMPLES = 128
 # In periods of the bandwidth: silence before the pulse, and the ringing of the filter after it.
-BEFORE, AFTER, TAPER = 6.25, 6.0, 2.0
-EXCITED = 1.3
+_BEFORE, _AFTER, _TAPER = 6.25, 6.0, 2.0
+_EXCITED = 1.3
 """Frequency times pulse duration at which the pulse's spectrum has fallen by 20 dB."""
 # Steps of the transient a sample, and a pulse at least.
-STEPS_A_SAMPLE, STEPS_A_PULSE = 10, 20
+_STEPS_A_SAMPLE, _STEPS_A_PULSE = 10, 20
 # Times as many where they cost nothing: the exact transient's force is sampled more finely.
-EXACT = 4
-MOST_STEPS = 4_000_000
-DEFLECTION = 1e-6
+_EXACT = 4
+_MOST_STEPS = 4_000_000
+_DEFLECTION = 1e-6
 """Greatest displacement over the shortest link's length."""
 # Periods of the first mode in which the greatest displacement is looked for, and instants.
-PERIODS, INSTANTS = 3.0, 300
+_PERIODS, _INSTANTS = 3.0, 300
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class RecordPlan:
     @property
     def force_window(self) -> ForceWindow:
         """From the record's begin until the filtered pulse is over."""
-        return ForceWindow(self.pulse.end + AFTER / self.bandwidth, TAPER / self.bandwidth)
+        return ForceWindow(self.pulse.end + _AFTER / self.bandwidth, _TAPER / self.bandwidth)
 
 
 def planned_record(request: HammerRequest, locked: Sequence[LockedLinkage]) -> RecordPlan:
@@ -111,15 +111,15 @@ def planned_record(request: HammerRequest, locked: Sequence[LockedLinkage]) -> R
     """
     bandwidth = _bandwidth(request, locked)
     pulse = 1 / bandwidth if request.pulse is None else request.pulse
-    if bandwidth * pulse > EXCITED * (1 + 1e-9):
+    if bandwidth * pulse > _EXCITED * (1 + 1e-9):
         raise InputError(
-            f"a pulse of {pulse:g} s excites frequencies up to {EXCITED / pulse:.4g} Hz, the "
+            f"a pulse of {pulse:g} s excites frequencies up to {_EXCITED / pulse:.4g} Hz, the "
             f"bandwidth is {bandwidth:g} Hz; give a pulse of {1 / bandwidth:.3g} s, or a smaller "
             "bandwidth"
         )
     slowest = min(_slowest(each, bandwidth) for each in locked)
-    rate = SAMPLES_A_HERTZ * bandwidth
-    start = BEFORE / bandwidth
+    rate = _SAMPLES_A_HERTZ * bandwidth
+    start = _BEFORE / bandwidth
     samples = _samples(request, bandwidth, start + pulse - np.log(LEFT) / slowest)
     if start + pulse >= samples / rate:
         raise InputError(
@@ -128,13 +128,13 @@ def planned_record(request: HammerRequest, locked: Sequence[LockedLinkage]) -> R
         )
     lasting = samples / rate - start - pulse
     missing = -np.log(LEFT) / lasting - slowest
-    oversampling = max(STEPS_A_SAMPLE, int(np.ceil(STEPS_A_PULSE / (pulse * rate))))
+    oversampling = max(_STEPS_A_SAMPLE, int(np.ceil(_STEPS_A_PULSE / (pulse * rate))))
     if not locked[0].engine.simulates:
-        oversampling *= EXACT
-    if samples * oversampling > MOST_STEPS:
+        oversampling *= _EXACT
+    if samples * oversampling > _MOST_STEPS:
         raise InputError(
             f"a record of {samples / rate:.4g} s up to {bandwidth:g} Hz with a pulse of {pulse:g} "
-            f"s takes {samples * oversampling} steps, more than {MOST_STEPS}; give a shorter "
+            f"s takes {samples * oversampling} steps, more than {_MOST_STEPS}; give a shorter "
             "duration, a smaller bandwidth or a longer pulse"
         )
     unit = HalfSinePulse(1.0, pulse, start)
@@ -160,7 +160,7 @@ def _bandwidth(request: HammerRequest, locked: Sequence[LockedLinkage]) -> float
             )
         return request.bandwidth
     highest = max(float(each.natural_frequencies(request.modes)[-1]) for each in locked)
-    wanted = _two_digits(ABOVE_MODES * highest)
+    wanted = _two_digits(_ABOVE_MODES * highest)
     return wanted if request.pulse is None else min(wanted, 1 / request.pulse)
 
 
@@ -179,14 +179,14 @@ def _slowest(locked: LockedLinkage, bandwidth: float) -> float:
 def _samples(request: HammerRequest, bandwidth: float, needed: float) -> int:
     """Of a record in which a vibration decays, as many as analysers take; or of one given."""
     if request.duration is None:
-        doubled = max(0, int(np.ceil(np.log2(needed * bandwidth / FEWEST_LINES))))
-        wanted: int = FEWEST_LINES * 2**doubled
-        return round(SAMPLES_A_HERTZ * min(int(wanted), MOST_LINES))
-    samples = 2 * round(SAMPLES_A_HERTZ * bandwidth * request.duration / 2)
-    if samples < LEAST_SAMPLES:
+        doubled = max(0, int(np.ceil(np.log2(needed * bandwidth / _FEWEST_LINES))))
+        wanted: int = _FEWEST_LINES * 2**doubled
+        return round(_SAMPLES_A_HERTZ * min(int(wanted), _MOST_LINES))
+    samples = 2 * round(_SAMPLES_A_HERTZ * bandwidth * request.duration / 2)
+    if samples < _LEAST_SAMPLES:
         raise InputError(
             f"a record of {request.duration:g} s has {samples} samples up to {bandwidth:g} Hz; "
-            f"give a duration of {LEAST_SAMPLES / (SAMPLES_A_HERTZ * bandwidth):.3g} s or more"
+            f"give a duration of {_LEAST_SAMPLES / (_SAMPLES_A_HERTZ * bandwidth):.3g} s or more"
         )
     return samples
 
@@ -197,11 +197,11 @@ def _force(request: HammerRequest, locked: Sequence[LockedLinkage], unit: HalfSi
     Rounded down to 1, 2 or 5 times a power of ten, so that both engines are hit alike.
     """
     links = locked[0].engine.mechanism.linkage.topology.links
-    allowed = DEFLECTION * min(link.length for link in links)
+    allowed = _DEFLECTION * min(link.length for link in links)
     greatest = 0.0
     for each in locked:
         period = 1 / each.natural_frequencies(1)[0]
-        time = unit.start + np.linspace(0.0, unit.duration + PERIODS * period, INSTANTS)
+        time = unit.start + np.linspace(0.0, unit.duration + _PERIODS * period, _INSTANTS)
         hit = each.rows([request.impact], request.direction)[0]
         greatest = max(
             greatest, float(np.abs(each.motion(each.station_rows(), hit, unit, time)).max())

@@ -30,8 +30,9 @@ from flexmech.numbers import (
 )
 from flexmech.types import FloatArray
 
-MIDDLE = LinkPoint("coupler", 0.5)
-MOST_AVERAGES = 1000
+_MIDDLE = LinkPoint("coupler", 0.5)
+# Noise falls by the root of their number: more are taken for a slip of the keyboard.
+_MOST_AVERAGES = 1000
 
 
 @dataclass(frozen=True)
@@ -82,8 +83,8 @@ class HammerRequest:
     """
 
     crank_angles: ArrayLike
-    impact: LinkPoint = MIDDLE
-    response: LinkPoint = MIDDLE
+    impact: LinkPoint = _MIDDLE
+    response: LinkPoint = _MIDDLE
     direction: LinkDirection = "transverse"
     averages: int = 3
     bandwidth: float | None = None
@@ -103,8 +104,8 @@ class HammerRequest:
         check_choice(self.direction, LINK_DIRECTIONS, "direction")
         check_choice(self.prestress, PRESTRESS_LEVELS, "prestress")
         check_count(self.averages, "averages")
-        if self.averages > MOST_AVERAGES:
-            raise InputError(f"averages: {self.averages} impacts; ask for {MOST_AVERAGES} at most")
+        if self.averages > _MOST_AVERAGES:
+            raise InputError(f"averages: {self.averages} impacts; ask for {_MOST_AVERAGES} at most")
         check_count(self.modes, "modes", most=MOST_MODES)
         check_count(self.seed, "seed", 0)
         if self.grid is not None:

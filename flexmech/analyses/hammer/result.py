@@ -214,6 +214,7 @@ _CAPTION = (
     "FE: eigen model; Ex: identified from the hammer test; xi: damping ratio; "
     "a dash: not identified, or without a grid of impacts"
 )
+# Modes that the verdict speaks of, as papers do.
 _FIRST_MODES = 3
 
 
@@ -236,7 +237,7 @@ def _mode_table(dataset: xr.Dataset) -> Table:
 
 
 def _record_lines(dataset: xr.Dataset) -> list[str]:
-    """How the records were taken, and what they were held against."""
+    """How the records were taken, and what they were compared with."""
     of = dataset.attrs
     samples, averages = dataset.sizes["time"], dataset.sizes["average"]
     error = _greatest(dataset, "simulation_error")
@@ -249,7 +250,8 @@ def _record_lines(dataset: xr.Dataset) -> list[str]:
         f"records: {of['duration']:.4g} s, {samples} samples at {of['sampling_rate']:.6g} Hz, "
         f"band to {of['bandwidth']:g} Hz, lines every {1 / of['duration']:.4g} Hz; {averages} "
         f"average{'s' if averages > 1 else ''}, {_noise(of)}",
-        f"windows: force {_milliseconds(of)}; {_window(of)}",
+        f"windows: force about the pulse, {1e3 * of['pulse_start']:.3g} ms after the record's "
+        f"begin; {_window(of)}",
         f"transient: {_transient(of)}",
         f"measured receptance (H1) against the superposition of all modes: {error} of the peak "
         "at most",
@@ -335,10 +337,6 @@ def _noise(of: Mapping[Any, Any]) -> str:
     if not of["noise"]:
         return "no noise"
     return f"noise of {100 * of['noise']:g} % of the signal's root mean square, seed {of['seed']}"
-
-
-def _milliseconds(of: Mapping[Any, Any]) -> str:
-    return f"about the pulse, {1e3 * of['pulse_start']:.3g} ms after the record's begin"
 
 
 def _window(of: Mapping[Any, Any]) -> str:

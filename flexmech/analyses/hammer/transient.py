@@ -32,10 +32,10 @@ from flexmech.time_domain.integrators import simulator
 from flexmech.time_domain.recorded_runs import Impact
 from flexmech.types import FloatArray, StepProgress
 
-ATTENUATION = 80.0
+_ATTENUATION = 80.0
 """In dB, of what sampling would fold into the band."""
 # The spectrum is read between lines of a record that is so many times longer, with zeros.
-PADDED = 16
+_PADDED = 16
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ def _filter(plan: RecordPlan) -> FloatArray:
     """Low-pass filter at the transient's rate, of odd length."""
     rate = plan.sampling_rate * plan.oversampling
     falls = plan.sampling_rate - 2 * plan.bandwidth
-    count, beta = signal.kaiserord(ATTENUATION, falls / (rate / 2))
+    count, beta = signal.kaiserord(_ATTENUATION, falls / (rate / 2))
     taps = signal.firwin(count | 1, plan.sampling_rate / 2, window=("kaiser", beta), fs=rate)
     return np.asarray(taps)
 
@@ -172,7 +172,7 @@ def unwarped(records: FloatArray, sampling_rate: float, step: float) -> FloatArr
     count = records.shape[1]
     lines = sampling_rate / count * np.arange(count // 2 + 1)
     read = np.arctan(np.pi * lines * step) / (np.pi * step)
-    padded = PADDED * count
+    padded = _PADDED * count
     spectrum = scipy.fft.rfft(records, padded, axis=1)
     between = CubicSpline(sampling_rate / padded * np.arange(spectrum.shape[1]), spectrum, axis=1)
     return np.asarray(scipy.fft.irfft(between(read), count, axis=1))

@@ -8,7 +8,8 @@ points of the grid, or at the response point alone where no grid was roved.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -29,9 +30,10 @@ from flexmech.measured_data import (
 from flexmech.types import ComplexArray, FloatArray
 
 Variables = dict[str, tuple[tuple[str, ...], NDArray[Any]]]
-NODES_A_LINK = 1000
-# Directions in the frame of a link.
-AXES = {"axial": 1, "transverse": 2}
+# Room for the points of a link: labels of neighbouring links never meet.
+_NODES_A_LINK = 1000
+# Axes of a frame by their numbers in universal files: x runs along the link.
+_AXES = {"axial": 1, "transverse": 2}
 
 
 def geometry_variables(engine: Engine, angles: FloatArray) -> Variables:
@@ -84,6 +86,7 @@ class _Nodes:
 
     def __init__(self, one: xr.Dataset, points: Iterable[LinkPoint]) -> None:
         self.names = [str(name) for name in one["link"].values]
+        self.direction = str(one.attrs["direction"])
         self.length = one["link_length"].values
         self.angle = one["link_angle"].values
         self.origin = np.column_stack([one["link_x"].values, one["link_y"].values])
@@ -94,7 +97,7 @@ class _Nodes:
 
     def label(self, point: LinkPoint) -> int:
         place = self.fractions[point.link].index(point.fraction)
-        return NODES_A_LINK * (self.names.index(point.link) + 1) + place + 1
+        return _NODES_A_LINK * (self.names.index(point.link) + 1) + place + 1
 
     def frames(self) -> tuple[UffFrame, ...]:
         return tuple(
@@ -120,14 +123,14 @@ class _Nodes:
             for name, own in self.fractions.items()
         )
 
-    def towards(self, point: LinkPoint, direction: str) -> FloatArray:
+    def towards(self, point: LinkPoint) -> FloatArray:
         """The test's direction at a point, along the global axes, (3,)."""
         angle = self.angle[self.names.index(point.link)]
         along, across = (np.cos(angle), np.sin(angle), 0.0), (-np.sin(angle), np.cos(angle), 0.0)
-        return np.array(along if direction == "axial" else across)
+        return np.array(along if self.direction == "axial" else across)
 
-    def degree_of_freedom(self, point: LinkPoint, direction: str) -> UffDegreeOfFreedom:
-        return UffDegreeOfFreedom(self.label(point), AXES[direction], point.link)
+    def degree_of_freedom(self, point: LinkPoint) -> UffDegreeOfFreedom:
+        return UffDegreeOfFreedom(self.label(point), _AXES[self.direction], point.link)
 
 
 def _one_angle(one: xr.Dataset, degrees: str) -> UffFile:
@@ -142,10 +145,7 @@ def _one_angle(one: xr.Dataset, degrees: str) -> UffFile:
         nodes=nodes.nodes(),
         frames=nodes.frames(),
         traces=nodes.traces(),
-        functions=(
-            *_records(one, nodes, impact, response),
-            *_responses(one, nodes, impact, response, grid),
-        ),
+        functions=tuple(_functions(one, nodes, impact, response, grid)),
         modes=tuple(_modes(one, nodes, response, grid)),
     )
 
@@ -157,87 +157,61 @@ def _grid(one: xr.Dataset) -> list[LinkPoint]:
     return [LinkPoint(str(link), float(fraction)) for link, fraction in places]
 
 
-def _records(
-    one: xr.Dataset, nodes: _Nodes, impact: LinkPoint, response: LinkPoint
-) -> Iterable[UffFunction]:
-    direction, time = str(one.attrs["direction"]), one["time"].values
-    hit = nodes.degree_of_freedom(impact, direction)
-    seen = nodes.degree_of_freedom(response, direction)
+def _functions(
+    one: xr.Dataset, nodes: _Nodes, impact: LinkPoint, response: LinkPoint, grid: list[LinkPoint]
+) -> Iterator[UffFunction]:
+    """Records of every average, frequency responses and coherence."""
+    hit, seen = nodes.degree_of_freedom(impact), nodes.degree_of_freedom(response)
+    record = partial(
+        UffFunction,
+        kind="time response",
+        abscissa="time",
+        position=one["time"].values,
+        over="none",
+        reference=hit,
+    )
     for number, average in enumerate(one["average"].values):
-        for name, quantity, where in (("force", "force", hit), ("response", "displacement", seen)):
-            yield UffFunction(
-                kind="time response",
-                abscissa="time",
-                position=time,
+        for name, where in (("force", hit), ("response", seen)):
+            yield record(
                 values=one[name].values[number],
-                quantity="force" if quantity == "force" else "displacement",
-                over="none",
+                quantity="force" if name == "force" else "displacement",
                 response=where,
-                reference=hit,
                 name=f"{name}, average {int(average)}",
             )
-
-
-def _responses(
-    one: xr.Dataset,
-    nodes: _Nodes,
-    impact: LinkPoint,
-    response: LinkPoint,
-    grid: list[LinkPoint],
-) -> Iterable[UffFunction]:
-    direction, lines = str(one.attrs["direction"]), one["frequency"].values
     rate = float(one.attrs["window_decay_rate"])
     window = f"exponential window {rate:.6g} 1/s taken off" if rate else "no exponential window"
-    seen = nodes.degree_of_freedom(response, direction)
-    hit = nodes.degree_of_freedom(impact, direction)
-    yield _response("receptance", _complex(one, "unwindowed_receptance"), lines, seen, hit, window)
-    yield UffFunction(
+    spectrum = partial(
+        UffFunction, abscissa="frequency", position=one["frequency"].values, response=seen
+    )
+    receptance = partial(
+        spectrum,
+        kind="frequency response",
+        quantity="displacement",
+        over="force",
+        remark=f"H1, {window}",
+    )
+    found = _complex(one, "unwindowed_receptance")
+    yield receptance(values=found, reference=hit, name="receptance")
+    yield spectrum(
         kind="coherence",
-        abscissa="frequency",
-        position=lines,
         values=one["coherence"].values,
         quantity="none",
         over="none",
-        response=seen,
         reference=hit,
         name="coherence",
     )
-    if grid:
-        found = _complex(one, "grid_receptance")
-        for point, values in zip(grid, found, strict=True):
-            where = nodes.degree_of_freedom(point, direction)
-            yield _response(f"receptance, impact at {point}", values, lines, seen, where, window)
-
-
-def _response(
-    name: str,
-    values: ComplexArray,
-    lines: FloatArray,
-    seen: UffDegreeOfFreedom,
-    hit: UffDegreeOfFreedom,
-    window: str,
-) -> UffFunction:
-    return UffFunction(
-        kind="frequency response",
-        abscissa="frequency",
-        position=lines,
-        values=values,
-        quantity="displacement",
-        over="force",
-        response=seen,
-        reference=hit,
-        name=name,
-        remark=f"H1, {window}",
-    )
+    for number, point in enumerate(grid):
+        values, where = _complex(one, "grid_receptance")[number], nodes.degree_of_freedom(point)
+        yield receptance(values=values, reference=where, name=f"receptance, impact at {point}")
 
 
 def _modes(
     one: xr.Dataset, nodes: _Nodes, response: LinkPoint, grid: list[LinkPoint]
-) -> Iterable[UffMode]:
+) -> Iterator[UffMode]:
     frequency, ratio = (one[f"identified_{name}"].values for name in ("frequency", "damping_ratio"))
     points = grid or [response]
     shapes = _complex(one, "shape") if grid else np.ones((1, frequency.size), dtype=complex)
-    towards = np.array([nodes.towards(point, str(one.attrs["direction"])) for point in points])
+    towards = np.array([nodes.towards(point) for point in points])
     labels = np.array([nodes.label(point) for point in points])
     for column, number in enumerate(one["mode"].values):
         if not np.isfinite(frequency[column]):

@@ -1,7 +1,6 @@
 """How the rigid linkage moves, and which joint forces and torque that takes."""
 
-from flexmech.analyses.kinematics.compute import kinematics
-from flexmech.analyses.kinematics.request import KinematicsRequest
+from flexmech.analyses.kinematics.compute import KinematicsRequest, kinematics
 from flexmech.analyses.kinematics.result import Kinematics
 
 __all__ = ["Kinematics", "KinematicsRequest", "kinematics"]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
 
 from flexmech.analyses.datasets import origin, with_units
-from flexmech.analyses.kinematics.request import KinematicsRequest
 from flexmech.analyses.kinematics.result import Kinematics
+from flexmech.analyses.requests import in_radians
 from flexmech.errors import InputError
 from flexmech.linear_system import checked_mechanism
 from flexmech.linkages import (
@@ -22,8 +23,101 @@ from flexmech.linkages import (
 )
 from flexmech.linkages.motion import direction, normal
 from flexmech.mechanism import Mechanism
-from flexmech.numbers import check_instance
+from flexmech.numbers import check_count, check_instance, check_number, checked_tuple
 from flexmech.types import FloatArray
+
+_MOST_LUMPS = 1000
+"""Elements of a link whose mass is lumped."""
+
+
+@dataclass(frozen=True)
+class KinematicsRequest:
+    """Crank angles and speed, and how masses are lumped for a comparison.
+
+    Parameters
+    ----------
+    crank_angles : array_like, shape (A,)
+        In rad, increasing; a turn in steps of one degree if left out.
+    crank_speed : float, optional
+        In rad/s; may be zero or negative. Left out: the first speed at which the mechanism
+        operates, zero if it names none.
+    lumped : sequence of int, optional
+        For each link in order the number of elements whose mass is halved onto their ends, or
+        one number for all; Kumar & Chandrakar's Figure 1.5 has (1, 4, 4).
+    speed_unit : str
+        In which crank speeds are printed and drawn.
+
+    Raises
+    ------
+    InputError
+        If angles or speed are no numbers, angles do not increase, or a number of elements is
+        below one or beyond 1000.
+
+    Examples
+    --------
+    >>> flexmech.KinematicsRequest(crank_speed=20.0, lumped=(1, 4, 4)).crank_angles.shape
+    (361,)
+    """
+
+    crank_angles: FloatArray = field(default_factory=lambda: np.radians(np.arange(361.0)))
+    crank_speed: float | None = None
+    lumped: Sequence[int] | None = None
+    speed_unit: str = "rad/s"
+
+    def __post_init__(self) -> None:
+        angles = in_radians("crank_angles", self.crank_angles)
+        if angles.ndim != 1 or not angles.size or np.any(np.diff(angles) <= 0):
+            raise InputError(
+                f"crank_angles must be one or more in increasing order, got shape {angles.shape}"
+            )
+        object.__setattr__(self, "crank_angles", angles)
+        if self.crank_speed is not None:
+            check_number(self.crank_speed, "crank_speed", "rad/s")
+        if self.lumped is not None:
+            remedy = "give the elements of each link, as (1, 4, 4)"
+            counts = checked_tuple(self.lumped, object, "lumped", remedy)
+            for count in counts:
+                check_count(count, "lumped: each number of elements")
+                if count > _MOST_LUMPS:
+                    raise InputError(
+                        f"lumped: {count} elements of a link are beyond {_MOST_LUMPS}; the "
+                        "distributed mass is what they tend to"
+                    )
+            object.__setattr__(self, "lumped", counts)
+
+    def speed_of(self, mechanism: Mechanism) -> float:
+        """Crank speed in rad/s: the one asked for, or the first at which a mechanism operates."""
+        if self.crank_speed is not None:
+            return float(self.crank_speed)
+        return float(mechanism.operating_speeds[0]) if mechanism.operating_speeds else 0.0
+
+    def lumped_of(self, mechanism: Mechanism) -> tuple[int, ...] | None:
+        """Number of elements of each link of a mechanism; None where masses stay distributed.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+
+        Returns
+        -------
+        tuple of int or None
+
+        Raises
+        ------
+        InputError
+            If there are not as many numbers as links.
+        """
+        links = mechanism.linkage.topology.link_names
+        if self.lumped is None:
+            return None
+        if len(self.lumped) == 1:
+            return tuple(self.lumped) * len(links)
+        if len(self.lumped) != len(links):
+            raise InputError(
+                f"lumped: {len(self.lumped)} numbers of elements for {len(links)} links; give one "
+                f"for all, or one for each of {', '.join(links)}"
+            )
+        return tuple(self.lumped)
 
 
 def kinematics(mechanism: Mechanism, request: KinematicsRequest | None = None) -> Kinematics:
@@ -67,8 +161,8 @@ def kinematics(mechanism: Mechanism, request: KinematicsRequest | None = None) -
     return Kinematics(kinematics_dataset(mechanism, forces, lumped, elements, request))
 
 
-ANGLE, LINK = "crank_angle", "link"
-PLANE = (ANGLE, LINK, "component")
+_ANGLE, _LINK = "crank_angle", "link"
+_PLANE = (_ANGLE, _LINK, "component")
 
 
 def kinematics_dataset(
@@ -99,15 +193,15 @@ def kinematics_dataset(
     topology = linkage.topology
     dataset = xr.Dataset(
         {
-            "angle": ((ANGLE, LINK), continuous_angles(linkage, motion)),
-            "angular_velocity": ((ANGLE, LINK), motion.angular_velocity),
-            "angular_acceleration": ((ANGLE, LINK), motion.angular_acceleration),
+            "angle": ((_ANGLE, _LINK), continuous_angles(linkage, motion)),
+            "angular_velocity": ((_ANGLE, _LINK), motion.angular_velocity),
+            "angular_acceleration": ((_ANGLE, _LINK), motion.angular_acceleration),
             **_of_centres(forces.masses, motion),
             **_of_forces(topology, forces),
         },
         coords={
-            ANGLE: request.crank_angles,
-            LINK: list(topology.link_names),
+            _ANGLE: request.crank_angles,
+            _LINK: list(topology.link_names),
             "component": ["x", "y"],
             "joint": list(topology.joint_names),
             "joint_kind": ("joint", list(topology.joint_kinds)),
@@ -115,7 +209,7 @@ def kinematics_dataset(
     )
     if isinstance(linkage, FourBar):
         for name in ("transmission_angle", "reversed_transmission_angle"):
-            dataset[name] = ANGLE, getattr(linkage, name)(request.crank_angles)
+            dataset[name] = _ANGLE, getattr(linkage, name)(request.crank_angles)
     if lumped is not None and elements is not None:
         of_lumps = _of_forces(topology, lumped)
         dataset = dataset.assign({f"lumped_{name}": of for name, of in of_lumps.items()})
@@ -145,10 +239,10 @@ def _of_centres(
         - motion.angular_velocity[..., None] ** 2 * arm
     )
     return {
-        "centre_position": (PLANE, motion.origin + arm),
-        "centre_acceleration": (PLANE, acceleration),
-        "inertia_force": (PLANE, -mass[:, None] * acceleration),
-        "inertia_moment": ((ANGLE, LINK), -inertia * motion.angular_acceleration),
+        "centre_position": (_PLANE, motion.origin + arm),
+        "centre_acceleration": (_PLANE, acceleration),
+        "inertia_force": (_PLANE, -mass[:, None] * acceleration),
+        "inertia_moment": ((_ANGLE, _LINK), -inertia * motion.angular_acceleration),
     }
 
 
@@ -160,10 +254,10 @@ def _of_forces(
     force = np.stack([forces.joint_force[name] for name in names], axis=1)
     moment = np.stack([forces.joint_moment[name] for name in names], axis=1)
     return {
-        "joint_force": ((ANGLE, "joint", "component"), force),
-        "joint_moment": ((ANGLE, "joint"), moment),
-        "driving_torque": ((ANGLE,), forces.driving_torque),
-        "driving_power": ((ANGLE,), forces.driving_power),
+        "joint_force": ((_ANGLE, "joint", "component"), force),
+        "joint_moment": ((_ANGLE, "joint"), moment),
+        "driving_torque": ((_ANGLE,), forces.driving_torque),
+        "driving_power": ((_ANGLE,), forces.driving_power),
     }
 
 
@@ -180,7 +274,7 @@ def _of_lumps(
     if not sizes:
         raise InputError("lumped: no link has distributed mass that could be lumped; leave it out")
     acceleration = np.stack(accelerations, axis=1)
-    plane = (ANGLE, "lump", "component")
+    plane = (_ANGLE, "lump", "component")
     return {
         "lump_position": (("lump",), np.array(places)),
         "lump_mass": (("lump",), np.array(sizes)),

@@ -10,16 +10,16 @@ import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.datasets import DEGREES, table_over
+from flexmech.analyses.remarks import crank_speed_text
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
-from flexmech.units import from_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
 # Relative difference up to which two values are the same.
-SAME = 1e-12
+_SAME = 1e-12
 
 
 class Kinematics(Result):
@@ -91,10 +91,9 @@ class Kinematics(Result):
     def summary(self) -> Summary:
         """Greatest values and where they are."""
         data = self.dataset
-        name, unit = data.attrs["mechanism"], data.attrs["speed_unit"]
-        speed = from_si(float(data.attrs["crank_speed"]), unit)
         motion = Table(
-            f"greatest values over the crank angles, {name} at {speed:.6g} {unit}",
+            f"greatest values over the crank angles, {data.attrs['mechanism']} at "
+            f"{crank_speed_text(data.attrs)}",
             ("link", "rad/s", "at deg", "rad/s²", "at deg", "centre m/s²", "at deg"),
             (tuple(_link_row(data.sel(link=link)) for link in data["link"].values),),
         )
@@ -128,10 +127,12 @@ def _degrees(data: xr.Dataset) -> xr.DataArray:
     return (DEGREES * data["crank_angle"]).round(9)
 
 
-def _motion_table(data: xr.Dataset) -> pd.DataFrame:
-    def along(name: str, axis: str) -> xr.DataArray:
-        return data[name].sel(component=axis)
+def _components(vector: xr.DataArray, column: str) -> dict[str, xr.DataArray]:
+    """Columns of a vector in the plane, named by its axes."""
+    return {column.format(axis): vector.sel(component=axis) for axis in "xy"}
 
+
+def _motion_table(data: xr.Dataset) -> pd.DataFrame:
     return table_over(
         *("crank_angle", "link"),
         crank_angle_deg=_degrees(data),
@@ -139,24 +140,19 @@ def _motion_table(data: xr.Dataset) -> pd.DataFrame:
         angle_deg=DEGREES * data["angle"],
         angular_velocity_rad_s=data["angular_velocity"],
         angular_acceleration_rad_s2=data["angular_acceleration"],
-        centre_x_m=along("centre_position", "x"),
-        centre_y_m=along("centre_position", "y"),
-        centre_ax_m_s2=along("centre_acceleration", "x"),
-        centre_ay_m_s2=along("centre_acceleration", "y"),
-        inertia_force_x_N=along("inertia_force", "x"),
-        inertia_force_y_N=along("inertia_force", "y"),
+        **_components(data["centre_position"], "centre_{}_m"),
+        **_components(data["centre_acceleration"], "centre_a{}_m_s2"),
+        **_components(data["inertia_force"], "inertia_force_{}_N"),
         inertia_moment_Nm=data["inertia_moment"],
     )
 
 
 def _force_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
-    force = data[f"{of}joint_force"]
     return table_over(
         *("crank_angle", "joint"),
         crank_angle_deg=_degrees(data),
         joint=data["joint"],
-        x_N=force.sel(component="x"),
-        y_N=force.sel(component="y"),
+        **_components(data[f"{of}joint_force"], "{}_N"),
         moment_Nm=data[f"{of}joint_moment"],
     )
 
@@ -177,15 +173,14 @@ def _drive_table(data: xr.Dataset, of: str = "") -> pd.DataFrame:
 
 
 def _lump_table(data: xr.Dataset) -> pd.DataFrame:
-    acceleration, force = data["lump_acceleration"], data["lump_inertia_force"]
     return table_over(
         *("crank_angle", "lump"),
         crank_angle_deg=_degrees(data),
         link=data["lump_link"],
         position_m=data["lump_position"],
         mass_kg=data["lump_mass"],
-        **{f"a{axis}_m_s2": acceleration.sel(component=axis) for axis in "xy"},
-        **{f"inertia_force_{axis}_N": force.sel(component=axis) for axis in "xy"},
+        **_components(data["lump_acceleration"], "a{}_m_s2"),
+        **_components(data["lump_inertia_force"], "inertia_force_{}_N"),
     )
 
 
@@ -210,7 +205,7 @@ def _size(vector: xr.DataArray) -> xr.DataArray:
 def _greatest(size: xr.DataArray) -> tuple[str, str]:
     """Greatest value, and the first crank angle where it is but for round-off."""
     values = size.values
-    place = int(np.argmax(values >= values.max() * (1 - SAME)))
+    place = int(np.argmax(values >= values.max() * (1 - _SAME)))
     return f"{values[place]:.5g}", f"{DEGREES * float(size['crank_angle'][place]):.6g}"
 
 
@@ -226,7 +221,7 @@ def _extremes(what: str, quantity: xr.DataArray, unit: str, scale: float = 0.0) 
 
 
 def _number(value: float, scale: float) -> str:
-    return f"{0.0 if abs(value) <= SAME * scale else value:.5g}"
+    return f"{0.0 if abs(value) <= _SAME * scale else value:.5g}"
 
 
 def _mean(values: xr.DataArray) -> float | None:

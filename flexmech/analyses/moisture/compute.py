@@ -26,12 +26,12 @@ from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 
 # Profiles at these parts of the time, uptake at so many times evenly in its root.
-PARTS = np.array([0.01, 0.05, 0.2, 0.5, 1.0])
-TIMES = 121
-SHARES = np.array([0.5, 0.9, 0.99])
+_PARTS = np.array([0.01, 0.05, 0.2, 0.5, 1.0])
+_TIMES = 121
+_SHARES = np.array([0.5, 0.9, 0.99])
 # Of the time scale of filling; a slab is full to 1e-17 by then.
-LONGEST = 40.0
-ONE, METRE, SECOND = {"units": "1"}, {"units": "m"}, {"units": "s"}
+_LONGEST = 40.0
+_ONE, _METRE, _SECOND = {"units": "1"}, {"units": "m"}, {"units": "s"}
 
 
 def moisture_uptake(
@@ -105,9 +105,9 @@ def _link(
 ) -> xr.Dataset:
     """Water in one link over time."""
     # Rounded, so that a time that is in both lists comes once.
-    roots = np.round(np.concatenate([np.linspace(0.0, 1.0, TIMES), np.sqrt(PARTS)]), 12)
+    roots = np.round(np.concatenate([np.linspace(0.0, 1.0, _TIMES), np.sqrt(_PARTS)]), 12)
     times = end * np.unique(roots) ** 2
-    parts = np.abs(times - end * PARTS[:, np.newaxis]).argmin(axis=1)
+    parts = np.abs(times - end * _PARTS[:, np.newaxis]).argmin(axis=1)
     history = _history(diffusion, humidity, kelvin, tuple(times))
     short_time, shen_springer = _laws(diffusion, kelvin, times)
     layers, saturation = diffusion.layers, np.array(diffusion.saturation)
@@ -120,21 +120,21 @@ def _link(
     water = history.water * section.layers.width / section.mass_per_length
     return xr.Dataset(
         {
-            "place": ("cell", history.place, METRE),
-            "profile": (("profile_time", "cell"), profile, ONE),
-            "moisture": ("time", history.water / resin, ONE),
-            "water": ("time", water, ONE),
-            "uptake": ("time", history.uptake / _final(diffusion, humidity), ONE),
-            "short_time_uptake": ("time", short_time, ONE),
-            "shen_springer_uptake": ("time", shen_springer, ONE),
-            "time_to_share": ("share", _times_to_shares(diffusion, humidity, kelvin), SECOND),
-            "mass_balance_error": ((), history.mass_balance_error, ONE),
+            "place": ("cell", history.place, _METRE),
+            "profile": (("profile_time", "cell"), profile, _ONE),
+            "moisture": ("time", history.water / resin, _ONE),
+            "water": ("time", water, _ONE),
+            "uptake": ("time", history.uptake / _final(diffusion, humidity), _ONE),
+            "short_time_uptake": ("time", short_time, _ONE),
+            "shen_springer_uptake": ("time", shen_springer, _ONE),
+            "time_to_share": ("share", _times_to_shares(diffusion, humidity, kelvin), _SECOND),
+            "mass_balance_error": ((), history.mass_balance_error, _ONE),
         },
         {
             "cell": np.arange(history.place.size),
-            "time": ("time", times, SECOND),
-            "profile_time": ("profile_time", times[parts], SECOND),
-            "share": SHARES,
+            "time": ("time", times, _SECOND),
+            "profile_time": ("profile_time", times[parts], _SECOND),
+            "share": _SHARES,
             "over_width": diffusion.width is not None,
         },
     )
@@ -170,28 +170,28 @@ def _laws(diffusion: LinkDiffusion, kelvin: float, times: FloatArray) -> FloatAr
 
 
 def _times_to_shares(diffusion: LinkDiffusion, humidity: float, kelvin: float) -> list[float]:
-    """Times in s at which the link holds shares of its water in the end.
+    """Times in s at which the link has taken up shares of its water in equilibrium.
 
     By the series where there is one; else from the finite volumes, within 1e-3.
     """
     slab = _slab(diffusion, kelvin)
     if slab is not None:
-        return [time_to_saturation(share, *slab, faces=diffusion.faces) for share in SHARES]
+        return [time_to_saturation(share, *slab, faces=diffusion.faces) for share in _SHARES]
     # The time in the scale of which the link fills.
     layers = [(one.thickness, float(one.diffusivity.at(kelvin))) for one in diffusion.layers]
     root = sum(thickness / np.sqrt(diffusivity) for thickness, diffusivity in layers)
     scale = float(root**2) * (1 if diffusion.faces == "both" else 4) / np.pi**2
-    times = np.concatenate([[0.0], np.geomspace(1e-4 * scale, LONGEST * scale, 400)])
+    times = np.concatenate([[0.0], np.geomspace(1e-4 * scale, _LONGEST * scale, 400)])
     history = _history(diffusion, humidity, kelvin, tuple(times))
     uptake = history.uptake / _final(diffusion, humidity)
-    if uptake[-1] < SHARES[-1]:
+    if uptake[-1] < _SHARES[-1]:
         raise ComputationError(
-            f"{100 * SHARES[-1]:g} % of the equilibrium is not reached in {times[-1]:.3g} s; "
+            f"{100 * _SHARES[-1]:g} % of the equilibrium is not reached in {times[-1]:.3g} s; "
             "check the layers' diffusivities and thicknesses"
         )
     # Near the end what is left falls exponentially: straight in its logarithm.
     left = -np.log(np.clip(1 - uptake, 1e-12, 1.0))
-    return [float(np.interp(-np.log(1 - share), left, times)) for share in SHARES]
+    return [float(np.interp(-np.log(1 - share), left, times)) for share in _SHARES]
 
 
 @lru_cache(maxsize=16)

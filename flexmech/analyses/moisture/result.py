@@ -68,13 +68,13 @@ class MoistureUptake(Result):
         return plots.plot_moisture(self.dataset, ax=ax)
 
     def summary(self) -> Summary:
-        """What the links hold at the end, and how long they take to their equilibrium."""
+        """Water in the links at the end, and how long they take to their equilibrium."""
         data, attrs = self.dataset, self.dataset.attrs
         percent = 100 * data[["moisture", "water", "uptake"]].isel(time=-1).to_dataframe()
         times = data["time_to_share"]
         rows = tuple(
-            (str(link), *(f"{value:.4g}" for value in held), *map(_duration, times.sel(link=link)))
-            for link, *held in percent[["moisture", "water", "uptake"]].itertuples()
+            (str(link), *(f"{value:.4g}" for value in water), *map(_duration, times.sel(link=link)))
+            for link, *water in percent[["moisture", "water", "uptake"]].itertuples()
         )
         table = Table(
             f"{attrs['mechanism']}: {_duration(data['time'][-1])} at "

@@ -6,10 +6,10 @@ import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
 
-CAUSES = ("step", "reduction", "mesh")
+_CAUSES = ("step", "reduction", "mesh")
 # Names of :meth:`Response.agreement` and :meth:`Response.force_agreement`, and of the errors of
 # each cause.
-ERRORS = {
+_ERRORS = {
     "deflection": "deflection",
     "peak_deflection": "peak_deflection",
     "joint_force": "force",
@@ -18,7 +18,7 @@ ERRORS = {
     "peak_driving_torque": "peak_torque",
 }
 # Deflection over a link's length beyond which linear kinematics shows.
-LARGE_BOW = 0.01
+_LARGE_BOW = 0.01
 
 
 def errors_of(dataset: xr.Dataset) -> xr.Dataset:
@@ -36,13 +36,13 @@ def errors_of(dataset: xr.Dataset) -> xr.Dataset:
         ``peak_joint_force`` over (engine, joint), ``driving_torque`` and ``peak_driving_torque``
         over (engine); each over its own peak.
     """
-    known = [cause for cause in CAUSES if f"{cause}_error" in dataset]
+    known = [cause for cause in _CAUSES if f"{cause}_error" in dataset]
     return xr.Dataset(
         {
             name: sum(
                 (dataset[f"{cause}_error_of_{of}"] for cause in known), start=xr.DataArray(0.0)
             )
-            for name, of in ERRORS.items()
+            for name, of in _ERRORS.items()
         }
     )
 
@@ -66,8 +66,8 @@ def within_errors(gaps: xr.Dataset, dataset: xr.Dataset) -> xr.Dataset:
     return xr.Dataset({name: gaps[name] <= allowed[name] for name in gaps})
 
 
-def standing_for_all(agreement: xr.DataArray | None, dataset: xr.Dataset) -> tuple[str, str] | None:
-    """The engine of the smallest errors where two agree within them, and what stands for both."""
+def representative(agreement: xr.DataArray | None, dataset: xr.Dataset) -> tuple[str, str] | None:
+    """The engine of the smallest errors where two agree within them, and a label for both."""
     if agreement is None:
         return None
     if not within_errors(xr.Dataset({"deflection": agreement}), dataset)["deflection"].all():
@@ -145,24 +145,27 @@ def _verdict(gaps: xr.DataArray, errors: xr.DataArray, dataset: xr.Dataset) -> s
         return large
     # Where the difference is least explained.
     worst = {of: (gaps - allowed).idxmax(of).item()}
-    told = errors.sel(worst)
+    estimated = errors.sel(worst)
     return (
-        f", which is beyond their estimated errors (of {worst[of]}: {listed(told)})"
-        f"{_unexplained(told, dataset)}"
+        f", which is beyond their estimated errors (of {worst[of]}: {listed(estimated)})"
+        f"{_unexplained(estimated, dataset)}"
     )
 
 
-def _unexplained(told: xr.DataArray, dataset: xr.Dataset) -> str:
+def _unexplained(estimated: xr.DataArray, dataset: xr.Dataset) -> str:
     """What no error tells of engines that differ by more, and which one to trust if that is known.
 
     Parameters
     ----------
-    told : xarray.DataArray
+    estimated : xarray.DataArray
         Errors over engine.
     dataset : xarray.Dataset
     """
-    nonlinear = dataset["nonlinear"].values.astype(bool)[: told.sizes["engine"]]
-    simulated, linear = told["engine"].values[nonlinear], told["engine"].values[~nonlinear]
+    nonlinear = dataset["nonlinear"].values.astype(bool)[: estimated.sizes["engine"]]
+    simulated, linear = (
+        estimated["engine"].values[nonlinear],
+        estimated["engine"].values[~nonlinear],
+    )
     left_out = f"what the linear equations of {linear[0]} leave out" if linear.size else ""
     if "mesh_error" not in dataset:
         missing = ["the error by the mesh, which --check-mesh gives"]
@@ -170,14 +173,14 @@ def _unexplained(told: xr.DataArray, dataset: xr.Dataset) -> str:
         return f"; not among these {'are' if missing[1:] else 'is'} {', and '.join(missing)}"
     if simulated.size and linear.size:
         return f"; trust {simulated[0]}, since no error tells {left_out}"
-    return f"; trust {told.idxmin('engine').item()}, whose errors are the smaller"
+    return f"; trust {estimated.idxmin('engine').item()}, whose errors are the smaller"
 
 
 def _large_bow(dataset: xr.Dataset) -> str:
-    """Why to trust the engine that follows large displacements; nothing where they are small."""
+    """Why to trust the engine whose displacements may be large; nothing where they are small."""
     bow = abs(dataset["deflection"]).max(("engine", "time")) / dataset["length"]
     simulated = dataset["engine"].values[dataset["nonlinear"].values.astype(bool)]
-    if float(bow.max()) <= LARGE_BOW or len(simulated) != 1:
+    if float(bow.max()) <= _LARGE_BOW or len(simulated) != 1:
         return ""
     link, most = bow.idxmax("link").item(), 100 * float(bow.max())
     return (

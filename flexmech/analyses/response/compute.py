@@ -25,6 +25,10 @@ from flexmech.threads import one_thread
 from flexmech.time_domain import LinkState
 from flexmech.types import LabelledProgress, silent
 
+System = TypeVar("System", covariant=True)
+# How far a sample may be off a step by round-off, in steps.
+_ON_A_STEP = 1e-6
+
 
 def response(
     engines: Engine | Sequence[Engine],
@@ -77,24 +81,15 @@ def response(
     chosen, lines = engines_in_state(engines, request, environment)
     with one_thread():
         plan = planned(chosen, request)
-        runs = [
-            run_engine(engine, request, plan.time, plan.highest, plan.band, report)
-            for engine in chosen
-        ]
-        dataset = build_dataset(runs, request, plan.refinement, plan.lowest, plan.highest)
+        runs = [run_engine(engine, request, plan, report) for engine in chosen]
+        dataset = build_dataset(runs, request, plan)
         if check_mesh:
-            add_mesh_errors(dataset, [mesh_error(run, request, report) for run in runs])
+            add_mesh_errors(dataset, [mesh_error(run, request, plan, report) for run in runs])
     if plan.note:
         dataset.attrs["prediction_note"] = plan.note
     dataset.attrs["environment_lines"] = "\n".join(lines)
     dataset.attrs |= theory_attributes(chosen, request.modes)
     return Response(with_units(dataset, "response"))
-
-
-System = TypeVar("System", covariant=True)
-
-# How far a sample may be off a step, in steps.
-_ON_A_STEP = 1e-6
 
 
 class _HandsOver(Protocol[System]):
@@ -165,7 +160,7 @@ def exudyn_system(
         plan = planned([chosen], request)
         step = request.step
         if step is None:
-            run = run_engine(chosen, request, plan.time, plan.highest, plan.band, report)
+            run = run_engine(chosen, request, plan, report)
             step = run.trajectory.step
         start = simulation_start(chosen, request, step)
         stride = request.sample_interval / step

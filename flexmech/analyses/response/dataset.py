@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from flexmech.analyses.datasets import provenance, rigid_positions
+from flexmech.analyses.datasets import attributes_of, provenance, rigid_positions
 from flexmech.analyses.frequencies import Formulation, frequencies_at
 from flexmech.analyses.response import measurements
 from flexmech.analyses.response.measurements import peaks_between
-from flexmech.analyses.response.plan import SPECTRUM_REACH, oscillating, vibrating_engine
+from flexmech.analyses.response.plan import SPECTRUM_REACH, RunPlan, oscillating, vibrating_engine
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.run import EngineRun, RunError
 from flexmech.analyses.response.spectra import (
@@ -28,29 +29,18 @@ from flexmech.time_domain import Trajectory
 from flexmech.types import FloatArray, IntArray
 
 # Positions at which the length of the spectrogram's window is chosen.
-PREDICTIONS = 145
-
-ErrorVariable = float | tuple[str, FloatArray]
-"""Of a dataset: a number, or a dimension and what stands along it."""
+_PREDICTIONS = 145
 
 
-def build_dataset(
-    runs: Sequence[EngineRun],
-    request: ResponseRequest,
-    refinement: int,
-    lowest: float,
-    highest: float,
-) -> xr.Dataset:
+def build_dataset(runs: Sequence[EngineRun], request: ResponseRequest, plan: RunPlan) -> xr.Dataset:
     """Label the runs of all engines.
 
     Parameters
     ----------
     runs : sequence of EngineRun
-        At samples ``refinement`` times as dense as asked for.
     request : ResponseRequest
-    refinement : int
-    lowest, highest : float
-        Natural frequencies between which the spectra are of interest, in Hz.
+    plan : RunPlan
+        Of the runs.
 
     Returns
     -------
@@ -59,13 +49,13 @@ def build_dataset(
     engines, time = [run.engine for run in runs], request.sample_time()
     first, topology = engines[0], engines[0].mechanism.linkage.topology
     motion = request.drive.motion(first.mechanism.linkage, time)
-    duration = _window(first, request, lowest)
+    duration = _window(first, request, plan.lowest)
     parts = [
         xr.merge(
             [
-                _history(run, motion, refinement),
+                _history(run, motion, plan.refinement),
                 _peaks(run, request.drive),
-                _spectra(run, request, refinement, (lowest, highest), duration),
+                _spectra(run, request, plan, duration),
             ]
         )
         for run in runs
@@ -93,24 +83,20 @@ def build_dataset(
     if (point := first.mechanism.coupler_point) is not None:
         place = {"coupler_point_distance": point.distance, "coupler_point_angle": point.angle}
         dataset = dataset.assign_attrs(place)
+    asked = ("speed_unit", "revolutions", "start", "integrator", "prestress")
     return dataset.assign_attrs(
-        provenance(engines),
+        provenance(engines) | attributes_of(request, *asked),
         drawing=drawing(first.mechanism),
         crank_speed=request.drive.speed,
-        speed_unit=request.speed_unit,
         run_up_time=request.drive.run_up_time,
-        revolutions=request.revolutions,
-        start=request.start,
-        integrator=request.integrator,
-        prestress=request.prestress,
         shaft=first.shaft,
-        force_band=runs[0].band,
+        force_band=plan.band,
         spectrum_turns=whole_turns(request),
     )
 
 
 def whole_turns(request: ResponseRequest) -> int:
-    """Whole turns of a run on the periodic motion, whose spectrum stands at the orders alone.
+    """Whole turns of a run on the periodic motion, whose spectrum has lines at the orders alone.
 
     Parameters
     ----------
@@ -196,16 +182,13 @@ def add_mesh_errors(dataset: xr.Dataset, errors: Sequence[RunError]) -> None:
     dataset.update(xr.concat(parts, dataset["engine"]))
 
 
-def _errors(cause: str, error: RunError) -> dict[str, ErrorVariable]:
-    return {
-        f"{cause}_error": error.linkage,
-        f"{cause}_error_of_deflection": ("link", error.deflection),
-        f"{cause}_error_of_peak_deflection": ("link", error.peak_deflection),
-        f"{cause}_error_of_force": ("joint", error.force),
-        f"{cause}_error_of_peak_force": ("joint", error.peak_force),
-        f"{cause}_error_of_torque": error.torque,
-        f"{cause}_error_of_peak_torque": error.peak_torque,
-    }
+def _errors(cause: str, error: RunError) -> dict[str, Any]:
+    """Errors by one cause: of deflections over link, of forces over joint, and of the torque."""
+    variables: dict[str, Any] = {f"{cause}_error": error.linkage}
+    for name, values in error.of.items():
+        over = {"deflection": "link", "force": "joint"}.get(name.removeprefix("peak_"))
+        variables[f"{cause}_error_of_{name}"] = (over, values) if over else float(values[0])
+    return variables
 
 
 def _rigid_values(engine: Engine, motion: RigidMotion) -> xr.Dataset:
@@ -236,33 +219,28 @@ def _predicted(engine: Engine, request: ResponseRequest, time: FloatArray) -> Fl
 def _window(engine: Engine, request: ResponseRequest, lowest: float) -> float:
     """Length of the spectrogram's window in s, the same for all engines."""
     ends = request.drive.run_up_time, float(request.sample_time()[-1])
-    time = np.linspace(*ends, PREDICTIONS)
+    time = np.linspace(*ends, _PREDICTIONS)
     return window_duration(time, _predicted(engine, request, time), lowest)
 
 
 def _spectra(
-    run: EngineRun,
-    request: ResponseRequest,
-    refinement: int,
-    range_of_interest: tuple[float, float],
-    duration: float,
+    run: EngineRun, request: ResponseRequest, plan: RunPlan, duration: float
 ) -> xr.Dataset:
     """Spectra of a run at its final speed; in time as well where it is long enough."""
-    lowest, highest = range_of_interest
-    drive, interval = request.drive, request.sample_interval / refinement
+    drive, interval = request.drive, request.sample_interval / plan.refinement
     steady = run.trajectory.time >= drive.run_up_time - 1e-12
     signals = measurements.deflections(run.engine, run.trajectory)[steady].T
-    up_to = SPECTRUM_REACH * highest
+    up_to = SPECTRUM_REACH * plan.highest
     frequency, amplitude = amplitude_spectrum(signals, interval, up_to)
     if turns := whole_turns(request):
         # Of what repeats every turn, over whole turns: lines at the orders.
-        last = signals[:, -turns * request.samples * refinement :]
+        last = signals[:, -turns * request.samples * plan.refinement :]
         frequency, amplitude = amplitude_spectrum(last, interval, up_to, WHOLE_PERIODS)
     spectra = xr.Dataset(
         {"spectrum": (("link", "spectrum_frequency"), amplitude)},
         coords={"spectrum_frequency": frequency},
     )
-    moving = spectrogram(signals, interval, lowest, up_to, duration)
+    moving = spectrogram(signals, interval, plan.lowest, up_to, duration)
     if moving is None:
         return spectra
     middle = moving.time + drive.run_up_time
@@ -277,7 +255,7 @@ def _spectra(
 
 
 # Where links are takes nine tenths of a run, and is drawn for the animation's last turn alone.
-PLACES = ("displacement", "rigid_position")
+_PLACES = ("displacement", "rigid_position")
 # Whose balance is stored: none is drawn, and none is in a table.
 ENERGIES = (
     "kinetic_energy",
@@ -310,9 +288,9 @@ def needed(dataset: xr.Dataset) -> xr.Dataset:
     if "frame_time" in dataset.dims:
         return dataset
     frames = _frames(dataset["crank_angle"].values)
-    places = dataset[[*PLACES]].isel(time=frames)
+    places = dataset[[*_PLACES]].isel(time=frames)
     places = places.rename(time="frame_time", crank_angle="frame_angle")
-    whole = dataset.drop_vars([*PLACES, *ENERGIES])
+    whole = dataset.drop_vars([*_PLACES, *ENERGIES])
     return whole.merge(places, combine_attrs="override")
 
 

@@ -146,7 +146,7 @@ def ground_displacements(engine: Engine, trajectory: Trajectory, motion: RigidMo
 
 
 def constraint_drift(engine: Engine, displacement: FloatArray, motion: RigidMotion) -> float:
-    """Greatest distance by which pins gape and held ends leave their place, in m.
+    """Greatest violation of the constraints of pins, clamps and pivots in position, in m.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What is settled before a run: engines in their environment, samples, and the band of forces."""
+"""The plan of a run: engines in their environment, samples, and the band of forces."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ from flexmech.types import FloatArray
 SPECTRUM_REACH = 1.5
 """Spectra reach this far above the highest natural frequency asked for."""
 # Samples in a period of the highest frequency of the spectra; two would be the limit.
-SAMPLES_PER_PERIOD = 2.5
+_SAMPLES_PER_PERIOD = 2.5
 # Forces and torque count up to this part of the lowest frequency at which the links vibrate
 # along themselves: what rings faster depends on the time step and on how the start is idealized.
-FORCE_BAND = 0.5
+_FORCE_BAND = 0.5
 # Of the greatest eigenvalue: what is below is round-off of links that turn.
-LOOSE = 1e-10
+_LOOSE = 1e-10
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ def planned(engines: Sequence[Engine], request: ResponseRequest) -> RunPlan:
     lowest, highest, without_damping = _predicted_range(engines, request)
     refinement = _refinement(request, highest)
     turn = sampled_turn(request.drive.start_angle)
-    band = FORCE_BAND * lowest_axial_frequency(engines[0], turn)
+    band = _FORCE_BAND * lowest_axial_frequency(engines[0], turn)
     time, note = request.sample_time(refinement), ""
     if without_damping:
         note = (
@@ -167,7 +167,7 @@ def _predicted_range(
 
 def _refinement(request: ResponseRequest, highest: float) -> int:
     """Samples taken for each one asked for, so that the spectra's frequencies show."""
-    fastest = SAMPLES_PER_PERIOD * SPECTRUM_REACH * highest
+    fastest = _SAMPLES_PER_PERIOD * SPECTRUM_REACH * highest
     if not fastest * request.duration <= MOST_SAMPLES:
         raise InputError(
             f"a run of {request.duration:.3g} s holds more vibrations of up to "
@@ -290,7 +290,7 @@ def _lowest(stiffness: FloatArray, mass: FloatArray, loose: bool) -> float:
         found = scipy.linalg.eigh(stiffness, mass, eigvals_only=True, subset_by_index=[0, 0])
         return float(found[0])
     found = scipy.linalg.eigh(stiffness, mass, eigvals_only=True)
-    return float(found[found > LOOSE * found[-1]][0])
+    return float(found[found > _LOOSE * found[-1]][0])
 
 
 def _straight(link: LinkModel) -> LinkModel:

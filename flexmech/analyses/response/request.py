@@ -12,7 +12,7 @@ from flexmech.linkages import CrankDrive
 from flexmech.numbers import POSITIVE, check_choice, check_count, check_instance, check_number
 from flexmech.types import FloatArray
 
-# More samples than this are taken for a slip of the keyboard.
+# More samples or steps than this are taken for a slip of the keyboard: a run would take hours.
 MOST_SAMPLES = 2_000_000
 MOST_STEPS = 50_000_000
 NO_PERIODIC_START = (

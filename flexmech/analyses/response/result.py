@@ -14,12 +14,13 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
 from flexmech.analyses.datasets import DEGREES, table_over
+from flexmech.analyses.remarks import crank_speed_text
 from flexmech.analyses.response import words
 from flexmech.analyses.response.agreement import (
     agreement_line,
     errors_of,
     force_agreement_lines,
-    standing_for_all,
+    representative,
     within_errors,
 )
 from flexmech.analyses.response.dataset import needed
@@ -30,13 +31,12 @@ from flexmech.choices import STORES, PageWidth, PictureFormat, Store
 from flexmech.files import given_path, moved_into
 from flexmech.numbers import check_choice
 from flexmech.types import LabelledProgress, silent
-from flexmech.units import from_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-ANIMATIONS = ("animation.gif", "animation.mp4")
+_ANIMATIONS = ("animation.gif", "animation.mp4")
 
 
 class Response(Result):
@@ -61,7 +61,7 @@ class Response(Result):
         "forces.png",
         "spectrum.png",
         "spectrogram.png",
-        *ANIMATIONS,
+        *_ANIMATIONS,
     )
 
     def peaks(self) -> xr.Dataset:
@@ -222,7 +222,7 @@ class Response(Result):
 
     @property
     def pins(self) -> list[str]:
-        """Joints between links, as against those that the ground or the shaft holds."""
+        """Joints between links, without those to the ground or the shaft."""
         data = self.dataset
         return [str(joint) for joint in data["joint"][data["joint_kind"] == "pin"].values]
 
@@ -282,7 +282,7 @@ class Response(Result):
         -------
         list of Path
         """
-        names = ANIMATIONS if plots.mp4_available() else ANIMATIONS[:1]
+        names = _ANIMATIONS if plots.mp4_available() else _ANIMATIONS[:1]
         report = progress or silent
         with moved_into(given_path(folder)) as temporary:
             for name in names:
@@ -292,10 +292,9 @@ class Response(Result):
 
     def summary(self) -> Summary:
         """Peaks and how far they can be trusted; the last line compares the engines."""
-        data, peaks, unit = self.dataset, self.peaks(), self.dataset.attrs["speed_unit"]
-        speed = f"{from_si(data.attrs['crank_speed'], unit):.6g} {unit}"
-        title, agreement = f"peaks at {speed}, {data.attrs['mechanism']}", self.agreement()
-        trusted = standing_for_all(agreement, data)
+        data, peaks, agreement = self.dataset, self.peaks(), self.agreement()
+        title = f"peaks at {crank_speed_text(data.attrs)}, {data.attrs['mechanism']}"
+        trusted = representative(agreement, data)
         parts = (
             words.peak_table(
                 peaks,

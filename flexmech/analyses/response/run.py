@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from flexmech.analyses.response.measurements import NO_DEFLECTION, deflections, peaks_between
+from flexmech.analyses.response.plan import RunPlan
 from flexmech.analyses.response.request import ResponseRequest
 from flexmech.analyses.response.start import linear_start, simulation_start
 from flexmech.errors import ComputationError
@@ -22,19 +23,20 @@ from flexmech.types import FloatArray, LabelledProgress, StepProgress
 logger = logging.getLogger(__name__)
 
 
-# Steps in a period of the highest frequency asked for, to begin with; half as many where the
-# error of the step is of fourth order.
 STEPS_PER_PERIOD = 40
+"""Steps in a period of the highest frequency asked for, to begin with; half as many where the error
+of the step is of fourth order."""
 # A free vibration runs out of phase in proportion to the time that it has run; the step is
 # halved until the estimated error of the deflections is below this part of their peak.
-STEP_TOLERANCE = 2e-2
-MOST_HALVINGS = 5
+_STEP_TOLERANCE = 2e-2
+# A step of which a 32nd part is still too long is no step to begin with.
+_MOST_HALVINGS = 5
 # What is left of an error, over what the last halving of the step has changed: of second order; and
 # where links stretch, whose step is of fourth order, but whose fast motion is resolved last. There
 # 0.1 to 1.2 were left of deflections and 0.1 to 0.9 of joint forces, in runs of random mechanisms.
-LEFT, LEFT_WHERE_LINKS_STRETCH = 1 / 3, 2 / 3
+_LEFT, _LEFT_WHERE_LINKS_STRETCH = 1 / 3, 2 / 3
 # Forces below this part of the greatest are the round-off of none.
-NO_FORCE = 1e-9
+_NO_FORCE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -48,24 +50,19 @@ class RunError:
     linkage : float
         Of the deflections of all links, over the greatest peak among them: what a step is
         chosen by.
-    deflection, peak_deflection : ndarray, shape (n_links,)
-        Of each link over its own peak.
-    force, peak_force : ndarray, shape (n_joints,)
-        Of each joint over its own peak.
-    torque, peak_torque : float
+    of : dict of str to ndarray
+        ``deflection`` and ``peak_deflection`` of each link (n_links,), ``force`` and
+        ``peak_force`` of each joint (n_joints,), ``torque`` and ``peak_torque`` (1,).
     """
 
     linkage: float
-    deflection: FloatArray
-    peak_deflection: FloatArray
-    force: FloatArray
-    peak_force: FloatArray
-    torque: float
-    peak_torque: float
+    of: dict[str, FloatArray]
 
     def __mul__(self, factor: float) -> RunError:
         """The same, a factor greater."""
-        return RunError(*(factor * value for value in astuple(self)))
+        return RunError(
+            factor * self.linkage, {name: factor * value for name, value in self.of.items()}
+        )
 
 
 @dataclass(frozen=True)
@@ -77,8 +74,6 @@ class EngineRun:
     engine : Engine
     trajectory : Trajectory
         At the refined samples; forces and torque as far as the band lets them through.
-    band : float
-        In Hz.
     step_error : RunError
         Estimated error by the time step (Richardson, from a run with another step).
     reduction_error : RunError
@@ -88,18 +83,12 @@ class EngineRun:
 
     engine: Engine
     trajectory: Trajectory
-    band: float
     step_error: RunError
     reduction_error: RunError
 
 
 def run_engine(
-    engine: Engine,
-    request: ResponseRequest,
-    sample_time: FloatArray,
-    highest: float,
-    band: float,
-    report: LabelledProgress,
+    engine: Engine, request: ResponseRequest, plan: RunPlan, report: LabelledProgress
 ) -> EngineRun:
     """Run, and run again with half the step.
 
@@ -107,12 +96,7 @@ def run_engine(
     ----------
     engine : Engine
     request : ResponseRequest
-    sample_time : ndarray, shape (N,)
-        Evenly spaced, in s.
-    highest : float
-        Highest frequency of interest in Hz.
-    band : float
-        Frequency in Hz up to which forces and torque count.
+    plan : RunPlan
     report : callable
         Progress: called with a label, the steps done and the steps to do.
 
@@ -130,26 +114,25 @@ def run_engine(
 
     def run(step: float, detail: float = DETAIL) -> Trajectory:
         progress = partial(report, engine.name)
-        return _run(engine, request, sample_time, step, band, progress, detail)
+        return _run(engine, request, plan, step, progress, detail)
 
     def judged(trajectory: Trajectory, step_error: RunError) -> EngineRun:
         reduction_error = _difference(engine, trajectory, trajectory)
         if not engine.simulates and is_reduced(engine):
             finer = run(trajectory.step, 2 * DETAIL)
             reduction_error = _difference(engine, trajectory, finer)
-        return EngineRun(engine, trajectory, band, step_error, reduction_error)
+        return EngineRun(engine, trajectory, step_error, reduction_error)
 
     if request.step is not None:
         trajectory, finer = run(request.step), run(request.step / 2)
         # Second order: the asked run is off by 4/3 of what halving changes.
         return judged(trajectory, _difference(engine, trajectory, finer) * (4 / 3))
-    interval = float(sample_time[1] - sample_time[0])
-    steps, stretches = interval * highest * STEPS_PER_PERIOD, False
+    interval = float(plan.time[1] - plan.time[0])
+    steps, left = interval * plan.highest * STEPS_PER_PERIOD, _LEFT
     if stretches_in_runs(engine, request.prestress):
-        steps, stretches = steps / 2, True
-    left = LEFT_WHERE_LINKS_STRETCH if stretches else LEFT
+        steps, left = steps / 2, _LEFT_WHERE_LINKS_STRETCH
     step = interval / np.ceil(steps)
-    for _ in range(MOST_HALVINGS):
+    for _ in range(_MOST_HALVINGS):
         try:
             return judged(*_with_halved_steps(engine, run, step, left))
         except UnbalancedStepError:
@@ -166,11 +149,11 @@ def _with_halved_steps(
     That is a part ``left`` of what halving the step has changed.
     """
     coarse = run(step)
-    for _ in range(MOST_HALVINGS):
+    for _ in range(_MOST_HALVINGS):
         step /= 2
         fine = run(step)
         error = _difference(engine, coarse, fine) * left
-        if error.linkage <= STEP_TOLERANCE:
+        if error.linkage <= _STEP_TOLERANCE:
             return fine, error
         logger.info(
             "%s: step %.3g s, error %.1e of the peak deflection",
@@ -186,13 +169,16 @@ def _with_halved_steps(
     )
 
 
-def mesh_error(run: EngineRun, request: ResponseRequest, report: LabelledProgress) -> RunError:
+def mesh_error(
+    run: EngineRun, request: ResponseRequest, plan: RunPlan, report: LabelledProgress
+) -> RunError:
     """How much twice the elements change a run.
 
     Parameters
     ----------
     run : EngineRun
     request : ResponseRequest
+    plan : RunPlan
     report : callable
         Progress: called with a label, the steps done and the steps to do.
 
@@ -207,9 +193,8 @@ def mesh_error(run: EngineRun, request: ResponseRequest, report: LabelledProgres
     """
     finer = run.engine.with_(elements=2 * run.engine.elements)
     progress = partial(report, f"{finer.name} on twice the elements")
-    was = run.trajectory
-    trajectory = _run(finer, request, was.time, was.step, run.band, progress)
-    return _difference(run.engine, was, trajectory, finer)
+    trajectory = _run(finer, request, plan, run.trajectory.step, progress)
+    return _difference(run.engine, run.trajectory, trajectory, finer)
 
 
 def _difference(
@@ -219,47 +204,57 @@ def _difference(
 
     The second run is of the same engine, or of a finer one.
     """
-    before, after = deflections(engine, first), deflections(finer or engine, second)
+    before, after = _histories(engine, first), _histories(finer or engine, second)
     extent = sum(link.length for link in engine.mechanism.linkage.topology.links)
-    deflection = np.maximum(np.abs(after).max(axis=0), NO_DEFLECTION * extent)
-    apart = np.abs(before - after).max(axis=0)
-    reached, reaches = (peaks_between(history, first.time)[0] for history in (before, after))
-    nothing = NO_FORCE * max(float(second.peak_joint_force.max()), np.finfo(float).tiny)
-    force = np.maximum(second.peak_joint_force, nothing)
-    torque = max(second.peak_driving_torque, nothing * extent)
-    forces_apart = np.linalg.norm(second.joint_force - first.joint_force, axis=-1).max(axis=0)
-    sizes = (np.linalg.norm(run.joint_force, axis=-1) for run in (first, second))
-    torques = (run.driving_torque[:, None] for run in (first, second))
-    higher = np.abs(second.peak_joint_force - first.peak_joint_force)
-    stronger = abs(second.peak_driving_torque - first.peak_driving_torque)
-    return RunError(
-        linkage=float(apart.max() / deflection.max()),
-        deflection=apart / deflection,
-        peak_deflection=np.maximum(np.abs(reaches - reached), _at_peaks(before, after))
-        / deflection,
-        force=forces_apart / force,
-        peak_force=np.maximum(higher, _at_peaks(*sizes)) / force,
-        torque=float(np.abs(second.driving_torque - first.driving_torque).max() / torque),
-        peak_torque=max(stronger, float(_at_peaks(*torques)[0])) / torque,
-    )
+    nothing = _NO_FORCE * max(float(second.peak_joint_force.max()), np.finfo(float).tiny)
+    deflected = _sizes(after["deflection"][0]).max(axis=0)
+    scales = {
+        "deflection": np.maximum(deflected, NO_DEFLECTION * extent),
+        "force": np.maximum(second.peak_joint_force, nothing),
+        "torque": np.maximum(second.peak_driving_torque, nothing * extent),
+    }
+    errors: dict[str, FloatArray] = {}
+    linkage = 0.0
+    for name, scale in scales.items():
+        (was, reached), (now, reaches) = before[name], after[name]
+        apart = _sizes(now - was).max(axis=0)
+        higher = np.maximum(np.abs(reaches - reached), _at_peaks(_sizes(was), _sizes(now)))
+        errors |= {name: apart / scale, f"peak_{name}": higher / scale}
+        if name == "deflection":
+            linkage = float(apart.max() / scale.max())
+    return RunError(linkage, errors)
+
+
+def _histories(engine: Engine, run: Trajectory) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Histories (N, k, components) of deflection, force and torque, and their peaks (k,)."""
+    deflection = deflections(engine, run)
+    return {
+        "deflection": (deflection[..., None], peaks_between(deflection, run.time)[0]),
+        "force": (run.joint_force, run.peak_joint_force),
+        "torque": (run.driving_torque[:, None, None], np.array([run.peak_driving_torque])),
+    }
+
+
+def _sizes(history: FloatArray) -> FloatArray:
+    """Lengths (N, k) of vectors (N, k, components)."""
+    return np.asarray(np.linalg.norm(history, axis=-1))
 
 
 def _at_peaks(first: FloatArray, second: FloatArray) -> FloatArray:
-    """How far histories (N, k) differ in size where the second of them peak, (k,).
+    """How far sizes (N, k) of histories differ where the second of them peak, (k,).
 
     Two peaks at different instants may be equally high by chance; at one instant a shift of
     phase counts in second order alone, and what else is off shows.
     """
-    columns, number = np.arange(second.shape[1]), np.abs(second).argmax(axis=0)
-    return np.asarray(np.abs(np.abs(second) - np.abs(first))[number, columns])
+    columns, number = np.arange(second.shape[1]), second.argmax(axis=0)
+    return np.asarray(np.abs(second - first)[number, columns])
 
 
 def _run(
     engine: Engine,
     request: ResponseRequest,
-    sample_time: FloatArray,
+    plan: RunPlan,
     step: float,
-    band: float,
     progress: StepProgress,
     detail: float = DETAIL,
 ) -> Trajectory:
@@ -268,11 +263,11 @@ def _run(
         return simulator(engine).simulate(
             request.drive,
             simulation_start(engine, request, step),
-            sample_time,
+            plan.time,
             step,
             integrator=request.integrator,
             progress=progress,
-            band=band,
+            band=plan.band,
         )
     linkage = DrivenLinkage(
         engine,
@@ -284,5 +279,5 @@ def _run(
     )
     state = linear_start(linkage, request, step)
     return linear_run(
-        linkage, state.position, state.velocity, sample_time, step, progress, band=band
+        linkage, state.position, state.velocity, plan.time, step, progress, band=plan.band
     )

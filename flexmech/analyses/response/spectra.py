@@ -9,17 +9,18 @@ from scipy.signal import ShortTimeFFT, get_window, periodogram
 
 from flexmech.types import FloatArray
 
-WINDOW = "hann"
+_WINDOW = "hann"
 WHOLE_PERIODS = "boxcar"
 """Window of signals that repeat: over whole periods none is needed."""
 # Distance of two frequencies that a Hann window tells apart, over one by its length: half the
 # width of its main lobe.
-TOLD_APART = 2.0
+_RESOLVED = 2.0
 # Length of the moving window in periods of the lowest natural frequency: shorter, and
 # neighbouring frequencies merge; longer, and they have moved on meanwhile.
-PERIODS_IN_WINDOW = 6.0
-MOST_WINDOWS = 160
-LEAST_WINDOW = 16
+_PERIODS_IN_WINDOW = 6.0
+# As many columns as a picture shows, and samples of which a spectrum can be made.
+_MOST_WINDOWS = 160
+_LEAST_WINDOW = 16
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ class Spectrogram:
 
 
 def amplitude_spectrum(
-    signals: FloatArray, interval: float, up_to: float, window: str = WINDOW
+    signals: FloatArray, interval: float, up_to: float, window: str = _WINDOW
 ) -> tuple[FloatArray, FloatArray]:
     """Single-sided amplitude spectrum of whole signals under a window.
 
@@ -97,14 +98,14 @@ def spectrogram(
     Spectrogram or None
         None where the signals are shorter than the window.
     """
-    duration = duration or PERIODS_IN_WINDOW / lowest
-    length = max(LEAST_WINDOW, round(duration / interval))
+    duration = duration or _PERIODS_IN_WINDOW / lowest
+    length = max(_LEAST_WINDOW, round(duration / interval))
     count = signals.shape[1]
     if count < length:
         return None
-    hop = max(1, -(-(count - length) // MOST_WINDOWS))
+    hop = max(1, -(-(count - length) // _MOST_WINDOWS))
     transform = ShortTimeFFT(
-        get_window(WINDOW, length), hop, 1 / interval, fft_mode="onesided2X", scale_to="magnitude"
+        get_window(_WINDOW, length), hop, 1 / interval, fft_mode="onesided2X", scale_to="magnitude"
     )
     inside = slice(transform.lower_border_end[1], transform.upper_border_begin(count)[1])
     middle = signals - signals.mean(axis=1, keepdims=True)
@@ -137,13 +138,13 @@ def window_duration(time: FloatArray, frequency: FloatArray, lowest: float) -> f
     float
         In s; six periods of the lowest frequency where none can, or where these suffice.
     """
-    shortest = PERIODS_IN_WINDOW / lowest
+    shortest = _PERIODS_IN_WINDOW / lowest
     if frequency.shape[1] < 2 or len(time) < 2:
         return shortest
     apart = frequency[:, 1] - frequency[:, 0]
     # Apart all the time, or else for half of it.
     for gap in (float(apart.min()), float(np.median(apart))):
-        wanted = TOLD_APART / gap if gap > 0 else np.inf
+        wanted = _RESOLVED / gap if gap > 0 else np.inf
         if wanted <= shortest:
             return shortest
         if wanted <= float(time[-1] - time[0]) / 2:
@@ -168,7 +169,7 @@ def resolution_note(frequency: FloatArray, duration: float) -> str:
     -------
     str
     """
-    resolved = TOLD_APART / duration
+    resolved = _RESOLVED / duration
     note = f"window {duration:.3g} s, resolution {resolved:.3g} Hz"
     nearest = np.diff(frequency, axis=1).min(axis=0)
     merged = [

@@ -16,8 +16,9 @@ from flexmech.time_domain import DrivenLinkage, LinkState, periodic_state
 from flexmech.types import FloatArray
 
 # Time over which a quasi-static start differentiates its displacement, in turns.
-START_INTERVAL = 1e-4
-LEAST_STEPS_OF_A_TURN = 1440
+_START_INTERVAL = 1e-4
+# A quarter of a degree: a periodic start is wanted more precisely than the run that follows.
+_LEAST_STEPS_OF_A_TURN = 1440
 
 
 def simulation_start(engine: Engine, request: ResponseRequest, step: float) -> LinkState:
@@ -68,7 +69,7 @@ class _PeriodicMotion:
 
     @classmethod
     def of(cls, engine: Engine, request: ResponseRequest, step: float) -> _PeriodicMotion:
-        """Find it, and follow it for a moment."""
+        """Find it, and its motion for a moment."""
         linkage = DrivenLinkage(
             engine, request.drive, request.prestress, modes=request.modes, with_energy=False
         )
@@ -121,7 +122,7 @@ def _on_periodic_motion(engine: Engine, request: ResponseRequest, step: float) -
 def _equilibrium(engine: Engine, drive: CrankDrive) -> LinkState:
     """Nonlinear quasi-static equilibrium at time zero, and how fast the loads move it."""
     time = _start_times(drive)
-    displacement = _standing(engine, drive, time)
+    displacement = _equilibria_at(engine, drive, time)
     if displacement is None:
         return LinkState.rigid(engine.links)
     return LinkState(
@@ -130,7 +131,7 @@ def _equilibrium(engine: Engine, drive: CrankDrive) -> LinkState:
     )
 
 
-def _standing(engine: Engine, drive: CrankDrive, time: FloatArray) -> list[FloatArray] | None:
+def _equilibria_at(engine: Engine, drive: CrankDrive, time: FloatArray) -> list[FloatArray] | None:
     """Equilibria at some times, (m, n_link) of each link; None where links stay straight.
 
     Loads over time act with what they are at these times: an engine's own equilibria are those
@@ -239,7 +240,7 @@ def _stretching_on_periodic_motion(
 
 
 def _start_times(drive: CrankDrive) -> FloatArray:
-    return np.asarray(START_INTERVAL * drive.revolution_time * np.arange(3.0), dtype=float)
+    return np.asarray(_START_INTERVAL * drive.revolution_time * np.arange(3.0), dtype=float)
 
 
 def _rate(position: FloatArray, time: FloatArray) -> FloatArray:
@@ -249,11 +250,11 @@ def _rate(position: FloatArray, time: FloatArray) -> FloatArray:
 
 
 def _steps_of_a_turn(request: ResponseRequest, step: float) -> int:
-    return max(LEAST_STEPS_OF_A_TURN, round(request.drive.revolution_time / step))
+    return max(_LEAST_STEPS_OF_A_TURN, round(request.drive.revolution_time / step))
 
 
 # Each leaves of the stretch about the part by which the links have turned.
-PASSES = 4
+_PASSES = 4
 
 
 Forces = Callable[[list[FloatArray]], Sequence[FloatArray]]
@@ -288,7 +289,7 @@ def without_second_order_stretch(
     straight = [link.stiffness for link in frames.links]
     stiffness = frames.assemble(motion, straight, RotationTerms.all_or_none(False)).stiffness
     taken_back = list(displacement)
-    for _ in range(PASSES):
+    for _ in range(_PASSES):
         found = internal_forces(taken_back)
         stretching = [
             np.where(link.is_axial, force - linear, 0.0)

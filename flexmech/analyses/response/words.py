@@ -11,11 +11,12 @@ from flexmech.analyses.datasets import DEGREES
 from flexmech.analyses.response.agreement import errors_of, listed
 from flexmech.analyses.summary import Table
 
-MOST_DIGITS = 4
+# Of forces and torque: no catalogue of bearings has more.
+_MOST_DIGITS = 4
 # Of deflections in the table of peaks.
-TABLE_DIGITS = 5
+_TABLE_DIGITS = 5
 # Rotation of a free shaft in rad beyond which equations that are linear in it show.
-LARGE_ROTATION = np.radians(5)
+_LARGE_ROTATION = np.radians(5)
 # A crank angle this close below a whole turn, in turns, is the turn's end.
 _WHOLE_TURN = 1e-9
 
@@ -27,7 +28,7 @@ def peak_table(
     trusted: tuple[str, str] | None = None,
     errors: xr.DataArray | None = None,
 ) -> Table:
-    """Peak deflection and strain of each link, and where the crank stands then.
+    """Peak deflection and strain of each link, and the crank angle then.
 
     Parameters
     ----------
@@ -54,10 +55,10 @@ def peak_table(
         degrees, turn = _crank(float(peak["deflection_angle"]), start)
         # A clamped link is bent most at its clamp; strain in its middle is no peak.
         strain = f"{1e6 * float(peak['strain']):.4g}" if place == "middle" else "-"
-        deflection = f"{1e3 * float(peak['deflection']):.{TABLE_DIGITS}g}"
+        deflection = f"{1e3 * float(peak['deflection']):.{_TABLE_DIGITS}g}"
         if errors is not None:
             error = float(errors.sel(engine=engine, link=link))
-            deflection = supported(1e3 * float(peak["deflection"]), error, TABLE_DIGITS)
+            deflection = supported(1e3 * float(peak["deflection"]), error, _TABLE_DIGITS)
         return (label, link, place, deflection, f"{degrees:.1f}", str(turn), strain)
 
     headings = ("engine", "link", "place", "deflection mm", "at deg", "turn", "strain 1e-6")
@@ -80,9 +81,9 @@ def check_lines(dataset: xr.Dataset) -> list[str]:
     ]
     reduced = dataset.sel(engine=dataset["reduction_error"] > 0)
     if reduced.sizes["engine"]:
-        lead = "component modes: twice the detail changes deflections"
+        label = "component modes: twice the detail changes deflections"
         lines += [
-            _deflection_errors(reduced, "reduction", lead),
+            _deflection_errors(reduced, "reduction", label),
             _force_errors(reduced, "reduction", "component modes: twice the detail changes forces"),
         ]
     if "mesh_error" in dataset:
@@ -93,25 +94,25 @@ def check_lines(dataset: xr.Dataset) -> list[str]:
     return lines
 
 
-def _deflection_errors(dataset: xr.Dataset, cause: str, lead: str) -> str:
+def _deflection_errors(dataset: xr.Dataset, cause: str, label: str) -> str:
     """Errors of deflections by one cause, of each link that deflects over its own peak."""
     bent = (dataset["peak_deflection"] > 0).any("engine")
     errors = dataset[f"{cause}_error_of_deflection"]
     errors = errors.sel(link=bent) if bent.any() else errors
-    told = "; ".join(
+    listed_errors = "; ".join(
         f"{listed(errors.sel(engine=engine))}, {engine}" for engine in errors["engine"].values
     )
-    return f"{lead}, of the link's peak: {told}"
+    return f"{label}, of the link's peak: {listed_errors}"
 
 
-def _force_errors(dataset: xr.Dataset, cause: str, lead: str) -> str:
+def _force_errors(dataset: xr.Dataset, cause: str, label: str) -> str:
     """Errors of joint forces and torque by one cause; of the joint that is off most."""
 
     def error(of: str) -> str:
         return listed(_greatest(dataset[f"{cause}_error_of_{of}"]))
 
     return (
-        f"{lead}, of the peak: joint forces {error('force')}, their peaks {error('peak_force')}; "
+        f"{label}, of the peak: joint forces {error('force')}, their peaks {error('peak_force')}; "
         f"torque {error('torque')}, its peak {error('peak_torque')}"
     )
 
@@ -154,10 +155,10 @@ def shaft_lines(data: xr.Dataset) -> list[str]:
         f"by at most {listed(part, '{:.3g} %')}"
     ]
     linear = peak.sel(engine=~data["nonlinear"].astype(bool))
-    if linear.sizes["engine"] and float(linear.max()) > LARGE_ROTATION:
+    if linear.sizes["engine"] and float(linear.max()) > _LARGE_ROTATION:
         lines.append(
             f"shaft: the equations of {', '.join(map(str, linear['engine'].values))} are linear in "
-            f"its rotation, which is beyond the {np.degrees(LARGE_ROTATION):.0f} deg up to which "
+            f"its rotation, which is beyond the {np.degrees(_LARGE_ROTATION):.0f} deg up to which "
             "that holds; trust the exudyn engine, or give the shaft more inertia"
         )
     return lines
@@ -187,8 +188,8 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
         error = errors["peak_joint_force"].sel(engine=engine).values
         return line([supported(*pair) for pair in zip(own, error, strict=True)], engine)
 
-    def line(told: Iterable[str], name: str) -> str:
-        pairs = zip(data["joint"].values, told, strict=True)
+    def line(texts: Iterable[str], name: str) -> str:
+        pairs = zip(data["joint"].values, texts, strict=True)
         shown = ", ".join(f"{joint} {force}" for joint, force in pairs)
         return f"peak joint forces: {shown} N ({name})"
 
@@ -207,7 +208,7 @@ def load_lines(peaks: xr.Dataset, data: xr.Dataset) -> list[str]:
     ]
 
 
-def supported(value: float, error: float, most: int = MOST_DIGITS) -> str:
+def supported(value: float, error: float, most: int = _MOST_DIGITS) -> str:
     """A value with the digits that its relative error supports, four at most.
 
     Parameters
@@ -236,7 +237,7 @@ def supported(value: float, error: float, most: int = MOST_DIGITS) -> str:
 
 
 def spectrogram_lines(dataset: xr.Dataset) -> list[str]:
-    """Say what the spectrogram tells apart, or that there is none, and what it is held against."""
+    """Say which frequencies the spectrogram resolves, or that there is none, and by what."""
     predicted = dataset.attrs.get("prediction_note")
     lines = [predicted] if predicted else []
     if "spectrogram" in dataset:

@@ -23,12 +23,13 @@ from flexmech.time_domain.integrators import StruckLinkage, simulator
 from flexmech.time_domain.recorded_runs import Impact
 from flexmech.types import ComplexArray, FloatArray, LabelledProgress, StepProgress
 
-HALVING = 0.01
+_HALVING = 0.01
 """Greatest change of any order by halving the impacts, over its greatest amplitude."""
-MOST_HALVINGS = 4
+# To a sixteenth of a force that moves links by 1e-4 of their length: smaller is round-off.
+_MOST_HALVINGS = 4
 # An order whose greatest amplitude is below this part of that of the strongest order is measured
 # by the latter: where the linkage is a rotating arm, all but order 0 are round-off.
-FAINT = 1e-4
+_FAINT = 1e-4
 
 
 @dataclass(frozen=True)
@@ -62,7 +63,7 @@ class MeasuredResponse:
 
 
 def measured_response(
-    run: Struck, request: RunningHammerRequest, plan: RunPlan, report: LabelledProgress
+    run: ImpactRun, request: RunningHammerRequest, plan: RunPlan, report: LabelledProgress
 ) -> MeasuredResponse:
     """Hit the running linkage, and hit it half as hard until that changes nothing.
 
@@ -85,13 +86,13 @@ def measured_response(
     """
     added, twin = added_by_impacts(run, plan, _labelled(report, "impacts"))
     whole = _estimated(plan, added)
-    for _ in range(MOST_HALVINGS):
+    for _ in range(_MOST_HALVINGS):
         half_plan = plan.softer(0.5)
         label = _labelled(report, "impacts of half the force")
         half_added, _ = added_by_impacts(run, half_plan, label, twin)
         half = _estimated(half_plan, half_added)
         change = _change(whole.response, half.response, request.orders)
-        if change.max() < HALVING:
+        if change.max() < _HALVING:
             break
         plan, added, whole = half_plan, half_added, half
     else:
@@ -160,19 +161,20 @@ def _change(whole: ComplexArray, half: ComplexArray, orders: int) -> FloatArray:
     asked = slice(middle - orders, middle + orders + 1)
     apart = np.abs(whole[asked] - half[asked]).max(axis=1)
     size = np.abs(whole[asked]).max(axis=1)
-    return np.asarray(apart / np.maximum(size, FAINT * size.max()))
+    return np.asarray(apart / np.maximum(size, _FAINT * size.max()))
 
 
 # Natural frequencies that the reduction of engines that do not simulate gets right at least.
-LEAST_MODES = 6
-ORBIT_SAMPLES = 8
+_LEAST_MODES = 6
+# Of the periodic motion: its first is where runs begin, and fewer do not make a turn.
+_ORBIT_SAMPLES = 8
 
-Struck = Callable[[Sequence[HalfSinePulse]], FloatArray]
+ImpactRun = Callable[[Sequence[HalfSinePulse]], FloatArray]
 """From the pulses of a run to the displacement of the point that is read, in m at every step."""
 
 
 def added_by_impacts(
-    run: Struck, plan: RunPlan, progress: StepProgress, twin: FloatArray | None = None
+    run: ImpactRun, plan: RunPlan, progress: StepProgress, twin: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """What each impact adds to the motion of a twin run without one.
 
@@ -207,7 +209,7 @@ def added_by_impacts(
     return np.asarray(found)[:, :-1] - twin[:-1], twin
 
 
-def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: int) -> Struck:
+def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: int) -> ImpactRun:
     """Runs of an engine from the periodic motion at crank angle zero.
 
     An engine that simulates runs the nonlinear motion from the periodic motion at large
@@ -234,7 +236,7 @@ def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: 
     drive = CrankDrive(request.crank_speed)
     if engine.simulates:
         return _simulated(engine, request, plan, drive)
-    count = max(LEAST_MODES, modes)
+    count = max(_LEAST_MODES, modes)
     linkage = DrivenLinkage(
         engine,
         drive,
@@ -247,18 +249,18 @@ def runner(engine: Engine, request: RunningHammerRequest, plan: RunPlan, modes: 
     start = linear_start(linkage, asked, plan.step)
 
     points = (request.impact, request.response, request.direction)
-    struck = StruckLinkage(linkage, plan.step, *points)
+    linkage_hit = StruckLinkage(linkage, plan.step, *points)
 
     def run(pulses: Sequence[HalfSinePulse]) -> FloatArray:
-        return struck.run(start, plan.samples, pulses)
+        return linkage_hit.run(start, plan.samples, pulses)
 
     return run
 
 
 def _simulated(
     engine: Engine, request: RunningHammerRequest, plan: RunPlan, drive: CrankDrive
-) -> Struck:
-    orbit = nonlinear_orbit(engine, request.crank_speed, ORBIT_SAMPLES)
+) -> ImpactRun:
+    orbit = nonlinear_orbit(engine, request.crank_speed, _ORBIT_SAMPLES)
     start = LinkState([q[0] for q in orbit.displacement], [rate[0] for rate in orbit.rate])
     point = (request.response, request.direction)
 

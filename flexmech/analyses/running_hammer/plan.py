@@ -13,25 +13,26 @@ from flexmech.errors import InputError
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray, IntArray
 
-DECAYED = 1e-4
+_DECAYED = 1e-4
 """Part of its greatest response to which an impact has died out before the next one comes."""
 GUARD_ORDERS = 3
 """Orders that are identified besides those asked for: what they answer is not taken for theirs."""
 
 # Impacts besides one for each order, whose misfit tells what the orders leave out; and by how much
 # of their distance crank angles are jittered to either side.
-SPARE_IMPACTS = 2
-JITTER = 0.1
+_SPARE_IMPACTS = 2
+_JITTER = 0.1
 # Steps in a period of the bandwidth, and in a pulse.
-STEPS_A_PERIOD = 40
-STEPS_A_PULSE = 20
-LEAST_STEPS = 360
-MOST_STEPS = 1_000_000
+_STEPS_A_PERIOD = 40
+_STEPS_A_PULSE = 20
+# Of a turn, at least: a degree; and of a run, more of which take hours.
+_LEAST_STEPS = 360
+_MOST_STEPS = 1_000_000
 # Greatest displacement that the first impacts are meant to cause, over the shortest link.
-SMALL = 1e-4
+_SMALL = 1e-4
 # Turns besides those in which an impact decays: one in which it comes, and one at the end in
 # which what is left is measured.
-MORE_TURNS = 2
+_MORE_TURNS = 2
 
 
 @dataclass(frozen=True)
@@ -128,16 +129,16 @@ def planned(
     time = prediction.turn_time
     turns = _turns(request, prediction)
     pulse = 1 / bandwidth if request.pulse is None else request.pulse
-    if pulse > time * (turns - MORE_TURNS):
+    if pulse > time * (turns - _MORE_TURNS):
         raise InputError(
             f"a pulse of {pulse:.4g} s is longer than the record of {turns * time:.4g} s; give a "
             "shorter --pulse, or a longer --duration"
         )
-    shortest = min(1 / (STEPS_A_PERIOD * bandwidth), pulse / STEPS_A_PULSE)
-    steps = max(LEAST_STEPS, 2 * int(np.ceil(time / shortest / 2)))
-    if steps * turns > MOST_STEPS:
+    shortest = min(1 / (_STEPS_A_PERIOD * bandwidth), pulse / _STEPS_A_PULSE)
+    steps = max(_LEAST_STEPS, 2 * int(np.ceil(time / shortest / 2)))
+    if steps * turns > _MOST_STEPS:
         raise InputError(
-            f"a run of {turns} turns with {steps} steps each takes more than {MOST_STEPS} steps; "
+            f"a run of {turns} turns with {steps} steps each takes more than {_MOST_STEPS} steps; "
             "ask for a lower --bandwidth, a longer --pulse, or more damping"
         )
     fitted = request.orders + GUARD_ORDERS
@@ -145,7 +146,7 @@ def planned(
         turn_time=time,
         turns=turns,
         steps=steps,
-        phase=_phases(2 * fitted + 1 + SPARE_IMPACTS, request.seed, steps // 2),
+        phase=_phases(2 * fitted + 1 + _SPARE_IMPACTS, request.seed, steps // 2),
         pulse=pulse,
         peak_force=1.0,
         bandwidth=bandwidth,
@@ -157,19 +158,19 @@ def planned(
         _greatest(forced, prediction.steps, plan, orders)
         for forced in (prediction.forced, prediction.hit)
     )
-    return plan.softer(SMALL * shortest_link / greatest)
+    return plan.softer(_SMALL * shortest_link / greatest)
 
 
 def _turns(request: RunningHammerRequest, prediction: Prediction) -> int:
     """Turns of a run at whose end an impact has decayed."""
-    decay = -np.log(DECAYED) / -prediction.growth_rate / prediction.turn_time
-    needed = int(np.ceil(decay)) + MORE_TURNS
+    decay = -np.log(_DECAYED) / -prediction.growth_rate / prediction.turn_time
+    needed = int(np.ceil(decay)) + _MORE_TURNS
     if request.duration is None:
         return needed
     turns = int(np.ceil(request.duration / prediction.turn_time * (1 - 1e-9)))
     if turns < needed:
         raise InputError(
-            f"in a record of {request.duration:.6g} s an impact does not decay to {DECAYED:g}, "
+            f"in a record of {request.duration:.6g} s an impact does not decay to {_DECAYED:g}, "
             f"which takes {needed * prediction.turn_time:.4g} s; give --duration that or more, or "
             "more damping (--damping-ratio)"
         )
@@ -182,7 +183,7 @@ def _phases(count: int, seed: int, double_steps: int) -> FloatArray:
     All impacts begin as a double step does: steps then make the same of each pulse, and what they
     make of it is not taken for a dependence on the crank angle.
     """
-    jitter = JITTER * np.random.default_rng(seed).uniform(-1.0, 1.0, count)
+    jitter = _JITTER * np.random.default_rng(seed).uniform(-1.0, 1.0, count)
     places = (np.arange(count) + 0.5 + jitter) / count
     return np.asarray(np.round(double_steps * places) / double_steps)
 

@@ -25,16 +25,16 @@ from flexmech.time_domain.periodic_motion import forced_linkage
 from flexmech.types import ComplexArray, FloatArray, IntArray
 
 # Natural modes up to this part of the highest frequency of input and response are kept, and tried.
-DETAIL = 1.5
-COUNTS = (3, 4, 6, 8, 12, 16)
-COARSE_TURN = np.radians(np.arange(0.0, 360.0, 30.0))
+_DETAIL = 1.5
+_COUNTS = (3, 4, 6, 8, 12, 16)
+_COARSE_TURN = np.radians(np.arange(0.0, 360.0, 30.0))
 # Crank angles at which the frozen linkage is solved: its resonances move by less than their
 # width from one to the next.
-FROZEN_ANGLES = 180
+_FROZEN_ANGLES = 180
 # Frequencies at which harmonic balance is solved, and harmonics beyond those of the fastest
 # moving mode and the orders.
-BALANCED, SPARE_HARMONICS = 5, 20
-MOST_HARMONICS = 60
+_BALANCED, _SPARE_HARMONICS = 5, 20
+_MOST_HARMONICS = 60
 
 
 @dataclass(frozen=True)
@@ -113,7 +113,7 @@ class Prediction:
         half = harmonic_response(self.forced, frequency, orders, self.steps // 2)
         more = harmonic_response(self.larger, frequency, orders, self.steps)
         peaks = np.abs(found).argmax(axis=1)
-        spread = np.linspace(0, len(frequency) - 1, BALANCED).round().astype(np.intp)
+        spread = np.linspace(0, len(frequency) - 1, _BALANCED).round().astype(np.intp)
         some = np.unique(np.concatenate([peaks, spread]))
         harmonics = 1 if self.forced.system.is_constant else self._harmonics(orders)
         balanced = balanced_response(self.forced, frequency[some], orders, harmonics)
@@ -124,8 +124,8 @@ class Prediction:
     def _harmonics(self, orders: IntArray) -> int:
         matrix = self.forced.system.matrix.coefficients[0]
         fastest = float(np.abs(np.linalg.eigvals(matrix)).max()) * self.turn_time / (2 * np.pi)
-        wanted = int(fastest) + int(np.abs(orders).max()) + SPARE_HARMONICS
-        return min(wanted, MOST_HARMONICS)
+        wanted = int(fastest) + int(np.abs(orders).max()) + _SPARE_HARMONICS
+        return min(wanted, _MOST_HARMONICS)
 
 
 def predicted_linkage(engine: Engine, request: RunningHammerRequest, highest: float) -> Prediction:
@@ -157,7 +157,7 @@ def predicted_linkage(engine: Engine, request: RunningHammerRequest, highest: fl
             "in the model file"
         )
     # Strongly damped modes that creep back have no frequency to be counted by.
-    modes = _modes_below(with_damping_time(engine, 0.0), DETAIL * highest)
+    modes = _modes_below(with_damping_time(engine, 0.0), _DETAIL * highest)
     systems, count, steps = [], 0, 0
     for larger in (0, 1):
         solver = LinkageSolver(engine, request.prestress, modes, larger=larger)
@@ -218,7 +218,7 @@ def frozen_response(
     ndarray of complex, shape (O, F)
         In m/N.
     """
-    phase = 2 * np.pi / FROZEN_ANGLES * np.arange(FROZEN_ANGLES)
+    phase = 2 * np.pi / _FROZEN_ANGLES * np.arange(_FROZEN_ANGLES)
     system = engine.linear_system(
         np.sign(request.crank_speed) * phase,
         request.crank_speed,
@@ -227,12 +227,12 @@ def frozen_response(
     )
     read, put = (_rows(system, point, request) for point in (request.response, request.impact))
     total: ComplexArray = np.zeros((len(orders), len(frequency)), dtype=complex)
-    for number in range(FROZEN_ANGLES):
+    for number in range(_FROZEN_ANGLES):
         matrices = (system.mass[number], system.damping[number], system.stiffness[number])
         modes = state_modes(*matrices)
         own = modes.receptance(read[number, None], put[number, None], frequency)[:, 0, 0]
         total += np.exp(-1j * orders * phase[number])[:, None] * own
-    return np.asarray(total / FROZEN_ANGLES)
+    return np.asarray(total / _FROZEN_ANGLES)
 
 
 def _rows(system: LinearSystem, point: LinkPoint, request: RunningHammerRequest) -> FloatArray:
@@ -241,10 +241,10 @@ def _rows(system: LinearSystem, point: LinkPoint, request: RunningHammerRequest)
 
 def _modes_below(engine: Engine, frequency: float) -> int:
     """Number of natural modes that reach beyond a frequency in Hz at every crank angle."""
-    for count in COUNTS:
+    for count in _COUNTS:
         found = natural_frequencies(
             engine,
-            COARSE_TURN,
+            _COARSE_TURN,
             modes=count,
             prestress=engine.prestress_at_rest,
             rotation_terms=False,
@@ -252,6 +252,6 @@ def _modes_below(engine: Engine, frequency: float) -> int:
         if found[:, -1].min() > frequency:
             return count
     raise InputError(
-        f"more than {COUNTS[-1]} natural modes lie below {frequency:.6g} Hz, more than a hammer "
+        f"more than {_COUNTS[-1]} natural modes lie below {frequency:.6g} Hz, more than a hammer "
         "test on the running linkage takes; ask for a narrower --bandwidth"
     )

@@ -18,9 +18,9 @@ from flexmech.numbers import (
 )
 
 # Orders to either side beyond which a crank of any speed answers nothing that can be measured.
-MOST_ORDERS = 20
-MIDDLE = LinkPoint("coupler", 0.5)
-POINT = "write flexmech.LinkPoint.parse('coupler:0.5')"
+_MOST_ORDERS = 20
+_MIDDLE = LinkPoint("coupler", 0.5)
+_POINT = "write flexmech.LinkPoint.parse('coupler:0.5')"
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,8 @@ class RunningHammerRequest:
     """
 
     crank_speed: float
-    impact: LinkPoint = MIDDLE
-    response: LinkPoint = MIDDLE
+    impact: LinkPoint = _MIDDLE
+    response: LinkPoint = _MIDDLE
     direction: choices.LinkDirection = "transverse"
     prestress: choices.Prestress = "equilibrium"
     damping_ratio: float | None = None
@@ -93,15 +93,15 @@ class RunningHammerRequest:
                 "crank_speed is zero, at which nothing turns; ask for a hammer test at rest "
                 "(flexmech.hammer_test, or flexmech hammer without --running)"
             )
-        check_instance(self.impact, LinkPoint, "impact", POINT)
-        check_instance(self.response, LinkPoint, "response", POINT)
+        check_instance(self.impact, LinkPoint, "impact", _POINT)
+        check_instance(self.response, LinkPoint, "response", _POINT)
         check_choice(self.direction, choices.LINK_DIRECTIONS, "direction")
         check_choice(self.prestress, choices.PRESTRESS_LEVELS, "prestress")
         if self.damping_ratio is not None:
             check_number(self.damping_ratio, "damping_ratio", bounds=DAMPING_RATIO)
         check_count(self.orders, "orders")
-        if self.orders > MOST_ORDERS:
-            raise InputError(f"orders must be at most {MOST_ORDERS}, got {self.orders}")
+        if self.orders > _MOST_ORDERS:
+            raise InputError(f"orders must be at most {_MOST_ORDERS}, got {self.orders}")
         check_count(self.averages, "averages")
         for name, unit in (("bandwidth", "Hz"), ("duration", "s"), ("pulse", "s")):
             if getattr(self, name) is not None:

@@ -11,9 +11,9 @@ import xarray as xr
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
 from flexmech.analyses.datasets import table_over
+from flexmech.analyses.remarks import crank_speed_text
 from flexmech.analyses.result import Result
 from flexmech.analyses.summary import Summary, Table
-from flexmech.units import from_si
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -172,17 +172,16 @@ def _peak_table(dataset: xr.Dataset) -> Table:
 
 
 def _impact_lines(dataset: xr.Dataset) -> list[str]:
-    """How the linkage was hit and the orders told apart."""
+    """How the linkage was hit and the orders were separated."""
     attrs, count = dataset.attrs, dataset.sizes["impact"]
     fitted = int(attrs["highest_fitted_order"])
-    unit, turns = str(attrs["speed_unit"]), int(attrs["turns"])
-    speed = from_si(float(attrs["crank_speed"]), unit)
+    turns = int(attrs["turns"])
     noise = float(attrs["noise"])
     lines = [
         f"impacts: {count} at evenly spaced, jittered crank angles (seed {attrs['seed']}) of "
         f"{float(attrs['peak_force']):.3g} N and {1e3 * float(attrs['pulse']):.3g} ms on "
         f"{attrs['impact_point']}, read at {attrs['response_point']}, {attrs['direction']}, at "
-        f"{speed:.6g} {unit}; a twin run without impact is subtracted",
+        f"{crank_speed_text(attrs)}; a twin run without impact is subtracted",
         f"orders: -{fitted} to {fitted} by least squares, condition number "
         f"{float(attrs['condition']):.3g}; they leave {100 * float(attrs['misfit']):.2g} % of the "
         "responses",

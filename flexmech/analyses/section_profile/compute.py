@@ -12,8 +12,7 @@ from flexmech.analyses.datasets import origin, with_units
 from flexmech.analyses.remarks import environment_lines
 from flexmech.analyses.requests import environment_of, link_of
 from flexmech.analyses.section_profile.properties import COUPLINGS, section_properties
-from flexmech.analyses.section_profile.result import QUANTITIES, SectionProfiles
-from flexmech.analyses.section_profile.tables import DIRECTIONS
+from flexmech.analyses.section_profile.result import DIRECTIONS, QUANTITIES, SectionProfiles
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
 from flexmech.linear_system import checked_mechanism
@@ -22,10 +21,10 @@ from flexmech.sections import SHEAR_THEORIES, LaminateSection
 from flexmech.types import FloatArray
 
 # Places in a layer, and about how many in all layers of a link with few.
-FEWEST_PLACES, SMOOTH = 9, 60
+_FEWEST_PLACES, _SMOOTH = 9, 60
 # After the layers of a link with fewer of them.
-PADDING = {"ply": "", "run": 0}
-LOADS = ("axial_force", "bending_moment", "shear_force")
+_PADDING = {"ply": "", "run": 0}
+_LOADS = ("axial_force", "bending_moment", "shear_force")
 
 
 def section_profiles(
@@ -79,8 +78,8 @@ def section_profiles(
     dataset["reduction"] = ("link", [known[n].reduction if n in known else "" for n in chosen])
     if known:
         each = [_through_thickness(layers) for layers in known.values()]
-        inside = xr.concat(each, pd.Index(known, name="link"), join="outer", fill_value=PADDING)
-        dataset = dataset.merge(inside, join="left", fill_value=PADDING)
+        inside = xr.concat(each, pd.Index(known, name="link"), join="outer", fill_value=_PADDING)
+        dataset = dataset.merge(inside, join="left", fill_value=_PADDING)
     attributes = origin(mechanism) | {"environment_lines": "\n".join(words)}
     return SectionProfiles(with_units(dataset, "section_profile").assign_attrs(attributes))
 
@@ -88,11 +87,11 @@ def section_profiles(
 def _through_thickness(layers: LaminateSection) -> xr.Dataset:
     """Strain and stress over (coupling, load, layer, point)."""
     stack = layers.laminate.layers
-    place = layers.places(max(FEWEST_PLACES, 2 * (SMOOTH // (2 * len(stack))) + 1))
-    values = [[_under(layers, load, place, c == "with") for load in LOADS] for c in COUPLINGS]
+    place = layers.places(max(_FEWEST_PLACES, 2 * (_SMOOTH // (2 * len(stack))) + 1))
+    values = [[_under(layers, load, place, c == "with") for load in _LOADS] for c in COUPLINGS]
     coordinates = [
         ("coupling", list(COUPLINGS)),
-        ("load", list(LOADS)),
+        ("load", list(_LOADS)),
         ("quantity", list(QUANTITIES)),
         ("layer", np.arange(1, len(stack) + 1)),
         ("point", np.arange(1, place.shape[1] + 1)),

@@ -7,8 +7,8 @@ from flexmech.analyses.stability.engine_stability import (
     BandEdge,
     CheckedErrors,
     EngineStability,
-    FollowedSpeed,
     NoEquilibrium,
+    TrackedSpeed,
 )
 from flexmech.analyses.stability.request import StabilityRequest
 from flexmech.analyses.stability.result import StabilityMap
@@ -19,11 +19,11 @@ __all__ = [
     "BandEdge",
     "CheckedErrors",
     "EngineStability",
-    "FollowedSpeed",
     "LinkageSolver",
     "NoEquilibrium",
     "StabilityMap",
     "StabilityRequest",
+    "TrackedSpeed",
     "parameters_of",
     "stability",
 ]

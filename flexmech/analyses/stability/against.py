@@ -18,9 +18,9 @@ from flexmech.analyses.damping_ratios import (
     with_damping_time,
 )
 from flexmech.analyses.stability.dataset import NO, NO_EQUILIBRIUM, NOT_COMPUTED, YES
-from flexmech.analyses.stability.kept_modes import step_error
 from flexmech.analyses.stability.parallel import in_order
 from flexmech.analyses.stability.request import StabilityRequest
+from flexmech.analyses.stability.selected_modes import step_error
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.speed_range import (
     joined_windows,

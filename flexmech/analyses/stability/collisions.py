@@ -20,9 +20,9 @@ from itertools import pairwise
 import numpy as np
 import scipy.optimize
 
-from flexmech.analyses.stability.engine_stability import FollowedSpeed
+from flexmech.analyses.stability.engine_stability import TrackedSpeed
 from flexmech.analyses.stability.growth import Sample, SignedGrowth
-from flexmech.analyses.stability.kept_modes import KeptModes, wrapped
+from flexmech.analyses.stability.selected_modes import SelectedModes, wrapped
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.errors import ComputationError
 from flexmech.types import FloatArray
@@ -130,12 +130,12 @@ class MetModes:
     samples: list[Sample]
 
 
-def meetings(speeds: Sequence[FollowedSpeed], branches: int) -> list[MeetingPair]:
+def meetings(speeds: Sequence[TrackedSpeed], branches: int) -> list[MeetingPair]:
     """Meetings of all pairs of branches between neighbouring speeds.
 
     Parameters
     ----------
-    speeds : sequence of FollowedSpeed
+    speeds : sequence of TrackedSpeed
         By increasing size of the speed.
     branches : int
 
@@ -274,7 +274,7 @@ def _square(solver: LinkageSolver, meeting: Meeting, crank_speed: float) -> floa
     return float(apart**2 - passing**2)
 
 
-def _places(modes: KeptModes, frequency: FloatArray) -> tuple[int, int]:
+def _places(modes: SelectedModes, frequency: FloatArray) -> tuple[int, int]:
     """Places of mode a, which turns forward, and of the conjugate of b."""
     wanted = 2 * np.pi * modes.period * frequency * np.array([1.0, -1.0])
     gap = modes.angle - wanted[:, None]
@@ -285,7 +285,7 @@ def _places(modes: KeptModes, frequency: FloatArray) -> tuple[int, int]:
     return int(places[0]), int(places[1])
 
 
-def _continued(lower: FollowedSpeed, upper: FollowedSpeed) -> FloatArray:
+def _continued(lower: TrackedSpeed, upper: TrackedSpeed) -> FloatArray:
     """Frequencies of the branches at the upper speed that continue those at the lower one, (m,).
 
     Two modes of opposite sense that have met share their family of frequencies.

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from flexmech.analyses.datasets import provenance
+from flexmech.analyses.datasets import Column, engine_coordinates, filled, provenance, records
 from flexmech.analyses.stability.engine_map import LEAST_CLOSING_RATIO
 from flexmech.analyses.stability.engine_stability import (
     Band,
     EngineStability,
-    FollowedSpeed,
     NoEquilibrium,
+    TrackedSpeed,
 )
 from flexmech.analyses.stability.request import StabilityRequest
-from flexmech.types import FloatArray
 
 YES, NO, NO_EQUILIBRIUM = "yes", "no", "no equilibrium"
 NOT_COMPUTED = "not computed"
@@ -26,54 +25,42 @@ NOT_COMPUTED = "not computed"
 
 OVER_SPEEDS = ("engine", "crank_speed")
 OVER_MULTIPLIERS = (*OVER_SPEEDS, "multiplier")
-# What a followed speed says of each multiplier, and of all of them.
-OF_MULTIPLIERS: dict[str, Callable[[FollowedSpeed], FloatArray]] = {
-    "log_modulus": lambda each: each.log_modulus,
-    "angle": lambda each: each.angle,
-    "damping_ratio": lambda each: each.damping_ratio,
-    "frequency": lambda each: each.frequency,
-    "step_error": lambda each: each.step_error,
-    "likeness": lambda each: each.likeness,
-    "krein_signature": lambda each: each.krein_signature,
-}
-OF_SPEEDS: dict[str, Callable[[FollowedSpeed], float | None]] = {
-    "growth_rate": lambda each: each.growth_rate,
-    "multiplier_modulus": lambda each: float(np.exp(each.log_modulus.max())),
-    "liouville_defect": lambda each: each.liouville_defect,
-    "steps": lambda each: float(each.steps),
-    "buckled_angle": lambda each: each.buckled_angle,
-    "orbit_distance": lambda each: each.orbit_distance,
-    "orbit_residual": lambda each: each.orbit_residual,
+# What a tracked speed says of all multipliers, and of each of them.
+OF_SPEEDS = {
+    OVER_SPEEDS: (
+        "growth_rate",
+        "multiplier_modulus",
+        "liouville_defect",
+        "steps",
+        "buckled_angle",
+        "orbit_distance",
+        "orbit_residual",
+    ),
+    OVER_MULTIPLIERS: (
+        "log_modulus",
+        "angle",
+        "damping_ratio",
+        "frequency",
+        "step_error",
+        "likeness",
+        "krein_signature",
+    ),
 }
 OF_ENGINES = ("is_definite", "moving_modes", "closed_early", "interrupted")
-OF_BANDS: dict[str, Callable[[Band], Any]] = {
-    "lower": lambda band: band.lower.crank_speed,
-    "upper": lambda band: band.upper.crank_speed,
-    "lower_step_error": lambda band: band.lower.step_error,
-    "lower_reduction_error": lambda band: band.lower.reduction_error,
-    "lower_mesh_error": lambda band: band.lower.mesh_error,
-    "upper_step_error": lambda band: band.upper.step_error,
-    "upper_reduction_error": lambda band: band.upper.reduction_error,
-    "upper_mesh_error": lambda band: band.upper.mesh_error,
-    "lower_open": lambda band: band.lower.is_open,
-    "upper_open": lambda band: band.upper.is_open,
-    "kind": lambda band: band.kind,
-    "branches": lambda band: " ".join(map(str, dict.fromkeys(band.branches))),
-    "order": lambda band: band.order,
-    "largest_growth_rate": lambda band: band.largest_growth_rate,
-    "fastest_speed": lambda band: band.fastest_speed,
-    "closing_damping_ratio": lambda band: band.closing_damping_ratio,
-    "mismatch": lambda band: band.mismatch,
-    "first_signature": lambda band: band.signatures[0],
-    "second_signature": lambda band: band.signatures[1],
-}
-TYPES: dict[str, Any] = {
-    "engine": str,
-    "kind": str,
-    "branches": str,
-    "order": np.intp,
-    "lower_open": bool,
-    "upper_open": bool,
+EDGES, PARTS = ("lower", "upper"), ("step", "reduction", "mesh")
+OF_BANDS: dict[str, Column[Band]] = {
+    **{edge: (float, f"{edge}.crank_speed") for edge in EDGES},
+    **{f"{e}_{part}_error": (float, f"{e}.{part}_error") for e in EDGES for part in PARTS},
+    **{f"{edge}_open": (bool, f"{edge}.is_open") for edge in EDGES},
+    "kind": (str, "kind"),
+    "branches": (str, lambda band: " ".join(map(str, dict.fromkeys(band.branches)))),
+    "order": (np.intp, "order"),
+    "largest_growth_rate": (float, "largest_growth_rate"),
+    "fastest_speed": (float, "fastest_speed"),
+    "closing_damping_ratio": (float, "closing_damping_ratio"),
+    "mismatch": (float, "mismatch"),
+    "first_signature": (float, lambda band: band.signatures[0]),
+    "second_signature": (float, lambda band: band.signatures[1]),
 }
 
 
@@ -92,41 +79,47 @@ def dataset_of(maps: Sequence[EngineStability], request: StabilityRequest) -> xr
         where there is nothing; bands over ``band`` and checked errors over ``check``, each with
         the engine that it is of.
     """
-    speeds = request.crank_speeds
-    followed = [_followed(each, speeds) for each in maps]
-    kept = max((len(each.exponent) for own in followed for each in own.values()), default=0)
-    harmonics = max(
-        (len(each.harmonic_share) for own in followed for each in own.values()), default=1
-    )
-    variables: dict[str, Any] = {
-        "unstable": (OVER_SPEEDS, _by_speed(maps, speeds, state_of, NOT_COMPUTED)),
-        "reason": (OVER_SPEEDS, _by_speed(maps, speeds, _reason, "")),
+    speeds, engines = request.crank_speeds, [each.engine for each in maps]
+    told = {
+        # A speed may differ from the one asked for by round-off.
+        (number, int(np.abs(speeds - each.crank_speed).argmin())): each
+        for number, own in enumerate(maps)
+        for each in own.speeds
     }
-    for name, value in OF_SPEEDS.items():
-        table = np.full((len(maps), len(speeds)), np.nan)
-        for engine, own in enumerate(followed):
-            for place, each in own.items():
-                number = value(each)
-                table[engine, place] = np.nan if number is None else number
-        variables[name] = (OVER_SPEEDS, table)
-    for name, values in OF_MULTIPLIERS.items():
-        variables[name] = (OVER_MULTIPLIERS, _padded(followed, len(speeds), kept, values))
-    if all(each.engine.rigid_modes for each in maps):
-        variables["shaft_growth_rate"] = (OVER_SPEEDS, _shaft(followed, len(speeds)))
-    variables["harmonic_share"] = (
-        (*OVER_MULTIPLIERS, "harmonic"),
-        _shares(followed, len(speeds), kept, harmonics),
-    )
-    variables |= _bands(maps) | _checks(maps)
+    tracked = {at: each for at, each in told.items() if isinstance(each, TrackedSpeed)}
+    shares = [each.harmonic_share for each in tracked.values()]
+    harmonics = max((len(share) for share in shares), default=1)
+    kept = max((share.shape[1] for share in shares), default=0)
+    shape = len(maps), len(speeds), kept, harmonics
+    variables: dict[str, Any] = {
+        "unstable": (
+            OVER_SPEEDS,
+            filled(shape[:2], ((at, state_of(each)) for at, each in told.items()), NOT_COMPUTED),
+        ),
+        "reason": (
+            OVER_SPEEDS,
+            filled(shape[:2], ((at, _reason(each)) for at, each in told.items()), ""),
+        ),
+    }
+
+    def add(name: str, over: tuple[str, ...]) -> None:
+        values = ((at, np.transpose(getattr(each, name))) for at, each in tracked.items())
+        variables[name] = over, filled(shape[: len(over)], values)
+
+    for over, names in OF_SPEEDS.items():
+        for name in names:
+            add(name, over)
+    if all(engine.rigid_modes for engine in engines):
+        add("shaft_growth_rate", OVER_SPEEDS)
+    add("harmonic_share", (*OVER_MULTIPLIERS, "harmonic"))
+    bands = [(each.engine, band) for each in maps for band in each.bands]
+    variables |= records("band", bands, OF_BANDS) | _checks(maps)
     for name in OF_ENGINES:
         variables[name] = ("engine", [getattr(each, name) for each in maps])
-    engines = [each.engine for each in maps]
     dataset = xr.Dataset(
         variables,
         coords={
-            "engine": [engine.name for engine in engines],
-            "element": ("engine", [engine.element for engine in engines]),
-            "elements": ("engine", [engine.elements for engine in engines]),
+            **engine_coordinates(engines),
             "crank_speed": speeds,
             "multiplier": np.arange(1, kept + 1),
             "branch_of_multiplier": ("multiplier", np.arange(kept) // 2 + 1),
@@ -145,14 +138,14 @@ def dataset_of(maps: Sequence[EngineStability], request: StabilityRequest) -> xr
     )
 
 
-def state_of(speed: FollowedSpeed | NoEquilibrium) -> str:
+def state_of(speed: TrackedSpeed | NoEquilibrium) -> str:
     """What column ``unstable`` says of a speed."""
     if isinstance(speed, NoEquilibrium) or speed.buckled_angle is not None:
         return NO_EQUILIBRIUM
     return YES if speed.is_unstable else NO
 
 
-def _reason(speed: FollowedSpeed | NoEquilibrium) -> str:
+def _reason(speed: TrackedSpeed | NoEquilibrium) -> str:
     """Why there is no equilibrium; empty where there is one."""
     if isinstance(speed, NoEquilibrium):
         return speed.reason
@@ -167,75 +160,6 @@ def _damping(request: StabilityRequest) -> str:
     if request.damping_ratio is None:
         return "of the model"
     return f"damping ratio {100 * request.damping_ratio:.6g} % of the first frequency at rest"
-
-
-def _followed(found: EngineStability, speeds: FloatArray) -> dict[int, FollowedSpeed]:
-    """Speeds that have Floquet modes, by their places among all."""
-    return {_place(each, speeds): each for each in found.speeds if isinstance(each, FollowedSpeed)}
-
-
-def _place(speed: FollowedSpeed | NoEquilibrium, speeds: FloatArray) -> int:
-    """Place of a speed among all; it may differ from the one asked for by round-off."""
-    return int(np.abs(speeds - speed.crank_speed).argmin())
-
-
-def _by_speed(
-    maps: Sequence[EngineStability],
-    speeds: FloatArray,
-    told: Callable[[FollowedSpeed | NoEquilibrium], str],
-    otherwise: str,
-) -> NDArray[np.str_]:
-    rows = [{_place(each, speeds): told(each) for each in own.speeds} for own in maps]
-    return np.array(
-        [[row.get(n, otherwise) for n in range(len(speeds))] for row in rows], dtype=str
-    )
-
-
-def _padded(
-    followed: Sequence[dict[int, FollowedSpeed]],
-    speeds: int,
-    kept: int,
-    values: Callable[[FollowedSpeed], FloatArray],
-) -> FloatArray:
-    """Values over (engine, crank_speed, multiplier); not a number where there are none."""
-    table = np.full((len(followed), speeds, kept), np.nan)
-    for engine, own in enumerate(followed):
-        for place, each in own.items():
-            found = values(each)
-            table[engine, place, : len(found)] = found
-    return table
-
-
-def _shaft(followed: Sequence[dict[int, FollowedSpeed]], speeds: int) -> FloatArray:
-    """Growth rate of the free shaft's own motion over (engine, crank_speed)."""
-    table = np.full((len(followed), speeds), np.nan)
-    for engine, own in enumerate(followed):
-        for place, each in own.items():
-            table[engine, place] = each.shaft_growth_rate
-    return table
-
-
-def _shares(
-    followed: Sequence[dict[int, FollowedSpeed]], speeds: int, kept: int, harmonics: int
-) -> FloatArray:
-    table = np.full((len(followed), speeds, kept, harmonics), np.nan)
-    for engine, own in enumerate(followed):
-        for place, each in own.items():
-            share = each.harmonic_share.T
-            table[engine, place, : share.shape[0], : share.shape[1]] = share
-    return table
-
-
-def _bands(maps: Sequence[EngineStability]) -> dict[str, tuple[str, NDArray[Any]]]:
-    """Bands of all engines, a variable for each property, named like ``band_kind``."""
-    rows = [(each.engine.name, band) for each in maps for band in each.bands]
-    columns: dict[str, list[Any]] = {"engine": [engine for engine, _ in rows]}
-    for name, value in OF_BANDS.items():
-        columns[name] = [value(band) for _, band in rows]
-    return {
-        f"band_{name}": ("band", np.array(values, dtype=TYPES.get(name, float)))
-        for name, values in columns.items()
-    }
 
 
 def _checks(maps: Sequence[EngineStability]) -> dict[str, tuple[str, NDArray[Any]]]:

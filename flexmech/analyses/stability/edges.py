@@ -14,7 +14,7 @@ import scipy.optimize
 
 from flexmech.analyses.stability.engine_stability import BandEdge
 from flexmech.analyses.stability.growth import SignedGrowth
-from flexmech.analyses.stability.kept_modes import KeptModes, wrapped
+from flexmech.analyses.stability.selected_modes import SelectedModes, wrapped
 from flexmech.analyses.stability.solver import BY_REFINEMENT, LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 from flexmech.errors import ComputationError
@@ -172,7 +172,7 @@ class _Place:
         return min(distances)
 
 
-def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> KeptModes:
+def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> SelectedModes:
     """Find the speed between two edges at which a vibration grows most.
 
     Parameters
@@ -183,7 +183,7 @@ def find_top(solver: LinkageSolver, place: tuple[float, float, float]) -> KeptMo
 
     Returns
     -------
-    KeptModes
+    SelectedModes
         At that speed.
     """
     known, lower, upper = place
@@ -234,7 +234,7 @@ class ClosingSearch:
 def closing_damping_ratio(solver: LinkageSolver, search: ClosingSearch) -> float:
     """Smallest damping ratio above which nothing grows at the speeds about a band.
 
-    The speed at which the last growth ends is followed: damping moves it.
+    The speed at which the last growth ends is tracked: damping moves it.
 
     Parameters
     ----------
@@ -307,7 +307,7 @@ def _beyond(growth: Callable[[float], float], low: float, high: float) -> float:
 
 @dataclass(frozen=True)
 class ExponentErrors:
-    """Greatest relative errors of the kept modes' exponents.
+    """Greatest relative errors of the selected modes' exponents.
 
     Parameters
     ----------
@@ -340,7 +340,7 @@ def exponent_errors(solver: LinkageSolver, crank_speed: float) -> ExponentErrors
     )
 
 
-def _apart(modes: KeptModes, others: KeptModes) -> float:
+def _apart(modes: SelectedModes, others: SelectedModes) -> float:
     """Greatest relative difference of exponents, whatever members of their families they are."""
     ours, theirs = modes.exponent, others.exponent
     size = np.abs(ours.imag)[:, None]

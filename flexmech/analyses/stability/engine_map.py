@@ -29,15 +29,15 @@ from flexmech.analyses.stability.engine_stability import (
     BandEdge,
     CheckedErrors,
     EngineStability,
-    FollowedSpeed,
     NoEquilibrium,
+    TrackedSpeed,
 )
-from flexmech.analyses.stability.following import FollowedModes, follow
 from flexmech.analyses.stability.growth import Sample, SignedGrowth, runs_of_growth, speeds_between
-from flexmech.analyses.stability.kept_modes import KeptModes, matched
+from flexmech.analyses.stability.mode_tracking import TrackedModes, track_modes
 from flexmech.analyses.stability.naming import name_of_growth, signatures_of
 from flexmech.analyses.stability.parallel import in_order
 from flexmech.analyses.stability.request import StabilityRequest
+from flexmech.analyses.stability.selected_modes import SelectedModes, matched
 from flexmech.analyses.stability.solver import LinkageSolver, SolvedSpeed
 from flexmech.analyses.stability.speed_range import (
     joined_windows,
@@ -51,7 +51,7 @@ from flexmech.types import FloatArray, LabelledProgress
 
 logger = logging.getLogger(__name__)
 
-# Branches are numbered at this part of the lowest natural frequency, and followed in steps of it.
+# Branches are numbered at this part of the lowest natural frequency, and tracked in steps of it.
 FOLLOWING_STEP = 1 / 40
 MOST_STEPS = 10_000
 # A band that this damping ratio closes is not worth a line.
@@ -130,25 +130,25 @@ class _EngineMap:
         # A periodic motion may run where there is no quasi-static equilibrium.
         probed = [] if self._request.prestress == "trajectory" else every
         refused = speeds_without_equilibrium(self._solver, probed)
-        standing = [speed for speed in every if speed not in refused]
-        if not standing:
+        solvable = [speed for speed in every if speed not in refused]
+        if not solvable:
             raise next(iter(refused.values()))
-        self._open_windows(standing)
-        solutions, interrupted = self._solutions(standing)
+        self._open_windows(solvable)
+        solutions, interrupted = self._solutions(solvable)
         asked = set(self._request.crank_speeds.tolist())
         refused |= {s.crank_speed: s.refusal for s in solutions if s.refusal is not None}
         solved = [s.solved for s in solutions if s.solved is not None]
         if not solved:
             raise next(iter(refused.values()))
-        branches = follow([each.modes for each in solved])
-        followed = [
-            _followed(each, modes, alike)
+        branches = track_modes([each.modes for each in solved])
+        tracked = [
+            _tracked(each, modes, alike)
             for each, modes, alike in zip(solved, branches.modes, branches.likeness, strict=True)
         ]
         definite = all(each.is_definite for each in solved)
         bands: list[Band] = []
         narrower = 0
-        within = [f for f in followed if abs(f.crank_speed) >= abs(self._request.crank_speeds[0])]
+        within = [f for f in tracked if abs(f.crank_speed) >= abs(self._request.crank_speeds[0])]
         errors = CheckedErrors(np.empty(0), np.empty(0), np.empty(0))
         try:
             if not interrupted and within:
@@ -158,8 +158,8 @@ class _EngineMap:
         except KeyboardInterrupt:
             interrupted = True
         unit = self._request.speed_unit
-        speeds: list[FollowedSpeed | NoEquilibrium] = [
-            *(each for each in followed if each.crank_speed in asked),
+        speeds: list[TrackedSpeed | NoEquilibrium] = [
+            *(each for each in tracked if each.crank_speed in asked),
             *(NoEquilibrium(w, e.told(unit)) for w, e in refused.items() if w in asked),
         ]
         return EngineStability(
@@ -183,7 +183,7 @@ class _EngineMap:
         self._solver = replace(self._solver, windows=joined_windows(opened))
 
     def _solutions(self, asked: Sequence[float]) -> tuple[list[_Solution], bool]:
-        """Solutions at the speeds asked for and those between, by which modes are followed."""
+        """Solutions at the speeds asked for and those between, by which modes are tracked."""
         speeds = _with_steps_between(np.array(asked), FOLLOWING_STEP * self._lowest)
         solutions: list[_Solution] = []
         try:
@@ -197,20 +197,20 @@ class _EngineMap:
             return solutions, True
         return solutions, False
 
-    def _meetings(self, followed: Sequence[FollowedSpeed]) -> tuple[list[MetModes], int]:
+    def _meetings(self, tracked: Sequence[TrackedSpeed]) -> tuple[list[MetModes], int]:
         """Modes that meet between the speeds, and grow or nearly do."""
         least = LEAST_CLOSING_RATIO
         if self._request.damping_ratio is not None:
             least = max(least, self._request.damping_ratio)
-        pairs = meetings(followed, self._request.modes)
+        pairs = meetings(tracked, self._request.modes)
         task = partial(met, self._solver, lowest=self._lowest, least_ratio=least)
         answers = self._each("meeting modes", task, pairs)
         return [each for some, _ in answers for each in some], sum(left for _, left in answers)
 
     def _bands(
         self,
-        followed: Sequence[FollowedSpeed],
-        branches: FollowedModes,
+        tracked: Sequence[TrackedSpeed],
+        branches: TrackedModes,
         found: Sequence[MetModes],
         refused: Sequence[float],
         definite: bool,
@@ -218,7 +218,7 @@ class _EngineMap:
         growth = SignedGrowth(self._solver)
         samples = [
             Sample(f.crank_speed, growth.of_exponents(f.exponent, f.period), f.growth_rate)
-            for f in followed
+            for f in tracked
         ]
         samples += [sample for meeting in found for sample in meeting.samples]
         between = speeds_between(samples, BETWEEN * self._lowest, refused)
@@ -242,10 +242,10 @@ class _EngineMap:
             ClosingSearch(top.crank_speed, *pair, start)
             for top, pair in zip(tops, ends, strict=True)
         ]
-        edges, ratios, errors = self._measured(found_edges, closings, followed)
+        edges, ratios, errors = self._measured(found_edges, closings, tracked)
         bands = []
         for n, (top, ratio) in enumerate(zip(tops, ratios, strict=True)):
-            name = name_of_growth(top, ends[n], followed, branches, differences=not definite)
+            name = name_of_growth(top, ends[n], tracked, branches, differences=not definite)
             bands.append(
                 Band(
                     lower=edges[2 * n],
@@ -257,7 +257,7 @@ class _EngineMap:
                     fastest_speed=top.crank_speed,
                     closing_damping_ratio=ratio,
                     mismatch=name.mismatch,
-                    signatures=signatures_of(name, ends[n], followed),
+                    signatures=signatures_of(name, ends[n], tracked),
                 )
             )
         return bands, errors
@@ -266,14 +266,14 @@ class _EngineMap:
         self,
         edges: Sequence[FoundEdge],
         closings: Sequence[ClosingSearch],
-        followed: Sequence[FollowedSpeed],
+        tracked: Sequence[TrackedSpeed],
     ) -> tuple[list[BandEdge], list[float], CheckedErrors]:
         """Errors of edges, damping ratios that close bands, and errors at some steady speeds.
 
         None needs another's answer. The longest come first, so that no process waits in the end:
         turns at slow speeds take many steps, and at fast ones the mesh moves edges.
         """
-        steady = [each.crank_speed for each in followed if not each.is_unstable]
+        steady = [each.crank_speed for each in tracked if not each.is_unstable]
         places = np.unique(np.linspace(0, len(steady) - 1, CHECKED_SPEEDS).astype(np.intp))
         speeds = [steady[place] for place in places.tolist()] if steady else []
         jobs: list[Callable[[], ExponentErrors | BandEdge | float]] = [
@@ -333,7 +333,7 @@ def _refuse_too_many_steps(speeds: FloatArray, lowest: float) -> None:
 
 
 def _with_steps_between(speeds: FloatArray, step: float) -> FloatArray:
-    """Speeds from a slow one on in steps small enough to follow modes, those asked for included."""
+    """Speeds from a slow one on in steps small enough to track modes, those asked for included."""
     sense = float(np.sign(speeds[0]))
     size = np.abs(speeds)
     start = min(2 * step, float(size[0]))
@@ -345,9 +345,9 @@ def _with_steps_between(speeds: FloatArray, step: float) -> FloatArray:
     return np.asarray(sense * np.concatenate([*between, size[-1:]]))
 
 
-def _followed(solved: SolvedSpeed, modes: KeptModes, alike: FloatArray) -> FollowedSpeed:
+def _tracked(solved: SolvedSpeed, modes: SelectedModes, alike: FloatArray) -> TrackedSpeed:
     order = matched(modes.exponent * modes.period, solved.modes.exponent * modes.period)
-    return FollowedSpeed(
+    return TrackedSpeed(
         crank_speed=modes.crank_speed,
         exponent=modes.exponent,
         step_error=solved.step_error[order],

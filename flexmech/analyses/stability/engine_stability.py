@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.analyses.stability.kept_modes import GROWS, FloquetExponents
+from flexmech.analyses.stability.selected_modes import GROWS, FloquetExponents
 from flexmech.linear_system import Engine
 from flexmech.types import FloatArray, IntArray
 
@@ -86,8 +86,8 @@ class Band:
 
 
 @dataclass(frozen=True)
-class FollowedSpeed(FloquetExponents):
-    """Kept Floquet modes of a crank speed, in the order of the branches that they belong to.
+class TrackedSpeed(FloquetExponents):
+    """Selected Floquet modes of a crank speed, in the order of the branches that they belong to.
 
     Branch b has the modes 2 b - 2 and 2 b - 1, counted from zero: the one that turns forward and
     its complex conjugate; where both are real, they are two modes of their own.
@@ -101,7 +101,7 @@ class FollowedSpeed(FloquetExponents):
     step_error : ndarray, shape (k,)
         Of the logarithm of each multiplier, by halving the steps.
     likeness : ndarray, shape (k,)
-        How alike a mode is to the last clear shape of its branch: 1 for the same shape.
+        How alike a mode is to the last unmixed shape of its branch: 1 for the same shape.
     harmonic_share : ndarray, shape (2 h + 1, k)
         Parts of the mean square displacement in the harmonics -h to h about the largest.
     krein_signature : ndarray, shape (k,)
@@ -185,7 +185,7 @@ class NoEquilibrium:
 
 @dataclass(frozen=True)
 class CheckedErrors:
-    """Relative errors of the kept modes' exponents at some speeds, c of them.
+    """Relative errors of the selected modes' exponents at some speeds, c of them.
 
     Parameters
     ----------
@@ -209,7 +209,7 @@ class EngineStability:
     ----------
     engine : Engine
         With the damping that counts.
-    speeds : list of FollowedSpeed or NoEquilibrium
+    speeds : list of TrackedSpeed or NoEquilibrium
         In the order of the crank speeds asked for.
     bands : list of Band
         Unstable bands, by increasing speed.
@@ -226,7 +226,7 @@ class EngineStability:
     """
 
     engine: Engine
-    speeds: list[FollowedSpeed | NoEquilibrium]
+    speeds: list[TrackedSpeed | NoEquilibrium]
     bands: list[Band]
     errors: CheckedErrors
     is_definite: bool

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from flexmech.analyses.stability.kept_modes import GROWS, KeptModes, wrapped
+from flexmech.analyses.stability.selected_modes import GROWS, SelectedModes, wrapped
 from flexmech.analyses.stability.solver import LinkageSolver
 from flexmech.analyses.stability.vibrating_linkage import VibratingLinkage
 
@@ -138,7 +138,7 @@ def speeds_between(samples: Sequence[Sample], step: float, refused: Sequence[flo
 class SignedGrowth:
     """Positive where a vibration grows, negative where none does, zero at the edge of a band.
 
-    With damping or forces that follow it is the greatest growth rate in 1/s. Without, that is
+    With damping or follower forces it is the greatest growth rate in 1/s. Without, that is
     zero outside of bands; but where modes a and b meet, ``((lambda_a - conj(lambda_b)) / 2)^2``
     is the square of the growth rate in the band, negative beside it, and smooth.
 
@@ -168,7 +168,7 @@ class SignedGrowth:
             return self.solver.growth_at(moving)
         return self._of(self.solver.solve(moving))
 
-    def _of(self, modes: KeptModes) -> float:
+    def _of(self, modes: SelectedModes) -> float:
         return self.of_exponents(modes.exponent, modes.period)
 
     def of_exponents(self, exponent: NDArray[np.complex128], period: float) -> float:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flexmech.analyses.stability.engine_stability import FollowedSpeed, Kind
-from flexmech.analyses.stability.following import FollowedModes, likeness
-from flexmech.analyses.stability.kept_modes import KeptModes, wrapped
+from flexmech.analyses.stability.engine_stability import Kind, TrackedSpeed
+from flexmech.analyses.stability.mode_tracking import TrackedModes, likeness
+from flexmech.analyses.stability.selected_modes import SelectedModes, wrapped
 from flexmech.types import FloatArray
 
 # Of a frequency that is zero, in Hz: a positive number whose logarithm can be taken.
@@ -115,7 +115,7 @@ def band_name(
 
 
 def signatures_of(
-    name: BandName, ends: tuple[float, float], followed: Sequence[FollowedSpeed]
+    name: BandName, ends: tuple[float, float], tracked: Sequence[TrackedSpeed]
 ) -> tuple[float, float]:
     """Krein signatures of the two multipliers that meet in a band.
 
@@ -124,7 +124,7 @@ def signatures_of(
     name : BandName
     ends : tuple of float
         Of the band in rad/s.
-    followed : sequence of FollowedSpeed
+    tracked : sequence of TrackedSpeed
 
     Returns
     -------
@@ -138,7 +138,7 @@ def signatures_of(
     first, last = name.frequencies
     sense = 1 if name.kind == "difference" else -1
     low, high = sorted(ends)
-    beside = [f for f in followed if not low <= f.crank_speed <= high]
+    beside = [f for f in tracked if not low <= f.crank_speed <= high]
     for each in sorted(beside, key=lambda f: max(low - f.crank_speed, f.crank_speed - high)):
         found = each.signature_of(first, 1), each.signature_of(last, sense)
         if min(map(abs, found)) > LEAST_SIGNATURE:
@@ -147,10 +147,10 @@ def signatures_of(
 
 
 def name_of_growth(
-    modes: KeptModes,
+    modes: SelectedModes,
     ends: tuple[float, float],
-    followed: Sequence[FollowedSpeed],
-    branches: FollowedModes,
+    tracked: Sequence[TrackedSpeed],
+    branches: TrackedModes,
     *,
     differences: bool,
 ) -> BandName:
@@ -158,12 +158,12 @@ def name_of_growth(
 
     Parameters
     ----------
-    modes : KeptModes
+    modes : SelectedModes
     ends : tuple of float
         Of the band in rad/s.
-    followed : sequence of FollowedSpeed
+    tracked : sequence of TrackedSpeed
         By increasing size of the speed.
-    branches : FollowedModes
+    branches : TrackedModes
         At the same speeds.
     differences : bool
         Whether differences of frequencies can be unstable.
@@ -172,14 +172,14 @@ def name_of_growth(
     -------
     BandName
     """
-    speeds = np.abs([each.crank_speed for each in followed])
+    speeds = np.abs([each.crank_speed for each in tracked])
     below = int(np.searchsorted(speeds, abs(modes.crank_speed), side="right")) - 1
     growing = modes.shape[..., modes.exponent.real.argmax(), None]
     before = branches.shapes[max(below, 0)]
     part = likeness(before.shape, growing)[:, 0].reshape(-1, 2).max(axis=1)
     frequency = np.abs(before.frequency[::2])
     crank = 1 / modes.period
-    for after, other in zip(followed[below + 1 :], branches.shapes[below + 1 :], strict=True):
+    for after, other in zip(tracked[below + 1 :], branches.shapes[below + 1 :], strict=True):
         if not after.is_unstable:
             ahead = np.abs(other.frequency[::2])
             step = abs(after.crank_speed) - speeds[below]
@@ -191,7 +191,7 @@ def name_of_growth(
     def pass_through(name: BandName) -> bool:
         # Multipliers of one Krein signature meet on the unit circle and stay on it. Sums meet with
         # opposite ones unless the Hamilton function is far from definite.
-        first, second = signatures_of(name, ends, followed)
+        first, second = signatures_of(name, ends, tracked)
         return name.kind == "difference" and first * second > 0
 
     return band_name(

@@ -11,11 +11,11 @@ import xarray as xr
 
 from flexmech import plots
 from flexmech.analyses.beam_theory import theory_lines, theory_warnings
-from flexmech.analyses.datasets import table_over
+from flexmech.analyses.datasets import table_of, table_over
 from flexmech.analyses.remarks import left_out_warnings
 from flexmech.analyses.result import Result
 from flexmech.analyses.stability import words
-from flexmech.analyses.stability.dataset import NOT_COMPUTED
+from flexmech.analyses.stability.dataset import EDGES, NOT_COMPUTED, PARTS
 from flexmech.analyses.summary import Summary, Table
 
 if TYPE_CHECKING:
@@ -23,6 +23,27 @@ if TYPE_CHECKING:
 
 
 SHAFT = "shaft_growth_rate"
+# Columns of the tables, and their variables.
+MULTIPLIERS = {
+    "engine": "engine",
+    "crank_speed_rad_s": "crank_speed",
+    "number": "multiplier",
+    "modulus": "modulus",
+    "angle_rad": "angle",
+    "damping_ratio": "damping_ratio",
+    "frequency_Hz": "frequency",
+}
+BANDS = {
+    "engine": "band_engine",
+    "from_rad_s": "band_lower",
+    "to_rad_s": "band_upper",
+    "error_rad_s": "band_error",
+    "kind": "band_kind",
+    "branches": "band_branches",
+    "order": "band_order",
+    "largest_growth_rate_1_s": "band_largest_growth_rate",
+    "closing_damping_ratio": "band_closing_damping_ratio",
+}
 
 
 class StabilityMap(Result):
@@ -62,7 +83,7 @@ class StabilityMap(Result):
         return bool(data["interrupted"].any()) or bool(data.attrs.get("interrupted_against", 0))
 
     def growth(self) -> pd.DataFrame:
-        """Growth at every crank speed, with the band that holds it.
+        """Growth at every crank speed, with the band that contains it.
 
         Returns
         -------
@@ -93,16 +114,8 @@ class StabilityMap(Result):
         pandas.DataFrame
         """
         data = self.dataset
-        table = table_over(
-            *("engine", "crank_speed", "multiplier"),
-            engine=data["engine"],
-            crank_speed_rad_s=data["crank_speed"],
-            number=data["multiplier"],
-            modulus=xr.apply_ufunc(np.exp, data["log_modulus"]),
-            angle_rad=data["angle"],
-            damping_ratio=data["damping_ratio"],
-            frequency_Hz=data["frequency"],
-        )
+        data = data.assign(modulus=np.exp(data["log_modulus"]))
+        table = table_of(data, ("engine", "crank_speed", "multiplier"), MULTIPLIERS)
         return table.dropna(subset=["modulus"], ignore_index=True)
 
     def bands(self) -> pd.DataFrame:
@@ -116,22 +129,11 @@ class StabilityMap(Result):
         """
         data = self.dataset
         lower, upper = (
-            np.sum([data[f"band_{edge}_{part}_error"].values for part in words.PARTS], axis=0)
-            for edge in ("lower", "upper")
+            np.sum([data[f"band_{edge}_{part}_error"].values for part in PARTS], axis=0)
+            for edge in EDGES
         )
-        return pd.DataFrame(
-            {
-                "engine": data["band_engine"].values,
-                "from_rad_s": data["band_lower"].values,
-                "to_rad_s": data["band_upper"].values,
-                "error_rad_s": np.maximum(lower, upper),
-                "kind": data["band_kind"].values,
-                "branches": data["band_branches"].values,
-                "order": data["band_order"].values,
-                "largest_growth_rate_1_s": data["band_largest_growth_rate"].values,
-                "closing_damping_ratio": data["band_closing_damping_ratio"].values,
-            }
-        )
+        error = ("band", np.maximum(lower, upper))
+        return table_of(data.assign(band_error=error), ("band",), BANDS)
 
     def against(self) -> pd.DataFrame:
         """Growth over the second parameter and the crank speed; empty where none was asked for.
@@ -225,7 +227,7 @@ class StabilityMap(Result):
 
 
 def _bands_at(data: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
-    """Kind and branches of the band that holds each speed, over (engine, crank_speed)."""
+    """Kind and branches of the band that contains each speed, over (engine, crank_speed)."""
     shape = data.sizes["engine"], data.sizes["crank_speed"]
     found = np.full((2, *shape), "", dtype=object)
     for place, name in enumerate(data["engine"].values):

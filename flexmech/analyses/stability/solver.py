@@ -6,8 +6,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flexmech.analyses.stability.following import BranchShapes
-from flexmech.analyses.stability.kept_modes import KeptModes, kept_growth, kept_modes, step_error
+from flexmech.analyses.stability.mode_tracking import BranchShapes
+from flexmech.analyses.stability.selected_modes import (
+    SelectedModes,
+    selected_growth,
+    selected_modes,
+    step_error,
+)
 from flexmech.analyses.stability.speed_window import KnownEquilibria, SpeedWindow, chebyshev_nodes
 from flexmech.analyses.stability.vibrating_linkage import (
     SHAPE_ANGLES,
@@ -44,13 +49,13 @@ class SolvedSpeed:
 
     Parameters
     ----------
-    modes : KeptModes
+    modes : SelectedModes
     step_error : ndarray, shape (k,)
         Change of the logarithm of each multiplier, modulus and angle together, when the steps
         are halved in number; of a constant system what round-off puts it off.
     krein_signature : ndarray, shape (k,)
         Of the mode that is most like each of them, of the linkage without damping and without
-        forces that follow.
+        follower forces.
     moving_modes : int
         Number of moving modes.
     is_definite : bool
@@ -62,7 +67,7 @@ class SolvedSpeed:
         :class:`flexmech.time_domain.periodic_motion.NonlinearOrbit`.
     """
 
-    modes: KeptModes
+    modes: SelectedModes
     step_error: FloatArray
     krein_signature: FloatArray
     moving_modes: int
@@ -124,7 +129,7 @@ class LinkageSolver:
     known: KnownEquilibria | None = None
 
     def moving(self, crank_speed: float) -> VibratingLinkage:
-        """The linkage in its moving modes; interpolated, where a window holds the speed.
+        """The linkage in its moving modes; interpolated, where a window contains the speed.
 
         Parameters
         ----------
@@ -141,7 +146,7 @@ class LinkageSolver:
             If there is no equilibrium.
         """
         for window in self.windows:
-            if window.holds(crank_speed):
+            if window.contains(crank_speed):
                 return window.at(crank_speed)
         return self._linkage(*self._moving_modes(crank_speed, crank_speed))
 
@@ -266,8 +271,8 @@ class LinkageSolver:
         half = self.steps_for(moving) // (2 * SHAPE_ANGLES)
         return replace(self, steps=SHAPE_ANGLES * max(1, half))
 
-    def solve(self, moving: VibratingLinkage, damping: float | None = None) -> KeptModes:
-        """Kept Floquet modes.
+    def solve(self, moving: VibratingLinkage, damping: float | None = None) -> SelectedModes:
+        """Selected Floquet modes.
 
         Parameters
         ----------
@@ -277,7 +282,7 @@ class LinkageSolver:
 
         Returns
         -------
-        KeptModes
+        SelectedModes
 
         Raises
         ------
@@ -285,23 +290,23 @@ class LinkageSolver:
             If the sum of the multipliers' logarithms is not the integral of the trace.
         """
         factor = self.damping if damping is None else damping
-        modes = kept_modes(moving, factor, self.steps_for(moving))
-        _hold_to_trace(modes.liouville_defect, moving.crank_speed)
+        modes = selected_modes(moving, factor, self.steps_for(moving))
+        _check_trace(modes.liouville_defect, moving.crank_speed)
         return modes
 
     def growth_at(self, moving: VibratingLinkage, damping: float | None = None) -> float:
-        """Greatest growth rate of the kept modes in 1/s; arguments and errors as of `solve`."""
+        """Greatest growth rate of the selected modes in 1/s; arguments and errors as of `solve`."""
         factor = self.damping if damping is None else damping
-        kept = kept_growth(moving, factor, self.steps_for(moving))
-        _hold_to_trace(kept.liouville_defect, moving.crank_speed)
+        kept = selected_growth(moving, factor, self.steps_for(moving))
+        _check_trace(kept.liouville_defect, moving.crank_speed)
         return kept.growth_rate
 
     def growth_rate(self, crank_speed: float) -> float:
-        """Greatest growth rate of the kept modes in 1/s."""
+        """Greatest growth rate of the selected modes in 1/s."""
         return self.growth_at(self.moving(crank_speed))
 
     def solved(self, crank_speed: float) -> SolvedSpeed:
-        """Kept Floquet modes with the error of their steps."""
+        """Selected Floquet modes with the error of their steps."""
         moving = self.moving(crank_speed)
         modes = self.solve(moving)
         return SolvedSpeed(
@@ -315,7 +320,7 @@ class LinkageSolver:
             orbit_residual=moving.orbit_residual,
         )
 
-    def _signature(self, moving: VibratingLinkage, modes: KeptModes) -> FloatArray:
+    def _signature(self, moving: VibratingLinkage, modes: SelectedModes) -> FloatArray:
         """Krein signatures (k,) of the Hamiltonian linkage's modes, in the order of others."""
         if self.is_hamiltonian:
             return modes.signature
@@ -351,7 +356,7 @@ class LinkageSolver:
 
     @property
     def _moving_engine(self) -> Engine:
-        """With the damping that holds the periodic motion, and the shaft that is prescribed."""
+        """With the damping of the periodic motion, and the shaft that is prescribed."""
         engine = self.engine if self.orbit_engine is None else self.orbit_engine
         return engine.with_(shaft="prescribed") if engine.shaft == "free" else engine
 
@@ -360,7 +365,7 @@ class LinkageSolver:
         return steps_of_turn(moving, self.steps, beside_free_shaft=bool(self.engine.rigid_modes))
 
 
-def _hold_to_trace(liouville_defect: float, crank_speed: float) -> None:
+def _check_trace(liouville_defect: float, crank_speed: float) -> None:
     if liouville_defect > LIOUVILLE:
         raise ComputationError(
             f"the Floquet multipliers at crank speed {CRANK_SPEED} are not those of the "

@@ -23,8 +23,8 @@ def speeds_without_equilibrium(
     """Speeds without equilibrium, and why.
 
     The fastest speed is looked at all around. Where it fails, the slower ones are looked at where
-    it failed, and so on with the fastest that is left, until one stands. A speed below that may
-    still fail when it is solved for.
+    it failed, and so on with the fastest that is left, until one has an equilibrium. A
+    speed below that may still fail when it is solved for.
 
     Parameters
     ----------

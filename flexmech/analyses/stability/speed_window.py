@@ -103,7 +103,7 @@ class SpeedWindow:
     nodes: Sequence[VibratingLinkage]
     equilibria: KnownEquilibria = field(default_factory=KnownEquilibria)
 
-    def holds(self, crank_speed: float) -> bool:
+    def contains(self, crank_speed: float) -> bool:
         """Whether a speed is in the window."""
         return self.low <= crank_speed <= self.high
 

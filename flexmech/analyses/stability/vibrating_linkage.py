@@ -33,7 +33,7 @@ class VibratingLinkage:
     conservative, dissipative : FourierSeries
         Of the system's matrix (2 m, 2 m), and of what damping of links adds to it.
     attached : FourierSeries
-        What dampers of springs and joints and forces that follow add to it.
+        What dampers of springs and joints and follower forces add to it.
     weighted : ndarray, shape (SHAPE_ANGLES, N, m)
         From y to the coordinates of all unreduced links, weighted by their mass.
     lowest : ndarray, shape (SHAPE_ANGLES, modes, m)
@@ -132,7 +132,7 @@ class VibratingLinkage:
         return SampledPeriodicSystem(matrix, self.period)
 
     def with_potential_alone(self) -> VibratingLinkage:
-        """The linkage without dampers of springs and joints and without forces that follow."""
+        """The linkage without dampers of springs and joints and without follower forces."""
         return replace(self, attached=FourierSeries(np.zeros_like(self.attached.coefficients)))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses.beam_theory import theory_reason
-from flexmech.analyses.stability.dataset import NO_EQUILIBRIUM, NOT_COMPUTED
+from flexmech.analyses.stability.dataset import NO_EQUILIBRIUM, NOT_COMPUTED, PARTS
 from flexmech.analyses.summary import Table
 from flexmech.units import from_si
 
@@ -18,7 +18,6 @@ MOST_LINES, MOST_ROWS = 6, 24
 STILL = 1e-3
 """Growth rate in 1/s of a free shaft's motion that is none but round-off: of steady motion both its
 exponents are zero, and two that meet there are known to the root of round-off."""
-PARTS = ("step", "reduction", "mesh")
 FRAME_LINE = (
     "Floquet multipliers are the same in every frame; damping ratios of frozen positions with "
     "rotation terms are not"

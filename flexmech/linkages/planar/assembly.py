@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError
+from flexmech.linkages.body_motion import BodyMotion
 from flexmech.linkages.motion import RigidMotion
-from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, BodyMotion, bodies_of
+from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, bodies_of
 from flexmech.linkages.planar.drawing import Drawing
 from flexmech.linkages.planar.newton import FollowedPath, NewtonGroup
 from flexmech.linkages.planar.plan import assembly_order

@@ -1,7 +1,7 @@
-"""Rigid bodies of a drawing, what ties them together, and their positions and rates.
+"""Rigid bodies of a drawing, and what ties them together.
 
-Vectors of the plane are complex numbers, x + i y. A body is what is welded together; body 0 is
-the ground, body 1 turns with the driven shaft. Rates are derivatives by the crank angle.
+A body is what is welded together; body 0 is the ground, body 1 turns with the driven shaft. Rates
+are derivatives by the crank angle.
 """
 
 from __future__ import annotations
@@ -13,23 +13,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.errors import InputError
+from flexmech.linkages.body_motion import BodyPoint
+from flexmech.linkages.constraints import Coincidence, PointOnLine
 from flexmech.linkages.planar.drawing import Drawing
-from flexmech.types import ComplexArray, FloatArray
+from flexmech.types import FloatArray
 
 GROUND_BODY, CRANK = 0, 1
 
 
 @dataclass(frozen=True)
-class Coincidence:
+class SharedPoint:
     """A point that two bodies share."""
 
     point: str
     first: int
     second: int
 
+    def condition(self, drawing: Drawing) -> Coincidence:
+        """What it asks of the bodies, whose axes are those of the drawing."""
+        place = drawing.complex_point(self.point)
+        return Coincidence(BodyPoint(self.first, place), BodyPoint(self.second, place))
+
 
 @dataclass(frozen=True)
-class OnLine:
+class GuidedPoint:
     """A point of one body that stays on a straight line of another.
 
     Parameters
@@ -46,6 +53,12 @@ class OnLine:
     guide: int
     along: complex
 
+    def condition(self, drawing: Drawing) -> PointOnLine:
+        """What it asks of the bodies, whose axes are those of the drawing."""
+        place = drawing.complex_point(self.point)
+        line = BodyPoint(self.guide, place)
+        return PointOnLine(BodyPoint(self.body, place), line, self.along)
+
 
 @dataclass(frozen=True)
 class Bodies:
@@ -57,14 +70,14 @@ class Bodies:
         Links of each body, in the drawing's order; none of the ground.
     at_point : dict of str to tuple of int
         Bodies that share each point, in ascending order.
-    coincidences : tuple of Coincidence
-    lines : tuple of OnLine
+    coincidences : tuple of SharedPoint
+    lines : tuple of GuidedPoint
     """
 
     links: tuple[tuple[str, ...], ...]
     at_point: dict[str, tuple[int, ...]]
-    coincidences: tuple[Coincidence, ...]
-    lines: tuple[OnLine, ...]
+    coincidences: tuple[SharedPoint, ...]
+    lines: tuple[GuidedPoint, ...]
 
     def name(self, body: int) -> str:
         """What messages call a body: its first link."""
@@ -75,48 +88,9 @@ class Bodies:
         return next(number for number, own in enumerate(self.links) if link in own)
 
     @property
-    def constraints(self) -> tuple[Coincidence | OnLine, ...]:
+    def constraints(self) -> tuple[SharedPoint | GuidedPoint, ...]:
         """All that ties bodies together."""
         return (*self.coincidences, *self.lines)
-
-
-@dataclass(frozen=True)
-class BodyMotion:
-    """Where a body is, over a batch of crank angles.
-
-    Parameters
-    ----------
-    drawn : complex
-        Its reference point in the drawing.
-    place, place_1, place_2 : ndarray of complex, shape (B,)
-        Where that point is, and its derivatives by the crank angle.
-    turn : ndarray of complex, shape (B,)
-        ``exp(i phi)`` with the angle phi by which the body has turned since the drawing.
-    turn_1, turn_2 : ndarray, shape (B,)
-        Derivatives of phi.
-    """
-
-    drawn: complex
-    place: ComplexArray
-    turn: ComplexArray
-    place_1: ComplexArray
-    place_2: ComplexArray
-    turn_1: FloatArray
-    turn_2: FloatArray
-
-    def point(self, drawn: complex) -> ComplexArray:
-        """Where a point of the body is."""
-        return self.place + self.turn * (drawn - self.drawn)
-
-    def point_1(self, drawn: complex) -> ComplexArray:
-        """First derivative of a point's place."""
-        arm = self.turn * (drawn - self.drawn)
-        return self.place_1 + 1j * self.turn_1 * arm
-
-    def point_2(self, drawn: complex) -> ComplexArray:
-        """Second derivative of a point's place."""
-        arm = self.turn * (drawn - self.drawn)
-        return self.place_2 + (1j * self.turn_2 - self.turn_1**2) * arm
 
 
 def bodies_of(drawing: Drawing) -> Bodies:
@@ -147,7 +121,7 @@ def bodies_of(drawing: Drawing) -> Bodies:
         if point in drawing.ground:
             here.add(GROUND_BODY)
         first, *others = at_point[point] = tuple(sorted(here))
-        coincidences += [Coincidence(point, first, other) for other in others]
+        coincidences += [SharedPoint(point, first, other) for other in others]
         joint = drawing.joint(point)
         if joint.kind == "slider":
             assert joint.direction is not None
@@ -161,7 +135,7 @@ def bodies_of(drawing: Drawing) -> Bodies:
                         f"slider {point}: its guide {joint.guide} is welded to a link that "
                         "slides; a body does not slide along itself, guide it on another one"
                     )
-            lines.append(OnLine(point, first, guide, complex(along)))
+            lines.append(GuidedPoint(point, first, guide, complex(along)))
     return Bodies(links, at_point, tuple(coincidences), tuple(lines))
 
 

@@ -15,8 +15,8 @@ from typing import Protocol
 
 import numpy as np
 
-from flexmech.linkages.planar.bodies import BodyMotion, Refusal
-from flexmech.linkages.planar.constraints import dot
+from flexmech.linkages.body_motion import BodyMotion, dot
+from flexmech.linkages.planar.bodies import Refusal
 from flexmech.types import ComplexArray, FloatArray
 
 Known = Mapping[int, BodyMotion]
@@ -120,19 +120,11 @@ class Line(Locus):
 
     def speed(self, bodies: Known, place: ComplexArray) -> FloatArray:
         """First derivative that a point of the line needs along the normal."""
-        body = bodies[self.body]
-        along = body.turn * self.along
-        distance = dot(along, place - body.point(self.through))
-        return dot(1j * along, body.point_1(self.through)) + distance * body.turn_1
+        return bodies[self.body].line_rates(self.through, self.along, place)[0]
 
     def acceleration(self, bodies: Known, place: ComplexArray, first: ComplexArray) -> FloatArray:
         """Second derivative along the normal of a point with a first derivative."""
-        body = bodies[self.body]
-        along = body.turn * self.along
-        distance = dot(along, place - body.point(self.through))
-        sliding = dot(along, first - body.point_1(self.through))
-        own = dot(1j * along, body.point_2(self.through)) + distance * body.turn_2
-        return own + 2 * sliding * body.turn_1
+        return bodies[self.body].line_rates(self.through, self.along, place, first)[1]
 
 
 class Dyad(Protocol):

@@ -14,14 +14,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flexmech.errors import ComputationError, InputError
+from flexmech.linkages.body_motion import BodyMotion
+from flexmech.linkages.constraints import Constraints
 from flexmech.linkages.planar.bodies import (
+    GROUND_BODY,
     Bodies,
-    BodyMotion,
-    Coincidence,
+    GuidedPoint,
     Refusal,
+    SharedPoint,
     degrees,
 )
-from flexmech.linkages.planar.constraints import Constraints
+from flexmech.linkages.planar.drawing import Drawing
 from flexmech.types import FloatArray
 
 Known = Callable[[FloatArray], Mapping[int, BodyMotion]]
@@ -32,7 +35,7 @@ FIRST_STEP, LARGEST_STEP, SMALLEST_STEP = 0.05, 0.15, 1e-7
 MOST_MISSED = 0.02
 ITERATIONS = 20
 # In rad and parts of the size: where corrections end, and what closes.
-SETTLED, CLOSED = 1e-12, 1e-12
+CONVERGED, CLOSED = 1e-12, 1e-12
 # Least singular value of the scaled Jacobian of a drawing that does not lock.
 LOCKING = 1e-6
 # Between the first and the last posture of a turn.
@@ -81,29 +84,38 @@ class NewtonGroup:
 
     Parameters
     ----------
+    drawing : Drawing
     bodies : Bodies
-    constraints : Constraints
+    joints : tuple of SharedPoint and GuidedPoint
         As many equations as unknowns.
+    unknown : tuple of int
+        The bodies, in order.
     drawn_at : float
         Crank angle of the drawing in rad.
     """
 
-    def __init__(self, bodies: Bodies, constraints: Constraints, drawn_at: float) -> None:
+    def __init__(
+        self,
+        drawing: Drawing,
+        bodies: Bodies,
+        joints: tuple[SharedPoint | GuidedPoint, ...],
+        unknown: tuple[int, ...],
+        drawn_at: float,
+    ) -> None:
         self.bodies = bodies
         self.drawn_at = drawn_at
-        self.constraints = constraints
-        drawing = constraints.drawing
         self.size = drawing.size
-        self._drawn = [
-            drawing.complex_point(drawing.link(bodies.links[body][0]).points[0])
-            for body in constraints.unknown
-        ]
-        self._scale = np.tile([self.size, self.size, 1.0], len(constraints.unknown))
+        self.constraints = Constraints([own.condition(drawing) for own in joints], unknown)
+        self._joints = joints
+        self.unknown = list(unknown)
+        starts = (drawing.link(bodies.links[body][0]).points[0] for body in unknown)
+        self._drawn = np.array([drawing.complex_point(start) for start in starts])
+        self._scale = np.tile([self.size, self.size, 1.0], len(unknown))
 
     @property
     def names(self) -> str:
         """Links that are found together, for messages."""
-        return ", ".join(self.bodies.name(body) for body in self.constraints.unknown)
+        return ", ".join(self.bodies.name(body) for body in self.unknown)
 
     def motion(
         self, known: Mapping[int, BodyMotion], angle: FloatArray, path: FollowedPath
@@ -280,79 +292,85 @@ class NewtonGroup:
     def _solved(
         self, known: Mapping[int, BodyMotion], guess: FloatArray
     ) -> tuple[FloatArray, NDArray[np.bool_]]:
-        """Unknowns at the root near a guess, and whether they have settled; (B, n), (B,)."""
-        found = guess.copy()
+        """Unknowns at the root near a guess, and whether they have converged; (B, n), (B,)."""
+        found, given = guess.copy(), self._stacked_bodies(known)
         for _ in range(ITERATIONS):
-            bodies = self._with(known, found)
-            residual = self.constraints.residual(bodies) / self.size
-            matrix = self._scaled_jacobian(known, found)
+            bodies = self._at(given, found)
+            residual = self.constraints.gap(bodies) / self.size
             try:
-                change = np.linalg.solve(matrix, -residual[..., None])[..., 0]
+                change = np.linalg.solve(self._scaled(bodies), -residual[..., None])[..., 0]
             except np.linalg.LinAlgError:
                 break
             found = found + change
-            if not np.all(np.isfinite(found)) or np.abs(change).max() < SETTLED:
+            if not np.all(np.isfinite(found)) or np.abs(change).max() < CONVERGED:
                 break
-        residual = self.constraints.residual(self._with(known, found)) / self.size
-        settled = np.abs(residual).max(axis=-1) < CLOSED
-        return found, settled
+        residual = self.constraints.gap(self._at(given, found)) / self.size
+        return found, np.abs(residual).max(axis=-1) < CLOSED
 
-    def _with(self, known: Mapping[int, BodyMotion], unknowns: FloatArray) -> dict[int, BodyMotion]:
-        """All bodies, those of the group at rest in a posture."""
-        bodies = dict(known)
-        zero = np.zeros(unknowns.shape[:-1])
-        for number, (body, drawn) in enumerate(
-            zip(self.constraints.unknown, self._drawn, strict=True)
-        ):
-            x, y, phi = np.moveaxis(unknowns[..., 3 * number : 3 * number + 3], -1, 0)
-            place = drawn + self.size * (x + 1j * y)
-            bodies[body] = BodyMotion(
-                drawn, place, np.exp(1j * phi), zero + 0j, zero + 0j, zero, zero
-            )
-        return bodies
+    def _stacked_bodies(self, known: Mapping[int, BodyMotion]) -> BodyMotion:
+        """All bodies by their numbers; those that are not known stand still."""
+        numbers = range(len(self.bodies.links))
+        return BodyMotion.stacked([known.get(n, known[GROUND_BODY]) for n in numbers])
+
+    def _at(self, bodies: BodyMotion, unknowns: FloatArray) -> BodyMotion:
+        """Bodies with those of the group at rest in a posture."""
+        own, x, y, phi = self.unknown, *np.moveaxis(unknowns.reshape(len(unknowns), -1, 3), -1, 0)
+        drawn, place, turn = map(np.copy, (bodies.drawn, bodies.place, bodies.turn))
+        drawn[own] = self._drawn
+        place[:, own] = self._drawn + self.size * (x + 1j * y)
+        turn[:, own] = np.exp(1j * phi)
+        return replace(bodies, drawn=drawn, place=place, turn=turn)
+
+    def _scaled(self, bodies: BodyMotion) -> FloatArray:
+        """Jacobian by the unknowns in parts of the size."""
+        return np.asarray(self.constraints.jacobian(bodies) * self._scale / self.size)
 
     def _scaled_jacobian(self, known: Mapping[int, BodyMotion], unknowns: FloatArray) -> FloatArray:
-        matrix = self.constraints.jacobian(self._with(known, unknowns))
-        return np.asarray(matrix * self._scale / self.size)
+        return self._scaled(self._at(self._stacked_bodies(known), unknowns))
 
     def _slopes(
         self, known: Mapping[int, BodyMotion], unknowns: FloatArray
     ) -> tuple[FloatArray, FloatArray]:
         """First and second derivative of one posture's unknowns by the crank angle."""
         matrix = self._scaled_jacobian(known, unknowns[None])
-        moved = self._with_rates(known, unknowns[None], matrix)
-        parts = [
-            [(b.place_1.real, b.place_1.imag, b.turn_1), (b.place_2.real, b.place_2.imag, b.turn_2)]
-            for b in (moved[body] for body in self.constraints.unknown)
-        ]
-        first, second = np.array(parts)[..., 0].transpose(1, 0, 2).reshape(2, -1) / self._scale
+        moved = self._rates(known, unknowns[None], matrix)
+        first, second = (rate.ravel() / self._scale for rate in moved[1])
         return first, second
 
     def _with_rates(
         self, known: Mapping[int, BodyMotion], unknowns: FloatArray, matrix: FloatArray
     ) -> dict[int, BodyMotion]:
         """The group's bodies with their rates; only they are returned."""
-        bodies = self._with(known, unknowns)
+        bodies, _ = self._rates(known, unknowns, matrix)
+        return {body: bodies.of(body) for body in self.unknown}
+
+    def _rates(
+        self, known: Mapping[int, BodyMotion], unknowns: FloatArray, matrix: FloatArray
+    ) -> tuple[BodyMotion, list[FloatArray]]:
+        """All bodies with their rates, and the derivatives (B, n) of the unknowns."""
+        bodies, own = self._at(self._stacked_bodies(known), unknowns), self.unknown
+        rates = []
         for derivative in (0, 1):
-            left = self.constraints.rates(bodies)[derivative] / self.size
+            left = self.constraints.gap_rates(bodies)[derivative] / self.size
             rate = np.linalg.solve(matrix, -left[..., None])[..., 0] * self._scale
-            for number, body in enumerate(self.constraints.unknown):
-                x, y, phi = np.moveaxis(rate[..., 3 * number : 3 * number + 3], -1, 0)
-                bodies[body] = (
-                    replace(bodies[body], place_1=x + 1j * y, turn_1=phi)
-                    if derivative == 0
-                    else replace(bodies[body], place_2=x + 1j * y, turn_2=phi)
-                )
-        return {body: bodies[body] for body in self.constraints.unknown}
+            rates.append(rate)
+            x, y, phi = np.moveaxis(rate.reshape(len(rate), -1, 3), -1, 0)
+            place, turn = (
+                getattr(bodies, f"{name}_{derivative + 1}").copy() for name in ("place", "turn")
+            )
+            place[:, own], turn[:, own] = x + 1j * y, phi
+            moved = {f"place_{derivative + 1}": place, f"turn_{derivative + 1}": turn}
+            bodies = replace(bodies, **moved)
+        return bodies, rates
 
     def _loosest_joint(self, known: Mapping[int, BodyMotion], unknowns: FloatArray) -> str:
         """Joint that turns most in the motion that a locked posture leaves free."""
         matrix = self._scaled_jacobian(known, unknowns[None])[0]
         free = np.linalg.svd(matrix)[2][-1]
-        turning = dict(zip(self.constraints.unknown, free[2::3], strict=True))
+        turning = dict(zip(self.unknown, free[2::3], strict=True))
         joints = {
             own.point: abs(turning.get(own.first, 0.0) - turning.get(own.second, 0.0))
-            for own in self.constraints.constraints
-            if isinstance(own, Coincidence)
+            for own in self._joints
+            if isinstance(own, SharedPoint)
         }
         return max(joints, key=lambda point: joints[point]) if joints else self.names

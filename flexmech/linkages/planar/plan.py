@@ -13,12 +13,11 @@ from flexmech.linkages.planar.bodies import (
     CRANK,
     GROUND_BODY,
     Bodies,
-    Coincidence,
-    OnLine,
+    GuidedPoint,
     Refusal,
+    SharedPoint,
     degrees,
 )
-from flexmech.linkages.planar.constraints import Constraints
 from flexmech.linkages.planar.drawing import Drawing
 from flexmech.linkages.planar.dyads import Circle, Line, Placed, SlidingBody, TwoLoci, cross
 from flexmech.linkages.planar.newton import NewtonGroup
@@ -57,7 +56,7 @@ def assembly_order(drawing: Drawing, bodies: Bodies, drawn_at: float) -> tuple[S
     while order.unknown:
         step = order.dyad() or order.group()
         steps.append(step)
-        own = step.constraints.unknown if isinstance(step, NewtonGroup) else step.solves
+        own = step.unknown if isinstance(step, NewtonGroup) else step.solves
         order.refuse_redundant(own, 3 * len(own))
         order.known.update(own)
     return tuple(steps)
@@ -88,8 +87,12 @@ def _refuse_unjoined(bodies: Bodies) -> None:
             )
 
 
-def _pair(own: Coincidence | OnLine) -> tuple[int, int]:
-    return (own.first, own.second) if isinstance(own, Coincidence) else (own.body, own.guide)
+def _pair(own: SharedPoint | GuidedPoint) -> tuple[int, int]:
+    return (own.first, own.second) if isinstance(own, SharedPoint) else (own.body, own.guide)
+
+
+def _equations(joints: Iterable[SharedPoint | GuidedPoint]) -> int:
+    return sum(2 if isinstance(own, SharedPoint) else 1 for own in joints)
 
 
 class _Order:
@@ -109,16 +112,16 @@ class _Order:
     def refuse_redundant(self, bodies: Iterable[int], equations: int) -> None:
         """Refuse bodies that known ones hold by more equations than they have unknowns."""
         group = tuple(bodies)
-        constraints = self._on(group)
-        if constraints.count > equations:
+        joints = self._on(group)
+        if _equations(joints) > equations:
             if group == (CRANK,):
                 drive = self.drawing.drive.point
-                held = [own for own in constraints.constraints if own.point != drive]
+                held = [own for own in joints if own.point != drive]
                 if not held:
                     return
                 joint = held[0].point
             else:
-                joint = constraints.constraints[-1].point
+                joint = joints[-1].point
             names = ", ".join(self.bodies.name(body) for body in group)
             raise InputError(
                 f"{names}: the chain is redundant at joint {joint}, at crank angle "
@@ -135,10 +138,10 @@ class _Order:
         unknown = self.unknown
         for size in range(1, len(unknown) + 1):
             for chosen in combinations(unknown, size):
-                constraints = self._on(chosen)
-                if constraints.count >= 3 * size:
+                joints = self._on(chosen)
+                if _equations(joints) >= 3 * size:
                     self.refuse_redundant(chosen, 3 * size)
-                    return NewtonGroup(self.bodies, constraints, self.drawn_at)
+                    return NewtonGroup(self.drawing, self.bodies, joints, chosen, self.drawn_at)
         free = self.bodies.name(self._freest(unknown))
         raise InputError(
             f"the chain does not close: link {free} can still move while the crank stands; join "
@@ -150,27 +153,27 @@ class _Order:
         conditions = dict.fromkeys(unknown, 0)
         for own in self.bodies.constraints:
             for body in set(_pair(own)) & set(unknown):
-                conditions[body] += 2 if isinstance(own, Coincidence) else 1
+                conditions[body] += _equations([own])
         return min(unknown, key=lambda body: conditions[body])
 
-    def _on(self, group: tuple[int, ...]) -> Constraints:
+    def _on(self, group: tuple[int, ...]) -> tuple[SharedPoint | GuidedPoint, ...]:
         """Constraints of some bodies, with each other and with known ones.
 
         Where several bodies meet, a known one counts for the point, whichever it is.
         """
-        own: list[Coincidence | OnLine] = []
+        own: list[SharedPoint | GuidedPoint] = []
         at: dict[str, int] = {}
         for point, here in self.bodies.at_point.items():
             present = [body for body in here if body in self.known or body in group]
             if present:
                 base = at[point] = min(present, key=lambda body: (body not in self.known, body))
                 new = (body for body in present if body in group and body != base)
-                own += [Coincidence(point, base, body) for body in new]
+                own += [SharedPoint(point, base, body) for body in new]
         for line in self.bodies.lines:
             inside = line.guide in self.known or line.guide in group
             if inside and line.point in at and {line.guide, at[line.point]} & set(group):
                 own.append(replace(line, body=at[line.point]))
-        return Constraints(self.drawing, tuple(own), group)
+        return tuple(own)
 
     def _carriers(self, body: int) -> dict[str, int]:
         """Known points of a body, each with a known body that carries it."""
@@ -229,7 +232,7 @@ class _Order:
             return Line(line.guide, drawn, line.along), Placed(body, drawn, line.guide, None)
         return None
 
-    def _guide_of_translation(self, body: int) -> OnLine | None:
+    def _guide_of_translation(self, body: int) -> GuidedPoint | None:
         """Line along which a body slides without turning: two of its points slide so."""
         lines = [
             own

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from flexmech.errors import InputError
-from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, Bodies, Coincidence, OnLine
+from flexmech.linkages.planar.bodies import CRANK, GROUND_BODY, Bodies, GuidedPoint, SharedPoint
 from flexmech.linkages.planar.drawing import Drawing
 from flexmech.types import FloatArray
 
@@ -75,7 +75,7 @@ class _Shapes:
             if links:
                 self._lay_out(body, links)
 
-    def through(self, line: OnLine) -> complex:
+    def through(self, line: GuidedPoint) -> complex:
         """Where a line passes in its guide."""
         drawn = self.drawing.complex_point(line.point)
         guide = self.drawing.joint(line.point).guide
@@ -140,20 +140,20 @@ def _assembled(shapes: _Shapes) -> list[tuple[complex, complex]]:
     return places
 
 
-def _of_crank_and_ground(own: Coincidence | OnLine) -> bool:
-    return isinstance(own, Coincidence) and {own.first, own.second} == {GROUND_BODY, CRANK}
+def _of_crank_and_ground(own: SharedPoint | GuidedPoint) -> bool:
+    return isinstance(own, SharedPoint) and {own.first, own.second} == {GROUND_BODY, CRANK}
 
 
 def _equations(
     shapes: _Shapes,
-    constraints: list[Coincidence | OnLine],
+    constraints: list[SharedPoint | GuidedPoint],
     places: list[tuple[complex, complex]],
 ) -> tuple[FloatArray, FloatArray]:
     """Residuals in m, and their derivatives by origins and angles of bodies 2 and up."""
     residual: list[float] = []
     rows: list[FloatArray] = []
     for own in constraints:
-        if isinstance(own, Coincidence):
+        if isinstance(own, SharedPoint):
             moved = [_moved(shapes, body, own.point, places) for body in (own.first, own.second)]
             gap = moved[0] - moved[1]
             parts = ((own.first, 1.0), (own.second, -1.0))

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from flexmech.analyses import ModelCheck, MoistureUptake, SectionProfiles
-from flexmech.analyses.section_profile.tables import property_table
+from flexmech.analyses.section_profile.result import property_table
 from flexmech.plots.reading import names_of
 from flexmech.report.last_turn import thinning
 from flexmech.report.panel import Look, Panel, Plot, Trace, YAxis, panel_of, shows
@@ -36,6 +36,7 @@ WIDTH, LEAST = 300.0, 3.0
 SHADES = (0.12, 0.45, 0.28, 0.65, 0.20, 0.55, 0.36, 0.75)
 # Thinner layers are not outlined: lines would fill them.
 LEAST_OUTLINED = 2.0
+# Height of an entry of the key to the layers.
 LEGEND = 12.0
 
 Kind = tuple[str, float]

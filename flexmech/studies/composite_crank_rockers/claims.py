@@ -26,13 +26,13 @@ from flexmech.studies.composite_crank_rockers import linkages, structure
 from flexmech.types import FloatArray
 
 # Printed limits are held to half a degree.
-LIMIT_TOLERANCE = 0.5
+_LIMIT_TOLERANCE = 0.5
 # Of Tables 5 and 6 against ours, in percent: as near to separable as the rounding of the printed
 # digits leaves them.
-SEPARABLE_WITHIN = 1.0
+_SEPARABLE_WITHIN = 1.0
 # In bending all linkages of one laminate lose the same part: differences below this are the
 # mesh's error.
-MARGIN = 1e-3
+_MARGIN = 1e-3
 
 
 def composite_claims(study: xr.Dataset) -> list[Claim]:
@@ -109,7 +109,7 @@ class _Tests:
         limits = _limits(case)
         gap = np.abs(limits - _numbers(printed))
         text = f"{_span(limits)} deg"
-        return _Finding(text, text, holds=bool(gap.max() <= LIMIT_TOLERANCE), numbers=gap)
+        return _Finding(text, text, holds=bool(gap.max() <= _LIMIT_TOLERANCE), numbers=gap)
 
     def ranges(self, printed: str, *cases: int) -> _Finding:
         """How far the transmission angle reaches."""
@@ -144,11 +144,11 @@ class _Tests:
 
     def lowest(self, printed: str, quantity: str, dim: str, which: object) -> _Finding:
         """Where one place along a dimension has the lowest value."""
-        return self._count_of(quantity, dim, lambda v: _over_others(v, dim, which) < 1 - MARGIN)
+        return self._count_of(quantity, dim, lambda v: _over_others(v, dim, which) < 1 - _MARGIN)
 
     def highest(self, printed: str, quantity: str, dim: str, which: object) -> _Finding:
         """Where one place along a dimension has the highest value."""
-        return self._count_of(quantity, dim, lambda v: _over_others(v, dim, which) > 1 + MARGIN)
+        return self._count_of(quantity, dim, lambda v: _over_others(v, dim, which) > 1 + _MARGIN)
 
     def swapped(self, printed: str) -> _Finding:
         """Two numbers in the order of the abstract."""
@@ -165,7 +165,7 @@ class _Tests:
         found = self._said_of(
             "frequency",
             lambda values: 100 * structure.separable_error(values.sel(position=position)),
-            lambda from_tables, ours: abs(from_tables - ours) < SEPARABLE_WITHIN,
+            lambda from_tables, ours: abs(from_tables - ours) < _SEPARABLE_WITHIN,
         )
         tables = self.study["finite_element"].sel(position=position)
         ratio = tables / tables.sel(laminate="C1") / self.study["published_laminate_factor"]

@@ -84,14 +84,14 @@ BEAMS = {CONVERGED: (8, "euler"), PAPERS_MESH: (1, "euler"), WITH_SHEAR: (8, "ti
 SECOND = "90, second crank angle"
 """The other position with a right transmission angle, beside those that the paper compares."""
 
-GROUND, PLY_THICKNESS = 0.4, 1e-3
+_GROUND, _PLY_THICKNESS = 0.4, 1e-3
 
 
 def composite_model_file(
     case: int,
     laminate: str,
     plies: PlyModel = "unidirectional",
-    ply_thickness: float = PLY_THICKNESS,
+    ply_thickness: float = _PLY_THICKNESS,
 ) -> str:
     """Model file of one linkage of the paper, with the link size that is assumed.
 
@@ -110,7 +110,7 @@ def composite_model_file(
     str
         TOML.
     """
-    lengths = published_case(case, GROUND).lengths
+    lengths = published_case(case, _GROUND).lengths
     name = "crank_rocker_table_2.toml" if plies == "table 2" else "crank_rocker.toml"
     return stored_text(name).format(
         case=case,
@@ -134,7 +134,7 @@ def composite_model_files() -> dict[str, str]:
 
 
 def composite_crank_rocker(
-    case: int, laminate: str, plies: PlyModel, ply_thickness: float = PLY_THICKNESS
+    case: int, laminate: str, plies: PlyModel, ply_thickness: float = _PLY_THICKNESS
 ) -> Mechanism:
     """One linkage of the paper.
 

@@ -100,8 +100,8 @@ class CompositeStudy(Result):
 
 
 # What every column of frequencies is divided by.
-ONE = {"laminate": "C1", "case": 1, "position": "min"}
-DIMS = ("plies", "beams", "position", "laminate", "case")
+_ONE = {"laminate": "C1", "case": 1, "position": "min"}
+_DIMS = ("plies", "beams", "position", "laminate", "case")
 
 
 def frequency_table(study: xr.Dataset) -> pd.DataFrame:
@@ -128,13 +128,13 @@ def frequency_table(study: xr.Dataset) -> pd.DataFrame:
         crank_angle_deg=("case", angles[:, -1]),
         strain_energy_damping=np.nan * second["strain_energy_damping"],
     ).assign_coords(position=[SECOND])
-    return pd.concat([_rows(part, study.sel(ONE)) for part in (study, second)])
+    return pd.concat([_rows(part, study.sel(_ONE)) for part in (study, second)])
 
 
 def _rows(part: xr.Dataset, one: xr.Dataset) -> pd.DataFrame:
     """Rows of the table; ratios are to the values of one linkage."""
     return table_over(
-        *DIMS,
+        *_DIMS,
         position=part["position"],
         crank_angle_deg=part["crank_angle_deg"],
         **{name: part[name] for name in ("laminate", "case", "plies", "beams")},
@@ -163,7 +163,7 @@ def ratio_tables(study: xr.Dataset) -> list[Table]:
         at the least transmission angle.
     """
     values = (all_models(study)[0], study["finite_element"], study["measured"])
-    ratios = xr.concat([each / each.sel(ONE) for each in values], "source")
+    ratios = xr.concat([each / each.sel(_ONE) for each in values], "source")
     headings = ("laminate", *(f"case {case}" for case in study["case"].values))
     caption = "ratios: computed / finite elements / measured"
     return [

@@ -67,7 +67,7 @@ class LinkageDynamics:
             for number, parts in enumerate(elastic)
         ]
         # How what follows moves in its link's frame while z stands still.
-        unit_following = frames.following_rows(unit)
+        unit_following = frames.dependent_rows(unit)
         totals = np.zeros((6, len(time)))
         ends, fields = [], []
         acting = self._acting(time, motion, elastic, unit, coordinates[0])

@@ -76,7 +76,7 @@ class LinkageStretch:
         count, first = len(motion.crank_angle), self._frames.size
         turn, rate = np.zeros((2, count, self.size - first, self._frames.end_count))
         for places, following in zip(
-            self._places, self._frames.following_rows(motion), strict=True
+            self._places, self._frames.dependent_rows(motion), strict=True
         ):
             for led in following:
                 rows = places[led.rows] - first

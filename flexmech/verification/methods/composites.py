@@ -133,12 +133,12 @@ def _fundamental(section: BeamSection, slenderness: float, ends: str, element: s
     mass = LinkMass(length, section.mass_per_length)
     model = build_chain("beam", section, mass, ELEMENTS, BEAM_SHAPES[element]).model
     clamped = [*model.start, *model.start_rotation]
-    held = {
+    fixed = {
         "SS": [model.start[1], model.end[1]],
         "CF": clamped,
         "CC": [*clamped, *model.end, *model.end_rotation],
     }[ends]
-    free = np.setdiff1d(np.arange(model.size), held)
+    free = np.setdiff1d(np.arange(model.size), fixed)
     grid = np.ix_(free, free)
     squares = scipy.linalg.eigvalsh(whole(model.stiffness)[grid], whole(model.mass)[grid])
     # A simply supported beam that may slide has a rigid motion first.

@@ -141,10 +141,10 @@ def fourbar_frequencies(
     ends = [((None, None), (0, 4)), ((0, 5), (2, 6)), ((None, 8), (2, 7))]
     size = 9
     maps = []
-    for link, angle, length, held in zip(links, angles, lengths, ends, strict=True):
+    for link, angle, length, degrees in zip(links, angles, lengths, ends, strict=True):
         turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         entries, faces = [], np.zeros(len(link.is_along), dtype=bool)
-        for (joint, rotation), x in zip(held, (0.0, length), strict=True):
+        for (joint, rotation), x in zip(degrees, (0.0, length), strict=True):
             face = np.isclose(link.place[0], x, atol=1e-9 * length)
             faces |= face
             for where in np.flatnonzero(face):

@@ -101,7 +101,7 @@ def _turn(drive: CrankDrive) -> FloatArray:
     return np.asarray(drive.revolution_time / SAMPLES * np.arange(SAMPLES + 1))
 
 
-def settled_deflection(
+def steady_deflection(
     *,
     model: str,
     damping_time: float,

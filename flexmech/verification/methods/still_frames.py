@@ -1,4 +1,4 @@
-"""Frames of welded beams that stand still, and the exact dynamic stiffness of their members."""
+"""Frames of welded beams at rest, and the exact dynamic stiffness of their members."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ FRAMES: dict[FrameName, PlanarLinkage] = {
 def frame_frequencies(
     *, frame: FrameName, engine: EngineName, elements: int, modes: int, reduced: bool = False
 ) -> FloatArray:
-    """Natural frequencies of a frame that stands still.
+    """Natural frequencies of a frame at rest.
 
     Parameters
     ----------
@@ -65,8 +65,8 @@ def frame_frequencies(
     ndarray, shape (modes,)
         In Hz.
     """
-    stands = FRAMES[frame]
-    mechanism = Mechanism(stands, dict.fromkeys(stands.topology.link_names, SECTION))
+    linkage = FRAMES[frame]
+    mechanism = Mechanism(linkage, dict.fromkeys(linkage.topology.link_names, SECTION))
     chosen = engine_of_name(
         engine, mechanism, elements, element=SLENDER[engine], component_modes=reduced
     )

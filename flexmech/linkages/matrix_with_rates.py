@@ -11,7 +11,7 @@ from flexmech.types import FloatArray, IntArray
 
 
 @dataclass(frozen=True)
-class MovingMatrix:
+class MatrixWithRates:
     """A matrix and its time derivatives over a batch of positions.
 
     Parameters
@@ -26,8 +26,8 @@ class MovingMatrix:
     Examples
     --------
     >>> import numpy as np
-    >>> from flexmech.linear_system.moving_matrix import MovingMatrix
-    >>> turn = MovingMatrix.rotation(np.array([0.5]), np.array([2.0]), np.array([0.0]))
+    >>> from flexmech.linkages.matrix_with_rates import MatrixWithRates
+    >>> turn = MatrixWithRates.rotation(np.array([0.5]), np.array([2.0]), np.array([0.0]))
     >>> there_and_back = turn @ turn.transposed
     >>> bool(np.allclose(there_and_back.value, np.eye(2)))
     True
@@ -75,7 +75,7 @@ class MovingMatrix:
     @property
     def transposed(self) -> Self:
         """Rows and columns exchanged."""
-        return type(self)(*(np.swapaxes(part, 1, 2) for part in self._parts))
+        return type(self)(*(np.swapaxes(part, 1, 2) for part in self.parts))
 
     @property
     def twice(self) -> FloatArray:
@@ -84,14 +84,14 @@ class MovingMatrix:
 
     def rows(self, which: IntArray) -> Self:
         """Some rows, by their numbers."""
-        return type(self)(*(part[:, which] for part in self._parts))
+        return type(self)(*(part[:, which] for part in self.parts))
 
     def columns(self, which: IntArray) -> Self:
         """Some columns, by their numbers."""
-        return type(self)(*(part[:, :, which] for part in self._parts))
+        return type(self)(*(part[:, :, which] for part in self.parts))
 
-    def __matmul__(self, other: MovingMatrix) -> MovingMatrix:
-        return MovingMatrix(
+    def __matmul__(self, other: MatrixWithRates) -> MatrixWithRates:
+        return MatrixWithRates(
             self.value @ other.value,
             self.rate @ other.value + self.value @ other.rate,
             self.centripetal @ other.value
@@ -100,25 +100,25 @@ class MovingMatrix:
             self.tangential @ other.value + self.value @ other.tangential,
         )
 
-    def __sub__(self, other: MovingMatrix) -> MovingMatrix:
-        return MovingMatrix(
-            *(own - its for own, its in zip(self._parts, other._parts, strict=True))
+    def __sub__(self, other: MatrixWithRates) -> MatrixWithRates:
+        return MatrixWithRates(
+            *(own - its for own, its in zip(self.parts, other.parts, strict=True))
         )
 
-    def __neg__(self) -> MovingMatrix:
-        return MovingMatrix(*(-part for part in self._parts))
+    def __neg__(self) -> MatrixWithRates:
+        return MatrixWithRates(*(-part for part in self.parts))
 
-    def solve(self, right: MovingMatrix) -> MovingMatrix:
+    def solve(self, right: MatrixWithRates) -> MatrixWithRates:
         """``X`` of ``self @ X = right``, by implicit differentiation.
 
         Parameters
         ----------
-        right : MovingMatrix
+        right : MatrixWithRates
             Of shape (B, n, c); ``self`` is of shape (B, n, n).
 
         Returns
         -------
-        MovingMatrix
+        MatrixWithRates
             Of shape (B, n, c).
         """
         inverse = np.asarray(np.linalg.inv(self.value), dtype=float)
@@ -126,14 +126,15 @@ class MovingMatrix:
         rate = inverse @ (right.rate - self.rate @ value)
         centripetal = right.centripetal - self.centripetal @ value - 2 * self.rate @ rate
         tangential = right.tangential - self.tangential @ value
-        return MovingMatrix(value, rate, inverse @ centripetal, inverse @ tangential)
+        return MatrixWithRates(value, rate, inverse @ centripetal, inverse @ tangential)
 
     @classmethod
-    def stacked(cls, parts: list[MovingMatrix]) -> MovingMatrix:
+    def stacked(cls, parts: list[MatrixWithRates]) -> MatrixWithRates:
         """Rows of several matrices below each other."""
-        every = zip(*(part._parts for part in parts), strict=True)
+        every = zip(*(part.parts for part in parts), strict=True)
         return cls(*(np.concatenate(one, axis=1) for one in every))
 
     @property
-    def _parts(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    def parts(self) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """Value, rate, and the two parts of the second derivative."""
         return self.value, self.rate, self.centripetal, self.tangential

@@ -1,9 +1,9 @@
 """Which Floquet mode belongs to which branch of natural modes, speed after speed.
 
-Branches are numbered by frequency at a low crank speed and followed by the shapes of the modes.
+Branches are numbered by frequency at a low crank speed and tracked by the shapes of the modes.
 The phase of a mode along the turn changes fast with the crank speed, its shape at a crank angle
 does not: shapes are compared angle by angle. Where two modes meet and one of them grows, both are
-mixtures; the last clear shape of each branch stays the one to compare with.
+mixtures; the last unmixed shape of each branch stays the one to compare with.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 import scipy.optimize
 from numpy.typing import NDArray
 
-from flexmech.analyses.stability.kept_modes import GROWS, KeptModes
+from flexmech.analyses.stability.selected_modes import GROWS, SelectedModes
 from flexmech.types import FloatArray, IntArray
 
 # Modes that turn the other way round are taken for a branch only where no other is left.
@@ -43,7 +43,7 @@ class BranchShapes:
     shape: NDArray[np.complex64]
     frequency: FloatArray
 
-    def order_of(self, modes: KeptModes) -> tuple[IntArray, FloatArray]:
+    def order_of(self, modes: SelectedModes) -> tuple[IntArray, FloatArray]:
         """Place of each branch's modes among others, and how alike they are, both (k,)."""
         alike = likeness(self.shape, modes.shape)
         same_sense = np.sign(self.frequency)[:, None] * np.sign(modes.exponent.imag) >= 0
@@ -56,7 +56,7 @@ class BranchShapes:
         places = scipy.optimize.linear_sum_assignment(-score)[1]
         return places, alike[np.arange(len(places)), places]
 
-    def with_clear(self, modes: KeptModes, alike: FloatArray) -> BranchShapes:
+    def updated(self, modes: SelectedModes, alike: FloatArray) -> BranchShapes:
         """Take over the modes of branches that neither grow nor are mixtures."""
         clear = (modes.log_modulus < GROWS) & (alike > CLEAR)
         clear &= np.abs(modes.signature) > LEAST_SIGNATURE
@@ -72,44 +72,44 @@ class BranchShapes:
 
 
 @dataclass(frozen=True)
-class FollowedModes:
+class TrackedModes:
     """Modes of all speeds in the order of their branches.
 
     Parameters
     ----------
-    modes : list of KeptModes
+    modes : list of SelectedModes
     likeness : list of ndarray, shape (k,)
-        How alike modes are to the last clear shapes of their branches.
+        How alike modes are to the last unmixed shapes of their branches.
     shapes : list of BranchShapes
         Last clear ones up to each speed.
     usual_frequency : ndarray, shape (k / 2,)
         In Hz; see :func:`usual_frequencies`.
     """
 
-    modes: list[KeptModes]
+    modes: list[SelectedModes]
     likeness: list[FloatArray]
     shapes: list[BranchShapes]
     usual_frequency: FloatArray
 
-    def last(self, count: int) -> FollowedModes:
+    def last(self, count: int) -> TrackedModes:
         """The last speeds alone."""
         first = len(self.modes) - count
-        return FollowedModes(
+        return TrackedModes(
             self.modes[first:], self.likeness[first:], self.shapes[first:], self.usual_frequency
         )
 
 
-def follow(solved: Sequence[KeptModes]) -> FollowedModes:
-    """Follow the branches from the first speed on.
+def track_modes(solved: Sequence[SelectedModes]) -> TrackedModes:
+    """Track the branches from the first speed on.
 
     Parameters
     ----------
-    solved : sequence of KeptModes
+    solved : sequence of SelectedModes
         By increasing size of the speed.
 
     Returns
     -------
-    FollowedModes
+    TrackedModes
     """
     first = solved[0].taken(_by_frequency(solved[0]))
     shapes = [BranchShapes(first.shape.astype(np.complex64), first.exponent.imag / (2 * np.pi))]
@@ -118,12 +118,12 @@ def follow(solved: Sequence[KeptModes]) -> FollowedModes:
         order, same = shapes[-1].order_of(modes)
         every.append(modes.taken(order))
         alike.append(same)
-        shapes.append(shapes[-1].with_clear(every[-1], same))
+        shapes.append(shapes[-1].updated(every[-1], same))
     # Modes that are mixtures at the first speed may stand in each other's place there.
     frequency = np.abs([modes.exponent.imag[::2] for modes in every]) / (2 * np.pi)
     pairs = np.argsort(np.median(frequency, axis=0))
     order = (2 * pairs[:, None] + np.arange(2)).ravel()
-    return FollowedModes(
+    return TrackedModes(
         [modes.taken(order) for modes in every],
         [same[order] for same in alike],
         [each.taken(order) for each in shapes],
@@ -157,7 +157,7 @@ def likeness(first: NDArray[np.complex64], second: NDArray[np.complex128]) -> Fl
     return np.asarray(products.sum(axis=0), dtype=float)
 
 
-def _by_frequency(modes: KeptModes) -> IntArray:
+def _by_frequency(modes: SelectedModes) -> IntArray:
     """Branches by frequency, the mode that turns forward before its conjugate."""
     order = np.argsort(np.abs(np.round(modes.exponent.imag, 6)), kind="stable")
     pairs = order.reshape(-1, 2)

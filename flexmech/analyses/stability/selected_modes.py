@@ -53,6 +53,11 @@ class FloquetExponents:
         return wrapped(self.exponent.imag * self.period)
 
     @property
+    def multiplier_modulus(self) -> float:
+        """Greatest of all."""
+        return float(np.exp(self.log_modulus.max()))
+
+    @property
     def growth_rate(self) -> float:
         """Greatest of all, 1/s."""
         return float(self.exponent.real.max())
@@ -73,7 +78,7 @@ HARMONICS = 4
 
 
 @dataclass(frozen=True)
-class KeptModes(FloquetExponents):
+class SelectedModes(FloquetExponents):
     """The k = 2 m Floquet modes that m natural modes make, at one crank speed.
 
     A pair of complex conjugate modes is two of them.
@@ -106,9 +111,9 @@ class KeptModes(FloquetExponents):
     steps: int
     rigid: NDArray[np.complex128]
 
-    def taken(self, order: IntArray) -> KeptModes:
+    def taken(self, order: IntArray) -> SelectedModes:
         """The modes in another order."""
-        return KeptModes(
+        return SelectedModes(
             self.crank_speed,
             self.exponent[order],
             self.shape[..., order],
@@ -121,13 +126,13 @@ class KeptModes(FloquetExponents):
 
 
 @dataclass(frozen=True)
-class KeptGrowth:
-    """What is left of :class:`KeptModes` where nothing but growth is asked for.
+class SelectedGrowth:
+    """What is left of :class:`SelectedModes` where nothing but growth is asked for.
 
     Parameters
     ----------
     growth_rate : float
-        Greatest of all kept modes, 1/s.
+        Greatest of all selected modes, 1/s.
     liouville_defect : float
     """
 
@@ -135,7 +140,7 @@ class KeptGrowth:
     liouville_defect: float
 
 
-def kept_modes(linkage: VibratingLinkage, damping: float, steps: int) -> KeptModes:
+def selected_modes(linkage: VibratingLinkage, damping: float, steps: int) -> SelectedModes:
     """Floquet modes that lie in the lowest natural modes of all crank angles.
 
     Parameters
@@ -148,18 +153,18 @@ def kept_modes(linkage: VibratingLinkage, damping: float, steps: int) -> KeptMod
 
     Returns
     -------
-    KeptModes
+    SelectedModes
 
     Raises
     ------
     ComputationError
-        If modes grow so far within a turn that numbers do not hold them.
+        If modes grow so far within a turn that they overflow.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         return _kept(linkage, damping, steps)
 
 
-def _kept(linkage: VibratingLinkage, damping: float, steps: int) -> KeptModes:
+def _kept(linkage: VibratingLinkage, damping: float, steps: int) -> SelectedModes:
     found = floquet_modes(linkage.system(damping), steps)
     if found.whole_turns is None:
         states = found.shapes()
@@ -178,7 +183,7 @@ def _kept(linkage: VibratingLinkage, damping: float, steps: int) -> KeptModes:
             "linkage is far from stable there; take a stiffer linkage, less load, or other speeds",
             crank_speed=linkage.crank_speed,
         )
-    return KeptModes(
+    return SelectedModes(
         linkage.crank_speed,
         found.exponent[kept] + 2j * np.pi * largest[kept] / linkage.period,
         weighted / np.sqrt((np.abs(weighted) ** 2).sum(axis=(0, 1))),
@@ -190,8 +195,8 @@ def _kept(linkage: VibratingLinkage, damping: float, steps: int) -> KeptModes:
     )
 
 
-def kept_growth(linkage: VibratingLinkage, damping: float, steps: int) -> KeptGrowth:
-    """Growth of the modes that :func:`kept_modes` keeps, in two thirds of its time.
+def selected_growth(linkage: VibratingLinkage, damping: float, steps: int) -> SelectedGrowth:
+    """Growth of the modes that :func:`selected_modes` keeps, in two thirds of its time.
 
     Parameters
     ----------
@@ -201,12 +206,12 @@ def kept_growth(linkage: VibratingLinkage, damping: float, steps: int) -> KeptGr
 
     Returns
     -------
-    KeptGrowth
+    SelectedGrowth
     """
     found = floquet_modes(linkage.system(damping), steps)
     states = found.shapes(steps // SHAPE_ANGLES)
     kept = _within(linkage.lowest, _displacements(states, linkage))
-    return KeptGrowth(float(found.exponent.real[kept].max()), found.liouville_defect)
+    return SelectedGrowth(float(found.exponent.real[kept].max()), found.liouville_defect)
 
 
 def matched(first: NDArray[np.complex128], second: NDArray[np.complex128]) -> IntArray:
@@ -275,7 +280,7 @@ def _within(natural: FloatArray, shapes: NDArray[np.complex128]) -> IntArray:
     return np.sort(order[: 2 * natural.shape[1]])
 
 
-def step_error(moving: VibratingLinkage, modes: KeptModes, damping: float) -> FloatArray:
+def step_error(moving: VibratingLinkage, modes: SelectedModes, damping: float) -> FloatArray:
     """Change of the logarithms of multipliers (k,) when the steps are halved in number.
 
     Steps solve a constant system exactly. What is left is the round-off of its eigenvalues:
@@ -285,7 +290,7 @@ def step_error(moving: VibratingLinkage, modes: KeptModes, damping: float) -> Fl
     Parameters
     ----------
     moving : VibratingLinkage
-    modes : KeptModes
+    modes : SelectedModes
         Found with all steps.
     damping : float
         Factor on the damping, with which they were found.
@@ -303,7 +308,7 @@ def step_error(moving: VibratingLinkage, modes: KeptModes, damping: float) -> Fl
     return np.hypot(gap.real, wrapped(gap.imag))
 
 
-def _round_off(system: SampledPeriodicSystem, modes: KeptModes) -> FloatArray:
+def _round_off(system: SampledPeriodicSystem, modes: SelectedModes) -> FloatArray:
     """Of the logarithms of a constant system's multipliers, (k,)."""
     matrix = system.matrices(1, 0.0)[0]
     values, left, right = scipy.linalg.eig(matrix, left=True, right=True)

@@ -1,0 +1,357 @@
+"""Motion of rigid bodies over a batch of positions, and points that are fixed in them or slide.
+
+Vectors of the plane are complex numbers, x + i y. A body has a reference point at p and is turned
+by phi: its point at r is at ``p + exp(i phi) r``, and it has three coordinates, displacements of
+its reference point and a rotation (Shabana, *Computational Dynamics*, ch. 3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flexmech.linkages.matrix_with_rates import MatrixWithRates
+from flexmech.linkages.motion import RigidMotion
+from flexmech.types import ComplexArray, FloatArray, IntArray
+
+GROUND_AFTER_LINKS = -1
+"""Number of the ground where bodies are the links of a topology: the last body."""
+
+
+def dot(first: ComplexArray | complex, second: ComplexArray | complex) -> FloatArray:
+    """Scalar product of vectors that are complex numbers."""
+    return np.real(np.conj(first) * second)
+
+
+@dataclass(frozen=True)
+class BodyMotion:
+    """Where a body is, or where several are, over a batch; rates by the time or crank angle.
+
+    Parameters
+    ----------
+    drawn : complex, or ndarray of complex, shape (n,)
+        The reference point in the body's own axes.
+    place, place_1, place_2 : ndarray of complex, shape (B,) or (B, n)
+        Where that point is, and its derivatives.
+    turn : ndarray of complex, shape (B,) or (B, n)
+        ``exp(i phi)`` with the angle phi of the body's axes.
+    turn_1, turn_2 : ndarray, shape (B,) or (B, n)
+        Derivatives of phi.
+    """
+
+    drawn: complex | ComplexArray
+    place: ComplexArray
+    turn: ComplexArray
+    place_1: ComplexArray
+    place_2: ComplexArray
+    turn_1: FloatArray
+    turn_2: FloatArray
+
+    @classmethod
+    def of_links(cls, motion: RigidMotion) -> Self:
+        """Links, from their starts, and the ground after them; a batch of shape (B,)."""
+
+        def with_ground(values: FloatArray) -> FloatArray:
+            return np.concatenate([values, np.zeros((len(values), 1))], axis=1)
+
+        def place(vectors: FloatArray) -> ComplexArray:
+            return with_ground(vectors[..., 0]) + 1j * with_ground(vectors[..., 1])
+
+        return cls(
+            np.zeros(motion.angle.shape[1] + 1, dtype=complex),
+            place(motion.origin),
+            np.exp(1j * with_ground(motion.angle)),
+            place(motion.origin_velocity),
+            place(motion.origin_acceleration),
+            with_ground(motion.angular_velocity),
+            with_ground(motion.angular_acceleration),
+        )
+
+    @classmethod
+    def stacked(cls, bodies: Sequence[BodyMotion]) -> Self:
+        """Several bodies (B,) as one (B, n)."""
+        columns = ([getattr(body, own.name) for body in bodies] for own in fields(cls))
+        return cls(*(np.stack(np.broadcast_arrays(*each), axis=-1) for each in columns))
+
+    def of(self, numbers: IntArray | int) -> Self:
+        """Some of several bodies, by their numbers."""
+        return type(self)(*(getattr(self, own.name)[..., numbers] for own in fields(self)))
+
+    def point(self, drawn: complex | ComplexArray) -> ComplexArray:
+        """Where a point of the body, or one of each, is."""
+        return self.place + self.turn * (drawn - self.drawn)
+
+    def point_1(self, drawn: complex | ComplexArray) -> ComplexArray:
+        """First derivative of a point's place."""
+        arm = self.turn * (drawn - self.drawn)
+        return self.place_1 + 1j * self.turn_1 * arm
+
+    def point_2(self, drawn: complex | ComplexArray) -> ComplexArray:
+        """Second derivative of a point's place."""
+        arm = self.turn * (drawn - self.drawn)
+        return self.place_2 + (1j * self.turn_2 - self.turn_1**2) * arm
+
+    def line_rates(
+        self,
+        through: complex | ComplexArray,
+        along: complex | ComplexArray,
+        place: ComplexArray,
+        velocity: ComplexArray | complex = 0.0,
+    ) -> tuple[FloatArray, FloatArray]:
+        """First and second derivative across a line of the body that a point on it needs.
+
+        Parameters
+        ----------
+        through, along : complex or ndarray of complex
+            A point and the unit vector of the line in the body's axes.
+        place, velocity : ndarray of complex
+            Of the point; the first derivative needs no velocity.
+
+        Returns
+        -------
+        tuple of ndarray
+            To the left of the line.
+        """
+        direction = self.turn * along
+        distance = dot(direction, place - self.point(through))
+        sliding = dot(direction, velocity - self.point_1(through))
+        first = dot(1j * direction, self.point_1(through)) + distance * self.turn_1
+        second = dot(1j * direction, self.point_2(through)) + distance * self.turn_2
+        return first, second + 2 * sliding * self.turn_1
+
+
+@dataclass(frozen=True)
+class BodyPoint:
+    """A point of a body, in its axes, or one that slides along a line of it.
+
+    Parameters
+    ----------
+    body : int
+    place : complex
+        Of one that slides: where it is told by the positions.
+    slide : int, optional
+        Number of its slide.
+    along : complex
+        Unit vector of its line in the body's axes.
+    """
+
+    body: int
+    place: complex = 0.0
+    slide: int | None = None
+    along: complex = 0.0
+
+
+class BodyPoints:
+    """Points of bodies, and how they move with the coordinates of these.
+
+    Parameters
+    ----------
+    points : sequence of BodyPoint
+    columns : mapping of int to int
+        First of the three coordinates of each body that has some.
+    slides : sequence of int
+        Coordinate of each slide.
+    size : int
+        Number of all coordinates.
+    rows : ndarray of int, shape (P,), optional
+        First row of each point in a Jacobian, which gives it two, along x and y, by default one
+        point after the other.
+    lines : ndarray of bool, shape (P,), optional
+        Which points have a single row, across a line.
+
+    Attributes
+    ----------
+    body : ndarray of int, shape (P,)
+    place : ndarray of complex, shape (P,)
+    """
+
+    def __init__(
+        self,
+        points: Sequence[BodyPoint],
+        columns: Mapping[int, int],
+        slides: Sequence[int],
+        size: int,
+        rows: IntArray | None = None,
+        lines: NDArray[np.bool_] | None = None,
+    ) -> None:
+        count = len(points)
+        self.body = np.array([point.body for point in points], dtype=np.intp)
+        self.place = np.array([point.place for point in points], dtype=complex)
+        self._shape = 2 * count, size
+        row = 2 * np.arange(count) if rows is None else rows
+        on_line = np.zeros(count, dtype=bool) if lines is None else lines
+        first = np.array([columns.get(point.body, -1) for point in points], dtype=np.intp)
+        self._own = np.flatnonzero(first >= 0)
+        two, one = (np.flatnonzero((first >= 0) & own) for own in (~on_line, on_line))
+        self._targets = [
+            (own, row[own, None], first[own, None] + np.arange(3)) for own in (two, one)
+        ]
+        # Those of the lines that have coordinates.
+        self._moving_lines = np.searchsorted(np.flatnonzero(on_line), one)
+        sliding = [n for n, point in enumerate(points) if point.slide is not None]
+        self._sliding = np.array(sliding, dtype=np.intp)
+        self._slide = np.array([points[n].slide for n in sliding], dtype=np.intp)
+        self._along = np.array([points[n].along for n in sliding], dtype=complex)
+        own_slides = np.array([slides[n] for n in self._slide], dtype=np.intp)
+        self._slide_places = row[self._sliding], own_slides
+
+    def arms(self, bodies: BodyMotion, slid: ComplexArray | None = None) -> ComplexArray:
+        """From the bodies' reference points to the points in ground axes, (B, P).
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            Batch of shape (B, n).
+        slid : ndarray of complex, shape (B, n_slides), optional
+            Where the points that slide are in the axes of their guides.
+        """
+        arm: ComplexArray = bodies.turn[:, self.body] * (
+            self.place - np.asarray(bodies.drawn)[self.body]
+        )
+        if slid is not None and len(self._sliding):
+            turn = bodies.turn[:, self.body[self._sliding]]
+            arm[:, self._sliding] = turn * slid[:, self._slide]
+        return arm
+
+    def places(self, bodies: BodyMotion, slid: ComplexArray | None = None) -> ComplexArray:
+        """Places of the points in ground axes, (B, P); as :meth:`arms`."""
+        return np.asarray(bodies.place[:, self.body] + self.arms(bodies, slid))
+
+    def jacobian(self, bodies: BodyMotion, axes: ComplexArray, slid: ComplexArray) -> FloatArray:
+        """Derivative of places by the coordinates of the bodies, and by the slides.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            Batch of shape (B, n).
+        axes : ndarray of complex, shape (B, n)
+            Unit vectors along which the reference points' first coordinates count.
+        slid : ndarray of complex, shape (B, n_slides)
+            As of :meth:`arms`.
+
+        Returns
+        -------
+        ndarray, shape (B, 2 P, size)
+        """
+        matrix = np.zeros((*self._shape, len(axes)))
+        turn, arm = bodies.turn[:, self.body], self.arms(bodies, slid)
+        self.add_to(matrix, 1.0, axes[:, self.body], turn, arm)
+        return np.ascontiguousarray(np.moveaxis(matrix, -1, 0))
+
+    def jacobian_with_rates(self, bodies: BodyMotion, slid: ComplexArray) -> MatrixWithRates:
+        """The Jacobian by coordinates in the bodies' own axes, and its rates as these turn.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            Batch of shape (B, n).
+        slid : ndarray of complex, shape (3, B, n_slides)
+            As of :meth:`arms`, and its first and second time derivative.
+
+        Returns
+        -------
+        MatrixWithRates
+            Of shape (B, 2 P, size).
+        """
+        matrix = np.zeros((*self._shape, 4, len(bodies.place)))
+        self.add_rates(matrix, 1.0, bodies, slid)
+        return parts_of(matrix)
+
+    def add_rates(
+        self, matrix: FloatArray, sign: float, bodies: BodyMotion, slid: ComplexArray
+    ) -> None:
+        """Add a sign times the parts of :meth:`jacobian_with_rates` to a matrix.
+
+        Parameters
+        ----------
+        matrix : ndarray, shape (rows, size, 4, B)
+        sign : float
+        bodies : BodyMotion
+            Batch of shape (B, n).
+        slid : ndarray of complex, shape (3, B, n_slides)
+            As of :meth:`jacobian_with_rates`.
+        """
+        speed, change = bodies.turn_1[:, self.body], bodies.turn_2[:, self.body]
+        factors = np.stack([np.ones_like(speed), 1j * speed, -(speed**2), 1j * change])
+        turn = factors * bodies.turn[:, self.body]
+        arm = factors * self.arms(bodies, slid[0])
+        if len(self._sliding):
+            own = (slice(None), self._sliding)
+            first, second = (rate[:, self._slide] for rate in slid[1:])
+            arm[1][own] += turn[0][own] * first
+            arm[2][own] += 2 * turn[1][own] * first
+            arm[3][own] += turn[0][own] * second
+        self.add_to(matrix, sign, turn, turn, arm)
+
+    def add_to(
+        self,
+        matrix: FloatArray,
+        sign: float,
+        axes: ComplexArray,
+        turn: ComplexArray,
+        arm: ComplexArray,
+        across: ComplexArray | None = None,
+    ) -> None:
+        """Add a sign times a Jacobian, or a time derivative of it, to a matrix.
+
+        Parameters
+        ----------
+        matrix : ndarray, shape (rows, size, ...)
+        sign : float
+        axes, turn, arm : ndarray of complex, shape (..., P)
+            Unit vectors along which the reference points' first coordinates count, those of the
+            turned bodies, and vectors from the reference points; or time derivatives of these.
+        across : ndarray of complex, shape (..., n_lines), optional
+            Unit vectors of the rows across lines.
+        """
+        axes, turn, arm = (np.moveaxis(each, -1, 0) for each in (axes, turn, arm))
+        block = sign * np.stack([axes, 1j * axes, 1j * arm], axis=1)
+        (two, rows, columns), (one, line_rows, line_columns) = self._targets
+        matrix[rows, columns] += block[two].real
+        matrix[rows + 1, columns] += block[two].imag
+        if across is not None and len(one):
+            unit = np.moveaxis(across, -1, 0)[self._moving_lines, None]
+            matrix[line_rows, line_columns] += np.real(np.conj(unit) * block[one])
+        if len(self._sliding):
+            slide_rows, slides = self._slide_places
+            along = sign * (turn[self._sliding].T * self._along).T
+            matrix[slide_rows, slides] += along.real
+            matrix[slide_rows + 1, slides] += along.imag
+
+    def turning_stiffness(
+        self, bodies: BodyMotion, slid: ComplexArray, forces: ComplexArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """What forces that keep their direction add to the stiffness, as their arms turn.
+
+        Parameters
+        ----------
+        bodies : BodyMotion
+            Batch of shape (B, n).
+        slid : ndarray of complex, shape (B, n_slides)
+            As of :meth:`arms`.
+        forces : ndarray of complex, shape (B, P)
+            On the points, in N.
+
+        Returns
+        -------
+        tuple of ndarray, shape (B, n), (B, n_slides)
+            Against the rotation of bodies, and between that of a guide and the slide on it.
+        """
+        turning, guiding = np.zeros(bodies.place.shape), np.zeros(slid.shape)
+        by_arm = dot(forces, self.arms(bodies, slid))
+        for point in self._own:
+            turning[:, self.body[point]] += by_arm[:, point]
+        for point, slide, along in zip(self._sliding, self._slide, self._along, strict=True):
+            if point in self._own:
+                across = 1j * along * bodies.turn[:, self.body[point]]
+                guiding[:, slide] -= dot(forces[:, point], across)
+        return turning, guiding
+
+
+def parts_of(matrix: FloatArray) -> MatrixWithRates:
+    """Matrix with rates of its four parts (rows, columns, 4, B)."""
+    return MatrixWithRates(*np.ascontiguousarray(np.moveaxis(matrix, (2, 3), (0, 1))))
