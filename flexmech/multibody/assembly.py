@@ -13,12 +13,10 @@ import numpy as np
 
 from flexmech.linkages import LinkBody, LinkEnd
 from flexmech.mechanism import Mechanism
-from flexmech.multibody.added_links import add_links
+from flexmech.multibody.added_links import add_attached_bodies, add_links
 from flexmech.multibody.arms import LinkArms
-from flexmech.multibody.attached_bodies import add_attached_bodies
 from flexmech.multibody.beam_kind import BeamKind
 from flexmech.multibody.beams import BEAM_KINDS
-from flexmech.multibody.gripped_nodes import turned_bodies
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
 from flexmech.multibody.link_parts import (
     RIGID_SIZE,
@@ -28,7 +26,8 @@ from flexmech.multibody.link_parts import (
     turn_vectors,
 )
 from flexmech.multibody.node_bodies import point_masses_at
-from flexmech.multibody.user_functions import turned_frame
+from flexmech.multibody.node_directions import turned_bodies
+from flexmech.multibody.running.user_functions import turned_frame
 from flexmech.types import FloatArray
 
 

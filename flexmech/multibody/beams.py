@@ -10,10 +10,15 @@ from flexmech.errors import InputError
 from flexmech.linear_system import RigidFields
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.beam_kind import BeamKind
-from flexmech.multibody.exact_beam import element_shear_damping_time, element_shear_stiffness
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
-from flexmech.multibody.strains import Strain, cable_strains, exact_beam_strains
-from flexmech.multibody.user_functions import turned_frame
+from flexmech.multibody.running.user_functions import turned_frame
+from flexmech.multibody.strains import (
+    Strain,
+    cable_strains,
+    element_shear_damping_time,
+    element_shear_stiffness,
+    exact_beam_strains,
+)
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 

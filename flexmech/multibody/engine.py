@@ -43,11 +43,11 @@ from flexmech.mechanism import Mechanism
 from flexmech.multibody.beams import refuse_sections
 from flexmech.multibody.exudyn_system import ExudynSystem
 from flexmech.multibody.linearize import internal_forces, running_tangents, static_equilibrium
-from flexmech.multibody.running_model import RunningModel
-from flexmech.multibody.simulation import PointRecorder, Simulation
+from flexmech.multibody.running.loads import TorqueTable
+from flexmech.multibody.running.model import RunningModel
+from flexmech.multibody.running.simulation import PointRecorder, Simulation
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
-from flexmech.multibody.torque_table import TorqueTable
 from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array
 from flexmech.time_domain.recorded_runs import Impact, LinkState, Recorder, Trajectory
 from flexmech.types import FloatArray, StepProgress

@@ -20,8 +20,12 @@ from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import BeamPart, RigidPart, turn_vectors
 from flexmech.multibody.rigid_tangents import line_forces, rigid_virial, turning_stiffness
-from flexmech.multibody.static_model import StaticModel
-from flexmech.multibody.static_solver import StaticSettings, simulation_settings, solve_static
+from flexmech.multibody.static_model import (
+    StaticModel,
+    StaticSettings,
+    simulation_settings,
+    solve_static,
+)
 from flexmech.types import FloatArray, IntArray
 
 # How often dampers are turned into their lines. Each time leaves a small part of the change.

@@ -10,7 +10,7 @@ two differences between the nodes of an element, of their velocities and of thei
           - m h / 12 (v_1 - v_2)^2 + (EI / kGA) m h / 12 (phi_1 - phi_2)^2,
 
 with the mass m and the squared radius of gyration r^2 of the section. With the stiffness of
-:func:`flexmech.multibody.exact_beam.element_shear_stiffness` a wave along the beam then has the
+:func:`flexmech.multibody.strains.element_shear_stiffness` a wave along the beam then has the
 frequency of Timoshenko's theory to fourth order, but for what goes with the fourth power of r
 over the wave's length; a rod, whose phi is zero, to fourth order too. At the ends of the link,
 and where a point mass interrupts it, integration by parts leaves ``m h^2 / 12`` times ``v (v' +
@@ -28,7 +28,7 @@ import numpy as np
 
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.items import ItemNumber, Made, SystemItems
-from flexmech.multibody.user_functions import difference_mass
+from flexmech.multibody.running.user_functions import difference_mass
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
 

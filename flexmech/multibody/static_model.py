@@ -4,24 +4,28 @@ The model stands in the crank's frame: the shaft's clamp is then a condition on 
 coordinates with a constant constraint Jacobian, whatever the crank angle. What changes
 from one position to the next are the coordinates, the ground pivots, the lines of the ground
 and the loads.
+
+Exudyn's static solver: when its Newton's method is content.
 """
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+import io
+from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
-from flexmech.linear_system import free_load
+from flexmech.linear_system import LAST_STEP, MAX_ITERATIONS, RELATIVE_RESIDUAL, free_load
 from flexmech.linkages import LinkEnd, RigidMotion, shown_crank_angle
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import Connectors
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import SliderJoint, TieJoint, add_sliders, add_ties
-from flexmech.multibody.static_connectors import StaticConnectors
-from flexmech.multibody.static_loads import StaticLoads
+from flexmech.multibody.library import load_exudyn
+from flexmech.multibody.static_loads import StaticConnectors, StaticLoads
 from flexmech.types import FloatArray
 
 
@@ -195,3 +199,80 @@ class StaticModel:
             items.add(
                 "GenericJoint", name, markerNumbers=frames, constrainedAxes=[0, 0, 0, 0, 0, 1]
             )
+
+
+def simulation_settings(absolute_tolerance: float = 1e-8, *, of_steps: bool = False) -> Any:
+    """Settings for one quiet static step and for linearization.
+
+    Parameters
+    ----------
+    absolute_tolerance : float
+        Where Newton's method stops.
+    of_steps : bool
+        Whether that is a norm of the step's coordinates, instead of one of forces in N.
+
+    Returns
+    -------
+    exudyn.SimulationSettings
+    """
+    settings = load_exudyn().SimulationSettings()
+    settings.solution.file.write = False
+    # A third faster at any size; of dense matrices Exudyn warns beyond 1000 coordinates.
+    settings.linearSolver.solverType = load_exudyn().LinearSolverType.EigenSparse
+    settings.staticSolver.numberOfLoadSteps = 1
+    settings.staticSolver.adaptiveStep = False
+    settings.staticSolver.verboseMode = 0
+    newton = settings.staticSolver.newton
+    # The relative tolerance refers to the first residual and fails near an easy start.
+    newton.relativeTolerance = 0.0
+    newton.absoluteTolerance = absolute_tolerance
+    newton.maxIterations = MAX_ITERATIONS
+    newton.residualMode = int(of_steps)
+    return settings
+
+
+class StaticSettings:
+    """When Exudyn's static solver is content.
+
+    Forces out of balance are no measure beside a stiff link: what its round-off hides may bend a
+    soft one that is pinned to it. So Newton's method goes on until its step is small, and is
+    content with forces that are round-off only where no step ever is.
+    """
+
+    def __init__(self, round_off: float) -> None:
+        self._by_steps = simulation_settings(LAST_STEP, of_steps=True)
+        self._round_off = round_off
+
+    def under(self, loaded: float) -> tuple[Any, Any]:
+        """Settings to be tried one after the other under loads of a size in N."""
+        by_forces = simulation_settings(max(RELATIVE_RESIDUAL * loaded, self._round_off))
+        return self._by_steps, by_forces
+
+
+def solve_static(assembly: LinkAssembly, settings: Sequence[Any], start: FloatArray) -> bool:
+    """Move the model into static equilibrium.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    settings : sequence of exudyn.SimulationSettings
+        Tried one after the other, each from the same start.
+    start : ndarray, shape (size,)
+        Exudyn's coordinates, less the reference ones.
+
+    Returns
+    -------
+    bool
+        Whether Newton's method ended by one of these settings.
+    """
+    return any(_ends(assembly, each, start) for each in settings)
+
+
+def _ends(assembly: LinkAssembly, settings: Any, start: FloatArray) -> bool:
+    exudyn = load_exudyn()
+    assembly.mbs.systemData.SetODE2Coordinates(start, exudyn.ConfigurationType.Initial)
+    with contextlib.redirect_stdout(io.StringIO()):
+        try:
+            return bool(assembly.mbs.SolveStatic(settings, updateInitialValues=False))
+        except exudyn.SolverError:
+            return False

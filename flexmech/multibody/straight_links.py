@@ -10,8 +10,7 @@ from flexmech.linear_system import LinkModel, LinkReadings, rigid_link, with_bod
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.linearize import linearized
 from flexmech.multibody.link_parts import RigidPart
-from flexmech.multibody.static_model import StaticModel
-from flexmech.multibody.static_solver import simulation_settings
+from flexmech.multibody.static_model import StaticModel, simulation_settings
 from flexmech.types import FloatArray, IntArray
 
 

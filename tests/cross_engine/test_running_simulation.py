@@ -19,12 +19,12 @@ from flexmech import (
 )
 from flexmech.linear_system import inertia_loads
 from flexmech.linkages import CrankDrive, inverse_dynamics
-from flexmech.multibody import simulation
 from flexmech.multibody.linearize import (
     linearized,
     static_equilibrium,
 )
-from flexmech.multibody.static_solver import simulation_settings
+from flexmech.multibody.running import simulation
+from flexmech.multibody.static_model import simulation_settings
 from flexmech.sections import DampingTimes
 from flexmech.time_domain import LinkState
 from tests.cross_engine.test_six_bar import LEFT

@@ -8,7 +8,7 @@ import pytest
 
 from flexmech.analyses.damping_ratios import with_damping_ratio
 from flexmech.analyses.stability import against, edges, speed_range
-from flexmech.analyses.stability.collisions import Meeting
+from flexmech.analyses.stability.collisions import Meeting, meetings
 from flexmech.analyses.stability.growth import Sample, runs_of_growth, speeds_between
 from flexmech.analyses.stability.mode_tracking import usual_frequencies
 from flexmech.analyses.stability.naming import BandName, band_name, signatures_of
@@ -271,3 +271,16 @@ def test_modes_that_stay_together_between_two_speeds_meet_between_them():
     meeting = Meeting(76.0, 77.0, (free, free), (free * 77 / 76, free * 77 / 76), 10)
     assert 76.0 <= meeting.crank_speed <= 77.0
     assert meeting.slope == -5.0
+
+
+def test_two_modes_that_creep_meet_nowhere():
+    def creeping(speed):
+        found = followed(speed)
+        exponent = found.exponent.copy()
+        exponent[:2] = -1.0, -2.0
+        return replace(found, exponent=exponent)
+
+    pairs = meetings([creeping(80.0), creeping(81.0)], len(FREQUENCIES))
+    assert pairs
+    assert (0, 0) not in [pair.branches for pair in pairs]
+    assert all(np.isfinite(meeting.crank_speed) for pair in pairs for meeting in pair.meetings)

@@ -161,7 +161,8 @@ def meetings(speeds: Sequence[TrackedSpeed], branches: int) -> list[MeetingPair]
                     (float(last[a]), float(last[b])),
                     order,
                 )
-                for order in range(math.ceil(low - TOUCHES), math.floor(high + TOUCHES) + 1)
+                # Two modes that creep have no frequency, and meet at no multiple of the crank's.
+                for order in range(max(1, math.ceil(low - TOUCHES)), math.floor(high + TOUCHES) + 1)
                 if not (lower.is_unstable and abs(ends[0] - order) < LOCKED)
                 if not (upper.is_unstable and abs(ends[1] - order) < LOCKED)
             ]

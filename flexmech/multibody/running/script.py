@@ -15,9 +15,10 @@ from textwrap import wrap
 from flexmech.errors import one_line
 from flexmech.linkages import CrankDrive
 from flexmech.mechanism import Provenance
-from flexmech.multibody.closure import ClosedJoints
-from flexmech.multibody.items import Item
-from flexmech.multibody.script_text import (
+from flexmech.multibody.items import Item, Setting
+from flexmech.multibody.running.closure import ClosedJoints
+from flexmech.multibody.running.script_text import (
+    SHARED,
     Brackets,
     Expression,
     call,
@@ -27,9 +28,7 @@ from flexmech.multibody.script_text import (
     quoted,
     statement,
 )
-from flexmech.multibody.shared_text import SHARED
-from flexmech.multibody.solver_settings import Setting
-from flexmech.multibody.user_functions import Joints
+from flexmech.multibody.running.user_functions import Joints
 from flexmech.types import FloatArray
 
 WIDTH = 88

@@ -1,9 +1,10 @@
 """Joints put in place after every step where that takes more than moving one node.
 
-As :mod:`flexmech.multibody.user_functions`, this is the text of exported scripts too. Constraints
-on velocities leave places and angles to the integration rule, whose errors would add up where a
-joint is not linear in the coordinates: a rigid link turns, a weld holds directions, a guide's line
-turns. The least change of the coordinates of the joined nodes closes all joints (Gauss-Newton).
+As :mod:`flexmech.multibody.running.user_functions`, this is the text of exported scripts too.
+Constraints on velocities leave places and angles to the integration rule, whose errors would add up
+where a joint is not linear in the coordinates: a rigid link turns, a weld holds directions, a
+guide's line turns. The least change of the coordinates of the joined nodes closes all joints
+(Gauss-Newton).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from flexmech.multibody.user_functions import Shaft
+from flexmech.multibody.running.user_functions import Shaft
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,14 @@ from flexmech.choices import Integrator, LinkDirection
 from flexmech.errors import InputError
 from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
 from flexmech.linkages import RigidMotion, Topology
+from flexmech.multibody.items import (
+    Setting,
+    applied,
+    solver_settings,
+)
 from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.moving_frames import MovingFrames
-from flexmech.multibody.running_model import RunningModel
-from flexmech.multibody.solver_settings import Setting, applied, solver_settings
+from flexmech.multibody.link_parts import MovingFrames
+from flexmech.multibody.running.model import RunningModel
 from flexmech.time_domain.integrators import UnbalancedStepError
 from flexmech.time_domain.recorded_runs import LinkState, Recorder, ShaftMotion, StepBlock
 from flexmech.types import FloatArray

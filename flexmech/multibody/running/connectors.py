@@ -9,12 +9,14 @@ import numpy as np
 from flexmech.linear_system import LinkModel
 from flexmech.linkages import LinkEnd, LinkPoint, RigidMotion, continuous_angles
 from flexmech.linkages.motion import direction, normal
-from flexmech.multibody.connectors import Connectors, JointSpringItem, LoadItem
-from flexmech.multibody.gripped_nodes import leading_end
-from flexmech.multibody.grips import angle_of_end
+from flexmech.multibody.connectors import Connectors, JointSpringItem, LoadItem, angle_of_end
 from flexmech.multibody.items import Made
 from flexmech.multibody.link_parts import BeamPart, RigidPart
-from flexmech.multibody.user_functions import Shaft, load_history
+from flexmech.multibody.node_directions import leading_end
+from flexmech.multibody.running.user_functions import (
+    Shaft,
+    load_history,
+)
 from flexmech.time_domain.equations_of_motion import ConnectorWork
 from flexmech.types import FloatArray
 

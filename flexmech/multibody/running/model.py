@@ -19,22 +19,24 @@ from flexmech.linkages.motion import normal
 from flexmech.mechanism import Mechanism
 from flexmech.multibody.assembly import LinkAssembly
 from flexmech.multibody.connectors import Connectors
-from flexmech.multibody.gripped_nodes import hanging_on
-from flexmech.multibody.impacts import add_impacts
 from flexmech.multibody.items import ItemNumber
 from flexmech.multibody.joints import add_sliders, add_ties
 from flexmech.multibody.library import load_exudyn
-from flexmech.multibody.link_energies import LinkEnergies
-from flexmech.multibody.running_connectors import RunningConnectors
-from flexmech.multibody.running_joints import (
+from flexmech.multibody.node_directions import hanging_on
+from flexmech.multibody.running.connectors import RunningConnectors
+from flexmech.multibody.running.joints import (
     drifting_joints,
     greatest_gap,
     place_at_start,
     place_on_hub,
 )
-from flexmech.multibody.running_loads import add_running_loads
-from flexmech.multibody.torque_table import TorqueTable
-from flexmech.multibody.user_functions import Shaft
+from flexmech.multibody.running.loads import (
+    LinkEnergies,
+    TorqueTable,
+    add_impacts,
+    add_running_loads,
+)
+from flexmech.multibody.running.user_functions import Shaft
 from flexmech.time_domain.recorded_runs import Impact
 from flexmech.types import FloatArray
 

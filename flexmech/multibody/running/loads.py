@@ -1,0 +1,363 @@
+"""What acts on a running linkage besides its joints, and the energies of its links.
+
+Pulses of a hammer on points of links in an Exudyn system.
+
+A point need not be a node: the force is put on the element where the point is, which spreads it
+over its two nodes by its own shape functions (a consistent load). A cable element does that
+itself; of the geometrically exact beam, which is linear between its nodes, each node carries its
+share, on the pins' axis where the link is eccentric.
+
+The torque on a free shaft of a running Exudyn system: that of the rigid linkage.
+
+Kinetic energy and weight of links in an Exudyn system in ground axes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from flexmech.errors import InputError
+from flexmech.linear_system import BodyMatrices, LinkModel, whole
+from flexmech.linkages import CrankDrive, Linkage, LockedCrank
+from flexmech.linkages.motion import direction, normal
+from flexmech.mechanism import Mechanism
+from flexmech.multibody.added_links import AttachedPart
+from flexmech.multibody.assembly import LinkAssembly
+from flexmech.multibody.items import ItemNumber, Made
+from flexmech.multibody.link_parts import BeamPart, RigidPart
+from flexmech.multibody.node_bodies import NodeBodies
+from flexmech.multibody.running.user_functions import torque_history
+from flexmech.time_domain.recorded_runs import Impact, rigid_torque
+from flexmech.types import FloatArray
+
+
+class LinkEnergies:
+    """Energies of the links of an assembly, but for those of their strains.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    links : sequence of LinkModel
+        The links' matrices in the same coordinates.
+    """
+
+    def __init__(self, assembly: LinkAssembly, links: Sequence[LinkModel]) -> None:
+        self._assembly = assembly
+        self._links = links
+        # Without attached bodies, which turn with their nodes.
+        self._mass = [whole(link.mass) for link in links]
+        for number, part in assembly.beams:
+            bodies = assembly.mechanism.link_mass(part.name).bodies
+            if bodies:
+                self._mass[number] = (
+                    self._mass[number] - BodyMatrices.of(links[number], bodies).mass
+                )
+
+    def weight(self, link: int) -> FloatArray:
+        """Generalized weight of a link without attached bodies, shape (n_link,)."""
+        x, y = self._assembly.mechanism.gravity
+        fields = self._links[link].fields
+        return np.asarray(self._mass[link] @ (x * fields.along + y * fields.across))
+
+    def kinetic(self, link: int, position: FloatArray, velocity: FloatArray) -> FloatArray:
+        """Kinetic energy of a link.
+
+        Parameters
+        ----------
+        link : int
+        position, velocity : ndarray, shape (m, n_link)
+            Its coordinates in ground axes.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+        """
+        mass, part = self._mass[link], self._assembly.parts[link]
+        if isinstance(part, RigidPart):
+            return _kinetic(part.moments, position, velocity)
+        added = np.zeros(len(position))
+        for body in self._assembly.attached:
+            if body.link == link:
+                own = self._own(body)
+                added += _kinetic(body.moments, position[:, own], velocity[:, own])
+        if part.bodies is None:
+            rate = velocity if part.polar is None else part.polar.moved_rate(position, velocity)
+            return np.asarray(added + np.sum(rate @ mass * rate, axis=1) / 2)
+        # By the nodes only the first moments of the bodies there turn with the sections.
+        rate = velocity
+        if part.arms is not None:
+            rate = part.arms.moved_rate(position, velocity)
+            mass = part.arms.back.matrix(np.zeros(len(mass)), mass)
+        angles = np.arange(2, len(mass), self._assembly.kind.per_node)
+        x, y = rate[:, angles - 2], rate[:, angles - 1]
+        turn, spin = position[:, angles], rate[:, angles]
+        sine, lowered = np.sin(turn), 1 - np.cos(turn)
+        along, across = (part.bodies.centre * part.bodies.mass[:, None]).T
+        turned = across * (lowered * x - sine * y) - along * (sine * x + lowered * y)
+        energy = np.sum(rate @ mass * rate, axis=1) / 2
+        return np.asarray(added + energy + np.sum(spin * turned, axis=1))
+
+    def gravity(self, link: int, position: FloatArray) -> FloatArray:
+        """Potential of a link's weight but for a constant.
+
+        Parameters
+        ----------
+        link : int
+        position : ndarray, shape (m, n_link)
+            Its coordinates in ground axes.
+
+        Returns
+        -------
+        ndarray, shape (m,)
+        """
+        part, pull = self._assembly.parts[link], np.array(self._assembly.mechanism.gravity)
+        x, y = pull
+        if isinstance(part, RigidPart):
+            return np.asarray(-_moment(part.moments, position) @ pull)
+        added = np.zeros(len(position))
+        for body in self._assembly.attached:
+            if body.link == link:
+                added -= _moment(body.moments, position[:, self._own(body)]) @ pull
+        if part.bodies is None:
+            nodes = position if part.polar is None else part.polar.moved(position)
+            return np.asarray(added - nodes @ self.weight(link))
+        nodes = position if part.arms is None else part.arms.moved(position)
+        nodes = nodes.reshape(len(position), -1, self._assembly.kind.per_node)
+        (along, across), turn = part.bodies.centre.T, nodes[..., 2]
+        cosine, sine = np.cos(turn), np.sin(turn)
+        lifted = x * (nodes[..., 0] + along * cosine - across * sine)
+        lifted = lifted + y * (nodes[..., 1] + along * sine + across * cosine)
+        return np.asarray(added - lifted @ part.bodies.mass)
+
+    def _own(self, body: AttachedPart) -> list[int]:
+        """Coordinates of an attached body among those of its link."""
+        start = self._assembly.parts[body.link].coordinates.start
+        return [body.place - start, body.place - start + 1, body.angle - start]
+
+
+def _kinetic(
+    moments: tuple[float, float, float, float], position: FloatArray, velocity: FloatArray
+) -> FloatArray:
+    """Kinetic energy of a rigid body by place and angle of a point, (m, 3); shape (m,)."""
+    total, along, across, second = moments
+    angle, spin = position[:, 2], velocity[:, 2]
+    moment = along * normal(angle) - across * direction(angle)
+    crossed = spin * np.sum(velocity[:, :2] * moment, axis=1)
+    square = total * np.sum(velocity[:, :2] ** 2, axis=1) + second * spin**2
+    return np.asarray(square / 2 + crossed)
+
+
+def _moment(moments: tuple[float, float, float, float], position: FloatArray) -> FloatArray:
+    """Mass times the place of a rigid body's centre but for a constant, (m, 2)."""
+    total, along, across, _ = moments
+    angle = position[:, 2]
+    centre = along * direction(angle) + across * normal(angle)
+    return np.asarray(total * position[:, :2] + centre)
+
+
+@dataclass(frozen=True)
+class TorqueTable:
+    """Torque at times, linear between them.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Increasing, in s.
+    torque : ndarray, shape (n,)
+        In N m.
+    """
+
+    time: FloatArray
+    torque: FloatArray
+
+    @classmethod
+    def at_steps(cls, mechanism: Mechanism, drive: CrankDrive, step: float, steps: int) -> Self:
+        """Torque that drives the rigid linkage, at the time steps of a run.
+
+        Parameters
+        ----------
+        mechanism : Mechanism
+        drive : CrankDrive
+        step : float
+            In s.
+        steps : int
+
+        Returns
+        -------
+        TorqueTable
+        """
+        time = step * np.arange(steps + 2, dtype=float)
+        return cls(time, rigid_torque(mechanism, drive, time))
+
+    def at(self, time: FloatArray) -> FloatArray:
+        """Torque at times (m,) in N m."""
+        return np.asarray(np.interp(time, self.time, self.torque))
+
+    def user_function(self) -> Made:
+        """The same for Exudyn and for the script that makes the system."""
+        return Made(torque_history, (self.time.tolist(), self.torque.tolist()))
+
+
+def add_running_loads(assembly: LinkAssembly, energies: LinkEnergies) -> None:
+    """Add point masses and weight, node by node.
+
+    One object over all nodes, as in the model at standstill, would make each tangent dense.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+        Not assembled yet.
+    energies : LinkEnergies
+        Of its links, for their weight.
+    """
+    for count, body in enumerate(assembly.attached):
+        if body.body.mass and any(assembly.mechanism.gravity):
+            name = f"{assembly.parts[body.link].name}_attached_weight_{count}"
+            _add_weight(assembly, name, body.number, body.body.mass, body.centre)
+    for link, part in enumerate(assembly.parts):
+        if isinstance(part, RigidPart):
+            _add_body_weight(assembly, part)
+            continue
+        if part.bodies is not None:
+            _add_node_weights(assembly, part.name, part.bodies)
+            continue
+        assembly.items.begin(f"{part.name}: point masses and weight")
+        masses = assembly.point_masses(part)
+        weights = energies.weight(link).reshape(len(part.nodes), -1)
+        for number, (node, mass, weight) in enumerate(
+            zip(part.nodes, masses, weights, strict=True)
+        ):
+            if mass or weight.any():
+                matrix = np.diag([mass, mass] + [0.0] * (assembly.kind.per_node - 2))
+                assembly.items.add(
+                    "ObjectGenericODE2",
+                    f"{part.name}_load_{number}",
+                    nodeNumbers=[node],
+                    massMatrix=matrix,
+                    forceVector=weight,
+                )
+
+
+def _add_body_weight(assembly: LinkAssembly, part: RigidPart) -> None:
+    if any(assembly.mechanism.gravity) and part.moments[0]:
+        assembly.items.begin(f"{part.name}: weight")
+        _add_weight(assembly, f"{part.name}_weight", part.body, part.moments[0], part.centre)
+
+
+def _add_node_weights(assembly: LinkAssembly, link: str, bodies: NodeBodies) -> None:
+    """Weight of a link at the centres of mass of the bodies at its nodes."""
+    if not any(assembly.mechanism.gravity):
+        return
+    assembly.items.begin(f"{link}: weight")
+    pairs = zip(bodies.numbers, bodies.mass, bodies.centre, strict=True)
+    for number, (body, mass, (x, y)) in enumerate(pairs):
+        _add_weight(assembly, f"{link}_weight_{number}", body, float(mass), (float(x), float(y)))
+
+
+def _add_weight(
+    assembly: LinkAssembly,
+    name: str,
+    body: ItemNumber,
+    mass: float,
+    centre: tuple[float, float],
+) -> None:
+    marker = assembly.items.add(
+        "MarkerBodyRigid", f"{name}_centre", bodyNumber=body, localPosition=[*centre, 0.0]
+    )
+    x, y = assembly.mechanism.gravity
+    force = [float(mass * x), float(mass * y), 0.0]
+    assembly.items.add("LoadForceVector", name, markerNumber=marker, loadVector=force)
+
+
+def add_impacts(
+    assembly: LinkAssembly, drive: CrankDrive | LockedCrank, impacts: Sequence[Impact]
+) -> None:
+    """Add the loads of impacts to a system that is not assembled yet.
+
+    Parameters
+    ----------
+    assembly : LinkAssembly
+    drive : CrankDrive or LockedCrank
+        By which the links' rigid frames turn, and the forces with them.
+    impacts : sequence of Impact
+
+    Raises
+    ------
+    InputError
+        If one is on no link of the mechanism.
+    """
+    for count, impact in enumerate(impacts):
+        assembly.items.begin(f"impact on {impact.point}")
+        link = impact.point.index(assembly.topology)
+        force = _PulseForce(impact, drive, assembly.mechanism.linkage, link)
+        part = assembly.parts[link]
+        if isinstance(part, RigidPart):
+            raise InputError(
+                f"the impact is on the {part.name}, which is rigid; strike an elastic link"
+            )
+        shares = _shares(assembly, part, impact.point.fraction, f"impact_{count}")
+        for marker, share in shares:
+            assembly.items.add(
+                "LoadForceVector",
+                f"{marker.name}_force",
+                markerNumber=marker,
+                loadVector=[0.0, 0.0, 0.0],
+                loadVectorUserFunction=force.times(share),
+            )
+
+
+def _shares(
+    assembly: LinkAssembly, part: BeamPart, fraction: float, name: str
+) -> Iterator[tuple[ItemNumber, float]]:
+    """Markers that carry a unit force on a point, and the share of each."""
+    x = fraction * part.positions[-1]
+    element = int(np.searchsorted(part.positions, x, side="right")) - 1
+    element = min(element, len(part.elements) - 1)
+    start, end = part.positions[element : element + 2]
+    if part.bodies is None:
+        place = [float(x - start), 0.0, 0.0]
+        body = part.elements[element]
+        yield (
+            assembly.items.add("MarkerBodyPosition", name, bodyNumber=body, localPosition=place),
+            1.0,
+        )
+        return
+    inside = float((x - start) / (end - start))
+    for number, share in ((element, 1 - inside), (element + 1, inside)):
+        node_name = f"{name}_node_{number}"
+        if part.arms is not None:
+            yield assembly.add_axis_point(part, number, node_name), share
+        else:
+            node = part.nodes[number]
+            yield assembly.items.add("MarkerNodePosition", node_name, nodeNumber=node), share
+
+
+@dataclass(frozen=True)
+class _PulseForce:
+    """Force of an impact in ground axes, as Exudyn asks for it."""
+
+    impact: Impact
+    drive: CrankDrive | LockedCrank
+    linkage: Linkage
+    link: int
+
+    def times(self, share: float) -> Any:
+        """User function of a load that carries a share of the force."""
+
+        def force(mbs: Any, t: float, load: Any) -> list[float]:
+            # Exudyn asks for it several times a step, nearly always outside the pulse.
+            pulse = self.impact.pulse
+            if not pulse.start < t < pulse.end:
+                return [0.0, 0.0, 0.0]
+            size = share * float(pulse.force(t))
+            angle = float(self.drive.motion(self.linkage, np.array([t])).angle[0, self.link])
+            if self.impact.direction == "transverse":
+                angle += math.pi / 2
+            return [size * math.cos(angle), size * math.sin(angle), 0.0]
+
+        return force
