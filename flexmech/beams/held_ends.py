@@ -22,7 +22,7 @@ from functools import lru_cache
 import numpy as np
 
 from flexmech.beams.elements import BEAM_SHAPES, BeamElements
-from flexmech.beams.link_matrices import Chain, Coupling, build_chain
+from flexmech.beams.link_matrices import Chain, Coupling, build_chain, sum_of_elements
 from flexmech.beams.solid_link import MOST_RUNS, SHORT, SolidLink, twisted_back, twists_matter
 from flexmech.linear_system import whole
 from flexmech.linkages import LinkEnd, LinkMass
@@ -101,12 +101,7 @@ class HeldEnds:
         places, weights, curvature = elements.curvatures
         x = (nodes[:-1, None] + places * elements.length[:, None]) / self.length
         values = np.einsum("ki,ieg->keg", self.shapes, _moments(x))
-        own = np.einsum("keg,eg,egp->kep", values, weights, curvature)
-        size = own.shape[2] // 2
-        total = np.zeros((len(own), len(nodes), size))
-        total[:, :-1] += own[..., :size]
-        total[:, 1:] += own[..., size:]
-        return total.reshape(len(own), -1)
+        return sum_of_elements(np.einsum("keg,eg,egp->kep", values, weights, curvature))
 
     def hold(self, chain: Chain, mass_per_length: float) -> Chain:
         """A chain of elements with these energies in its matrices.
@@ -277,10 +272,6 @@ def _loads_of(chain: Chain, length: float) -> FloatArray:
     loads[turned, 0], loads[turned, 1] = (-1.0, 1.0), (1.0, 1.0)
     places, weights, deflection = elements.deflections
     x = (chain.nodes[:-1, None] + places * elements.length[:, None]) / length
-    size = deflection.shape[2] // 2
-    own = np.einsum("weg,eg,egp->epw", _moments(x)[2:], weights, deflection)
-    total = loads[:, 2:].reshape(len(chain.nodes), size, WAVES)
-    total[:-1] += own[:, :size]
-    total[1:] += own[:, size:]
-    loads[:, 2:] = total.reshape(model.size, WAVES)
+    own = np.einsum("weg,eg,egp->wep", _moments(x)[2:], weights, deflection)
+    loads[:, 2:] = sum_of_elements(own).T
     return loads

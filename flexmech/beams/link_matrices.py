@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from flexmech.beams.beam_shapes import BeamShapes
 from flexmech.beams.elements import BeamElements
 from flexmech.linear_system import (
-    ChainMatrix,
     LinkModel,
     LinkReadings,
     RigidFields,
@@ -22,21 +21,6 @@ from flexmech.linkages import LinkMass
 from flexmech.mesh import node_positions
 from flexmech.sections import BeamSection
 from flexmech.types import FloatArray
-
-
-def assemble_chain(elements: FloatArray) -> FloatArray:
-    """Sum the matrices of consecutive elements of p coordinates a node.
-
-    Parameters
-    ----------
-    elements : ndarray, shape (..., e, 2 p, 2 p)
-
-    Returns
-    -------
-    ndarray, shape (..., n, n)
-        With n = p (e + 1).
-    """
-    return ChainMatrix(elements).whole()
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +111,7 @@ def build_chain(
             beams.damping,
         ]
     )
-    first_moment = _summed(beams.first_moment, per_node)
+    first_moment = sum_of_elements(beams.first_moment)
     if not mass.mass_per_length:
         # All of it stands in points.
         matrices[:3], first_moment[:] = 0.0, 0.0
@@ -191,13 +175,22 @@ def _add_point_mass(matrices: FloatArray, node: int, mass: float) -> None:
     gyroscopic[u + 1, u] += mass
 
 
-def _summed(vectors: FloatArray, per_node: int) -> FloatArray:
-    """Sum vectors (2, e, 2 p) of consecutive elements; (2, p (e + 1))."""
-    count = vectors.shape[1]
-    total = np.zeros((2, count + 1, per_node))
-    total[:, :-1] += vectors[..., :per_node]
-    total[:, 1:] += vectors[..., per_node:]
-    return total.reshape(2, -1)
+def sum_of_elements(vectors: FloatArray) -> FloatArray:
+    """Sum vectors of consecutive elements of p coordinates a node.
+
+    Parameters
+    ----------
+    vectors : ndarray, shape (k, e, 2 p)
+
+    Returns
+    -------
+    ndarray, shape (k, p (e + 1))
+    """
+    kinds, count, size = vectors.shape
+    total = np.zeros((kinds, count + 1, size // 2))
+    total[:, :-1] += vectors[..., : size // 2]
+    total[:, 1:] += vectors[..., size // 2 :]
+    return total.reshape(kinds, -1)
 
 
 def _rigid_fields(nodes: FloatArray, shapes: BeamShapes) -> RigidFields:

@@ -36,30 +36,24 @@ REACH = 10.0
 
 @dataclass(frozen=True)
 class BoundaryLayers:
-    """Functions of t in [-1, 1] that the boundary layers of an element make, each (s,).
+    """Functions of t in [-1, 1] that the boundary layers of an element make.
 
     Parameters
     ----------
-    rise : ndarray
+    rise : ndarray, shape (s,)
         Mean of ``1 - cosh(k t) / cosh(k)``.
-    bubble, bubble_integral, bubble_slope : ndarray
+    bubble : ndarray, shape (3, s)
         ``1 - cosh(k t) / cosh(k)`` over its mean, its integral from -1 and its derivative.
-    odd, odd_integral, odd_slope : ndarray
+    odd : ndarray, shape (3, s)
         ``sinh(k t) / sinh(k)``, likewise.
-    gap, gap_integral, gap_slope : ndarray
+    gap : ndarray, shape (3, s)
         ``t - odd``, likewise.
     """
 
     rise: FloatArray
     bubble: FloatArray
-    bubble_integral: FloatArray
-    bubble_slope: FloatArray
     odd: FloatArray
-    odd_integral: FloatArray
-    odd_slope: FloatArray
     gap: FloatArray
-    gap_integral: FloatArray
-    gap_slope: FloatArray
 
     @classmethod
     def of(cls, t: FloatArray, k: FloatArray) -> Self:
@@ -78,19 +72,9 @@ class BoundaryLayers:
         tanh = np.tanh(k)
         mean = 1 - tanh / k
         integral = 1 + t - tanh / k * (1 + odd)
-        odd_integral, odd_slope = -shortfall / (k * tanh), k * (1 - shortfall) / tanh
-        return cls(
-            mean,
-            shortfall / mean,
-            integral / mean,
-            -k * tanh * odd / mean,
-            odd,
-            odd_integral,
-            odd_slope,
-            t - odd,
-            (t**2 - 1) / 2 - odd_integral,
-            1 - odd_slope,
-        )
+        bubble = np.stack([shortfall, integral, -k * tanh * odd]) / mean
+        odds = np.stack([odd, -shortfall / (k * tanh), k * (1 - shortfall) / tanh])
+        return cls(mean, bubble, odds, cls._straight(t) - odds)
 
     @classmethod
     def _series(cls, t: FloatArray, k: FloatArray) -> Self:
@@ -110,9 +94,13 @@ class BoundaryLayers:
             gap[2] += b * (1 - (2 * n + 1) * t ** (2 * n))
             gap[3] += b
         bubble, gaps = even[:3] / even[3], gap[:3] / (1 + gap[3])
-        straight = np.stack([t, (t**2 - 1) / 2, np.ones_like(t)])
         rise = k**2 * even[3] / np.cosh(k)
-        return cls(rise, *bubble, *(straight - gaps), *gaps)
+        return cls(rise, bubble, cls._straight(t) - gaps, gaps)
+
+    @staticmethod
+    def _straight(t: FloatArray) -> FloatArray:
+        """Of t: value, integral from -1 and derivative."""
+        return np.stack([t, (t**2 - 1) / 2, np.ones_like(t)])
 
 
 class ZigzagBeam(Timoshenko):
@@ -150,7 +138,8 @@ class ZigzagBeam(Timoshenko):
         for layer, both in zip(layers, sums, strict=True):
             free = free - (1 - layer.rise)[:, None] * both
         share = softness / softness.sum(axis=0)
-        values, integrals, slopes = [], [], []
+        # Of one: value, integral from the start and derivative.
+        one, parts = np.stack([np.ones_like(s), 2 * s, np.zeros_like(s)]), []
         for number, layer in enumerate(layers):
             both, across = sums[number], self._node_angles(number, -0.5)
             given = -zigzag.flexibility[number] * bending * h / 2 * third
@@ -159,35 +148,12 @@ class ZigzagBeam(Timoshenko):
                 + [np.broadcast_to(x, free.shape) for x in (both, across)]
                 + [given]
             )
-            rise = layer.rise
-            values.append(
-                _combined([layer.bubble, 1 - rise * layer.bubble, layer.odd, layer.gap], amounts)
-            )
-            integrals.append(
-                _combined(
-                    [
-                        layer.bubble_integral,
-                        2 * s - rise * layer.bubble_integral,
-                        layer.odd_integral,
-                        layer.gap_integral,
-                    ],
-                    amounts,
-                )
-            )
-            slopes.append(
-                _combined(
-                    [
-                        layer.bubble_slope,
-                        -rise * layer.bubble_slope,
-                        layer.odd_slope,
-                        layer.gap_slope,
-                    ],
-                    amounts,
-                )
-            )
-        deflection = turned + h / 2 * sum(integrals)
+            rest = one - layer.rise * layer.bubble
+            factors = np.stack([layer.bubble, rest, layer.odd, layer.gap])
+            parts.append(np.einsum("aks,asi->ksi", factors, amounts))
+        shears, integrals, slopes = np.stack(parts, axis=1)
+        deflection = turned + h / 2 * integrals.sum(axis=0)
         deflection[:, 1] += 1.0
-        shears = np.stack(values)
         return BeamFields(
             axial,
             deflection,
@@ -196,7 +162,7 @@ class ZigzagBeam(Timoshenko):
             stretch,
             curvature,
             shears,
-            2 / h * np.stack(slopes),
+            2 / h * slopes,
         )
 
     def strain_stiffness(self, section: BeamSection) -> FloatArray:
@@ -236,8 +202,3 @@ class ZigzagBeam(Timoshenko):
         row = np.zeros(2 * self.per_node)
         row[4 + number], row[self.per_node + 4 + number] = first, 0.5
         return row
-
-
-def _combined(factors: list[FloatArray], shapes: FloatArray) -> FloatArray:
-    """Sum of factors (s,) times shapes (len(factors), s, 2 p)."""
-    return np.asarray(np.einsum("as,asi->si", np.stack(factors), shapes))

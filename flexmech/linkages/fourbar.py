@@ -175,15 +175,15 @@ class FourBar:
         return np.asarray(np.arccos(np.clip(self._transmission_cosine(theta), -1.0, 1.0)))
 
     def _transmission_cosine(self, theta: FloatArray) -> FloatArray:
-        cosine: FloatArray = (
-            self.coupler**2
-            + self.rocker**2
-            - self.ground**2
-            - self.crank**2
-            + 2 * self.ground * self.crank * np.cos(theta)
-        ) / (2 * self.coupler * self.rocker)
+        cosine = self._cosine_at_b(np.cos(theta))
         self._refuse_gaps(theta, cosine)
         return cosine
+
+    def _cosine_at_b(self, crank_cosine: FloatArray) -> FloatArray:
+        """Cosine of the angle at B, by the cosine rule, from that of the crank angle."""
+        sides = self.coupler**2 + self.rocker**2 - self.ground**2 - self.crank**2
+        opposite = 2 * self.ground * self.crank * crank_cosine
+        return np.asarray((sides + opposite) / (2 * self.coupler * self.rocker))
 
     def reversed_transmission_angle(self, crank_angle: ArrayLike) -> FloatArray:
         """Angle between coupler and crank at A in rad, between 0 and pi.
@@ -216,18 +216,8 @@ class FourBar:
         Elamy et al. 2023, eqs. 2 and 3, where the crank passes 0 and 180 degrees; a limit
         position of the crank gives 0 or pi instead.
         """
-        cosines = [
-            (
-                self.coupler**2
-                + self.rocker**2
-                - self.ground**2
-                - self.crank**2
-                + sign * 2 * self.ground * self.crank
-            )
-            / (2 * self.coupler * self.rocker)
-            for sign in (1.0, -1.0)
-        ]
-        least, greatest = (float(np.arccos(np.clip(c, -1.0, 1.0))) for c in cosines)
+        cosines = self._cosine_at_b(np.array([1.0, -1.0]))
+        least, greatest = np.arccos(np.clip(cosines, -1.0, 1.0)).tolist()
         return least, greatest
 
     def motion(

@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 from importlib import resources
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from flexmech.errors import InputError
 from flexmech.materials.hygrothermal import Hygrothermal
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
-from flexmech.model_text import SharedTables, TomlTable, stated
+from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity
 from flexmech.numbers import (
     FINITE,
     NOT_NEGATIVE,
@@ -124,23 +124,16 @@ class Constituent:
 
     def to_table(self) -> TomlTable:
         """Table of a model file, without the name."""
-        usual = {field.name: field.default for field in fields(self)}
-        known = {
-            name: (getattr(self, name), dimension)
-            for name, dimension in DIMENSIONS.items()
-            if name in usual and getattr(self, name) != usual[name]
-        }
+        table = fields_table(self, DIMENSIONS)
+        if self.source:
+            table["source"] = self.source
         spreads = {
-            name: (
-                spread,
-                TEMPERATURE_DIFFERENCE if name == "glass_transition" else DIMENSIONS[name],
+            name: quantity(
+                spread, TEMPERATURE_DIFFERENCE if name == "glass_transition" else DIMENSIONS[name]
             )
             for name, spread in self.uncertainty.items()
         }
-        table = stated(**known)
-        if self.source:
-            table["source"] = self.source
-        return {**table, "uncertainty": stated(**spreads)} if spreads else table
+        return {**table, "uncertainty": spreads} if spreads else table
 
     def name_in(self, shared: SharedTables) -> str:
         """Name by which plies refer to it in a model file; its table is added if it needs one."""
@@ -259,14 +252,7 @@ class Matrix(Constituent):
     @property
     def hygrothermal(self) -> Hygrothermal:
         """What heat and water do to the resin."""
-        return Hygrothermal(
-            self.thermal_expansion,
-            self.wet_thermal_expansion,
-            self.moisture_expansion,
-            self.equilibrium,
-            self.diffusivity,
-            self.glass_transition,
-        )
+        return Hygrothermal(**{own.name: getattr(self, own.name) for own in fields(Hygrothermal)})
 
     def to_table(self) -> TomlTable:
         """Table of a model file, without the name."""
@@ -347,13 +333,18 @@ def _shipped() -> dict[str, Fibre | Matrix]:
 
 
 def _from_row(row: dict[str, str]) -> Fibre | Matrix:
-    units = {"youngs_modulus": 1e9, "shear_modulus": 1e6, "density": 1e3}
-    columns = {"youngs_modulus": "E_GPa", "shear_modulus": "G_MPa", "density": "density_g_cm3"}
-    spreads = {"youngs_modulus": "E_pm_GPa", "shear_modulus": "G_pm_MPa"}
-    spreads["density"] = "density_pm_g_cm3"
-    values = {name: float(row[column]) * units[name] for name, column in columns.items()}
+    columns = {
+        "youngs_modulus": ("E_GPa", "E_pm_GPa", 1e9),
+        "shear_modulus": ("G_MPa", "G_pm_MPa", 1e6),
+        "density": ("density_g_cm3", "density_pm_g_cm3", 1e3),
+    }
+    values: dict[str, Any] = {
+        name: float(row[column]) * unit for name, (column, _, unit) in columns.items()
+    }
     uncertainty = {
-        name: float(row[column]) * units[name] for name, column in spreads.items() if row[column]
+        name: float(row[spread]) * unit
+        for name, (_, spread, unit) in columns.items()
+        if row[spread]
     }
     kind = Fibre if row["role"] == "fibre" else Matrix
     return kind(
@@ -361,7 +352,5 @@ def _from_row(row: dict[str, str]) -> Fibre | Matrix:
         poisson_ratio=float(row["poisson"]),
         source=row["source"],
         uncertainty=uncertainty,
-        youngs_modulus=values["youngs_modulus"],
-        shear_modulus=values["shear_modulus"],
-        density=values["density"],
+        **values,
     )

@@ -13,7 +13,7 @@ import numpy as np
 
 from flexmech.errors import InputError
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
-from flexmech.model_text import TomlTable, stated
+from flexmech.model_text import TomlTable, fields_table, stated
 from flexmech.numbers import NOT_NEGATIVE, POSITIVE, Bounds, check_fields
 from flexmech.short_repr import short_repr
 from flexmech.units import (
@@ -95,11 +95,14 @@ class Hygrothermal:
 
     def to_table(self) -> TomlTable:
         """Keys of a resin or a material in a model file; empty where nothing is known."""
-        table = stated(
-            thermal_expansion=(self.thermal_expansion or None, EXPANSION),
-            wet_thermal_expansion=(self.wet_thermal_expansion, EXPANSION),
-            moisture_expansion=(self.moisture_expansion or None, MOISTURE_EXPANSION),
-            glass_transition=(self.glass_transition, TEMPERATURE),
+        table = fields_table(
+            self,
+            {
+                "thermal_expansion": EXPANSION,
+                "wet_thermal_expansion": EXPANSION,
+                "moisture_expansion": MOISTURE_EXPANSION,
+                "glass_transition": TEMPERATURE,
+            },
         )
         if self.equilibrium is not None:
             table |= stated(

@@ -216,6 +216,15 @@ class Laminate:
         """
         return np.asarray(np.tensordot(self._weights(order), self.transformed_stiffness, axes=1))
 
+    @property
+    def plate_stiffness(self) -> FloatArray:
+        """A, B and D of classical laminate theory, (6, 6).
+
+        By the strains x, z and xz at the mid-plane, and by their gradients in y.
+        """
+        a, b, d = (self.stiffness_moment(order) for order in range(3))
+        return np.block([[a, b], [b, d]])
+
     def shear_moment(self, order: int) -> FloatArray:
         """Integral of the shear stiffness times ``y**order``: orders 0, 2 and 4 (eq. 29).
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import TypeVar
 
 from flexmech.errors import InputError
 from flexmech.linkages import (
@@ -23,6 +24,17 @@ from flexmech.numbers import (
     checked_tuple,
 )
 
+Part = TypeVar("Part")
+
+PARTS: Mapping[str, tuple[type, str]] = {
+    "link_masses": (PointMass, "PointMass(link, m, kg)"),
+    "bodies": (AttachedBody, "AttachedBody(link, m, kg)"),
+    "loads": (Load, "Load(name, point, force)"),
+    "springs": (Spring, "Spring(name, first, second)"),
+    "joint_springs": (JointSpring, "JointSpring(joint)"),
+}
+"""Fields of a mechanism with parts on its links or in its joints: of what class, and how made."""
+
 
 def check_joint_masses(topology: Topology, masses: Mapping[str, float]) -> None:
     """Refuse a mass that is in no joint, or negative."""
@@ -42,64 +54,44 @@ def checked_speeds(speeds: Iterable[float]) -> tuple[float, ...]:
     return tuple(checked_number(speed, "each of operating_speeds", "rad/s") for speed in given)
 
 
-def checked_point_masses(topology: Topology, points: Iterable[PointMass]) -> tuple[PointMass, ...]:
-    """Point masses; refuse one that is on no link, or negative."""
-    remedy = "give PointMass(link, m, kg) in a tuple"
-    given = checked_tuple(points, PointMass, "link_masses", remedy)
-    for point in given:
-        if point.link not in topology.link_names:
-            raise InputError(
-                f"link_masses: unknown link {point.link!r}; links are {topology.link_names}"
-            )
-        length = topology.links[topology.index(point.link)].length
-        check_number(point.position, f"link_masses: position on the {point.link}", "m")
-        if not 0 <= point.position <= length:
-            raise InputError(
-                f"link_masses: position {point.position:g} m is not on the {point.link} "
-                f"(0 to {length:g} m)"
-            )
-        check_number(point.mass, f"link_masses: mass on the {point.link}", "kg", NOT_NEGATIVE)
-    return given
+def checked_parts(topology: Topology, name: str, parts: Iterable[Part]) -> tuple[Part, ...]:
+    """Parts of a mechanism that are on its links or in its joints.
 
+    Parameters
+    ----------
+    topology : Topology
+    name : str
+        Of the mechanism's field: one of :data:`PARTS`.
+    parts : iterable
 
-def checked_bodies(topology: Topology, bodies: Iterable[AttachedBody]) -> tuple[AttachedBody, ...]:
-    """Bodies; refuse one that is on no link."""
-    remedy = "give AttachedBody(link, m, kg) in a tuple"
-    given = checked_tuple(bodies, AttachedBody, "bodies", remedy)
-    for body in given:
-        _check_on_link(topology, f"body on the {body.link}", LinkPoint(body.link, body.position))
-    return given
+    Returns
+    -------
+    tuple
 
-
-def checked_loads(topology: Topology, loads: Iterable[Load]) -> tuple[Load, ...]:
-    """Loads; refuse one that is on no link."""
-    given = checked_tuple(loads, Load, "loads", "give Load(name, point, force) in a tuple")
-    for load in given:
-        _check_on_link(topology, f"load {load.name}", load.point)
-    return given
-
-
-def checked_springs(topology: Topology, springs: Iterable[Spring]) -> tuple[Spring, ...]:
-    """Springs; refuse one with an end on no link."""
-    given = checked_tuple(springs, Spring, "springs", "give Spring(name, first, second) in a tuple")
-    for spring in given:
-        for point in (spring.first, spring.second):
-            _check_on_link(topology, f"spring {spring.name}", point)
-    return given
-
-
-def checked_joint_springs(
-    topology: Topology, springs: Iterable[JointSpring]
-) -> tuple[JointSpring, ...]:
-    """Springs in joints; refuse one in a joint that is no pin or pivot."""
+    Raises
+    ------
+    InputError
+        If one is of another kind, on no link, or in no pin or pivot.
+    """
+    kind, made = PARTS[name]
+    given = checked_tuple(parts, kind, name, f"give {made} in a tuple")
     kinds = zip(topology.joint_names, topology.joint_kinds, strict=True)
-    turning = sorted(joint for joint, kind in kinds if kind in ("pin", "pivot"))
-    remedy = "give JointSpring(joint) in a tuple"
-    given = checked_tuple(springs, JointSpring, "joint_springs", remedy)
-    for own in given:
-        if own.joint not in turning:
+    turning = sorted(joint for joint, own in kinds if own in ("pin", "pivot"))
+    for part in given:
+        if isinstance(part, PointMass):
+            _check_on_link(topology, name, part.link, part.position)
+            check_number(part.mass, f"{name}: mass on the {part.link}", "kg", NOT_NEGATIVE)
+        elif isinstance(part, AttachedBody):
+            _check_on_link(topology, f"body on the {part.link}", part.link, part.position)
+        elif isinstance(part, Load):
+            _check_on_link(topology, f"load {part.name}", part.point.link, part.point.x)
+        elif isinstance(part, Spring):
+            for end in (part.first, part.second):
+                if not end.is_ground:
+                    _check_on_link(topology, f"spring {part.name}", end.link, end.x)
+        elif isinstance(part, JointSpring) and part.joint not in turning:
             raise InputError(
-                f"spring in joint {own.joint}: it is no pin or pivot; these are {turning}"
+                f"spring in joint {part.joint}: it is no pin or pivot; these are {turning}"
             )
     return given
 
@@ -142,17 +134,14 @@ def check_wetting(topology: Topology, wetting: Mapping[str, Wetting]) -> None:
         check_instance(faces, Wetting, f"wetting of the {name}", remedy)
 
 
-def _check_on_link(topology: Topology, what: str, point: LinkPoint) -> None:
-    """Refuse a point that is not on a link of the linkage or on the ground."""
-    if point.is_ground:
-        return
-    if point.link not in topology.link_names:
-        raise InputError(f"{what}: unknown link {point.link!r}; links are {topology.link_names}")
-    length = topology.links[topology.index(point.link)].length
-    if not 0 <= point.x <= length:
-        raise InputError(
-            f"{what}: position {point.x:g} m is not on the {point.link} (0 to {length:g} m)"
-        )
+def _check_on_link(topology: Topology, what: str, link: str, x: float) -> None:
+    """Refuse a point that is not on a link of the linkage."""
+    if link not in topology.link_names:
+        raise InputError(f"{what}: unknown link {link!r}; links are {topology.link_names}")
+    check_number(x, f"{what}: position on the {link}", "m")
+    length = topology.links[topology.index(link)].length
+    if not 0 <= x <= length:
+        raise InputError(f"{what}: position {x:g} m is not on the {link} (0 to {length:g} m)")
 
 
 def places_apart(

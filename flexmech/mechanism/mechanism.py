@@ -28,14 +28,11 @@ from flexmech.linkages import (
 )
 from flexmech.materials import REFERENCE_TEMPERATURE
 from flexmech.mechanism.checks import (
+    PARTS,
     check_joint_masses,
     check_wetting,
-    checked_bodies,
-    checked_joint_springs,
-    checked_loads,
-    checked_point_masses,
+    checked_parts,
     checked_speeds,
-    checked_springs,
     places_apart,
     sprung_linkage,
 )
@@ -140,14 +137,8 @@ class Mechanism:
     def __post_init__(self) -> None:
         topology = self._checked_topology()
         check_joint_masses(topology, self.joint_masses)
-        for name, checked in (
-            ("link_masses", checked_point_masses),
-            ("bodies", checked_bodies),
-            ("loads", checked_loads),
-            ("springs", checked_springs),
-            ("joint_springs", checked_joint_springs),
-        ):
-            object.__setattr__(self, name, checked(topology, getattr(self, name)))
+        for name in PARTS:
+            object.__setattr__(self, name, checked_parts(topology, name, getattr(self, name)))
         object.__setattr__(self, "linkage", sprung_linkage(self.linkage, self.joint_springs))
         check_number(self.shaft_inertia, "shaft_inertia", "kg m^2", NOT_NEGATIVE)
         check_pair(self.gravity, "gravity", "m/s^2")
@@ -185,19 +176,17 @@ class Mechanism:
     def _unite_spellings(self) -> None:
         """Keep what can be said in several ways in one, so that equal mechanisms compare so."""
         names = self.linkage.topology.link_names
-        in_order = sorted(self.link_masses, key=lambda point: names.index(point.link))
-        bodies = sorted(self.bodies, key=lambda body: names.index(body.link))
         joints = self.linkage.topology.joint_names
-        own = sorted(self.joint_springs, key=lambda spring: joints.index(spring.joint))
-        wetting = {name: faces for name, faces in self.wetting.items() if faces != Wetting()}
-        sections = sections_between_joints(self.linkage.topology, self.sections)
         for field_name, value in (
-            ("sections", sections),
-            ("link_masses", tuple(in_order)),
-            ("bodies", tuple(bodies)),
-            ("joint_springs", tuple(own)),
+            ("sections", sections_between_joints(self.linkage.topology, self.sections)),
+            ("link_masses", tuple(sorted(self.link_masses, key=lambda p: names.index(p.link)))),
+            ("bodies", tuple(sorted(self.bodies, key=lambda body: names.index(body.link)))),
+            (
+                "joint_springs",
+                tuple(sorted(self.joint_springs, key=lambda s: joints.index(s.joint))),
+            ),
             ("gravity", tuple(self.gravity)),
-            ("wetting", wetting),
+            ("wetting", {link: own for link, own in self.wetting.items() if own != Wetting()}),
         ):
             object.__setattr__(self, field_name, value)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from flexmech.errors import InputError, is_plain
 from flexmech.materials.moisture import Faces
-from flexmech.model_text import TomlTable, quantity
+from flexmech.model_text import TomlTable, fields_table
 from flexmech.numbers import NOT_NEGATIVE, check_number, check_pair
 from flexmech.short_repr import short_repr
 from flexmech.units import LENGTH, MASS
@@ -40,7 +40,7 @@ class PointMass:
 
     def to_table(self) -> TomlTable:
         """Entry of ``point_masses`` of its link in a model file."""
-        return {"position": quantity(self.position, LENGTH), "mass": quantity(self.mass, MASS)}
+        return fields_table(self, {"position": LENGTH, "mass": MASS})
 
 
 @dataclass(frozen=True)
@@ -83,6 +83,8 @@ class AttachedBody:
         check_number(self.mass, f"{what}: mass", "kg", NOT_NEGATIVE)
         check_number(self.inertia, f"{what}: inertia", "kg m^2", NOT_NEGATIVE)
         check_pair(self.offset, f"{what}: offset", "m")
+        along, across = self.offset
+        object.__setattr__(self, "offset", (along, across))
 
 
 @dataclass(frozen=True)

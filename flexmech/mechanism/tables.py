@@ -17,7 +17,7 @@ from flexmech.linkages import (
 )
 from flexmech.materials import REFERENCE_TEMPERATURE
 from flexmech.mechanism.parts import AttachedBody, PointMass, Wetting
-from flexmech.model_text import SharedTables, TomlTable, quantity
+from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity
 from flexmech.sections import BeamSection
 from flexmech.units import (
     ACCELERATION,
@@ -139,14 +139,10 @@ def shaft_table(inertia: float) -> TomlTable:
 
 def body_table(body: AttachedBody) -> TomlTable:
     """Entry of ``bodies`` of its link."""
-    table: TomlTable = {"position": quantity(body.position, LENGTH)}
-    if body.mass or not body.inertia:
-        table["mass"] = quantity(body.mass, MASS)
-    if body.inertia:
-        table["inertia"] = quantity(body.inertia, INERTIA)
-    if any(body.offset):
-        table["offset"] = [quantity(along, LENGTH) for along in body.offset]
-    return table
+    # A file states one of mass and inertia at least.
+    mass = {} if body.inertia else {"mass": quantity(body.mass, MASS)}
+    keys = fields_table(body, {"mass": MASS, "inertia": INERTIA, "offset": LENGTH})
+    return {"position": quantity(body.position, LENGTH), **mass, **keys}
 
 
 def joints_table(
@@ -184,27 +180,21 @@ def _drawn_table(joint: PlanarJoint) -> TomlTable:
     table: TomlTable = {"kind": joint.kind}
     if joint.links:
         table["links"] = list(joint.links)
-    if joint.direction is not None:
-        table["direction"] = quantity(joint.direction, ANGLE)
-    if joint.guide:
-        table["guide"] = joint.guide
-    return table
+    table |= fields_table(joint, {"direction": ANGLE})
+    return {**table, "guide": joint.guide} if joint.guide else table
 
 
 def _spring_keys(own: JointSpring) -> TomlTable:
-    table: TomlTable = {
-        # Stated even where it is zero, so that a spring without effect is read back too.
-        "torsional_stiffness": quantity(own.torsional_stiffness, TORSIONAL_STIFFNESS)
+    dimensions = {
+        "torsional_stiffness": TORSIONAL_STIFFNESS,
+        "torsional_damping": TORSIONAL_DAMPING,
+        "free_angle": ANGLE,
+        "radial_stiffness": SPRING_STIFFNESS,
+        "radial_damping": DAMPING,
     }
-    if own.torsional_damping:
-        table["torsional_damping"] = quantity(own.torsional_damping, TORSIONAL_DAMPING)
-    if own.free_angle:
-        table["free_angle"] = quantity(own.free_angle, ANGLE)
-    if own.radial_stiffness is not None:
-        table["radial_stiffness"] = quantity(own.radial_stiffness, SPRING_STIFFNESS)
-    if own.radial_damping:
-        table["radial_damping"] = quantity(own.radial_damping, DAMPING)
-    return table
+    # Stated even where it is zero, so that a spring without effect is read back too.
+    stiffness = quantity(own.torsional_stiffness, TORSIONAL_STIFFNESS)
+    return {"torsional_stiffness": stiffness, **fields_table(own, dimensions)}
 
 
 def loads_table(loads: Sequence[Load]) -> TomlTable:
@@ -238,12 +228,11 @@ def _load_table(load: Load) -> TomlTable:
 def springs_table(springs: Sequence[Spring]) -> TomlTable:
     """Table ``[springs]``; empty where there is none."""
     _refuse_repeated("springs", [spring.name for spring in springs])
+    dimensions = {"stiffness": SPRING_STIFFNESS, "free_length": LENGTH, "damping": DAMPING}
     return {
         spring.name: {
             "points": [_end(spring.first), _end(spring.second)],
-            "stiffness": quantity(spring.stiffness, SPRING_STIFFNESS),
-            "free_length": quantity(spring.free_length, LENGTH),
-            **({"damping": quantity(spring.damping, DAMPING)} if spring.damping else {}),
+            **fields_table(spring, dimensions),
         }
         for spring in springs
     }

@@ -8,70 +8,39 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, model_validator
 
 from flexmech.errors import InputError
-from flexmech.modelfile.base_table import (
-    Angle,
-    AngleOfTurn,
-    AnyForce,
-    Damping,
-    Distance,
-    Inertia,
-    LengthOrZero,
-    Mass,
-    RadialStiffness,
-    SpringStiffness,
-    Table,
-    Text,
-    Torque,
-    TorsionalDamping,
-    TorsionalStiffness,
-)
+from flexmech.modelfile import base_table as base
 
 
-class JointTable(Table):
+class JointTable(base.Table):
     """A joint: O2, A, B and O4 of a four-bar; O2 of a rotating arm; a point of a drawing."""
 
-    kind: Literal["pin", "clamp", "weld", "slider"] | None = Field(
-        default=None,
-        description="Of kind planar: pin if left out; clamp is the drive, or several hold a still "
-        "frame; weld keeps the angle between links; slider keeps the point on a line",
+    kind: Literal["pin", "clamp", "weld", "slider"] | None = base.optional(
+        "Of kind planar: pin if left out; clamp is the drive, or several hold a still "
+        "frame; weld keeps the angle between links; slider keeps the point on a line"
     )
-    links: list[Text] = Field(
+    links: list[base.Text] = Field(
         default_factory=list,
         description="Of a weld or clamp where only some of the links that meet there are fixed",
     )
-    direction: AngleOfTurn | None = Field(
-        default=None,
-        description="Of a slider: of its line, to the ground's x axis or to that of the guide",
+    direction: base.AngleOfTurn | None = base.optional(
+        "Of a slider: of its line, to the ground's x axis or to that of the guide"
     )
-    guide: Text | None = Field(
-        default=None,
-        description="Of a slider: rigid link that carries its line; the ground if left out",
+    guide: base.Text | None = base.optional(
+        "Of a slider: rigid link that carries its line; the ground if left out"
     )
-    mass: Mass = Field(
-        default=0.0,
-        description="Point mass at the joint; of a slider",
-        json_schema_extra={"default": "0 kg"},
+    mass: base.Mass = base.optional("Point mass at the joint; of a slider", 0.0, "0 kg")
+    inertia: base.Inertia = base.optional(
+        "Of a slider, about its centre of mass: it turns with its guide", 0.0, "0 kg m^2"
     )
-    inertia: Inertia = Field(
-        default=0.0,
-        description="Of a slider, about its centre of mass: it turns with its guide",
-        json_schema_extra={"default": "0 kg m^2"},
+    torsional_stiffness: base.TorsionalStiffness | None = base.optional("Of a spring in a pin")
+    torsional_damping: base.TorsionalDamping | None = base.optional("Of a damper in a pin")
+    free_angle: base.Angle | None = base.optional(
+        "Of the following link less that of the leading one, without torque; 0 if left out"
     )
-    torsional_stiffness: TorsionalStiffness | None = Field(
-        default=None, description="Of a spring in a pin"
+    radial_stiffness: base.RadialStiffness | None = base.optional(
+        "Of the bearing; without it the pin does not give way"
     )
-    torsional_damping: TorsionalDamping | None = Field(
-        default=None, description="Of a damper in a pin"
-    )
-    free_angle: Angle | None = Field(
-        default=None,
-        description="Of the following link less that of the leading one, without torque; 0 if "
-        "left out",
-    )
-    radial_stiffness: RadialStiffness | None = Field(
-        default=None, description="Of the bearing; without it the pin does not give way"
-    )
-    radial_damping: Damping | None = Field(default=None, description="With radial_stiffness")
+    radial_damping: base.Damping | None = base.optional("With radial_stiffness")
 
     @model_validator(mode="after")
     def _states_something(self) -> JointTable:
@@ -95,52 +64,44 @@ class JointTable(Table):
         return {name: value for name, value in stated.items() if value is not None}
 
 
-class ShaftTable(Table):
+class ShaftTable(base.Table):
     """The shaft that drives the crank."""
 
-    inertia: Inertia = Field(
-        default=0.0,
-        description="About its axis; it matters where the shaft is free",
-        json_schema_extra={"default": "0 kg m^2"},
+    inertia: base.Inertia = base.optional(
+        "About its axis; it matters where the shaft is free", 0.0, "0 kg m^2"
     )
 
 
-class PlaceTable(Table):
+class PlaceTable(base.Table):
     """A place on a link."""
 
-    link: Text = Field(description="Name of the link, or of a beam of it")
-    position: LengthOrZero = Field(description="Distance from its first joint")
+    link: base.Text = Field(description="Name of the link, or of a beam of it")
+    position: base.LengthOrZero = Field(description="Distance from its first joint")
 
 
-class LoadTable(Table):
+class LoadTable(base.Table):
     """A force and a torque on a point of a link."""
 
-    point: Text | None = Field(default=None, description="A point of the linkage or a joint")
-    link: Text | None = Field(
-        default=None, description="With position; or with point, where several links meet"
+    point: base.Text | None = base.optional("A point of the linkage or a joint")
+    link: base.Text | None = base.optional("With position; or with point, where several links meet")
+    position: base.LengthOrZero | None = base.optional(
+        "Distance from the link's first joint; with link, for point"
     )
-    position: LengthOrZero | None = Field(
-        default=None, description="Distance from the link's first joint; with link, for point"
+    force: tuple[base.AnyForce, base.AnyForce] | None = base.optional("Along x and y of the axes")
+    torque: base.Torque | None = base.optional("Positive to the left")
+    axes: Literal["ground", "link"] = base.optional(
+        "Whether the force turns with the link", "ground"
     )
-    force: tuple[AnyForce, AnyForce] | None = Field(
-        default=None, description="Along x and y of the axes"
+    over: Literal["crank_angle", "time"] | None = base.optional(
+        "What a table or file is over; a constant load if left out"
     )
-    torque: Torque | None = Field(default=None, description="Positive to the left")
-    axes: Literal["ground", "link"] = Field(
-        default="ground", description="Whether the force turns with the link"
+    table: list[list[str | float]] | None = base.optional(
+        "Rows of crank angle or time, force along x and y and, if there is one, "
+        "torque; linear between them"
     )
-    over: Literal["crank_angle", "time"] | None = Field(
-        default=None, description="What a table or file is over; a constant load if left out"
-    )
-    table: list[list[str | float]] | None = Field(
-        default=None,
-        description="Rows of crank angle or time, force along x and y and, if there is one, "
-        "torque; linear between them",
-    )
-    file: Text | None = Field(
-        default=None,
-        description="CSV file of such rows beside the model file, with the columns "
-        "crank_angle_deg or time_s, force_x_N, force_y_N and torque_Nm",
+    file: base.Text | None = base.optional(
+        "CSV file of such rows beside the model file, with the columns "
+        "crank_angle_deg or time_s, force_x_N, force_y_N and torque_Nm"
     )
 
     @model_validator(mode="after")
@@ -169,8 +130,8 @@ def _kind_of_place(value: Any) -> str | None:
 
 
 SpringEnd = Annotated[
-    Annotated[Text, Tag("name")]
-    | Annotated[tuple[Distance, Distance], Tag("ground")]
+    Annotated[base.Text, Tag("name")]
+    | Annotated[tuple[base.Distance, base.Distance], Tag("ground")]
     | Annotated[PlaceTable, Tag("place")],
     Discriminator(
         _kind_of_place,
@@ -183,17 +144,13 @@ SpringEnd = Annotated[
 ]
 
 
-class SpringTable(Table):
+class SpringTable(base.Table):
     """A straight spring between two points, with a damper beside it."""
 
     points: tuple[SpringEnd, SpringEnd] = Field(
         description="Its ends: names of points or joints, coordinates of the ground, or "
         "{ link, position }"
     )
-    stiffness: SpringStiffness = Field(description="Force per elongation")
-    free_length: LengthOrZero = Field(description="Without force")
-    damping: Damping = Field(
-        default=0.0,
-        description="Of the damper; 0 if left out",
-        json_schema_extra={"default": "0 N s/m"},
-    )
+    stiffness: base.SpringStiffness = Field(description="Force per elongation")
+    free_length: base.LengthOrZero = Field(description="Without force")
+    damping: base.Damping = base.optional("Of the damper; 0 if left out", 0.0, "0 N s/m")

@@ -20,7 +20,7 @@ from flexmech.linkages import (
 )
 from flexmech.linkages.topology import LinkEnd
 from flexmech.mechanism import AttachedBody, PointMass
-from flexmech.mechanism.checks import checked_joint_springs
+from flexmech.mechanism.checks import checked_parts
 from flexmech.modelfile.attachment_tables import LoadTable, PlaceTable
 from flexmech.modelfile.document import ModelFile
 from flexmech.modelfile.link_places import LinkPlaces
@@ -116,7 +116,8 @@ def joint_springs(
         with findings.at(f"joints.{name}"):
             # A joint that is not there is told of all its keys.
             if joint.spring and name in topology.joint_names:
-                found += checked_joint_springs(topology, [JointSpring(name, **joint.spring)])
+                own = [JointSpring(name, **joint.spring)]
+                found += checked_parts(topology, "joint_springs", own)
     return tuple(found)
 
 

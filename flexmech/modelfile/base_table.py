@@ -143,6 +143,26 @@ DiffusivityValue = Annotated[float, QuantityField(units.DIFFUSIVITY, POSITIVE)]
 ActivationEnergy = Annotated[float, QuantityField(units.ACTIVATION_ENERGY, NOT_NEGATIVE)]
 
 
+def optional(description: str, default: Any = None, shown: Any = None) -> Any:
+    """Key that may be left out.
+
+    Parameters
+    ----------
+    description : str
+        What the key says.
+    default : object
+        What it is then, as tables hold it.
+    shown : object
+        The same as it would be written in a file, if that is another thing.
+
+    Returns
+    -------
+    pydantic.Field
+    """
+    extra = None if shown is None else {"default": shown}
+    return Field(default=default, description=description, json_schema_extra=extra)
+
+
 Flag = Annotated[bool, Field(strict=True)]
 """true or false, and no text or number that may mean one of them."""
 Text = Annotated[str, StringConstraints(strip_whitespace=True, min_length=1)]
@@ -191,16 +211,13 @@ def _again(finding: ErrorDetails) -> InitErrorDetails:
 class DampedTable(Table):
     """Kelvin-Voigt damping, as a time or as a damping ratio at a frequency."""
 
-    damping_time: TimeOrZero | None = Field(
-        default=None,
-        description="Kelvin-Voigt time tau: stress = E (strain + tau d(strain)/dt)",
+    damping_time: TimeOrZero | None = optional(
+        "Kelvin-Voigt time tau: stress = E (strain + tau d(strain)/dt)"
     )
-    damping_ratio: DampingRatio | None = Field(
-        default=None, description="Fraction of critical damping at damping_frequency"
+    damping_ratio: DampingRatio | None = optional(
+        "Fraction of critical damping at damping_frequency"
     )
-    damping_frequency: Frequency | None = Field(
-        default=None, description="Frequency at which damping_ratio holds"
-    )
+    damping_frequency: Frequency | None = optional("Frequency at which damping_ratio holds")
 
     @model_validator(mode="after")
     def _one_kind_of_damping(self) -> DampedTable:

@@ -30,6 +30,7 @@ from flexmech.modelfile.linkage_tables import PlanarTable
 from flexmech.modelfile.messages import Findings, known_name
 from flexmech.modelfile.planar import stated_linkage
 from flexmech.sections import BeamSection, DampingTimes, LaminateSection, SpecificDamping
+from flexmech.sections.beam_section import DIMENSIONS, MAY_BE_ZERO
 
 
 def build_mechanism(
@@ -157,10 +158,7 @@ def _section(
     if isinstance(table, GeneralLinkTable):
         return _general(table, laminates)
     if isinstance(table, LaminateLinkTable):
-        layers = LaminateSection(
-            laminates[table.laminate], table.out_of_plane_width, table.reduction, table.twist
-        )
-        return _with_damping(BeamSection.of_laminate(layers), table)
+        return _with_damping(BeamSection.of_laminate(_layers(table, laminates)), table)
     stated = materials[table.material]
     section = BeamSection.rectangle(
         stated.material,
@@ -170,31 +168,28 @@ def _section(
     return _with_damping(section, table if table.has_damping else stated)
 
 
+def _layers(
+    table: LaminateLinkTable | GeneralLinkTable, laminates: Mapping[str, Laminate]
+) -> LaminateSection:
+    assert table.laminate is not None
+    assert table.out_of_plane_width is not None
+    laminate = laminates[table.laminate]
+    return LaminateSection(laminate, table.out_of_plane_width, table.reduction, table.twist)
+
+
 def _general(table: GeneralLinkTable, laminates: Mapping[str, Laminate]) -> BeamSection:
-    layers = None
-    if table.laminate is not None and table.out_of_plane_width is not None:
-        layers = LaminateSection(
-            laminates[table.laminate], table.out_of_plane_width, table.reduction, table.twist
-        )
+    layers = None if table.laminate is None else _layers(table, laminates)
     loss, times = table.specific_damping, table.damping_times
+    stated = {name: getattr(table, name) for name in (*DIMENSIONS, *MAY_BE_ZERO)}
     section = BeamSection(
-        axial_stiffness=table.axial_stiffness,
-        bending_stiffness=table.bending_stiffness,
-        shear_stiffness=table.shear_stiffness,
-        mass_per_length=table.mass_per_length,
-        rotary_inertia=table.rotary_inertia,
-        in_plane_thickness=table.in_plane_thickness,
-        neutral_axis=table.neutral_axis,
-        mass_axis=table.mass_axis,
+        **stated,
         specific_damping=None if loss is None else SpecificDamping(**loss.model_dump()),
         layers=layers,
-        free_strain=table.free_strain,
-        free_curvature=table.free_curvature,
     )
     if times is None:
         return _with_damping(section, table)
-    stated = DampingTimes(**times.model_dump())
-    return replace(section, damping=stated, damping_frequency=table.damping_frequency)
+    own = DampingTimes(**times.model_dump())
+    return replace(section, damping=own, damping_frequency=table.damping_frequency)
 
 
 def _with_damping(section: BeamSection, table: DampedTable) -> BeamSection:

@@ -7,17 +7,8 @@ from typing import Annotated
 from pydantic import Field, StringConstraints
 
 from flexmech.materials import REFERENCE_TEMPERATURE, Material
+from flexmech.modelfile import base_table as base
 from flexmech.modelfile.attachment_tables import JointTable, LoadTable, ShaftTable, SpringTable
-from flexmech.modelfile.base_table import (
-    Acceleration,
-    AngularSpeed,
-    DampedTable,
-    Density,
-    PoissonRatio,
-    Stress,
-    Table,
-    Temperature,
-)
 from flexmech.modelfile.link_tables import LinkTable
 from flexmech.modelfile.linkage_tables import LinkageTable
 from flexmech.modelfile.material_tables import (
@@ -32,12 +23,12 @@ from flexmech.modelfile.material_tables import (
 Name = Annotated[str, StringConstraints(pattern=r"\S")]
 
 
-class MaterialTable(DampedTable, HygrothermalTable):
+class MaterialTable(base.DampedTable, HygrothermalTable):
     """An isotropic material."""
 
-    youngs_modulus: Stress = Field(description="Young's modulus E")
-    density: Density = Field(description="Density rho")
-    poisson_ratio: PoissonRatio = Field(description="Poisson's ratio nu (for shear)")
+    youngs_modulus: base.Stress = Field(description="Young's modulus E")
+    density: base.Density = Field(description="Density rho")
+    poisson_ratio: base.PoissonRatio = Field(description="Poisson's ratio nu (for shear)")
 
     @property
     def material(self) -> Material:
@@ -45,35 +36,35 @@ class MaterialTable(DampedTable, HygrothermalTable):
         return Material(self.youngs_modulus, self.density, self.poisson_ratio, self.hygrothermal)
 
 
-class EnvironmentTable(Table):
+class EnvironmentTable(base.Table):
     """What surrounds the linkage."""
 
-    gravity: tuple[Acceleration, Acceleration] = Field(
-        default=(0.0, 0.0),
-        description="Gravitational acceleration along x and y; none if left out",
-        json_schema_extra={"default": ["0 m/s^2", "0 m/s^2"]},
+    gravity: tuple[base.Acceleration, base.Acceleration] = base.optional(
+        "Gravitational acceleration along x and y; none if left out",
+        (0.0, 0.0),
+        ["0 m/s^2", "0 m/s^2"],
     )
-    reference_temperature: Temperature = Field(
-        default=REFERENCE_TEMPERATURE,
-        description="At which lengths, sections and moduli are as stated; 20 degC if left out",
-        json_schema_extra={"default": "20 degC"},
+    reference_temperature: base.Temperature = base.optional(
+        "At which lengths, sections and moduli are as stated; 20 degC if left out",
+        REFERENCE_TEMPERATURE,
+        "20 degC",
     )
 
 
-class OperationTable(Table):
+class OperationTable(base.Table):
     """How the mechanism is meant to run."""
 
-    crank_speeds: list[AngularSpeed] = Field(
+    crank_speeds: list[base.AngularSpeed] = Field(
         default_factory=list, description="Crank speeds that the mechanism is meant for"
     )
 
 
-class ModelFile(Table):
+class ModelFile(base.Table):
     """A model file of flexmech."""
 
     name: Name = Field(description="Short name, used in titles")
     source: str = Field(description="Publication, drawing or measurement of the numbers")
-    notes: str = Field(default="", description="Anything a reader should know")
+    notes: str = base.optional("Anything a reader should know", "")
     linkage: LinkageTable
     materials: dict[str, MaterialTable] = Field(default_factory=dict)
     fibres: dict[str, FibreTable] = Field(default_factory=dict)

@@ -92,28 +92,18 @@ def _constituents(
 
 
 def _matrix(name: str, table: MatrixTable) -> Matrix:
-    stated = table.hygrothermal
     return Matrix(
         **_common(name, table),
-        thermal_expansion=stated.thermal_expansion,
-        wet_thermal_expansion=stated.wet_thermal_expansion,
-        moisture_expansion=stated.moisture_expansion,
-        equilibrium=stated.equilibrium,
-        diffusivity=stated.diffusivity,
-        glass_transition=stated.glass_transition,
+        **vars(table.hygrothermal),
         tensile_strength=table.tensile_strength,
     )
 
 
 def _common(name: str, table: ConstituentTable) -> dict[str, Any]:
+    stated = ConstituentTable.model_fields.keys() - {"name", "uncertainty"}
     return {
+        **{key: getattr(table, key) for key in stated},
         "name": name if table.name is None else table.name,
-        "youngs_modulus": table.youngs_modulus,
-        "shear_modulus": table.shear_modulus,
-        "density": table.density,
-        "poisson_ratio": table.poisson_ratio,
-        "specific_damping": table.specific_damping,
-        "source": table.source,
         "uncertainty": table.spreads,
     }
 
@@ -195,7 +185,6 @@ def _origin(
 
 
 def _orthotropic(table: OrthotropicPlyTable, origin: PlyComposition | ResinContent | None) -> Ply:
-    in_plane = table.in_plane_shear_modulus
     across = table.transverse_shear_modulus
     if across is None:
         if table.poisson_ratio <= -1:
@@ -204,14 +193,15 @@ def _orthotropic(table: OrthotropicPlyTable, origin: PlyComposition | ResinConte
                 f"{table.poisson_ratio:g} it does not follow from the transverse modulus; add it"
             )
         across = table.transverse_modulus / (2 * (1 + table.poisson_ratio))
+    in_plane = table.in_plane_shear_modulus
     return Ply(
-        longitudinal_modulus=table.longitudinal_modulus,
-        transverse_modulus=table.transverse_modulus,
-        in_plane_shear_modulus=in_plane,
-        longitudinal_shear_modulus=table.longitudinal_shear_modulus or in_plane,
-        transverse_shear_modulus=across,
-        poisson_ratio=table.poisson_ratio,
-        density=table.density,
+        table.longitudinal_modulus,
+        table.transverse_modulus,
+        in_plane,
+        table.longitudinal_shear_modulus or in_plane,
+        across,
+        table.poisson_ratio,
+        table.density,
         specific_damping=PlyDamping(
             table.longitudinal_damping, table.transverse_damping, table.shear_damping
         ),

@@ -8,26 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, model_validator
 
 from flexmech.errors import InputError
-from flexmech.modelfile.base_table import (
-    BendingStiffness,
-    Curvature,
-    DampedTable,
-    Distance,
-    Flag,
-    Force,
-    Inertia,
-    LengthOrZero,
-    Mass,
-    MassPerLength,
-    Ratio,
-    RotaryInertia,
-    SpecificDamping,
-    Table,
-    Text,
-    Thickness,
-    TimeOrZero,
-    Width,
-)
+from flexmech.modelfile import base_table as base
 from flexmech.modelfile.material_tables import WettedTable
 
 Beam = Annotated[int, Field(ge=1, strict=True)]
@@ -38,34 +19,28 @@ OF_BEAM = (
 SECTIONLESS = "none"
 
 
-class PointMassTable(Table):
+class PointMassTable(base.Table):
     """A point mass on a link."""
 
-    position: LengthOrZero = Field(description="Distance from the link's first joint")
-    mass: Mass = Field(description="Mass of the point")
-    beam: Beam | None = Field(default=None, description=OF_BEAM)
+    position: base.LengthOrZero = Field(description="Distance from the link's first joint")
+    mass: base.Mass = Field(description="Mass of the point")
+    beam: Beam | None = base.optional(OF_BEAM)
 
 
-class BodyTable(Table):
+class BodyTable(base.Table):
     """A rigid body that is fixed to a link: a hub, a piston, a counterweight."""
 
-    position: LengthOrZero = Field(
+    position: base.LengthOrZero = Field(
         description="Distance from the link's first joint of the section that it is fixed to"
     )
-    mass: Mass = Field(
-        default=0.0, description="0 if left out", json_schema_extra={"default": "0 kg"}
+    mass: base.Mass = base.optional("0 if left out", 0.0, "0 kg")
+    inertia: base.Inertia = base.optional("About its own centre of mass", 0.0, "0 kg m^2")
+    offset: tuple[base.Distance, base.Distance] = base.optional(
+        "Of its centre of mass, along and across the link, to the left positive",
+        (0.0, 0.0),
+        ["0 m", "0 m"],
     )
-    inertia: Inertia = Field(
-        default=0.0,
-        description="About its own centre of mass",
-        json_schema_extra={"default": "0 kg m^2"},
-    )
-    offset: tuple[Distance, Distance] = Field(
-        default=(0.0, 0.0),
-        description="Of its centre of mass, along and across the link, to the left positive",
-        json_schema_extra={"default": ["0 m", "0 m"]},
-    )
-    beam: Beam | None = Field(default=None, description=OF_BEAM)
+    beam: Beam | None = base.optional(OF_BEAM)
 
     @model_validator(mode="after")
     def _has_mass_or_inertia(self) -> BodyTable:
@@ -74,16 +49,13 @@ class BodyTable(Table):
         return self
 
 
-class AnyLinkTable(DampedTable, WettedTable):
+class AnyLinkTable(base.DampedTable, WettedTable):
     """What all links have in common."""
 
-    points: list[Text] | None = Field(
-        default=None,
-        description="Of kind planar: points at its two ends, or a chain of more that beams join",
+    points: list[base.Text] | None = base.optional(
+        "Of kind planar: points at its two ends, or a chain of more that beams join"
     )
-    rigid: Flag = Field(
-        default=False, description="Of kind planar: whether it has mass but does not bend"
-    )
+    rigid: base.Flag = base.optional("Of kind planar: whether it has mass but does not bend", False)
     point_masses: list[PointMassTable] = Field(default_factory=list)
     bodies: list[BodyTable] = Field(
         default_factory=list, description="Rigid bodies that are fixed to it"
@@ -94,11 +66,11 @@ class RectangleLinkTable(AnyLinkTable):
     """A link whose section is a solid rectangle; its own damping overrides the material's."""
 
     section: Literal["rectangle"]
-    material: Text = Field(description="Name of a table under [materials]")
-    in_plane_thickness: Thickness = Field(
+    material: base.Text = Field(description="Name of a table under [materials]")
+    in_plane_thickness: base.Thickness = Field(
         description="Extent of the section in the linkage's plane: h in I = b h^3 / 12"
     )
-    out_of_plane_width: Width = Field(
+    out_of_plane_width: base.Width = Field(
         description="Extent of the section along the joint axes: b in I = b h^3 / 12"
     )
 
@@ -107,41 +79,39 @@ class LaminateLinkTable(AnyLinkTable):
     """A link made of a laminate whose layers lie in the plane of the linkage."""
 
     section: Literal["laminate"]
-    laminate: Text = Field(description="Name of a table under [laminates]")
-    out_of_plane_width: Width = Field(description="Extent of the section along the joint axes")
-    reduction: Literal["narrow", "wide"] = Field(
-        default="narrow",
-        description="'narrow': free to contract along the joint axes; 'wide': held from it",
+    laminate: base.Text = Field(description="Name of a table under [laminates]")
+    out_of_plane_width: base.Width = Field(description="Extent of the section along the joint axes")
+    reduction: Literal["narrow", "wide"] = base.optional(
+        "'narrow': free to contract along the joint axes; 'wide': held from it", "narrow"
     )
-    twist: Literal["free", "held"] | None = Field(
-        default=None,
-        description="Of off-axis plies that twist as they bend: 'held' by joints at both ends; "
-        "'free'. Left out: as the link's joints have it",
+    twist: Literal["free", "held"] | None = base.optional(
+        "Of off-axis plies that twist as they bend: 'held' by joints at both ends; "
+        "'free'. Left out: as the link's joints have it"
     )
 
     def _check_frequency_alone(self) -> None:
         """Take the specific damping of the plies at that frequency."""
 
 
-class DampingTimesTable(Table):
+class DampingTimesTable(base.Table):
     """Kelvin-Voigt times of a section by deformation."""
 
-    axial: TimeOrZero = Field(description="Of stretching along the neutral axis")
-    bending: TimeOrZero = Field(description="Of bending about it")
-    shear: TimeOrZero = Field(description="Of shear")
-    warping: TimeOrZero | None = Field(
-        default=None, description="Of warping cross-sections; as of bending if left out"
+    axial: base.TimeOrZero = Field(description="Of stretching along the neutral axis")
+    bending: base.TimeOrZero = Field(description="Of bending about it")
+    shear: base.TimeOrZero = Field(description="Of shear")
+    warping: base.TimeOrZero | None = base.optional(
+        "Of warping cross-sections; as of bending if left out"
     )
 
 
-class SpecificDampingTable(Table):
+class SpecificDampingTable(base.Table):
     """Energy that a section loses in a cycle over its largest, by deformation."""
 
-    axial: SpecificDamping = Field(description="Of stretching along the neutral axis")
-    bending: SpecificDamping = Field(description="Of bending about it")
-    shear: SpecificDamping = Field(description="Of shear")
-    warping: SpecificDamping | None = Field(
-        default=None, description="Of warping cross-sections; as of bending if left out"
+    axial: base.SpecificDamping = Field(description="Of stretching along the neutral axis")
+    bending: base.SpecificDamping = Field(description="Of bending about it")
+    shear: base.SpecificDamping = Field(description="Of shear")
+    warping: base.SpecificDamping | None = base.optional(
+        "Of warping cross-sections; as of bending if left out"
     )
 
 
@@ -149,46 +119,39 @@ class GeneralLinkTable(AnyLinkTable):
     """A link whose section is given by its stiffness and mass per length."""
 
     section: Literal["general"]
-    axial_stiffness: Force = Field(description="EA")
-    bending_stiffness: BendingStiffness = Field(
+    axial_stiffness: base.Force = Field(description="EA")
+    bending_stiffness: base.BendingStiffness = Field(
         description="EI about the neutral axis, for bending in the plane"
     )
-    shear_stiffness: Force = Field(description="kGA, with the shear correction factor k")
-    mass_per_length: MassPerLength = Field(description="rho A")
-    rotary_inertia: RotaryInertia = Field(description="rho I, mass moment of inertia per length")
-    in_plane_thickness: Thickness = Field(
+    shear_stiffness: base.Force = Field(description="kGA, with the shear correction factor k")
+    mass_per_length: base.MassPerLength = Field(description="rho A")
+    rotary_inertia: base.RotaryInertia = Field(
+        description="rho I, mass moment of inertia per length"
+    )
+    in_plane_thickness: base.Thickness = Field(
         description="Extent of the section in the linkage's plane"
     )
-    neutral_axis: Distance = Field(
-        default=0.0,
-        description="Distance of the neutral axis from the line of the pins, to the left positive",
-        json_schema_extra={"default": "0 m"},
+    neutral_axis: base.Distance = base.optional(
+        "Distance of the neutral axis from the line of the pins, to the left positive", 0.0, "0 m"
     )
-    mass_axis: Distance = Field(
-        default=0.0,
-        description="The same of the centre of mass",
-        json_schema_extra={"default": "0 m"},
+    mass_axis: base.Distance = base.optional("The same of the centre of mass", 0.0, "0 m")
+    free_strain: base.Ratio = base.optional("Of the neutral axis, without load", 0.0)
+    free_curvature: base.Curvature = base.optional(
+        "Without load; positive turns to the left along the link", 0.0, "0 1/m"
     )
-    free_strain: Ratio = Field(default=0.0, description="Of the neutral axis, without load")
-    free_curvature: Curvature = Field(
-        default=0.0,
-        description="Without load; positive turns to the left along the link",
-        json_schema_extra={"default": "0 1/m"},
+    damping_times: DampingTimesTable | None = base.optional(
+        "In place of damping_time, where deformations differ"
     )
-    damping_times: DampingTimesTable | None = Field(
-        default=None, description="In place of damping_time, where deformations differ"
+    specific_damping: SpecificDampingTable | None = base.optional(
+        "With damping_frequency alone: the damping at that frequency"
     )
-    specific_damping: SpecificDampingTable | None = Field(
-        default=None, description="With damping_frequency alone: the damping at that frequency"
+    laminate: base.Text | None = base.optional(
+        "Layers of the section, a table under [laminates], for stresses inside it; "
+        "its stiffness stays as stated here"
     )
-    laminate: Text | None = Field(
-        default=None,
-        description="Layers of the section, a table under [laminates], for stresses inside it; "
-        "its stiffness stays as stated here",
-    )
-    out_of_plane_width: Width | None = Field(default=None, description="With laminate")
-    reduction: Literal["narrow", "wide"] = Field(default="narrow", description="With laminate")
-    twist: Literal["free", "held"] | None = Field(default=None, description="With laminate")
+    out_of_plane_width: base.Width | None = base.optional("With laminate")
+    reduction: Literal["narrow", "wide"] = base.optional("With laminate", "narrow")
+    twist: Literal["free", "held"] | None = base.optional("With laminate")
 
     @model_validator(mode="after")
     def _nothing_twice_or_alone(self) -> GeneralLinkTable:
@@ -208,18 +171,11 @@ class GeneralLinkTable(AnyLinkTable):
 class RigidLinkTable(AnyLinkTable):
     """A rigid link without a section: its mass is stated, or that of its bodies."""
 
-    section: Literal["none"] = Field(default="none", description="Left out")
-    mass: Mass = Field(
-        default=0.0, description="Of the link; 0 if left out", json_schema_extra={"default": "0 kg"}
-    )
-    inertia: Inertia = Field(
-        default=0.0,
-        description="About its centre of mass",
-        json_schema_extra={"default": "0 kg m^2"},
-    )
-    centre: LengthOrZero | None = Field(
-        default=None,
-        description="Distance of its centre of mass from its first joint; its middle if left out",
+    section: Literal["none"] = base.optional("Left out", "none")
+    mass: base.Mass = base.optional("Of the link; 0 if left out", 0.0, "0 kg")
+    inertia: base.Inertia = base.optional("About its centre of mass", 0.0, "0 kg m^2")
+    centre: base.LengthOrZero | None = base.optional(
+        "Distance of its centre of mass from its first joint; its middle if left out"
     )
 
     @model_validator(mode="after")

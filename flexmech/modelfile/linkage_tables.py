@@ -7,34 +7,23 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from flexmech.linkages import CouplerPoint, FourBar, RotatingArm
-from flexmech.modelfile.base_table import (
-    Angle,
-    AngleOfTurn,
-    Distance,
-    Expansion,
-    Length,
-    LengthOrZero,
-    Table,
-    Text,
-)
+from flexmech.modelfile import base_table as base
 
 
-class CouplerPointTable(Table):
+class CouplerPointTable(base.Table):
     """A point that moves with the coupler."""
 
-    distance: LengthOrZero = Field(description="Distance e from A")
-    angle: Angle = Field(
+    distance: base.LengthOrZero = Field(description="Distance e from A")
+    angle: base.Angle = Field(
         description="Angle gamma at A from the line A-B to the point, to the left positive"
     )
 
 
-class MountedTable(Table):
+class MountedTable(base.Table):
     """What a linkage is mounted to."""
 
-    ground_thermal_expansion: Expansion = Field(
-        default=0.0,
-        description="Of the frame between the ground pivots, or of the hub; 0 if left out",
-        json_schema_extra={"default": "0 1/K"},
+    ground_thermal_expansion: base.Expansion = base.optional(
+        "Of the frame between the ground pivots, or of the hub; 0 if left out", 0.0, "0 1/K"
     )
 
     @property
@@ -47,15 +36,15 @@ class FourBarTable(MountedTable):
     """Ground pivots O2 and O4, crank O2-A, coupler A-B, rocker O4-B."""
 
     kind: Literal["four-bar"]
-    ground: Length = Field(description="Distance r1 between the ground pivots O2 and O4")
-    crank: Length = Field(description="Crank length r2, O2 to A")
-    coupler: Length = Field(description="Coupler length r3, A to B")
-    rocker: Length = Field(description="Rocker length r4, O4 to B")
-    branch: Literal["open", "crossed"] = Field(
-        default="open", description="'open' has B above at crank angle zero"
+    ground: base.Length = Field(description="Distance r1 between the ground pivots O2 and O4")
+    crank: base.Length = Field(description="Crank length r2, O2 to A")
+    coupler: base.Length = Field(description="Coupler length r3, A to B")
+    rocker: base.Length = Field(description="Rocker length r4, O4 to B")
+    branch: Literal["open", "crossed"] = base.optional(
+        "'open' has B above at crank angle zero", "open"
     )
-    coupler_point: CouplerPointTable | None = Field(
-        default=None, description="Point of the coupler whose path matters"
+    coupler_point: CouplerPointTable | None = base.optional(
+        "Point of the coupler whose path matters"
     )
 
     @property
@@ -74,11 +63,9 @@ class RotatingArmTable(MountedTable):
     """One link clamped to a hub that turns about O2."""
 
     kind: Literal["rotating-arm"]
-    length: Length = Field(description="Arm length, from the clamp to the free end")
-    hub_radius: LengthOrZero = Field(
-        default=0.0,
-        description="Distance from the axis to the clamp; zero if left out",
-        json_schema_extra={"default": "0 m"},
+    length: base.Length = Field(description="Arm length, from the clamp to the free end")
+    hub_radius: base.LengthOrZero = base.optional(
+        "Distance from the axis to the clamp; zero if left out", 0.0, "0 m"
     )
 
     @property
@@ -91,12 +78,11 @@ class PlanarTable(MountedTable):
     """Any planar linkage, drawn once; its links name their points, joints say what points do."""
 
     kind: Literal["planar"]
-    drawn_at: AngleOfTurn | None = Field(
-        default=None,
-        description="Crank angle of the drawing; the angle of the crank's first beam if left out",
+    drawn_at: base.AngleOfTurn | None = base.optional(
+        "Crank angle of the drawing; the angle of the crank's first beam if left out"
     )
-    ground: list[Text] = Field(description="Names of the points that do not move")
-    points: dict[str, tuple[Distance, Distance]] = Field(
+    ground: list[base.Text] = Field(description="Names of the points that do not move")
+    points: dict[str, tuple[base.Distance, base.Distance]] = Field(
         description="Coordinates x and y of each point, by its name, at the crank angle drawn_at"
     )
 

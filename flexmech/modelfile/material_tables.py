@@ -10,66 +10,40 @@ from flexmech.errors import InputError, suggestion
 from flexmech.materials import REFERENCE_TEMPERATURE, Hygrothermal, ResinContent
 from flexmech.materials.constituents import DIMENSIONS
 from flexmech.materials.moisture import Diffusivity, MoistureEquilibrium
-from flexmech.modelfile.base_table import (
-    ActivationEnergy,
-    AngleOfTurn,
-    Density,
-    DiffusivityValue,
-    Expansion,
-    Flag,
-    MoistureContent,
-    MoistureExpansion,
-    PlyMoistureExpansion,
-    PoissonRatio,
-    PositiveRatio,
-    Ratio,
-    SpecificDamping,
-    Stress,
-    Table,
-    Temperature,
-    Text,
-    Thickness,
-)
+from flexmech.modelfile import base_table as base
 from flexmech.numbers import NOT_NEGATIVE
 from flexmech.units import TEMPERATURE, TEMPERATURE_DIFFERENCE, parse_quantity
 
 
-class HygrothermalTable(Table):
+class HygrothermalTable(base.Table):
     """What heat and water do to a resin; what is left out, they do not do."""
 
-    thermal_expansion: Expansion = Field(
-        default=0.0,
-        description="Strain per temperature, dry; 0 if left out",
-        json_schema_extra={"default": "0 1/K"},
+    thermal_expansion: base.Expansion = base.optional(
+        "Strain per temperature, dry; 0 if left out", 0.0, "0 1/K"
     )
-    wet_thermal_expansion: Expansion | None = Field(
-        default=None,
-        description="The same at equilibrium_moisture; linear between the two",
+    wet_thermal_expansion: base.Expansion | None = base.optional(
+        "The same at equilibrium_moisture; linear between the two"
     )
-    moisture_expansion: MoistureExpansion = Field(
-        default=0.0,
-        description="Strain per moisture, as '3.02e-3 1/percent'; 0 if left out",
-        json_schema_extra={"default": 0},
+    moisture_expansion: base.MoistureExpansion = base.optional(
+        "Strain per moisture, as '3.02e-3 1/percent'; 0 if left out", 0.0, 0
     )
-    equilibrium_moisture: MoistureContent | None = Field(
-        default=None,
-        description="Mass of water over the resin's dry mass in the end at 100 % humidity",
+    equilibrium_moisture: base.MoistureContent | None = base.optional(
+        "Mass of water over the resin's dry mass in the end at 100 % humidity"
     )
-    humidity_exponent: PositiveRatio | None = Field(
-        default=None,
-        description="Moisture goes with relative humidity to this power; 1 if left out",
+    humidity_exponent: base.PositiveRatio | None = base.optional(
+        "Moisture goes with relative humidity to this power; 1 if left out"
     )
-    glass_transition: Temperature | None = Field(
-        default=None, description="Of the dry resin; without it heat and water do not soften it"
+    glass_transition: base.Temperature | None = base.optional(
+        "Of the dry resin; without it heat and water do not soften it"
     )
-    diffusivity: DiffusivityValue | None = Field(
-        default=None, description="Of water in the resin at diffusivity_temperature"
+    diffusivity: base.DiffusivityValue | None = base.optional(
+        "Of water in the resin at diffusivity_temperature"
     )
-    diffusivity_temperature: Temperature | None = Field(
-        default=None, description="At which diffusivity holds; 20 degC if left out"
+    diffusivity_temperature: base.Temperature | None = base.optional(
+        "At which diffusivity holds; 20 degC if left out"
     )
-    activation_energy: ActivationEnergy | None = Field(
-        default=None, description="Of diffusion, by Arrhenius' law; 0 if left out"
+    activation_energy: base.ActivationEnergy | None = base.optional(
+        "Of diffusion, by Arrhenius' law; 0 if left out"
     )
 
     @model_validator(mode="after")
@@ -99,20 +73,20 @@ class HygrothermalTable(Table):
                 self.activation_energy or 0.0,
             )
         return Hygrothermal(
-            thermal_expansion=self.thermal_expansion,
-            wet_thermal_expansion=self.wet_thermal_expansion,
-            moisture_expansion=self.moisture_expansion,
-            equilibrium=equilibrium,
-            diffusivity=diffusivity,
-            glass_transition=self.glass_transition,
+            self.thermal_expansion,
+            self.wet_thermal_expansion,
+            self.moisture_expansion,
+            equilibrium,
+            diffusivity,
+            self.glass_transition,
         )
 
 
 class ResinTable(HygrothermalTable):
     """The resin in a ply that is given by its constants."""
 
-    mass_fraction: Ratio = Field(default=1.0, description="Of the dry ply")
-    volume_fraction: Ratio = Field(default=1.0, description="Of the ply")
+    mass_fraction: base.Ratio = base.optional("Of the dry ply", 1.0)
+    volume_fraction: base.Ratio = base.optional("Of the ply", 1.0)
 
     @property
     def content(self) -> ResinContent:
@@ -120,34 +94,32 @@ class ResinTable(HygrothermalTable):
         return ResinContent(self.hygrothermal, self.mass_fraction, self.volume_fraction)
 
 
-class WettedTable(Table):
+class WettedTable(base.Table):
     """Where water enters a link."""
 
-    exposed_faces: Literal["both", "lower", "upper"] = Field(
-        default="both",
-        description="Faces towards the sides of the link in the linkage's plane; 'lower' is the "
+    exposed_faces: Literal["both", "lower", "upper"] = base.optional(
+        "Faces towards the sides of the link in the linkage's plane; 'lower' is the "
         "one to the right when looking from its first joint along it",
+        "both",
     )
-    exposed_sides: Flag = Field(
-        default=False, description="Whether water enters along the joint axes too"
-    )
+    exposed_sides: base.Flag = base.optional("Whether water enters along the joint axes too", False)
 
 
 Weave = Literal["unidirectional", "woven"]
 
 
-class ConstituentTable(Table):
+class ConstituentTable(base.Table):
     """A resin, or what a fibre has in common with one."""
 
-    youngs_modulus: Stress = Field(description="Young's modulus E; of a fibre, along it")
-    shear_modulus: Stress = Field(description="Shear modulus G")
-    density: Density = Field(description="Density rho")
-    poisson_ratio: PoissonRatio = Field(description="Poisson's ratio nu")
-    specific_damping: SpecificDamping = Field(
-        default=0.0, description="Energy lost in a cycle over its largest; 0 if left out"
+    youngs_modulus: base.Stress = Field(description="Young's modulus E; of a fibre, along it")
+    shear_modulus: base.Stress = Field(description="Shear modulus G")
+    density: base.Density = Field(description="Density rho")
+    poisson_ratio: base.PoissonRatio = Field(description="Poisson's ratio nu")
+    specific_damping: base.SpecificDamping = base.optional(
+        "Energy lost in a cycle over its largest; 0 if left out", 0.0
     )
-    name: str | None = Field(default=None, description="That of its table if left out")
-    source: str = Field(default="", description="Publication or measurement of the numbers")
+    name: str | None = base.optional("That of its table if left out")
+    source: str = base.optional("Publication or measurement of the numbers", "")
     uncertainty: dict[str, str | float] = Field(
         default_factory=dict, description="Of properties by their keys, in units of theirs"
     )
@@ -181,48 +153,41 @@ def _spread(key: str, value: object) -> float:
 class FibreTable(ConstituentTable):
     """A fibre; isotropic across it unless its transverse moduli are given."""
 
-    transverse_modulus: Stress | None = Field(default=None, description="E across the fibre")
-    transverse_shear_modulus: Stress | None = Field(
-        default=None, description="G in the fibre's cross-section"
+    transverse_modulus: base.Stress | None = base.optional("E across the fibre")
+    transverse_shear_modulus: base.Stress | None = base.optional("G in the fibre's cross-section")
+    thermal_expansion: base.Expansion = base.optional(
+        "Strain per temperature; 0 if left out", 0.0, "0 1/K"
     )
-    thermal_expansion: Expansion = Field(
-        default=0.0,
-        description="Strain per temperature; 0 if left out",
-        json_schema_extra={"default": "0 1/K"},
-    )
-    moisture_expansion: MoistureExpansion = Field(
-        default=0.0,
-        description="Strain per moisture of the fibre; 0 if left out",
-        json_schema_extra={"default": 0},
+    moisture_expansion: base.MoistureExpansion = base.optional(
+        "Strain per moisture of the fibre; 0 if left out", 0.0, 0
     )
 
 
 class MatrixTable(ConstituentTable, HygrothermalTable):
     """A resin, with what heat and water do to it."""
 
-    tensile_strength: Stress | None = Field(default=None, description="Of the dry resin")
+    tensile_strength: base.Stress | None = base.optional("Of the dry resin")
 
 
-class CompositionTable(Table):
+class CompositionTable(base.Table):
     """What a ply is composed of."""
 
-    fibre: Text = Field(description="Published fibre, or a table under [fibres]")
-    matrix: Text = Field(description="Published resin, or a table under [matrices]")
-    fibre_volume_fraction: Ratio = Field(description="Volume of fibres over that of the ply")
-    rule: Literal["chamis", "halpin-tsai", "rule-of-mixtures"] = Field(
-        default="chamis", description="How moduli across the fibres follow from the constituents"
+    fibre: base.Text = Field(description="Published fibre, or a table under [fibres]")
+    matrix: base.Text = Field(description="Published resin, or a table under [matrices]")
+    fibre_volume_fraction: base.Ratio = Field(description="Volume of fibres over that of the ply")
+    rule: Literal["chamis", "halpin-tsai", "rule-of-mixtures"] = base.optional(
+        "How moduli across the fibres follow from the constituents", "chamis"
     )
-    weave: Weave = Field(
-        default="unidirectional",
-        description="'woven': balanced fabric, as crimp-free crossed layers",
+    weave: Weave = base.optional(
+        "'woven': balanced fabric, as crimp-free crossed layers", "unidirectional"
     )
 
 
-class AnyPlyTable(Table):
+class AnyPlyTable(base.Table):
     """What all plies have in common."""
 
-    name: str | None = Field(default=None, description="That of its table if left out")
-    thickness: Thickness | None = Field(default=None, description="Of one layer of this ply")
+    name: str | None = base.optional("That of its table if left out")
+    thickness: base.Thickness | None = base.optional("Of one layer of this ply")
 
 
 class ConstituentPlyTable(AnyPlyTable, CompositionTable):
@@ -235,56 +200,45 @@ class OrthotropicPlyTable(AnyPlyTable):
     """A ply by its measured constants."""
 
     type: Literal["orthotropic"]
-    longitudinal_modulus: Stress = Field(description="E1, along the fibres")
-    transverse_modulus: Stress = Field(description="E2, across them")
-    in_plane_shear_modulus: Stress = Field(description="G12")
-    longitudinal_shear_modulus: Stress | None = Field(
-        default=None, description="G13; G12 if left out"
+    longitudinal_modulus: base.Stress = Field(description="E1, along the fibres")
+    transverse_modulus: base.Stress = Field(description="E2, across them")
+    in_plane_shear_modulus: base.Stress = Field(description="G12")
+    longitudinal_shear_modulus: base.Stress | None = base.optional("G13; G12 if left out")
+    transverse_shear_modulus: base.Stress | None = base.optional(
+        "G23; E2 / (2 (1 + nu12)) if left out"
     )
-    transverse_shear_modulus: Stress | None = Field(
-        default=None, description="G23; E2 / (2 (1 + nu12)) if left out"
+    poisson_ratio: base.Ratio = Field(description="nu12: contraction across over stretch along")
+    density: base.Density = Field(description="Density rho")
+    longitudinal_damping: base.SpecificDamping = base.optional(
+        "Energy lost in a cycle over its largest, along the fibres", 0.0
     )
-    poisson_ratio: Ratio = Field(description="nu12: contraction across over stretch along")
-    density: Density = Field(description="Density rho")
-    longitudinal_damping: SpecificDamping = Field(
-        default=0.0, description="Energy lost in a cycle over its largest, along the fibres"
+    transverse_damping: base.SpecificDamping = base.optional("The same across them", 0.0)
+    shear_damping: base.SpecificDamping = base.optional("The same in shear", 0.0)
+    longitudinal_thermal_expansion: base.Expansion = base.optional(
+        "Strain along the fibres per temperature; 0 if left out", 0.0, "0 1/K"
     )
-    transverse_damping: SpecificDamping = Field(default=0.0, description="The same across them")
-    shear_damping: SpecificDamping = Field(default=0.0, description="The same in shear")
-    longitudinal_thermal_expansion: Expansion = Field(
-        default=0.0,
-        description="Strain along the fibres per temperature; 0 if left out",
-        json_schema_extra={"default": "0 1/K"},
+    transverse_thermal_expansion: base.Expansion = base.optional(
+        "The same across them", 0.0, "0 1/K"
     )
-    transverse_thermal_expansion: Expansion = Field(
-        default=0.0, description="The same across them", json_schema_extra={"default": "0 1/K"}
+    longitudinal_moisture_expansion: base.PlyMoistureExpansion = base.optional(
+        "Strain along the fibres per moisture of the resin; 0 if left out", 0.0, 0
     )
-    longitudinal_moisture_expansion: PlyMoistureExpansion = Field(
-        default=0.0,
-        description="Strain along the fibres per moisture of the resin; 0 if left out",
-        json_schema_extra={"default": 0},
+    transverse_moisture_expansion: base.PlyMoistureExpansion = base.optional(
+        "The same across them", 0.0, 0
     )
-    transverse_moisture_expansion: PlyMoistureExpansion = Field(
-        default=0.0, description="The same across them", json_schema_extra={"default": 0}
+    matrix: base.Text | None = base.optional(
+        "Resin under [matrices] by which the ply takes up water and softens"
     )
-    matrix: Text | None = Field(
-        default=None,
-        description="Resin under [matrices] by which the ply takes up water and softens",
+    fibre_volume_fraction: base.Ratio | None = base.optional(
+        "Volume of fibres over that of the ply, with matrix"
     )
-    fibre_volume_fraction: Ratio | None = Field(
-        default=None, description="Volume of fibres over that of the ply, with matrix"
+    weave: Weave = base.optional(
+        "'woven': the constants are those of the unidirectional ply of a fabric", "unidirectional"
     )
-    weave: Weave = Field(
-        default="unidirectional",
-        description="'woven': the constants are those of the unidirectional ply of a fabric",
-    )
-    resin: ResinTable | None = Field(
-        default=None, description="In place of matrix: the resin that is in the ply"
-    )
-    constituents: CompositionTable | None = Field(
-        default=None,
-        description="In place of matrix: what the ply is composed of, where its constants are "
-        "others than follow from it",
+    resin: ResinTable | None = base.optional("In place of matrix: the resin that is in the ply")
+    constituents: CompositionTable | None = base.optional(
+        "In place of matrix: what the ply is composed of, where its constants are "
+        "others than follow from it"
     )
 
     @model_validator(mode="after")
@@ -300,7 +254,7 @@ class IsotropicPlyTable(AnyPlyTable):
     """A layer of an isotropic material, such as a metal sheet or a core."""
 
     type: Literal["isotropic"]
-    material: Text = Field(description="Name of a table under [materials]")
+    material: base.Text = Field(description="Name of a table under [materials]")
 
 
 PlyTable = Annotated[
@@ -314,22 +268,22 @@ def _one_or_each(value: Any) -> str:
 
 # Told apart before they are read: what is wrong in a list is then reported of its entry.
 OneOrEach = Annotated[
-    Annotated[Thickness, Tag("one")] | Annotated[list[Thickness], Tag("each")],
+    Annotated[base.Thickness, Tag("one")] | Annotated[list[base.Thickness], Tag("each")],
     Discriminator(_one_or_each),
 ]
 
 
-class LaminateTable(Table):
+class LaminateTable(base.Table):
     """Plies stacked through the thickness of a link, in the plane of the linkage."""
 
-    stacking: Text = Field(
+    stacking: base.Text = Field(
         description="Plies from the lowest y of the link's frame up (from the right to the left "
         "when looking from its first joint along it), as in '[C/G/C]', '[C@0/C@45/C@-45]s' "
         "(angle in degrees; s mirrors the stack) or '[C@90*2/G]' (twice)"
     )
-    angles: list[AngleOfTurn] | None = Field(
-        default=None, description="Of the fibres against the link's axis, instead of '@'"
+    angles: list[base.AngleOfTurn] | None = base.optional(
+        "Of the fibres against the link's axis, instead of '@'"
     )
-    ply_thickness: OneOrEach | None = Field(
-        default=None, description="Of every layer, or one for each; else that of the ply's table"
+    ply_thickness: OneOrEach | None = base.optional(
+        "Of every layer, or one for each; else that of the ply's table"
     )

@@ -273,10 +273,9 @@ class Strip:
         if self.reduction == "wide":
             return [(of_all_layers(every), np.eye(2))]
         joined, held = every.copy(), every.copy()
+        plate = self.laminate.plate_stiffness
         for strains, others in ((joined, OTHERS), (held, TWIST_HELD)):
-            moved = np.linalg.solve(
-                self._stiffness[np.ix_(others, others)], self._stiffness[np.ix_(others, ALONG)]
-            )
+            moved = np.linalg.solve(plate[np.ix_(others, others)], plate[np.ix_(others, ALONG)])
             strains[:, others] -= moved.T
         twists = 1 - self.restraint
         relaxation = np.zeros((2, 2)) if self.relaxation is None else self.relaxation
@@ -371,12 +370,6 @@ class Strip:
             residual,
             float(products(residual[None], residual[None])[0, 0]),
         )
-
-    @cached_property
-    def _stiffness(self) -> FloatArray:
-        """By the strains x, z and xz at the mid-plane and their gradients in y, (6, 6)."""
-        moments = [self.laminate.stiffness_moment(order) for order in range(3)]
-        return np.block([[moments[0], moments[1]], [moments[1], moments[2]]])
 
 
 def shear_across(stiffness: FloatArray, reduction: Reduction) -> float:

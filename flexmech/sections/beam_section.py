@@ -9,7 +9,7 @@ import numpy as np
 
 from flexmech.errors import InputError
 from flexmech.materials import Laminate, Layer, Material, Ply
-from flexmech.model_text import SharedTables, TomlTable, quantity, stated
+from flexmech.model_text import SharedTables, TomlTable, fields_table, quantity, stated
 from flexmech.numbers import (
     FINITE,
     NOT_NEGATIVE,
@@ -48,6 +48,13 @@ DIMENSIONS = {
     "in_plane_thickness": LENGTH,
 }
 
+# Zero where they are left out.
+MAY_BE_ZERO = {
+    "neutral_axis": LENGTH,
+    "mass_axis": LENGTH,
+    "free_strain": RATIO,
+    "free_curvature": CURVATURE,
+}
 UNDAMPED = DampingTimes()
 
 
@@ -360,15 +367,7 @@ class BeamSection:
 
     def _general_table(self) -> TomlTable:
         """Stiffness, mass and what a section without load does, in keys of a link."""
-        return {
-            **stated(**{name: (getattr(self, name), unit) for name, unit in DIMENSIONS.items()}),
-            **stated(
-                neutral_axis=(self.neutral_axis or None, LENGTH),
-                mass_axis=(self.mass_axis or None, LENGTH),
-                free_strain=(self.free_strain or None, RATIO),
-                free_curvature=(self.free_curvature or None, CURVATURE),
-            ),
-        }
+        return fields_table(self, DIMENSIONS | MAY_BE_ZERO)
 
     def _tables_within(self, shared: SharedTables) -> TomlTable:
         """Layers and damping of a general section, in keys and tables of a link."""

@@ -250,9 +250,9 @@ def _by_strains_along(plate: FloatArray, others: IntArray) -> FloatArray:
 
 def _relaxation(laminate: Laminate, lacking: FloatArray) -> FloatArray:
     """R (2, 2) with which joined plies lack so much stiffness (2, 2) for each metre of width."""
-    faces, planes = laminate.boundaries, laminate.transformed_stiffness
-    joined = _by_strains_along(_plate(faces, planes), OTHERS)
-    sums = _powers(faces) @ (1 / np.linalg.inv(planes)[:, 0, 0])
+    joined = _by_strains_along(laminate.plate_stiffness, OTHERS)
+    alone = 1 / np.linalg.inv(laminate.transformed_stiffness)[:, 0, 0]
+    sums = _powers(laminate.boundaries) @ alone
     most, vectors = scipy.linalg.eigh(joined - sums[[[0, 1], [1, 2]]], joined)
     matters = most > NEGLIGIBLE
     vectors = vectors[:, matters]

@@ -217,8 +217,7 @@ def _free_strains(slices: list[_Slice], reduction: Reduction) -> FloatArray:
     stress = np.stack([s.free_stress for s in slices])
     faces = laminate.boundaries
     loads = np.concatenate([np.diff(faces) @ stress, np.diff(faces**2) / 2 @ stress])
-    moments = [laminate.stiffness_moment(order) for order in range(3)]
-    matrix = np.block([[moments[0], moments[1]], [moments[1], moments[2]]])
+    matrix = laminate.plate_stiffness
     strains = np.zeros(6)
     free = np.arange(6) if reduction == "narrow" else np.array([0, 3])
     strains[free] = np.linalg.solve(matrix[np.ix_(free, free)], loads[free])

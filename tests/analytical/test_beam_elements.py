@@ -14,9 +14,9 @@ from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from flexmech.beams.elements import BEAM_SHAPES, BeamElements
-from flexmech.beams.link_matrices import assemble_chain, build_chain
+from flexmech.beams.link_matrices import build_chain
 from flexmech.errors import ComputationError, InputError
-from flexmech.linear_system import LinkFrames
+from flexmech.linear_system import ChainMatrix, LinkFrames
 from flexmech.linkages import LinkMass
 from flexmech.mesh import STATIONS, node_positions, pieces
 from flexmech.reference import banded
@@ -52,7 +52,7 @@ def bending(elements: int, held: tuple[str, ...], tension: float = 0.0) -> tuple
     names = {"v0": 1, "phi0": 2, "v1": size - 2, "phi1": size - 1}
     gone = {names[name] for name in held}
     free = [i for i in range(size) if i % 3 and i not in gone]
-    mass, elastic, geometric = (assemble_chain(m)[np.ix_(free, free)] for m in matrices)
+    mass, elastic, geometric = (ChainMatrix(m).whole()[np.ix_(free, free)] for m in matrices)
     return mass, elastic + tension * geometric, geometric
 
 
@@ -472,7 +472,7 @@ def test_stations_follow_a_cubic_exactly() -> None:
 
 def test_chain_assembly_adds_neighbours() -> None:
     blocks = np.random.default_rng(1).normal(size=(2, 3, 6, 6))
-    total = assemble_chain(blocks)
+    total = ChainMatrix(blocks).whole()
     expected = np.zeros((2, 12, 12))
     for e in range(3):
         expected[:, 3 * e : 3 * e + 6, 3 * e : 3 * e + 6] += blocks[:, e]

@@ -14,8 +14,8 @@ import pytest
 
 from flexmech import Mechanism, ReferenceEngine, load_mechanism
 from flexmech.analyses import solve_modes
-from flexmech.beams.link_matrices import assemble_chain
 from flexmech.linear_system import (
+    ChainMatrix,
     RotationTerms,
     element_tensions,
     inertia_loads,
@@ -52,7 +52,7 @@ def test_tension_of_the_arms_displaced_by_linear_theory(l_beam: Mechanism) -> No
     for _ in range(30):
         tangent = [
             whole(chain.model.stiffness)
-            + assemble_chain(chain.elements.geometric_stiffness(tensions[number]))
+            + ChainMatrix(chain.elements.geometric_stiffness(tensions[number])).whole()
             for number, chain in engine.chains.items()
         ]
         matrices = frames.assemble(motion, tangent, RotationTerms())

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from flexmech.errors import InputError
 from flexmech.linkages.fourbar import FourBar
 from flexmech.linkages.motion import RigidMotion, cross, direction
-from flexmech.model_text import TomlTable, quantity
+from flexmech.model_text import TomlTable, fields_table
 from flexmech.numbers import POSITIVE, check_angle, check_instance, check_number
 from flexmech.short_repr import short_repr
 from flexmech.types import FloatArray
@@ -126,7 +126,7 @@ class CouplerPoint:
 
     def to_table(self) -> TomlTable:
         """Table ``[linkage.coupler_point]`` of a model file."""
-        return {"distance": quantity(self.distance, LENGTH), "angle": quantity(self.angle, ANGLE)}
+        return fields_table(self, {"distance": LENGTH, "angle": ANGLE})
 
 
 @dataclass(frozen=True)

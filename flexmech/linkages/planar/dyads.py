@@ -127,19 +127,6 @@ class Line(Locus):
         return bodies[self.body].line_rates(self.through, self.along, place, first)[1]
 
 
-class Dyad(Protocol):
-    """Bodies whose motion follows from that of others."""
-
-    @property
-    def solves(self) -> tuple[int, ...]:
-        """Bodies that it solves."""
-        ...
-
-    def motion(self, bodies: Known, angle: FloatArray) -> dict[int, BodyMotion]:
-        """Motion of the bodies that it solves, from those that are known."""
-        ...
-
-
 @dataclass(frozen=True)
 class Placed:
     """A body that follows from the point that two loci give.

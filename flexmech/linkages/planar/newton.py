@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
 
 from flexmech.errors import ComputationError, InputError
 from flexmech.linkages.body_motion import BodyMotion
@@ -67,16 +68,7 @@ class FollowedPath:
 
     def guess(self, angle: FloatArray) -> FloatArray:
         """Unknowns between the postures, by cubic polynomials; shape (B, n)."""
-        right = np.clip(np.searchsorted(self.angle, angle), 1, len(self.angle) - 1)
-        left = right - 1
-        step = (self.angle[right] - self.angle[left])[:, None]
-        s = (angle[:, None] - self.angle[left][:, None]) / step
-        return np.asarray(
-            (1 + 2 * s) * (1 - s) ** 2 * self.unknowns[left]
-            + s * (1 - s) ** 2 * step * self.slope[left]
-            + s**2 * (3 - 2 * s) * self.unknowns[right]
-            + s**2 * (s - 1) * step * self.slope[right]
-        )
+        return np.asarray(CubicHermiteSpline(self.angle, self.unknowns, self.slope)(angle))
 
 
 class NewtonGroup:
