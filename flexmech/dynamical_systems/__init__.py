@@ -19,10 +19,15 @@ Mathieu's equation ``y'' + (1 + 0.4 cos 2 t) y = 0`` is unstable in its principa
 [0.0995, -0.0995]
 """
 
+from flexmech.dynamical_systems.constant_systems import (
+    HalfSinePulse,
+    StateModes,
+    direct_receptance,
+    pulse_response,
+    state_modes,
+)
 from flexmech.dynamical_systems.floquet import FloquetModes, floquet_modes, krein_signature
 from flexmech.dynamical_systems.fourier import FourierSeries
-from flexmech.dynamical_systems.frequency_response import StateModes, direct_receptance, state_modes
-from flexmech.dynamical_systems.half_sine_pulse import HalfSinePulse, pulse_response
 from flexmech.dynamical_systems.harmonic_response import (
     ForcedPeriodicSystem,
     balanced_response,

@@ -86,19 +86,19 @@ class EquationsOfMotion:
     stiffness: FloatArray
     force: FloatArray
 
-    def quasi_static(self, held: Sequence[int] = ()) -> FloatArray:
+    def quasi_static(self, constrained: Sequence[int] = ()) -> FloatArray:
         """Displacement z that the loads would cause if nothing moved, (m, n).
 
         Parameters
         ----------
-        held : sequence of int
-            Coordinates that stay where they are.
+        constrained : sequence of int
+            Coordinates that are zero.
 
         Returns
         -------
         ndarray, shape (m, n)
         """
-        moved = np.setdiff1d(np.arange(self.force.shape[1]), held)
+        moved = np.setdiff1d(np.arange(self.force.shape[1]), constrained)
         position = np.zeros_like(self.force)
         stiffness = self.stiffness[:, moved[:, None], moved]
         position[:, moved] = np.linalg.solve(stiffness, self.force[:, moved, None])[..., 0]
@@ -198,7 +198,9 @@ def consecutive(prediction: FloatArray) -> FloatArray:
     return np.moveaxis(sliding_window_view(stacked, 2 * size, axis=0)[::size], -1, 1)
 
 
-def settled(start: VibrationState, prediction: FloatArray, step: float) -> VibrationState:
+def states_of_predictions(
+    start: VibrationState, prediction: FloatArray, step: float
+) -> VibrationState:
     """The states of a start and of m steps.
 
     Parameters
@@ -251,7 +253,7 @@ def march(operators: StepOperators, state: VibrationState) -> VibrationState:
     ):
         advance.dot(last_two, new)
         np.add(new, force, new)
-    return settled(state, prediction, operators.step)
+    return states_of_predictions(state, prediction, operators.step)
 
 
 def parabolic_work(step: float, power: FloatArray) -> FloatArray:

@@ -35,6 +35,7 @@ SHORT = 8.0
 # the weakest, ten digits remain.
 GROUPS_APART = 4.0
 WIDEST = 12.0
+# Part of a group in another one that is round-off of a turn.
 PARTED = 1e-11
 # Turns that groups take to show, and how many times what their distance asks for they may take.
 FIRST_TURNS = 20

@@ -80,7 +80,7 @@ class Engine(EngineLinks):
         Which of the mass models it has.
     simulates : bool
         Whether the engine runs the linkage with large displacements; see
-        :func:`flexmech.time_domain.recorded_runs.simulator`.
+        :func:`flexmech.time_domain.recorded_runs.states`.
 
     Raises
     ------

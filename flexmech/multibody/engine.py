@@ -45,17 +45,11 @@ from flexmech.multibody.exudyn_system import ExudynSystem
 from flexmech.multibody.linearize import internal_forces, running_tangents, static_equilibrium
 from flexmech.multibody.running.loads import TorqueTable
 from flexmech.multibody.running.model import RunningModel
-from flexmech.multibody.running.simulation import Simulation
+from flexmech.multibody.running.simulation import PointRecorder, Simulation
 from flexmech.multibody.static_model import StaticModel
 from flexmech.multibody.straight_links import link_models, unit_tension_stiffness
 from flexmech.numbers import POSITIVE, check_choice, check_number, checked_array
-from flexmech.time_domain.recorded_runs import (
-    Impact,
-    LinkState,
-    PointRecorder,
-    Recorder,
-    Trajectory,
-)
+from flexmech.time_domain.recorded_runs import Impact, LinkState, Recorder, Trajectory
 from flexmech.types import FloatArray, StepProgress
 
 

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from flexmech import ReferenceEngine, load_mechanism
+from flexmech.analyses.response.plan import lowest_axial_frequency
 from flexmech.dynamical_systems import LowPass, parabolic_work, step_operators
 from flexmech.dynamical_systems.lobatto import MARCH_ON, WEIGHTS
 from flexmech.linkages import CrankDrive, JointSpring
 from flexmech.time_domain import DrivenLinkage, linear_run
-from flexmech.time_domain.equations_of_motion import lowest_axial_frequency
 from flexmech.time_domain.integrators import StepTable, step_lag
 from flexmech.time_domain.integrators import stretch_march as march_module
 from flexmech.time_domain.integrators.position_table import PositionTable

@@ -16,7 +16,7 @@ from flexmech.analyses.comparison.parameters import (
     fitted_names,
     stiffness_factors,
 )
-from flexmech.dynamical_systems.frequency_response import direct_receptance
+from flexmech.dynamical_systems import direct_receptance
 from flexmech.errors import ComputationError, InputError
 from flexmech.linear_system import point_rows
 from tests.unit.comparison_data import (

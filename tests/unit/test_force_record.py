@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from flexmech.time_domain.recorded_runs.force_record import ForceRecord
+from flexmech.time_domain.recorded_runs.recording import ForceRecord
 
 BAND, STEP = 400.0, 1e-4
 

@@ -16,8 +16,8 @@ from flexmech.linear_system import Engine, LinearSystem, RotationTerms, Stressed
 from flexmech.linkages import CrankDrive
 from flexmech.numbers import check_choice, check_count
 from flexmech.time_domain.equations_of_motion import DrivenLinkage
+from flexmech.time_domain.integrators import simulator
 from flexmech.time_domain.periodic_motion import simulated_orbit
-from flexmech.time_domain.recorded_runs import simulator
 from flexmech.types import FloatArray
 
 # Vibration moves frequencies by a part of what speed does; a step of an eighth of a degree makes

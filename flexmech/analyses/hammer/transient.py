@@ -28,7 +28,8 @@ from flexmech.errors import InputError
 from flexmech.linear_system import LinkPoint
 from flexmech.linkages import LockedCrank
 from flexmech.time_domain import LinkState
-from flexmech.time_domain.recorded_runs import Impact, simulator
+from flexmech.time_domain.integrators import simulator
+from flexmech.time_domain.recorded_runs import Impact
 from flexmech.types import FloatArray, StepProgress
 
 _ATTENUATION = 80.0

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.linalg
 
 from flexmech.analyses.damping_ratios import with_damping_time
 from flexmech.analyses.frequencies import natural_frequencies
@@ -14,9 +15,8 @@ from flexmech.analyses.requests import engines_of, sampled_turn
 from flexmech.analyses.response.request import MOST_SAMPLES, NO_PERIODIC_START, ResponseRequest
 from flexmech.errors import InputError
 from flexmech.hygrothermal import Environment, mechanism_in_state
-from flexmech.linear_system import Engine, OverdampedError
+from flexmech.linear_system import Engine, LinkFrames, LinkModel, OverdampedError, RotationTerms
 from flexmech.numbers import check_instance
-from flexmech.time_domain.equations_of_motion import lowest_axial_frequency
 from flexmech.types import FloatArray
 
 SPECTRUM_REACH = 1.5
@@ -26,6 +26,8 @@ _SAMPLES_PER_PERIOD = 2.5
 # Forces and torque count up to this part of the lowest frequency at which the links vibrate
 # along themselves: what rings faster depends on the time step and on how the start is idealized.
 _FORCE_BAND = 0.5
+# Of the greatest eigenvalue: what is below is round-off of links that turn.
+_LOOSE = 1e-10
 
 
 @dataclass(frozen=True)
@@ -238,3 +240,68 @@ def vibrating_engine(engine: Engine) -> Engine:
     if engine.shaft == "free" and not engine.rigid_modes:
         return engine.with_(shaft="prescribed")
     return engine
+
+
+def lowest_axial_frequency(engine: Engine, crank_angle: FloatArray) -> float:
+    """Lowest natural frequency of a linkage whose links stretch but do not bend, in Hz.
+
+    Straight links, pinned as they are, with all masses and without stress: a truss, in which
+    a clamped link does not turn. The least of all positions. Bearings hold in it. Welds are pins
+    in it: links that turn about these without stretching any do not vibrate and are not counted,
+    nor are rigid links, of which a truss may be loose.
+
+    Parameters
+    ----------
+    engine : Engine
+    crank_angle : ndarray, shape (m,)
+        In rad.
+
+    Returns
+    -------
+    float
+    """
+    engine.check_runs()
+    topology = engine.tied_topology
+    links = [_straight(link) for link in engine.links]
+    frames = LinkFrames(topology, links)
+    matrices = frames.assemble(
+        engine.mechanism.linkage.motion(crank_angle, 0.0),
+        [link.stiffness for link in links],
+        RotationTerms.all_or_none(False),
+    )
+    clamped = [topology.index(clamp.held.link) for clamp in topology.clamps]
+    turning = [frames.targets[number][-2:] for number in clamped]
+    free = np.setdiff1d(np.arange(frames.size), turning)
+    loose = bool(topology.welds or any(link.rigid for link in links))
+    squares = [
+        _lowest(k, m, loose)
+        for k, m in zip(
+            matrices.stiffness[:, free[:, None], free],
+            matrices.mass[:, free[:, None], free],
+            strict=True,
+        )
+    ]
+    return float(np.sqrt(max(min(squares), 0.0)) / (2 * np.pi))
+
+
+def _lowest(stiffness: FloatArray, mass: FloatArray, loose: bool) -> float:
+    """Lowest eigenvalue; of a loose truss the lowest of what stretches."""
+    if not loose:
+        found = scipy.linalg.eigh(stiffness, mass, eigvals_only=True, subset_by_index=[0, 0])
+        return float(found[0])
+    found = scipy.linalg.eigh(stiffness, mass, eigvals_only=True)
+    return float(found[found > _LOOSE * found[-1]][0])
+
+
+def _straight(link: LinkModel) -> LinkModel:
+    """A link that only stretches and turns: its last two coordinates move its ends across."""
+    if link.rigid:
+        return link
+    axial = np.flatnonzero(link.is_axial)
+    along = np.zeros((link.size, len(axial)))
+    along[axial, np.arange(len(axial))] = 1.0
+    at_end = link.fields.tangential / float(link.fields.centripetal[link.end[0]])
+    basis = np.column_stack([along, link.fields.across - at_end, at_end])
+    start, end = np.searchsorted(axial, [link.start[0], link.end[0]])
+    places = {"start": np.array([start, len(axial)]), "end": np.array([end, len(axial) + 1])}
+    return link.projected(basis, places)

@@ -17,8 +17,7 @@ from flexmech.errors import ComputationError
 from flexmech.linear_system import Engine
 from flexmech.time_domain import DrivenLinkage, Trajectory, linear_run
 from flexmech.time_domain.equations_of_motion import DETAIL, is_reduced, stretches_in_runs
-from flexmech.time_domain.integrators import UnbalancedStepError
-from flexmech.time_domain.recorded_runs import simulator
+from flexmech.time_domain.integrators import UnbalancedStepError, simulator
 from flexmech.types import FloatArray, LabelledProgress, StepProgress
 
 logger = logging.getLogger(__name__)

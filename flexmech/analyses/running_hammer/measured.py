@@ -19,8 +19,8 @@ from flexmech.linkages import CrankDrive
 from flexmech.modal_testing import HarmonicEstimate, estimate_harmonics, with_noise
 from flexmech.time_domain import DrivenLinkage, LinkState, nonlinear_orbit
 from flexmech.time_domain.equations_of_motion import stretches_in_runs
-from flexmech.time_domain.integrators import StruckLinkage
-from flexmech.time_domain.recorded_runs import Impact, simulator
+from flexmech.time_domain.integrators import StruckLinkage, simulator
+from flexmech.time_domain.recorded_runs import Impact
 from flexmech.types import ComplexArray, FloatArray, LabelledProgress, StepProgress
 
 _HALVING = 0.01

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from flexmech.linear_system import LinkModel
@@ -60,29 +62,33 @@ class RunningConnectors:
         -------
         ConnectorWork
         """
-        stored, dissipation, power = np.zeros((3, len(time)))
+        power = np.zeros(len(time))
         for item in self._all.loads:
             power += self._load_power(item, time, position, velocity)
+        return ConnectorWork.of(self._deformations(time, position, velocity), power)
+
+    def _deformations(
+        self, time: FloatArray, position: FloatArray, velocity: FloatArray
+    ) -> Iterator[tuple[float, FloatArray, float, FloatArray]]:
+        """Stiffness, deformation, damping and rate of each spring."""
         for each in self._all.springs:
             spring = each.spring
             ends = [self._point(end, position, velocity) for end in (spring.first, spring.second)]
             line, approach = ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]
             length = np.linalg.norm(line, axis=1)
             rate = np.sum(line * approach, axis=1) / np.where(length > 0, length, 1.0)
-            stored += spring.stiffness * (length - spring.free_length) ** 2 / 2
-            dissipation += spring.damping * rate**2
+            yield spring.stiffness, length - spring.free_length, spring.damping, rate
         for joint in self._all.joints:
             own = joint.spring
             if joint.turning is not None:
                 turned = self._turned(joint, time, position)
                 rate = self._opening(joint, velocity)
-                stored += own.torsional_stiffness * turned**2 / 2
-                dissipation += own.torsional_damping * rate**2
+                yield own.torsional_stiffness, turned, own.torsional_damping, rate
             if joint.radial is not None:
                 apart, drift = self._apart(joint, position, velocity)
-                stored += (own.radial_stiffness or 0.0) * np.sum(apart**2, axis=1) / 2
-                dissipation += own.radial_damping * np.sum(drift**2, axis=1)
-        return ConnectorWork(stored, dissipation, power)
+                for way in range(2):
+                    own_way = apart[:, way], own.radial_damping, drift[:, way]
+                    yield own.radial_stiffness or 0.0, *own_way
 
     def joint_forces(self, position: FloatArray, velocity: FloatArray) -> dict[str, FloatArray]:
         """Force of each sprung joint on its held or following link, (m, 2), by its name."""

@@ -5,14 +5,15 @@ from __future__ import annotations
 import contextlib
 import io
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
-from flexmech.choices import Integrator
+from flexmech.choices import Integrator, LinkDirection
 from flexmech.errors import InputError
-from flexmech.linkages import RigidMotion
+from flexmech.linear_system import LinkModel, LinkPoint, displacement_row
+from flexmech.linkages import RigidMotion, Topology
 from flexmech.multibody.items import (
     Setting,
     applied,
@@ -22,7 +23,7 @@ from flexmech.multibody.library import load_exudyn
 from flexmech.multibody.link_parts import MovingFrames
 from flexmech.multibody.running.model import RunningModel
 from flexmech.time_domain.integrators import UnbalancedStepError
-from flexmech.time_domain.recorded_runs import BlockTaker, LinkState, ShaftMotion, StepBlock
+from flexmech.time_domain.recorded_runs import LinkState, Recorder, ShaftMotion, StepBlock
 from flexmech.types import FloatArray
 
 # How far a start may tear a joint apart, relative to the length of all links.
@@ -31,6 +32,45 @@ START_GAP = 1e-6
 # Steps that are handed to the recorder at once.
 BLOCK_STEPS = 2000
 PROGRESS_STEPS = 100
+
+
+class PointRecorder:
+    """Keeps the displacement of points of links at every step.
+
+    Parameters
+    ----------
+    topology : Topology
+    links : sequence of LinkModel
+        Unreduced.
+    points : sequence of (LinkPoint, {"transverse", "axial"})
+
+    Raises
+    ------
+    InputError
+        If a point is on no link.
+    """
+
+    def __init__(
+        self,
+        topology: Topology,
+        links: Sequence[LinkModel],
+        points: Sequence[tuple[LinkPoint, LinkDirection]],
+    ) -> None:
+        self._rows = [
+            (number, displacement_row(links[number], point.fraction, direction))
+            for point, direction in points
+            for number in [point.index(topology)]
+        ]
+        self._parts: list[FloatArray] = []
+
+    def add(self, block: StepBlock) -> None:
+        """Take the next steps; the first one repeats the last step of the block before."""
+        moved = np.stack([block.displacement[link] @ row for link, row in self._rows], axis=1)
+        self._parts.append(moved[1:] if self._parts else moved)
+
+    def finish(self) -> FloatArray:
+        """Displacements at all steps in m, shape (steps + 1, n_points)."""
+        return np.concatenate(self._parts)
 
 
 class Simulation:
@@ -58,7 +98,7 @@ class Simulation:
     def run(
         self,
         start: LinkState,
-        recorder: BlockTaker,
+        recorder: Recorder | PointRecorder,
         progress: Callable[[int, int], None] | None = None,
     ) -> None:
         """Integrate and hand every step to a recorder.
@@ -66,7 +106,7 @@ class Simulation:
         Parameters
         ----------
         start : LinkState
-        recorder : BlockTaker
+        recorder : Recorder | PointRecorder
         progress : callable, optional
             Called with the steps done and their total, every hundred steps.
 
@@ -227,7 +267,7 @@ class _Steps:
     def __init__(
         self,
         simulation: Simulation,
-        recorder: BlockTaker,
+        recorder: Recorder | PointRecorder,
         progress: Callable[[int, int], None] | None,
     ) -> None:
         self.failure: BaseException | None = None

@@ -1,6 +1,5 @@
 """Equations of motion of a linkage driven by its shaft: matrices, loads and forces over time."""
 
-from flexmech.time_domain.equations_of_motion.axial_frequency import lowest_axial_frequency
 from flexmech.time_domain.equations_of_motion.driven_connectors import ConnectorWork
 from flexmech.time_domain.equations_of_motion.driven_linkage import DrivenLinkage
 from flexmech.time_domain.equations_of_motion.dynamics import LinkageDynamics
@@ -30,7 +29,6 @@ __all__ = [
     "ReducedLinks",
     "StretchForces",
     "is_reduced",
-    "lowest_axial_frequency",
     "prestressed_links",
     "stretches_in_runs",
 ]

@@ -10,8 +10,9 @@ knows exactly.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -27,7 +28,6 @@ from flexmech.linear_system import (
 )
 from flexmech.linkages import CrankDrive, Load, RigidMotion, continuous_angles
 from flexmech.linkages.applied_forces import SpringLine
-from flexmech.mechanism import Mechanism
 from flexmech.types import FloatArray
 
 LinkMotion = Sequence[tuple[FloatArray, FloatArray, FloatArray]]
@@ -41,71 +41,28 @@ class ConnectorWork:
     dissipation: FloatArray
     power: FloatArray
 
+    @classmethod
+    def of(
+        cls, springs: Iterable[tuple[float, FloatArray, float, FloatArray]], power: FloatArray
+    ) -> Self:
+        """Work of springs and loads at m instants.
 
-def connector_work(
-    mechanism: Mechanism,
-    connectors: Connectors,
-    motion: RigidMotion,
-    elastic: Sequence[tuple[FloatArray, ...]],
-    power: FloatArray,
-) -> ConnectorWork:
-    """Energy and power at m instants, by where the ends of the springs are.
+        Parameters
+        ----------
+        springs : iterable of (float, ndarray, float, ndarray)
+            Stiffness, deformation (m,), damping and rate of the deformation (m,) of each.
+        power : ndarray, shape (m,)
+            That loads give.
 
-    Parameters
-    ----------
-    mechanism : Mechanism
-    connectors : Connectors
-        Of the links whose coordinates are given.
-    motion : RigidMotion
-        Batch of shape (m,).
-    elastic : sequence of tuple of ndarray, shape (m, n_link)
-        Displacement and rate in the frame of each link.
-    power : ndarray, shape (m,)
-        That loads give.
-
-    Returns
-    -------
-    ConnectorWork
-    """
-    stored, dissipation = np.zeros((2, len(motion.crank_angle)))
-    topology = mechanism.linkage.topology
-    size = max(link.length for link in topology.links)
-
-    def moved(point: AttachedPoint | None) -> tuple[FloatArray, FloatArray]:
-        """Displacement and its rate in ground axes, and rotation; (m, 3) each."""
-        if point is None:
-            return np.zeros((2, 1, 3))[0], np.zeros((1, 3))
-        q, rate = elastic[point.link][:2]
-        return point.displacement(motion, q), point.displacement_rate(motion, q, rate)
-
-    for spring in mechanism.springs:
-        first, second = connectors.spring_ends(spring, motion)
-        (before, drift), (after, drifting) = moved(first.point), moved(second.point)
-        line = SpringLine.of(
-            spring,
-            motion.crank_angle,
-            (first.place + before[:, :2], second.place + after[:, :2]),
-            (first.velocity + drift[:, :2], second.velocity + drifting[:, :2]),
-            size,
-            needs_direction=False,
-        )
-        stored += spring.stiffness * (line.length - spring.free_length) ** 2 / 2
-        dissipation += spring.damping * line.rate**2
-    if not mechanism.joint_springs:
-        return ConnectorWork(stored, dissipation, power)
-    angles = continuous_angles(mechanism.linkage, motion)
-    for own in mechanism.joint_springs:
-        second_point, first_point = connectors.joint_points(own)
-        (before, drift), (after, drifting) = moved(first_point), moved(second_point)
-        apart, parting = after - before, drifting - drift
-        opening = apart[:, 2] + topology.opening(own.joint, angles) - own.free_angle
-        rate = parting[:, 2] + topology.opening(own.joint, motion.angular_velocity)
-        stored += own.torsional_stiffness * opening**2 / 2
-        dissipation += own.torsional_damping * rate**2
-        if own.radial_stiffness is not None:
-            stored += own.radial_stiffness * np.sum(apart[:, :2] ** 2, axis=1) / 2
-            dissipation += own.radial_damping * np.sum(parting[:, :2] ** 2, axis=1)
-    return ConnectorWork(stored, dissipation, power)
+        Returns
+        -------
+        ConnectorWork
+        """
+        stored, dissipation = np.zeros((2, len(power)))
+        for stiffness, deformation, damping, rate in springs:
+            stored += stiffness * deformation**2 / 2
+            dissipation += damping * rate**2
+        return cls(stored, dissipation, power)
 
 
 @dataclass(frozen=True)
@@ -304,8 +261,50 @@ class DrivenConnectors:
             (np.sum(f * moved[:, :2], axis=1) + t * moved[:, 2] for f, t, moved in pushed),
             np.zeros(len(time)),
         )
-        work = connector_work(self._mechanism, self._all, motion, elastic, power)
+        work = ConnectorWork.of(self._deformations(motion, elastic), power)
         return ActingForces(shapes, fields, virtual, work)
+
+    def _deformations(
+        self, motion: RigidMotion, elastic: LinkMotion
+    ) -> Iterator[tuple[float, FloatArray, float, FloatArray]]:
+        """Stiffness, deformation, damping and rate of each spring, by where its ends are."""
+        mechanism = self._mechanism
+        topology = mechanism.linkage.topology
+        size = max(link.length for link in topology.links)
+
+        def moved(point: AttachedPoint | None) -> tuple[FloatArray, FloatArray]:
+            """Displacement in ground axes with the rotation, and its rate; (m, 3) each."""
+            if point is None:
+                return np.zeros((1, 3)), np.zeros((1, 3))
+            q, rate = elastic[point.link][:2]
+            return point.displacement(motion, q), point.displacement_rate(motion, q, rate)
+
+        for spring in mechanism.springs:
+            first, second = self._all.spring_ends(spring, motion)
+            (before, drift), (after, drifting) = moved(first.point), moved(second.point)
+            line = SpringLine.of(
+                spring,
+                motion.crank_angle,
+                (first.place + before[:, :2], second.place + after[:, :2]),
+                (first.velocity + drift[:, :2], second.velocity + drifting[:, :2]),
+                size,
+                needs_direction=False,
+            )
+            yield spring.stiffness, line.length - spring.free_length, spring.damping, line.rate
+        if not mechanism.joint_springs:
+            return
+        angles = continuous_angles(mechanism.linkage, motion)
+        for own in mechanism.joint_springs:
+            second_point, first_point = self._all.joint_points(own)
+            (before, drift), (after, drifting) = moved(first_point), moved(second_point)
+            apart, parting = after - before, drifting - drift
+            opening = apart[:, 2] + topology.opening(own.joint, angles) - own.free_angle
+            rate = parting[:, 2] + topology.opening(own.joint, motion.angular_velocity)
+            yield own.torsional_stiffness, opening, own.torsional_damping, rate
+            if own.radial_stiffness is not None:
+                for way in range(2):
+                    own_way = apart[:, way], own.radial_damping, parting[:, way]
+                    yield own.radial_stiffness, *own_way
 
     def _pushes(
         self, time: FloatArray, motion: RigidMotion, elastic: LinkMotion

@@ -1,7 +1,7 @@
 """Time integration of the equations of motion by the trapezoidal rule and Lobatto's method."""
 
 from flexmech.time_domain.integrators.linear_march import StepTable
-from flexmech.time_domain.integrators.runs import StruckLinkage, linear_run, step_lag
+from flexmech.time_domain.integrators.runs import StruckLinkage, linear_run, simulator, step_lag
 from flexmech.time_domain.integrators.stretch_march import UnbalancedStepError
 
 __all__ = [
@@ -9,5 +9,6 @@ __all__ = [
     "StruckLinkage",
     "UnbalancedStepError",
     "linear_run",
+    "simulator",
     "step_lag",
 ]

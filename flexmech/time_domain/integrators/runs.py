@@ -2,25 +2,28 @@
 
 Linear equations are integrated by the trapezoidal rule, those of links that stretch by the
 square of their slopes by Lobatto's method of fourth order: what a step of them costs is spent
-on the forces that are not linear, of which longer steps ask for fewer.
+on the forces that are not linear, of which longer steps ask for fewer. Runs with large
+displacements are those of an engine that simulates.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Protocol, cast
 
 import numpy as np
 
-from flexmech.choices import LinkDirection
+from flexmech.choices import Integrator, LinkDirection
 from flexmech.dynamical_systems import HalfSinePulse, VibrationState, initial_state
 from flexmech.dynamical_systems.lobatto import STAGES
-from flexmech.errors import ComputationError
-from flexmech.linear_system import LinkPoint, displacement_row
+from flexmech.errors import ComputationError, InputError
+from flexmech.linear_system import Engine, LinkPoint, displacement_row
+from flexmech.linkages import CrankDrive, LockedCrank
 from flexmech.time_domain.equations_of_motion import DrivenLinkage, LinkageDynamics
 from flexmech.time_domain.integrators.linear_march import LinearMarch
 from flexmech.time_domain.integrators.stretch_march import StretchMarch
-from flexmech.time_domain.recorded_runs import Recorder, Trajectory
+from flexmech.time_domain.recorded_runs import Impact, LinkState, Recorder, Trajectory
 from flexmech.types import FloatArray, StepProgress
 
 # Steps that are recorded at once.
@@ -256,3 +259,90 @@ class StruckLinkage:
             found[done : done + count + 1] = moved[self._place][0] @ self._row
             state = history[-1]
         return found[: steps + 1]
+
+
+class Simulator(Protocol):
+    """An engine that runs the linkage with large displacements."""
+
+    def simulate(
+        self,
+        drive: CrankDrive | LockedCrank,
+        start: LinkState,
+        sample_time: FloatArray,
+        step: float,
+        *,
+        integrator: Integrator = "trapezoidal",
+        progress: StepProgress | None = None,
+        band: float | None = None,
+        impacts: Sequence[Impact] = (),
+    ) -> Trajectory:
+        """Run from a state of the links.
+
+        Parameters
+        ----------
+        drive : CrankDrive or LockedCrank
+        start : LinkState
+            State at time zero.
+        sample_time : ndarray, shape (N,)
+            Increasing, zero or later, in s.
+        step : float
+            Time step in s.
+        integrator : {"trapezoidal", "generalized-alpha"}
+        progress : callable, optional
+            Called with the steps done and the steps to do.
+        band : float, optional
+            Frequency in Hz up to which joint forces and torque are kept.
+        impacts : sequence of Impact
+            Pulses on points of links, whose work the energy balance does not know.
+
+        Returns
+        -------
+        Trajectory
+
+        Raises
+        ------
+        ComputationError
+            If a step does not converge; names its time and the crank angle.
+        """
+
+    def point_histories(
+        self,
+        drive: CrankDrive | LockedCrank,
+        start: LinkState,
+        points: Sequence[tuple[LinkPoint, LinkDirection]],
+        step: float,
+        steps: int,
+        *,
+        impacts: Sequence[Impact] = (),
+        progress: StepProgress | None = None,
+    ) -> FloatArray:
+        """Displacement of points of links at every step of the trapezoidal rule.
+
+        Parameters
+        ----------
+        drive : CrankDrive or LockedCrank
+        start : LinkState
+            State at time zero.
+        points : sequence of (LinkPoint, {"transverse", "axial"})
+        step : float
+            In s.
+        steps : int
+        impacts : sequence of Impact
+        progress : callable, optional
+            Called with the steps done and the steps to do.
+
+        Returns
+        -------
+        ndarray, shape (steps + 1, n_points)
+            In m, in the frames of the rigid links.
+        """
+
+
+def simulator(engine: Engine) -> Simulator:
+    """Take an engine as one that simulates; refuse one that does not."""
+    if not engine.simulates:
+        raise InputError(
+            f"the {engine.name} engine does not simulate the running linkage with large "
+            "displacements; use the exudyn engine"
+        )
+    return cast(Simulator, engine)

@@ -3,8 +3,8 @@
 Found by Newton's method from the quasi-static equilibrium
 (:mod:`flexmech.time_domain.periodic_motion.orbit_newton`) and not by running a transient out: an
 unstable motion is found as well as a stable one, and what is found has no numerical damping. Where
-the direct way fails, motions held back by damping lead the way, with less of it from one to the
-next and none in the end.
+the direct way fails, continuation in a damping proportional to the mass leads the way, with less of
+it from one motion to the next and none in the end.
 """
 
 from __future__ import annotations
@@ -34,14 +34,14 @@ GREATEST_TAIL = 1e-3
 # A free vibration fits a turn to this part: what it is excited to is made of round-off, or of the
 # steps' errors.
 CRITICAL = 1e-7
-# Damping that holds back: at first over the crank speed, and the part of it that stays from one
+# Damping of the continuation: at first over the crank speed, and the part of it that stays from one
 # motion to the next; that part is brought nearer to one where a motion is not found, at most
-# to the last. Below the least the motion is left to itself.
-FIRST_BRAKE = 2.0
+# to the last. Below the least the motion is undamped.
+FIRST_DAMPING = 2.0
 LESS = 0.4
 LEAST_CHANGE = 0.9
-LEAST_BRAKE = 0.003
-MOST_BRAKED = 16
+LEAST_DAMPING = 0.003
+MOST_DAMPED = 16
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,7 @@ def _found(equations: OrbitEquations, start: FloatArray) -> tuple[NewtonRun, int
     run = newton(equations, start)
     passes, detuning = run.passes, run.detuning
     if not run.converged:
-        run, taken = _released(equations, start)
+        run, taken = _by_continuation(equations, start)
         passes += taken
         if run.converged:
             detuning = run.detuning
@@ -177,26 +177,26 @@ def _found(equations: OrbitEquations, start: FloatArray) -> tuple[NewtonRun, int
     return run, passes
 
 
-def _released(equations: OrbitEquations, start: FloatArray) -> tuple[NewtonRun, int]:
-    """Follow motions held back by damping until none holds them; and all passes."""
+def _by_continuation(equations: OrbitEquations, start: FloatArray) -> tuple[NewtonRun, int]:
+    """The periodic motion by continuation in a damping that falls to zero; and all passes."""
     speed = abs(equations.crank_speed)
-    brake, held, less, passes = FIRST_BRAKE * speed, np.inf, LESS, 0
-    run = newton(equations, start, brake)
-    for _ in range(MOST_BRAKED):
+    damping_rate, last_found, less, passes = FIRST_DAMPING * speed, np.inf, LESS, 0
+    run = newton(equations, start, damping_rate)
+    for _ in range(MOST_DAMPED):
         passes += run.passes
-        logger.info("damping %.3g 1/s: %s", brake, "found" if run.converged else "not found")
+        logger.info("damping %.3g 1/s: %s", damping_rate, "found" if run.converged else "not found")
         if run.converged:
-            if brake == 0:
+            if damping_rate == 0:
                 break
-            start, held, less = run.state.z, brake, less**1.5
-            brake = held * less if held * less > LEAST_BRAKE * speed else 0.0
+            start, last_found, less = run.state.z, damping_rate, less**1.5
+            damping_rate = last_found * less if last_found * less > LEAST_DAMPING * speed else 0.0
         else:
             less = np.sqrt(less)
-            if not np.isfinite(held) or less > LEAST_CHANGE:
+            if not np.isfinite(last_found) or less > LEAST_CHANGE:
                 break
-            brake = held * less
-        run = newton(equations, start, brake)
-    if run.converged and brake == 0:
+            damping_rate = last_found * less
+        run = newton(equations, start, damping_rate)
+    if run.converged and damping_rate == 0:
         return run, passes
     state = equations.state(run.state.z)
     return NewtonRun(state, False, run.passes, run.detuning), passes

@@ -167,14 +167,14 @@ class OrbitEquations:
         """
         return self._norm(residual) / self._load_norm
 
-    def state(self, z: FloatArray, brake: float = 0.0) -> OrbitState:
+    def state(self, z: FloatArray, damping_rate: float = 0.0) -> OrbitState:
         """Evaluate a periodic motion.
 
         Parameters
         ----------
         z : ndarray, shape (N, n)
-        brake : float
-            Forces ``brake * M z'`` act besides, in 1/s.
+        damping_rate : float
+            Forces ``damping_rate * M z'`` act besides, in 1/s.
 
         Returns
         -------
@@ -192,7 +192,7 @@ class OrbitEquations:
         ]
         own = self._inertia
         residual = (
-            times(own.mass, acceleration + brake * velocity)
+            times(own.mass, acceleration + damping_rate * velocity)
             + times(own.damping, velocity)
             + times(own.stiffness, z)
             + self.frames.gather(self.motion, forces)
@@ -201,7 +201,7 @@ class OrbitEquations:
         displacement = [q for q, _, _ in moving]
         return OrbitState(z, displacement, stressed, residual, self.error(residual))
 
-    def linearized(self, stressed: StressedLinks, brake: float = 0.0) -> SystemMatrices:
+    def linearized(self, stressed: StressedLinks, damping_rate: float = 0.0) -> SystemMatrices:
         """Matrices of small changes of the motion; each (N, n, n).
 
         What the change of the damping matrix would add is left out: Newton's method takes a
@@ -210,9 +210,9 @@ class OrbitEquations:
         own = self.frames.assemble(
             self.motion, stressed.tangent, RotationTerms(), self._damping(stressed)
         )
-        if not brake:
+        if not damping_rate:
             return own
-        return SystemMatrices(own.mass, own.damping + brake * own.mass, own.stiffness)
+        return SystemMatrices(own.mass, own.damping + damping_rate * own.mass, own.stiffness)
 
     def independent(self, displacement: Sequence[FloatArray]) -> FloatArray:
         """Independent coordinates z (N, n) of the displacement of each link, (N, n_link)."""

@@ -28,7 +28,9 @@ logger = logging.getLogger(__name__)
 
 # The iteration ends at this residual, over the loads; see OrbitEquations.error.
 TOLERANCE = 1e-9
+# A run that converges takes three to five passes; with shortened steps a dozen.
 MOST_PASSES = 14
+# Shorter steps mean that another way, by continuation, costs less.
 SHORTEST_STEP = 1 / 64
 # A correction with the same matrices must be shorter than the step by this part of its length.
 SHORTENED = 0.25
@@ -44,8 +46,8 @@ MOST_VECTORS = 60
 MOST_RESTARTS = 2
 MANY_PRODUCTS = 20
 # Static answers end at this part of the loads.
-SETTLED = 1e-2
-MOST_SETTLING = 8
+BALANCED = 1e-2
+MOST_BALANCING = 8
 # Detuning of the moving modes alone below which that of all coordinates is found, and the steps
 # of inverse iteration that it takes.
 SUSPICIOUS = 1e-2
@@ -74,34 +76,36 @@ class NewtonRun:
     detuning: float
 
 
-def newton(equations: OrbitEquations, z: FloatArray, brake: float = 0.0) -> NewtonRun:
+def newton(equations: OrbitEquations, z: FloatArray, damping_rate: float = 0.0) -> NewtonRun:
     """Look for a periodic motion near another one.
 
     Parameters
     ----------
     equations : OrbitEquations
     z : ndarray, shape (N, n)
-    brake : float
-        Damping ``brake * M z'`` that acts besides, in 1/s.
+    damping_rate : float
+        Damping ``damping_rate * M z'`` that acts besides, in 1/s.
 
     Returns
     -------
     NewtonRun
     """
-    state = equations.state(z, brake)
-    split: _Split | None = None
+    state = equations.state(z, damping_rate)
+    modal: _ModalPreconditioner | None = None
     passes, detuning, products = 0, 1.0, 0
     while state.error > TOLERANCE and passes < MOST_PASSES:
-        matrices = equations.linearized(state.stressed, brake)
-        if split is None or products > MANY_PRODUCTS:
-            split = _Split(equations, state.stressed, matrices)
+        matrices = equations.linearized(state.stressed, damping_rate)
+        if modal is None or products > MANY_PRODUCTS:
+            modal = _ModalPreconditioner(equations, state.stressed, matrices)
         if passes == 0:
-            detuning = split.detuning(matrices)
-        step, products = split.solve(matrices, -state.residual)
+            detuning = modal.detuning(matrices)
+        step, products = modal.solve(matrices, -state.residual)
         length, part = _length(equations, step), 1.0
         while True:
-            trial = _settled(equations, split, equations.state(state.z + part * step, brake), brake)
-            correction, count = split.solve(matrices, -trial.residual)
+            trial = _in_static_balance(
+                equations, modal, equations.state(state.z + part * step, damping_rate), damping_rate
+            )
+            correction, count = modal.solve(matrices, -trial.residual)
             if trial.error <= TOLERANCE:
                 break
             if _length(equations, correction) <= (1 - SHORTENED * part) * length:
@@ -113,8 +117,8 @@ def newton(equations: OrbitEquations, z: FloatArray, brake: float = 0.0) -> Newt
         state, passes = trial, passes + 1
         logger.info("pass %d: %.3g of a step, residual %.2e", passes, part, state.error)
     converged = state.error <= TOLERANCE
-    if converged and split is not None:
-        detuning = split.detuning(equations.linearized(state.stressed, brake))
+    if converged and modal is not None:
+        detuning = modal.detuning(equations.linearized(state.stressed, damping_rate))
     return NewtonRun(state, converged, passes, detuning)
 
 
@@ -123,24 +127,24 @@ def _length(equations: OrbitEquations, z: FloatArray) -> float:
     return float(np.sqrt(np.sum(z * times(equations.mass, z))))
 
 
-def _settled(
-    equations: OrbitEquations, split: _Split, state: OrbitState, brake: float
+def _in_static_balance(
+    equations: OrbitEquations, modal: _ModalPreconditioner, state: OrbitState, damping_rate: float
 ) -> OrbitState:
     """The state once the modes that answer statically are in balance."""
-    rows = np.swapaxes(split.modes[:, :, split.moving :], 1, 2)
-    enough = SETTLED * float(np.linalg.norm(times(rows, equations.load)))
-    for _ in range(MOST_SETTLING):
+    rows = np.swapaxes(modal.modes[:, :, modal.moving :], 1, 2)
+    enough = BALANCED * float(np.linalg.norm(times(rows, equations.load)))
+    for _ in range(MOST_BALANCING):
         force = times(rows, state.residual)
         size = float(np.linalg.norm(force))
         if size <= enough or not np.isfinite(size):
             break
         stiffness = rows @ equations.elastic(state.stressed.tangent) @ np.swapaxes(rows, 1, 2)
         change = np.linalg.solve(stiffness, force[..., None])[..., 0]
-        state = equations.state(state.z - times(np.swapaxes(rows, 1, 2), change), brake)
+        state = equations.state(state.z - times(np.swapaxes(rows, 1, 2), change), damping_rate)
     return state
 
 
-class _Split:
+class _ModalPreconditioner:
     """Frozen modes of each sample: those that move, and those that answer statically.
 
     Parameters
@@ -219,7 +223,7 @@ class _Split:
         y[:, : self.moving] = np.random.default_rng(0).standard_normal((len(y), self.moving))
         held = 1.0
         for _ in range(INVERSE_STEPS):
-            y, held = _unit(self._answer(_unit(y)[0].ravel()).reshape(y.shape))
+            y, held = _unit(self._precondition(_unit(y)[0].ravel()).reshape(y.shape))
         if 1 / held > SUSPICIOUS:
             return 1.0
         return 1 / _unit(self._solve(matrices, y)[0])[1]
@@ -242,7 +246,7 @@ class _Split:
 
         square = (force.size, force.size)
         operator: Any = LinearOperator(square, matvec=product, dtype=float)
-        inverse: Any = LinearOperator(square, matvec=self._answer, dtype=float)
+        inverse: Any = LinearOperator(square, matvec=self._precondition, dtype=float)
         y, _ = gmres(
             operator,
             force.ravel(),
@@ -253,7 +257,7 @@ class _Split:
         )
         return y.reshape(force.shape), count
 
-    def _answer(self, force: FloatArray) -> FloatArray:
+    def _precondition(self, force: FloatArray) -> FloatArray:
         """Moving modes by their own problem, the others statically."""
         y = force.reshape(self._equations.samples, -1).copy()
         slow = np.ascontiguousarray(y[:, : self.moving]).ravel()

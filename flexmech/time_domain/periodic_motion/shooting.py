@@ -40,6 +40,7 @@ Turn = Callable[[LinkState], Trajectory]
 # they keep it from getting there, the best turn counts if it closes to within the second.
 CLOSURE = 2e-4
 LEAST_CLOSURE = 2e-3
+# One or two turns do as a rule; each costs a simulation.
 MOST_TURNS = 12
 
 

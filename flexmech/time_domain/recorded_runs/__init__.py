@@ -1,24 +1,14 @@
-"""Records of runs in time: samples, energies, forces in a band, and engines that simulate."""
+"""Records of runs in time: samples, energies, forces in a band, and what runs are told by."""
 
-from flexmech.time_domain.recorded_runs.recording import (
-    BlockTaker,
-    PointRecorder,
-    Recorder,
-    StepBlock,
-    Trajectory,
-)
-from flexmech.time_domain.recorded_runs.shaft_motion import ShaftMotion, rigid_torque
-from flexmech.time_domain.recorded_runs.simulator import Impact, LinkState, simulator
+from flexmech.time_domain.recorded_runs.recording import Recorder, StepBlock, Trajectory
+from flexmech.time_domain.recorded_runs.states import Impact, LinkState, ShaftMotion, rigid_torque
 
 __all__ = [
-    "BlockTaker",
     "Impact",
     "LinkState",
-    "PointRecorder",
     "Recorder",
     "ShaftMotion",
     "StepBlock",
     "Trajectory",
     "rigid_torque",
-    "simulator",
 ]

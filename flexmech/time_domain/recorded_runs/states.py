@@ -1,14 +1,20 @@
-"""A free shaft in a run: its rotation against the prescribed angle, and the torque it carries."""
+"""What runs in time are told by: states of links, impacts, and the motion of a free shaft."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
+from flexmech.choices import LINK_DIRECTIONS, LinkDirection
+from flexmech.dynamical_systems import HalfSinePulse
 from flexmech.errors import ComputationError
+from flexmech.linear_system import LinkModel, LinkPoint
 from flexmech.linkages import CrankDrive, LockedCrank
 from flexmech.mechanism import Mechanism
+from flexmech.numbers import check_choice, check_instance
 from flexmech.types import FloatArray
 
 # A shaft that is ahead or behind by more than this, in rad, no longer turns the linkage through
@@ -16,6 +22,53 @@ from flexmech.types import FloatArray
 RUN_AWAY = np.pi / 2
 # Positions whose inverse dynamics are held in memory at a time.
 BATCH = 4096
+
+
+@dataclass(frozen=True)
+class LinkState:
+    """Elastic state of all links at an instant, in the frames of their rigid motion.
+
+    Parameters
+    ----------
+    displacement, rate : list of ndarray, shape (n_link,)
+        Each link's coordinates less those of the undeformed link, and their time
+        derivatives in that frame.
+    """
+
+    displacement: list[FloatArray]
+    rate: list[FloatArray]
+
+    @classmethod
+    def rigid(cls, links: Sequence[LinkModel]) -> Self:
+        """Undeformed links that move with the velocities of the rigid motion."""
+        return cls([np.zeros(link.size) for link in links], [np.zeros(link.size) for link in links])
+
+
+@dataclass(frozen=True)
+class Impact:
+    """A pulse on a point of a link, in the axes of the link's rigid frame.
+
+    Parameters
+    ----------
+    point : LinkPoint
+    direction : {"transverse", "axial"}
+        Across the link's frame or along it; the force turns with the frame.
+    pulse : HalfSinePulse
+
+    Raises
+    ------
+    InputError
+        If one is no such thing.
+    """
+
+    point: LinkPoint
+    direction: LinkDirection
+    pulse: HalfSinePulse
+
+    def __post_init__(self) -> None:
+        check_instance(self.point, LinkPoint, "point of an impact", "give a flexmech.LinkPoint")
+        check_choice(self.direction, LINK_DIRECTIONS, "direction of an impact")
+        check_instance(self.pulse, HalfSinePulse, "pulse of an impact", "give a HalfSinePulse")
 
 
 @dataclass(frozen=True)
